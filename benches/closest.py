@@ -1,14 +1,14 @@
-"""The closest point of a triangle mesh, exactly, and values of its vertices there."""
+"""Exact closest points of a triangle mesh, and values of its vertices there."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-# So many nearest centers are tried first, then four times as many.
+# Number of nearest centers that are tried first, then four times as many.
 FIRST_CANDIDATES = 8
 
 
-def on_triangles(p, a, b, c):
-    """Barycentric coordinates of the point of triangle abc that is closest to p, row by row (Ericson 2005, 5.1.5)."""
+def closest_barycentric(p, a, b, c):
+    """Barycentric coordinates (k × 3) of the point of triangle abc closest to p, row by row (Ericson 2005, 5.1.5)."""
     ab, ac, ap, bp, cp = b - a, c - a, p - a, p - b, p - c
     dot = lambda u, v: np.einsum("ij,ij->i", u, v)
     d1, d2, d3, d4, d5, d6 = (dot(u, v) for v in (ap, bp, cp) for u in (ab, ac))
@@ -33,10 +33,10 @@ def on_triangles(p, a, b, c):
 
 
 class Surface:
-    """The triangles by octaves of their size, each octave in a k-d tree of centers.
+    """A mesh prepared for queries: triangles by octaves of their size, each octave in a k-d tree of centers.
 
-    A triangle reaches no farther from its center than `reach` of its octave, so that a query is done when the farthest
-    center tried is farther than what is found and `reach`.
+    A triangle reaches no farther from its center than `reach` of its octave, so a query is done if the farthest center
+    that was tried is farther than the best distance plus `reach`.
     """
 
     def __init__(self, mesh):
@@ -52,9 +52,9 @@ class Surface:
             self.octaves.append((cKDTree(centers[members]), members, reaches[members].max()))
 
     def closest(self, queries):
-        """The `Places` of the mesh that are closest to the queries."""
+        """The points of the mesh closest to the queries (k × 3), as `Places`."""
         n = len(queries)
-        # The nearest vertex bounds the distance; a triangle takes its place as it is found, at the latest by its corner.
+        # The nearest vertex bounds the distance; a triangle replaces it as soon as it is found.
         best = self.vertices.query(queries, workers=-1)[0] * (1 + 1e-12) + 1e-300
         triangle, weights = np.full(n, -1), np.zeros((n, 3))
         for tree, members, reach in self.octaves:
@@ -62,19 +62,19 @@ class Surface:
             while len(pending):
                 distance, index = tree.query(queries[pending], k=np.arange(1, k + 1), workers=-1)
                 row, column = np.nonzero(distance <= best[pending, None] + reach)
-                self._take_closer(queries, pending[row], members[index[row, column]], best, triangle, weights)
+                self._update_closest(queries, pending[row], members[index[row, column]], best, triangle, weights)
                 if k == len(members):
                     break
                 pending = pending[distance[:, -1] < best[pending] + reach]
                 k = min(4 * k, len(members))
         return Places(self.triangles[triangle], weights, best)
 
-    def _take_closer(self, queries, row, candidate, best, triangle, weights):
-        """Updates the best of each query by candidates, pair by pair."""
+    def _update_closest(self, queries, row, candidate, best, triangle, weights):
+        """Updates the closest point of each query by candidate triangles, pair by pair."""
         if not len(row):
             return
         corners = self.points[self.triangles[candidate]]
-        w = on_triangles(queries[row], *corners.transpose(1, 0, 2))
+        w = closest_barycentric(queries[row], *corners.transpose(1, 0, 2))
         distance = np.linalg.norm(np.einsum("ik,ikd->id", w, corners) - queries[row], axis=1)
         order = np.lexsort((candidate, distance, row))
         first = order[np.unique(row[order], return_index=True)[1]]
@@ -84,15 +84,15 @@ class Surface:
 
 
 class Places:
-    """Points of a mesh: the corners of their triangles, barycentric coordinates, distances from what they are closest to."""
+    """Points of a mesh: corners of their triangles (k × 3), barycentric coordinates (k × 3), distances from the queries (k)."""
 
     def __init__(self, corners, weights, distances):
         self.corners, self.weights, self.distances = corners, weights, distances
 
     def interpolated(self, values):
-        """Values of the mesh's vertices at the places, linear on triangles."""
+        """Values of the mesh's vertices, interpolated linearly at the places."""
         return np.einsum("ik,ik...->i...", self.weights, values[self.corners])
 
     def nearest(self, values):
-        """The value of the corner that has the largest weight."""
+        """The value of the corner with the largest weight at each place."""
         return values[self.corners[np.arange(len(self.corners)), self.weights.argmax(axis=1)]]

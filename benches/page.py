@@ -1,25 +1,41 @@
-"""What the pages of all comparisons have in common: tables, the machine, and the lines between which they write."""
+"""Parts that the pages of all comparisons share: tables, the machine, and the lines between which a page is written."""
 
 import os
 import platform
+import textwrap
 from importlib.metadata import version
 from pathlib import Path
 
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+# Characters of a line of prose in a page.
+WIDTH = 118
 
 
 def table(head, rows, numbers=False):
-    """Rows below a head in Markdown; with `numbers` all columns but the first are set to the right."""
+    """A Markdown table of `rows` below `head`; with `numbers`, all columns but the first are aligned to the right."""
     dashes = ["---", *["--:" if numbers else "---"] * (len(head) - 1)]
     return "\n".join("| " + " | ".join(str(c) for c in line) + " |" for line in [head, dashes, *rows])
 
 
+def paragraph(text):
+    """A paragraph wrapped at the width of a page."""
+    return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+def bullets(items):
+    """A list, one item per text, wrapped at the width of a page; empty without items."""
+    wrap = lambda text: textwrap.fill(text, WIDTH, initial_indent="* ", subsequent_indent="  ",
+                                      break_long_words=False, break_on_hyphens=False)
+    return "\n".join(map(wrap, items))
+
+
 def sections(parts):
-    """Pairs of a head and what stands below it."""
+    """Sections from pairs of a heading and a body; pairs with an empty body are left out."""
     return "\n\n".join(f"## {head}\n\n{body}" for head, body in parts if body)
 
 
 def processor():
+    """The name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
@@ -35,7 +51,7 @@ def machine(*packages):
 
 
 def write(path, measured):
-    """Puts what was measured between the two lines of a page."""
+    """Replaces the text between the two marked lines of a page by `measured`."""
     before, marker, rest = path.read_text().partition(BEGIN)
     _, other, after = rest.partition(END)
     if not (marker and other):

@@ -1,7 +1,7 @@
-"""Denoisers beside each other on pairs of noisy and clean meshes; writes docs/DENOISING.md.
+"""Runs denoisers on pairs of noisy and clean meshes and writes docs/DENOISING.md.
 
 `cargo xtask bench-peers --only denoise` runs it in an environment of its own. `--pairs WORD` takes only the pairs whose name
-has the word in it, prints, and writes no document.
+contains the word, prints the result, and writes no document.
 """
 
 import argparse
@@ -11,7 +11,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # modules shared by all comparisons
 
 import pictures  # noqa: E402
 import report  # noqa: E402
@@ -19,18 +19,20 @@ import timing  # noqa: E402
 from measure import Clean, read, write_obj  # noqa: E402
 from programs import Failure, Programs, command  # noqa: E402
 
-# Built-in shapes that noise is put on, with their vertices, and the noise: kind and σ in mean edges, on the first also strong.
+# Built-in shapes that get noise, with their number of vertices; kinds of noise with σ in mean edges; stronger noise for one.
 SHAPES = {"bracket": 10000, "creature": 20000}
 NOISES = (("normal", 0.3), ("isotropic", 0.3), ("impulsive", 0.6), ("scanner", 0.3))
 STRONG = {"bracket": (("normal", 0.6), ("isotropic", 0.6))}
 SEED = 1
-# Clean meshes that ought to stay as they are: built-in ones, and those of these pairs.
+# Pairs whose clean mesh is denoised too, next to the built-in shapes: it should stay as it is.
 CLEAN_PAIRS = ("Fandisk0.3", "Bunny0.2")
 LEARNED = "gcn.obj"
 
 
 @dataclass
 class Pair:
+    """A noisy mesh, the clean one, and the published result of a learned method if there is one."""
+
     name: str
     noisy: Path
     clean: Path
@@ -38,28 +40,30 @@ class Pair:
 
 
 class Bench:
+    """The programs, the work folder, and notes on what was left out."""
+
     def __init__(self, args):
         self.args, self.notes = args, []
         args.work.mkdir(parents=True, exist_ok=True)
         self.programs = Programs(args.adwave, args.steps, args.work)
         if not self.programs.has_denoise:
-            self.note("this build has no `adwave denoise`; four levels of the preset `suppress` take its place")
+            self.add_note("this build has no `adwave denoise`; the preset `suppress` with four levels is used instead")
 
-    def note(self, what):
-        print(f"  {what}", flush=True)
-        self.notes.append(what)
+    def add_note(self, text):
+        print(f"  {text}", flush=True)
+        self.notes.append(text)
 
-    def given(self):
-        """The pairs of a folder: `noisy.obj` and `clean.obj` side by side."""
+    def published_pairs(self):
+        """Pairs of a folder: `noisy.obj` and `clean.obj` next to each other."""
         files = sorted(self.args.models.rglob("noisy.obj")) if self.args.models.is_dir() else []
         for noisy in files:
             clean, learned = noisy.with_name("clean.obj"), noisy.with_name(LEARNED)
             if clean.is_file():
                 yield Pair(noisy.parent.name, noisy, clean, learned if learned.is_file() else None)
         if not files:
-            self.note(f"no pairs below {self.args.models}: built-in shapes only")
+            self.add_note(f"no pairs below {self.args.models}: built-in shapes only")
 
-    def made(self):
+    def synthetic_pairs(self):
         """Built-in shapes with noise of each kind."""
         for shape, n_vertices in SHAPES.items():
             clean = self.args.work / f"{shape}.obj"
@@ -69,45 +73,47 @@ class Bench:
                 command([self.args.steps, "noise", kind, sigma, SEED, clean, noisy])
                 yield Pair(noisy.stem, noisy, clean)
 
-    def of_pair(self, pair):
-        """All programs on a pair: measures, seconds and memory by name; the settings that were best."""
+    def measure_pair(self, pair):
+        """Measures, seconds and memory of all programs on a pair, by name, with the best settings of tuned ones."""
         clean = Clean(read(pair.clean))
         found = {"noisy": clean.measures(read(pair.noisy))}
         if pair.learned:
             found["learned"] = clean.measures(read(pair.learned))
         for name, program in self.programs.defaults().items():
-            self.take(found, pair, clean, name, program)
+            self.run_program(found, pair, clean, name, program)
         for name, settings in self.programs.tuned().items():
             best = None
             for words, program in settings:
                 try:
-                    ran = program(pair.noisy, self.out(pair, "trial"))
+                    ran = program(pair.noisy, self.result_path(pair, "trial"))
                     angle = clean.measures(ran.mesh, distances=False)["angle"]
-                except (Failure, ValueError) as why:
-                    self.note(f"{name} ({words}) on {pair.name}: {why}")
+                except (Failure, ValueError) as error:
+                    self.add_note(f"{name} ({words}) on {pair.name}: {error}")
                     continue
                 if best is None or angle < best[0]:
                     best = (angle, words, program)
             if best:
-                self.take(found, pair, clean, name, best[2], settings=best[1])
+                self.run_program(found, pair, clean, name, best[2], settings=best[1])
         return found
 
-    def take(self, found, pair, clean, name, program, **more):
-        out = self.out(pair, name)
+    def run_program(self, found, pair, clean, name, program, **more):
+        """Adds the measures of one program on a pair to `found`, or the reason why it failed."""
+        out = self.result_path(pair, name)
         try:
             ran = program(pair.noisy, out)
             found[name] = {**clean.measures(ran.mesh), "seconds": ran.seconds, "peak": ran.peak, **more}
-        except (Failure, ValueError) as why:
-            found[name] = {"failed": str(why)}
-            self.note(f"{name} on {pair.name}: {why}")
+        except (Failure, ValueError) as error:
+            found[name] = {"failed": str(error)}
+            self.add_note(f"{name} on {pair.name}: {error}")
 
-    def out(self, pair, name):
+    def result_path(self, pair, name):
+        """File for the result of a program on a pair; its folder is created."""
         folder = self.args.work / pair.name
         folder.mkdir(exist_ok=True)
         return folder / (name.replace(", ", "-").replace(" ", "-").lower() + ".obj")
 
-    def untouched(self, pairs):
-        """How far clean meshes are moved by programs without knobs, mean edges."""
+    def measure_clean_meshes(self, pairs):
+        """Motion of clean meshes by programs without tuning, in mean edges."""
         meshes = {pair.name.rstrip(".0123456789") + ", clean": pair.clean for pair in pairs if pair.name in CLEAN_PAIRS}
         meshes |= {shape: self.args.work / f"{shape}.obj" for shape in SHAPES}
         moved = {}
@@ -120,8 +126,8 @@ class Bench:
                 try:
                     ran = run(source, self.args.work / "moved.obj")
                     moved[name][program] = clean.measures(ran.mesh, distances=False)
-                except (Failure, ValueError) as why:
-                    self.note(f"{program} on {name}: {why}")
+                except (Failure, ValueError) as error:
+                    self.add_note(f"{program} on {name}: {error}")
         return moved
 
 
@@ -129,25 +135,25 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--adwave", type=Path, required=True, help="the command")
     parser.add_argument("--steps", type=Path, required=True, help="the program denoise_case")
-    parser.add_argument("--models", type=Path, required=True, help="folder with pairs somewhere in it")
-    parser.add_argument("--work", type=Path, required=True, help="folder for meshes and pictures, which are kept")
+    parser.add_argument("--models", type=Path, required=True, help="folder that contains pairs, at any depth")
+    parser.add_argument("--work", type=Path, required=True, help="folder in which meshes and pictures are kept")
     parser.add_argument("--docs", type=Path, required=True, help="folder with DENOISING.md")
-    parser.add_argument("--pairs", help="only pairs whose name has this in it, printed")
+    parser.add_argument("--pairs", help="only pairs whose name contains this word; prints the result")
     args = parser.parse_args()
     bench, start = Bench(args), time.monotonic()
-    given = [*bench.given()]
-    pairs = [*given, *bench.made()]
+    published = [*bench.published_pairs()]
+    pairs = [*published, *bench.synthetic_pairs()]
     if args.pairs:
         pairs = [pair for pair in pairs if args.pairs in pair.name]
-    results = {"given": [pair.name for pair in given], "pairs": {}, "clean": {}, "times": {}}
+    results = {"given": [pair.name for pair in published], "pairs": {}, "clean": {}, "times": {}}
     for pair in pairs:
         print(pair.name, flush=True)
-        results["pairs"][pair.name] = of = bench.of_pair(pair)
-        print("  " + ", ".join(f"{name} {m['angle']:.2f}°" for name, m in of.items() if "angle" in m), flush=True)
+        results["pairs"][pair.name] = programs = bench.measure_pair(pair)
+        print("  " + ", ".join(f"{name} {m['angle']:.2f}°" for name, m in programs.items() if "angle" in m), flush=True)
         (args.work / "measured.json").write_text(json.dumps(results, indent=1))
     if not args.pairs:
-        results["clean"] = bench.untouched(pairs)
-        results["times"] = timing.measured(bench)
+        results["clean"] = bench.measure_clean_meshes(pairs)
+        results["times"] = timing.measure(bench)
     pictures.draw(bench, pairs, results["pairs"])
     results["notes"], results["seconds"] = bench.notes, time.monotonic() - start
     (args.work / "measured.json").write_text(json.dumps(results, indent=1))

@@ -1,6 +1,6 @@
-"""Runs a command: `launch.py FILE COMMAND …` leaves its seconds and its highest memory in bytes in FILE.
+"""Runs a command: `launch.py FILE COMMAND …` writes its seconds and its peak memory in bytes to FILE.
 
-The system counts as memory of a process what its parent had when it started it; this parent has next to nothing.
+The system counts the memory of the parent at the start of a process as memory of that process; this parent has almost none.
 """
 
 import os

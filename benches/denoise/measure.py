@@ -1,13 +1,13 @@
-"""How far a denoised mesh is from the clean one: `measure.py CLEAN RESULT [RESULT …]`, a row for each result.
+"""Distance of denoised meshes from the clean one: `measure.py CLEAN RESULT [RESULT …]` prints a row for each result.
 
 All meshes have the same faces in the same order (OBJ or PLY in ASCII or binary). The measures:
 
-* `angle`: mean over the faces of the angle between the normals, degrees; faces without area in either mesh are left out.
+* `angle`: mean over the faces of the angle between the normals, degrees; faces without area in one of the meshes are left out.
 * `to_clean`, `from_clean`: mean distance of the result's vertices to the clean surface and of the clean vertices to the
   result's, in mean edges of the clean mesh.
 * `moved`: root mean square distance of corresponding vertices, in mean edges of the clean mesh.
 * `flipped`: triangles whose normal is more than 90° from the clean one's.
-* `volume`: V / V_clean − 1, where the clean mesh is closed.
+* `volume`: V / V_clean − 1, if the clean mesh is closed.
 """
 
 import json
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # modules shared by all comparisons
 from closest import Surface  # noqa: E402
 
 TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2", "ushort": "<u2",
@@ -58,7 +58,7 @@ def read_ply(path):
     header, _, body = path.read_bytes().partition(b"end_header\n")
     lines = [line.split() for line in header.decode(errors="replace").splitlines()]
     if ["format", "binary_little_endian", "1.0"] not in lines:
-        sys.exit(f"{path} is no binary little-endian PLY; write it as OBJ")
+        sys.exit(f"{path} is not a binary little-endian PLY; write it as OBJ")
     elements = {}
     for words in lines:
         if words[:1] == ["element"]:
@@ -74,7 +74,7 @@ def read_ply(path):
     faces = found["face"]
     corners = next((name for name in ("vertex_indices", "vertex_index") if name in faces.dtype.names), None)
     if corners is None or not (faces[f"n_{corners}"] == 3).all():
-        sys.exit(f"{path} has faces that are no triangles; write it as OBJ")
+        sys.exit(f"{path} has faces that are not triangles; write it as OBJ")
     points = np.stack([found["vertex"][c] for c in "xyz"], axis=1).astype(float)
     return Mesh(points, faces[corners].astype(int))
 
@@ -91,7 +91,7 @@ def doubled_normals(mesh):
 
 
 def angles(clean, result):
-    """Angle in degrees between the normals of corresponding faces; NaN where one has no area."""
+    """Angle in degrees between the normals of corresponding faces; NaN if one has no area."""
     u, v = doubled_normals(clean), doubled_normals(result)
     across, along = np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v)
     degenerate = (np.linalg.norm(u, axis=1) == 0) | (np.linalg.norm(v, axis=1) == 0)
@@ -99,7 +99,7 @@ def angles(clean, result):
 
 
 def edges(mesh):
-    """Pairs of vertices, and how many triangles each edge has."""
+    """Pairs of vertices, and the number of triangles at each edge."""
     sides = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
     return np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
 
@@ -119,19 +119,19 @@ def volume(mesh):
 
 
 class Clean:
-    """A clean mesh, made ready to measure several results against."""
+    """A clean mesh, prepared to measure several results against it."""
 
     def __init__(self, mesh):
         self.mesh, self.edge, self.closed = mesh, mean_edge(mesh), is_closed(mesh)
         self.surface, self.used = Surface(mesh), np.unique(mesh.triangles)
 
     def measures(self, result, distances=True):
-        """The measures of the module as a dictionary; without the distances to surfaces on request, which take longest."""
+        """The measures of the module as a dictionary; `distances=False` leaves out the slow distances to surfaces."""
         mesh = self.mesh
         if len(result.points) != len(mesh.points) or not np.array_equal(result.triangles, mesh.triangles):
-            raise ValueError("the result has other faces than the clean mesh; measures go face by face")
+            raise ValueError("the result must have the faces of the clean mesh")
         if not np.isfinite(result.points).all():
-            raise ValueError("the result has a position that is not finite")
+            raise ValueError("positions of the result must be finite")
         angle = angles(mesh, result)
         moved = np.linalg.norm((result.points - mesh.points)[self.used], axis=1)
         found = {"angle": float(np.nanmean(angle)), "moved": float(np.sqrt((moved**2).mean()) / self.edge),
@@ -152,16 +152,16 @@ def main():
     for path in words[1:]:
         try:
             found[path] = clean.measures(read(path))
-        except ValueError as why:
-            sys.exit(f"{path}: {why}")
+        except ValueError as error:
+            sys.exit(f"{path}: {error}")
     if "--json" in sys.argv:
         print(json.dumps(found, indent=1))
         return
     print(f"{'angle':>7} {'to clean':>9} {'from':>7} {'moved':>7} {'flipped':>7} {'volume':>8}")
-    for path, of in found.items():
-        change = "–" if of["volume"] is None else f"{100 * of['volume']:+.2f}%"
-        print(f"{of['angle']:6.2f}° {of['to_clean']:9.4f} {of['from_clean']:7.4f} {of['moved']:7.4f} "
-              f"{of['flipped']:7} {change:>8}  {path}")
+    for path, measures in found.items():
+        change = "–" if measures["volume"] is None else f"{100 * measures['volume']:+.2f}%"
+        print(f"{measures['angle']:6.2f}° {measures['to_clean']:9.4f} {measures['from_clean']:7.4f} {measures['moved']:7.4f} "
+              f"{measures['flipped']:7} {change:>8}  {path}")
 
 
 if __name__ == "__main__":

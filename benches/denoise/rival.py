@@ -1,6 +1,6 @@
-"""One library's denoiser with its defaults, in a process of its own: `rival.py NAME IN OUT`; prints the seconds of the call.
+"""A library's denoiser with its defaults, in a process of its own: `rival.py NAME IN OUT` prints the seconds of the call.
 
-Positions and triangles go in and come out as arrays, so that no library's file reader changes their order.
+Positions and triangles are passed as arrays, so that no library's file reader changes their order.
 """
 
 import sys
@@ -12,7 +12,7 @@ from measure import Mesh, read, write_obj
 
 
 def meshlib(mesh):
-    """Mumford–Shah normals and vertices after them."""
+    """Denoises by MeshLib: Mumford–Shah normals, then vertices that fit them. Returns seconds and points."""
     from meshlib import mrmeshnumpy, mrmeshpy
 
     held = mrmeshnumpy.meshFromFacesVerts(mesh.triangles.astype(np.int32), mesh.points)
@@ -22,6 +22,7 @@ def meshlib(mesh):
 
 
 def meshlab(mesh, filter_name):
+    """Applies a filter of MeshLab with its defaults. Returns seconds and points."""
     import pymeshlab
 
     meshes = pymeshlab.MeshSet()
@@ -43,7 +44,7 @@ def main():
     mesh = read(source)
     seconds, points = CALLS[name](mesh)
     if points.shape != mesh.points.shape:
-        sys.exit(f"{name} gave {len(points)} vertices for {len(mesh.points)}")
+        sys.exit(f"{name} returned {len(points)} vertices, expected {len(mesh.points)}")
     write_obj(out, Mesh(points, mesh.triangles))
     print(seconds)
 

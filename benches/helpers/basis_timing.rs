@@ -1,7 +1,8 @@
-//! Times the explicit basis of a mesh: `cargo run --release -p adwave-bench-helpers --bin basis_timing -- SHAPE.obj [LEVELS] [REPEATS] [fast-only]`.
+//! Times the explicit basis of a mesh: `cargo run --release -p adwave-bench-helpers --bin basis_timing -- SHAPE.obj
+//! [LEVELS] [REPEATS] [fast-only]`.
 //!
-//! Prints one JSON object a line, each time being the shortest of the repeats: the fast method, Algorithm 1 (once; not
-//! with `fast-only`), how far they differ, and one wavelet on a sphere of 50 600 vertices at several levels.
+//! Prints one JSON object per line with the shortest time of the repeats: the fast method, Algorithm 1 (once; not
+//! with `fast-only`), their largest difference, and one wavelet on a sphere of 50,600 vertices at several levels.
 
 use adwave::Progress;
 use adwave::bands::Schedule;
@@ -30,14 +31,23 @@ fn main() -> Result<(), Box<dyn Error>> {
             .scaling
             .iter()
             .zip(&reference.scaling)
-            .map(|(a, b)| (0..a.n_rows()).map(|x| row_difference(a.row(x), b.row(x))).fold(0.0, f64::max))
+            .map(|(a, b)| {
+                let differences = (0..a.n_rows()).map(|x| {
+                    let (single, double) = (a.row(x), b.row(x));
+                    row_difference(
+                        &SparseRow { columns: single.0, values: single.1 },
+                        &SparseRow { columns: double.0, values: double.1 },
+                    )
+                });
+                differences.fold(0.0, f64::max)
+            })
             .collect();
         println!("{{\"method\": \"fast − squaring\", \"max_difference\": {differences:?}}}");
     }
     time_one_wavelet(repeats)
 }
 
-/// The shortest of several runs, and the result of the last.
+/// Shortest time of several runs, and the result of the last.
 fn fastest<T, E>(repeats: usize, run: impl Fn() -> Result<T, E>) -> Result<(f64, T), E> {
     let mut best = f64::INFINITY;
     let mut last = None;
@@ -47,7 +57,7 @@ fn fastest<T, E>(repeats: usize, run: impl Fn() -> Result<T, E>) -> Result<(f64,
         last = Some(run()?);
         best = best.min(start.elapsed().as_secs_f64());
     }
-    Ok((best, last.expect("at least one run")))
+    Ok((best, last.expect("there is at least one run")))
 }
 
 fn report<V: Value>(method: &str, seconds: f64, basis: &Basis<V>) {
@@ -70,16 +80,23 @@ fn diffusion(shape: &Shape) -> Diffusion {
     .unwrap()
 }
 
-/// The largest difference of two sparse rows.
-fn row_difference(a: (&[u32], &[f32]), b: (&[u32], &[f64])) -> f64 {
-    let value_in_b = |y: &u32| b.0.binary_search(y).map_or(0.0, |k| b.1[k]);
-    let value_in_a = |y: &u32| a.0.binary_search(y).map_or(0.0, |k| f64::from(a.1[k]));
-    let of_a = a.0.iter().zip(a.1).map(|(y, &v)| (f64::from(v) - value_in_b(y)).abs());
-    let of_b = b.0.iter().zip(b.1).map(|(y, &v)| (v - value_in_a(y)).abs());
-    of_a.chain(of_b).fold(0.0, f64::max)
+/// Row of a sparse matrix.
+struct SparseRow<'a, T> {
+    columns: &'a [u32],
+    values: &'a [T],
 }
 
-/// Times one wavelet in the middle of a sphere of about 50 000 vertices.
+/// Largest difference of two sparse rows.
+fn row_difference(single: &SparseRow<'_, f32>, double: &SparseRow<'_, f64>) -> f64 {
+    let double_value = |y: &u32| double.columns.binary_search(y).map_or(0.0, |k| double.values[k]);
+    let single_value = |y: &u32| single.columns.binary_search(y).map_or(0.0, |k| f64::from(single.values[k]));
+    let in_single = single.columns.iter().zip(single.values);
+    let in_double = double.columns.iter().zip(double.values);
+    let differences = in_single.map(|(y, &v)| (f64::from(v) - double_value(y)).abs());
+    differences.chain(in_double.map(|(y, &v)| (v - single_value(y)).abs())).fold(0.0, f64::max)
+}
+
+/// Times one wavelet in the middle of a sphere of about 50,000 vertices.
 fn time_one_wavelet(repeats: usize) -> Result<(), Box<dyn Error>> {
     let operator = diffusion(&Shape::Mesh(sphere(220, 230)?));
     let vertex = operator.n_vertices() / 2;
@@ -97,12 +114,12 @@ fn time_one_wavelet(repeats: usize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A sphere of rings of latitude with a wavy radius, two triangles for each cell.
+/// Sphere made of rings of latitude with a wavy radius, two triangles per cell.
 fn sphere(n_rings: u32, n_around: u32) -> Result<Mesh, Box<dyn Error>> {
     let mut points = Vec::new();
     let mut triangles = Vec::new();
     for i in 0..n_rings {
-        // Equal areas: rings at equal heights.
+        // Equal areas: the rings have equal heights.
         let z: f64 = (2.0 * f64::from(i) + 1.0) / f64::from(n_rings) - 1.0;
         for k in 0..n_around {
             let angle = (f64::from(k) + 0.5 * f64::from(i % 2)) / f64::from(n_around) * std::f64::consts::TAU;

@@ -1,6 +1,6 @@
-//! Prints how long calls take to stop, from the flag to the error, told to at moments spread over the whole call:
-//! `cargo run --release -p adwave-bench-helpers --bin cancel_time -- [--vertices N] [--tries N] [FORMAT… | work]`. `work` is
-//! preparing a shape, its bands, an edit of them, saliency and features.
+//! Prints how long calls take from the cancellation request to the error, for requests spread over the whole call:
+//! `cargo run --release -p adwave-bench-helpers --bin cancel_time -- [--vertices N] [--tries N] [FORMAT… | work]`.
+//! `work` prepares a shape, computes its bands, edits them, and computes saliency and features.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,7 +28,7 @@ fn main() {
     }
     if formats.is_empty() && !is_work {
         is_work = true;
-        formats = vec![Format::Ply, Format::Obj, Format::Stl];
+        formats = vec![Format::PLY, Format::OBJ, Format::STL];
     }
     let side = f64::from(n).sqrt() as u32;
     let points = (0..n).map(|v| [f64::from(v % side), f64::from(v / side), f64::from(v).sin()]).collect();
@@ -57,28 +57,28 @@ fn main() {
         let whole = Instant::now();
         let is_read = read(&path, Progress::none());
         let took = whole.elapsed();
-        assert!(!is_read, "the file that was written is read");
+        assert!(!is_read, "the written file can be read");
         println!(
             "{format}: reading takes {:.2} s, {}",
             took.as_secs_f64(),
             stops(n_tries, took, |progress| read(&path, progress))
         );
-        std::fs::remove_file(&path).expect("the file that was written");
+        std::fs::remove_file(&path).expect("the file was written");
     }
 }
 
-/// What a shape is asked for, call by call.
+/// Measures the cancellation of the calls on a shape.
 fn work(shape: &Shape, n_tries: u32) {
     let params = OperatorParams::default();
     let prepare = |progress: Progress<'_>| Decomposer::with_params(shape, &params, progress);
     measure("preparing", n_tries, |progress| prepare(progress).is_err());
-    let decomposer = prepare(Progress::none()).expect("nobody stops it");
+    let decomposer = prepare(Progress::none()).expect("no one cancels it");
     let (coords, schedule) =
         (shape.points().expect("a mesh").as_flattened(), Schedule::dyadic(8).expect("levels"));
     let request = || decomposer.request(coords, 3, &schedule);
     measure("bands", n_tries, |progress| request().progress(progress).bands().is_err());
     measure("editor", n_tries, |progress| request().progress(progress).editor().is_err());
-    let norms = request().norms().expect("nobody stops it");
+    let norms = request().norms().expect("no one cancels it");
     measure("saliency", n_tries, |progress| {
         saliency(&decomposer, &norms, &SaliencyParams::paper(), progress).is_err()
     });
@@ -94,12 +94,12 @@ fn measure(what: &str, n_tries: u32, call: impl Fn(Progress<'_>) -> bool) {
     println!("{what} takes {:.2} s, {}", took.as_secs_f64(), stops(n_tries, took, call));
 }
 
-/// Whether reading ends in an error.
+/// True if reading ends in an error.
 fn read(path: &Path, progress: Progress<'_>) -> bool {
     read_path_with(path, &ReadLimits::default(), progress).is_err()
 }
 
-/// The longest and the median wait of several calls that are told to stop.
+/// Longest and median cancellation time of several calls.
 fn stops(n_tries: u32, whole: Duration, call: impl Fn(Progress<'_>) -> bool) -> String {
     let mut waits = Vec::new();
     for k in 0..n_tries {

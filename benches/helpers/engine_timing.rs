@@ -1,9 +1,10 @@
-//! Times the engine and compares it with what the memory of this machine allows, as lines of JSON.
+//! Times the engine and compares it with the memory bandwidth of this machine, as lines of JSON.
 //!
-//! `cargo run --release -p adwave-bench-helpers --bin engine_timing -- MESH.obj [subdivisions] [sweep [largest]]`. The mesh is cut 1:4 as often
-//! as asked (2 if not). `sweep` adds the cost against the number of vertices (4^(largest + 1) + 2 at most) and of levels. Times are seconds; `bound` is
-//! the bytes that must move divided by the bandwidth of `a = b + s·c` over arrays far larger than the caches, measured in
-//! the same run.
+//! `cargo run --release -p adwave-bench-helpers --bin engine_timing -- MESH.obj [subdivisions] [sweep [largest]]`.
+//! The mesh is subdivided 1:4 the given number of times (2 by default). `sweep` adds the cost against the number of
+//! vertices (4^(largest + 1) + 2 at most) and against the number of levels. Times are in seconds; `bound` is the
+//! number of bytes that must be moved divided by the bandwidth of `a = b + s·c` over arrays far larger than the
+//! caches, measured in the same run.
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Engine, Schedule, Transform, smooth};
@@ -14,10 +15,10 @@ use adwave_bench_helpers::{Triangles, triad};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Relative error that every band may have.
+/// Relative error allowed for every band.
 const ACCURACY: f64 = 1e-5;
 
-/// Least and median seconds of `repeats` calls.
+/// Shortest and median seconds of `repeats` calls.
 fn time(repeats: usize, mut call: impl FnMut()) -> (f64, f64) {
     let mut seconds: Vec<f64> = (0..repeats)
         .map(|_| {
@@ -114,7 +115,7 @@ fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64)
     }
 }
 
-/// Relative error of every band against repeated products.
+/// Prints the relative error of every band against repeated products.
 fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
     let params = BandsParams::default().with_engine(Engine::Powers);
     let powers = Transform::new(Arc::clone(&subject.diffusion), &params).expect("a valid accuracy");
@@ -132,7 +133,7 @@ fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
     println!(r#"{{"name":"errors","levels":{levels},"relative":[{}]}}"#, errors.join(","));
 }
 
-/// What a caller with a file's order and no prepared state waits for.
+/// Times a one-off call with a file's vertex order and without prepared state.
 fn one_off(subject: &Subject, levels: usize) {
     let signal = subject.shape.points().expect("a mesh has points").as_flattened();
     let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
@@ -153,7 +154,7 @@ fn one_off(subject: &Subject, levels: usize) {
     println!(r#"{{"name":"weighted_bands","levels":{levels},"min":{least},"median":{median}}}"#);
 }
 
-/// Cost against n (4·4^s + 2 vertices) and against J.
+/// Measures the cost against n (4·4^s + 2 vertices) and against J.
 fn sweep(largest: usize) {
     for subdivisions in 6..=largest {
         let subject = Subject::new(Triangles::sphere(subdivisions));
@@ -197,7 +198,7 @@ fn main() {
     let plain = Subject::new(triangles.clone());
     let subdivisions = arguments.get(1).and_then(|word| word.parse().ok()).unwrap_or(2);
     for _ in 0..subdivisions {
-        triangles = triangles.subdivided();
+        triangles = triangles.subdivide();
     }
     let subject = Subject::new(triangles);
     if arguments.iter().any(|word| word == "quick") {
@@ -220,7 +221,7 @@ fn main() {
     println!(r#"{{"name":"plain","n":{}}}"#, plain.diffusion.n_vertices());
     one_off(&plain, 8);
     if let Some(at) = arguments.iter().position(|word| word == "sweep") {
-        // 4 194 306 vertices; 11 makes 16 777 218 and takes some 12 GB.
+        // 4,194,306 vertices; 11 gives 16,777,218 and takes about 12 GB.
         let largest = arguments.get(at + 1).and_then(|word| word.parse().ok()).unwrap_or(10);
         sweep(largest);
     }

@@ -1,4 +1,5 @@
-//! Times eigenpairs of an OBJ file: `cargo run --release -p adwave-bench-helpers --bin harmonics_timing -- bunny.obj 100 300`.
+//! Times eigenpairs of a mesh in an OBJ file: `cargo run --release -p adwave-bench-helpers --bin harmonics_timing --
+//! bunny.obj 100 300`.
 
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons, Shape};
@@ -9,7 +10,7 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("name an OBJ file and numbers of eigenpairs")?;
+    let path = arguments.next().ok_or("usage: harmonics_timing SHAPE.obj N_EIGENPAIRS…")?;
     let text = std::fs::read_to_string(path)?;
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for line in text.lines() {

@@ -1,4 +1,4 @@
-//! What several of the programs need: meshes to measure on, noise for them, and what the memory of the machine allows.
+//! Functions shared by several programs: meshes to measure on, noise for them, and the memory bandwidth.
 
 mod noise;
 mod triangles;
@@ -9,7 +9,8 @@ pub use triangles::Triangles;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Bytes a second of `a = b + s·c`, 24 bytes an element, over arrays far larger than the caches: the best of several calls.
+/// Bandwidth of `a = b + s·c` in bytes per second, 24 bytes per element, over arrays far larger than the caches: the
+/// best of several calls.
 pub fn triad() -> f64 {
     const LEN: usize = 1 << 24;
     let (b, c) = (vec![1.0_f64; LEN], vec![2.0_f64; LEN]);

@@ -1,7 +1,7 @@
-//! Figure 2 and Table 1 of the paper in numbers: a line of points, three kinds of wavelets.
+//! Figure 2 and Table 1 of the paper in numbers: three kinds of wavelets on a line of points.
 //!
-//! `cargo run --release -p adwave-bench-helpers --bin line_case [-- POINTS]`; writes the functions as CSV where a second
-//! argument names a file.
+//! `cargo run --release -p adwave-bench-helpers --bin line_case [-- POINTS]`; a second argument names a CSV file for
+//! the functions.
 
 use adwave::shape::{Graph, Shape};
 use adwave_baselines::line::{LineCase, line_case};

@@ -1,7 +1,7 @@
 //! Times the nearest neighbors of a cloud: `neighbor_time CLOUD [K] [RUNS]`.
 //!
-//! Prints a line of JSON: points, k, the seconds of each run, and the sum of the distances to the k-th, which other programs must find
-//! too.
+//! Prints a line of JSON: points, k, the seconds of each run, and the sum of the distances to the k-th neighbor,
+//! which other programs must reproduce.
 
 use adwave::shape::nearest_neighbors;
 use adwave_io::{ReadLimits, read_path};
@@ -9,7 +9,7 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("neighbor_time CLOUD [K] [RUNS]")?;
+    let path = arguments.next().ok_or("usage: neighbor_time CLOUD [K] [RUNS]")?;
     let k = arguments.next().map_or(Ok(10), |k| k.parse())?;
     let runs: usize = arguments.next().map_or(Ok(3), |n| n.parse())?;
     let shape = read_path(path.as_ref(), &ReadLimits::default())?;

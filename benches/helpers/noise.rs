@@ -1,4 +1,5 @@
-//! Noise for benchmarks of denoisers: seeded, in units of the mean edge, moved per welded vertex so that seams stay closed.
+//! Noise for benchmarks of denoisers: seeded, in units of the mean edge, equal for welded vertices so that seams stay
+//! closed.
 
 use adwave::Progress;
 use adwave::shape::{Adjacency, Mesh, PreparedGeometry, Shape, WeldMode, one_ring, vertex_normals};
@@ -7,10 +8,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// A kind of noise; σ is the root mean square shift, for [`Noise::Impulsive`] that of the vertices that are hit.
+/// Kind of noise; σ is the root mean square displacement, for [`Noise::Impulsive`] that of the displaced vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Noise {
-    /// Along the normals, each vertex by itself.
+    /// Along the normals, independent for each vertex.
     Normal,
     /// In all directions, each coordinate with σ/√3.
     Isotropic,
@@ -20,15 +21,15 @@ pub enum Noise {
     Scanner,
 }
 
-/// The line of sight of the scanner.
+/// Line of sight of the scanner.
 const SIGHT: Vector = [0.267_261, 0.534_522, 0.801_784];
-/// So often scanner noise is averaged over the one-ring: correlated over about three edges.
+/// Number of times that scanner noise is averaged over the one-ring; it is then correlated over about three edges.
 const SMOOTHINGS: usize = 4;
-/// Part of the vertices that impulses hit.
+/// Fraction of the vertices displaced by impulses.
 const HIT: f64 = 0.2;
 
 impl Noise {
-    /// The kinds by name.
+    /// Kinds by name.
     pub const NAMES: [(&'static str, Self); 4] = [
         ("normal", Self::Normal),
         ("isotropic", Self::Isotropic),
@@ -36,20 +37,21 @@ impl Noise {
         ("scanner", Self::Scanner),
     ];
 
-    /// The kind of this name.
-    pub fn by_name(name: &str) -> Option<Self> {
+    /// Finds a kind by its name.
+    pub fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().find(|(n, _)| *n == name).map(|(_, kind)| *kind)
     }
 
-    /// The positions of the mesh with noise of `sigma` mean edges, in its order. The same seed gives the same noise.
-    pub fn added(self, mesh: &Mesh, sigma: f64, seed: u64) -> Vec<[f64; 3]> {
+    /// Adds noise of `sigma` mean edges to the positions of the mesh, in its order. The same seed gives the same
+    /// noise.
+    pub fn apply(self, mesh: &Mesh, sigma: f64, seed: u64) -> Vec<[f64; 3]> {
         let shape = Shape::Mesh(mesh.clone());
         let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())
             .unwrap_or_else(|_| unreachable!("nothing cancels it"));
         let (points, triangles) = (geometry.points(), geometry.triangles());
         let ring = one_ring(points.len(), triangles);
         let scale = sigma * mean_edge(points, &ring);
-        // Drawn in the order of the file, so that the numbering within does not matter.
+        // Drawn in the order of the file, so that the internal numbering has no influence.
         let map = geometry.vertex_map();
         let mut first = vec![usize::MAX; points.len()];
         for x in (0..map.n_vertices()).rev() {
@@ -72,7 +74,7 @@ impl Noise {
             };
         }
         if self == Self::Scanner {
-            let heights = correlated(shifts.iter().map(|s| s[0]).collect(), &ring);
+            let heights = smooth_heights(shifts.iter().map(|s| s[0]).collect(), &ring);
             shifts = heights.iter().map(|h| SIGHT.map(|s| s * h)).collect();
         }
         let moved: Vec<f64> = points
@@ -84,13 +86,13 @@ impl Noise {
     }
 }
 
-/// Heights averaged over the surface and brought back to a mean square of 1.
-fn correlated(mut heights: Vec<f64>, ring: &Adjacency) -> Vec<f64> {
+/// Averages heights over the surface and rescales them to a mean square of 1.
+fn smooth_heights(mut heights: Vec<f64>, ring: &Adjacency) -> Vec<f64> {
     for _ in 0..SMOOTHINGS {
         heights = (0..heights.len())
             .map(|x| {
-                let around: f64 = ring.of(x).iter().map(|&y| heights[y as usize]).sum();
-                (heights[x] + around) / (1 + ring.of(x).len()) as f64
+                let around: f64 = ring.row(x).iter().map(|&y| heights[y as usize]).sum();
+                (heights[x] + around) / (1 + ring.row(x).len()) as f64
             })
             .collect();
     }
@@ -99,11 +101,11 @@ fn correlated(mut heights: Vec<f64>, ring: &Adjacency) -> Vec<f64> {
     heights.iter().map(|h| h * scale).collect()
 }
 
-/// Mean length of the distinct edges, model units.
+/// Mean length of the distinct edges, in model units.
 fn mean_edge(points: &[[f64; 3]], ring: &Adjacency) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for x in 0..points.len() {
-        for &y in ring.of(x).iter().filter(|&&y| y as usize > x) {
+        for &y in ring.row(x).iter().filter(|&&y| y as usize > x) {
             sum += norm(&subtract(&points[x], &points[y as usize]));
             count += 1.0;
         }
@@ -118,29 +120,29 @@ mod tests {
 
     #[test]
     fn every_kind_has_the_asked_size_and_its_own_structure() {
-        let sample = Sample::by_name("sphere", Some(5000)).unwrap();
+        let sample = Sample::from_name("sphere", Some(5000)).unwrap();
         let edge = sample.mean_edge_length();
         let mesh = Mesh::new(sample.points, sample.faces).unwrap();
         let ring = one_ring(5000, mesh.faces().triangles().unwrap());
         for (name, kind) in Noise::NAMES {
-            let moved = kind.added(&mesh, 0.3, 5);
-            assert_eq!(moved, kind.added(&mesh, 0.3, 5), "{name}");
-            assert_ne!(moved, kind.added(&mesh, 0.3, 6), "{name}");
+            let moved = kind.apply(&mesh, 0.3, 5);
+            assert_eq!(moved, kind.apply(&mesh, 0.3, 5), "{name}");
+            assert_ne!(moved, kind.apply(&mesh, 0.3, 6), "{name}");
             let shifts: Vec<Vector> = moved.iter().zip(mesh.points()).map(|(q, p)| subtract(q, p)).collect();
             let hit: Vec<&Vector> = shifts.iter().filter(|s| norm(s) > 1e-15).collect();
             let part = hit.len() as f64 / 5000.0;
             assert!((part - if kind == Noise::Impulsive { HIT } else { 1.0 }).abs() < 0.03, "{name}: {part}");
             let rms = (hit.iter().map(|s| norm(s).powi(2)).sum::<f64>() / hit.len() as f64).sqrt() / edge;
-            // Five standard errors of a deviation from 1000 deviates.
+            // Five standard errors of a standard deviation from 1,000 samples.
             assert!((rms / 0.3 - 1.0).abs() < 5.0 / 2000.0_f64.sqrt(), "{name}: {rms}");
             let neighbors: f64 = (0..5000)
                 .map(|x| {
-                    let y = ring.of(x)[0] as usize;
+                    let y = ring.row(x)[0] as usize;
                     adwave::vector::dot(&shifts[x], &shifts[y])
                 })
                 .sum::<f64>()
                 / shifts.iter().map(|s| norm(s).powi(2)).sum::<f64>();
-            // Averaged shifts of neighbors agree, the others are independent.
+            // Averaged displacements of neighbors are similar, the others are independent.
             assert_eq!(neighbors > 0.6, kind == Noise::Scanner, "{name}: {neighbors}");
         }
     }

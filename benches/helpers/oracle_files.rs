@@ -1,5 +1,5 @@
-//! Writes small files of every format into a folder, for `crates/adwave-io/oracles/check.py` to read with other libraries:
-//! `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER`.
+//! Writes small files of every format into a folder, which `crates/adwave-io/oracles/check.py` reads with other
+//! libraries: `cargo run -p adwave-bench-helpers --bin oracle_files -- FOLDER`.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), WriteError> {
     for name in ["mesh.vtp", "mesh.ply", "mesh.obj", "mesh.off", "mesh.stl"] {
         write_path(&mesh, &folder.join(name), None)?;
     }
-    write_path(&mesh, &folder.join("ascii.ply"), Some(adwave_io::Format::PlyAscii))?;
+    write_path(&mesh, &folder.join("ascii.ply"), Some(adwave_io::Format::PLY_ASCII))?;
     write_path(&ShapeFile::from_cloud(points.clone()), &folder.join("cloud.vtp"), None)?;
     let mut wire = ShapeFile::from_graph(5, Edges { pairs: vec![[0, 1], [1, 4]], ..Edges::default() });
     wire.set_points(points).expect("one row each");

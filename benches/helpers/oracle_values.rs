@@ -1,4 +1,4 @@
-//! Values for others to check, as text: what `benches/baselines/oracle.py` reads.
+//! Reference values as text, checked by `benches/baselines/oracle.py`.
 //!
 //! ```text
 //! oracle_values spectrum MESH.txt K as-given|delaunay     MESH: "v x y z" and "f a b c" lines, from 0
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["spectrum", path, k, triangulation] => spectrum(path, k.parse()?, triangulation),
         ["sgwt", path, family, n, lambda_max] => sgwt(path, family, n.parse()?, lambda_max.parse()?),
-        _ => Err("see the first lines of this program".into()),
+        _ => Err("unknown command; see the first lines of this program".into()),
     }
 }
 
@@ -29,13 +29,13 @@ fn spectrum(path: &str, k: usize, triangulation: &str) -> Result<(), Box<dyn Err
         match line.split(' ').collect::<Vec<_>>()[..] {
             ["v", x, y, z] => points.push([x.parse()?, y.parse()?, z.parse()?]),
             ["f", a, b, c] => triangles.push([a.parse()?, b.parse()?, c.parse()?]),
-            _ => return Err(format!("not a vertex or a face: {line}").into()),
+            _ => return Err(format!("expected a vertex or a face: {line}").into()),
         }
     }
     let params = LaplacianParams::default().with_triangulation(match triangulation {
         "as-given" => Triangulation::AsGiven,
         "delaunay" => Triangulation::IntrinsicDelaunay,
-        other => return Err(format!("no triangulation {other}").into()),
+        other => return Err(format!("unknown triangulation {other}").into()),
     });
     let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
     let start = Instant::now();
@@ -57,7 +57,7 @@ fn sgwt(path: &str, family: &str, n: usize, lambda_max: f64) -> Result<(), Box<d
                 let (u, v, w): (u32, u32, f64) = (u.parse()?, v.parse()?, w.parse()?);
                 entries.extend([(u, u, w), (v, v, w), (u, v, -w)]);
             }
-            _ => return Err(format!("not an edge or a value: {line}").into()),
+            _ => return Err(format!("expected an edge or a value: {line}").into()),
         }
     }
     let laplacian = SymmetricMatrix::from_halves(signal.len(), &entries)?;
@@ -66,7 +66,7 @@ fn sgwt(path: &str, family: &str, n: usize, lambda_max: f64) -> Result<(), Box<d
         "Abspline" => KernelFamily::Abspline,
         "Itersine" => KernelFamily::Itersine,
         "Meyer" => KernelFamily::Meyer,
-        other => return Err(format!("no family {other}").into()),
+        other => return Err(format!("unknown family {other}").into()),
     };
     let kernels = Kernels::new(family, n, lambda_max)?;
     let exact = ExactFrame::new(&laplacian, kernels.clone())?.analyze(&signal)?;

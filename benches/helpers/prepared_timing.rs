@@ -1,7 +1,8 @@
-//! Times what a prepared shape is asked again and again: bands, edits of kept bands, regions. Prints a line of JSON for each,
-//! least and median in seconds; memory in bytes per vertex.
+//! Times repeated calls on a prepared shape: bands, edits of stored bands, regions. Prints a line of JSON for each,
+//! with the shortest and the median time in seconds and memory in bytes per vertex.
 //!
-//! `prepared_timing [VERTICES …]`: a torus of about so many vertices each, 8 levels, coordinates, accuracy 1e-5.
+//! `prepared_timing [VERTICES …]`: for each number a torus of about that many vertices, 8 levels, coordinates,
+//! accuracy 1e-5.
 
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::WeightedLayer;
@@ -16,7 +17,7 @@ type Failure = Box<dyn std::error::Error>;
 
 const LEVELS: usize = 8;
 const ACCURACY: f64 = 1e-5;
-/// Calls of each kind; the machine that this runs on may be shared.
+/// Calls of each kind, because the machine may be shared.
 const CALLS: usize = 31;
 
 fn main() -> Result<(), Failure> {
@@ -28,8 +29,15 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Least and median seconds of a call, the first one not counted.
-fn time(mut call: impl FnMut() -> Result<(), Failure>) -> Result<(f64, f64), Failure> {
+/// Shortest and median time of several calls, in seconds.
+#[derive(Clone, Copy)]
+struct Timing {
+    least: f64,
+    median: f64,
+}
+
+/// Times a call, without the first one.
+fn time(mut call: impl FnMut() -> Result<(), Failure>) -> Result<Timing, Failure> {
     call()?;
     let mut seconds = Vec::with_capacity(CALLS);
     for _ in 0..CALLS {
@@ -38,25 +46,26 @@ fn time(mut call: impl FnMut() -> Result<(), Failure>) -> Result<(f64, f64), Fai
         seconds.push(start.elapsed().as_secs_f64());
     }
     seconds.sort_by(f64::total_cmp);
-    Ok((seconds[0], seconds[CALLS / 2]))
+    Ok(Timing { least: seconds[0], median: seconds[CALLS / 2] })
 }
 
-fn print(what: &str, n: usize, (least, median): (f64, f64)) {
+fn print(what: &str, n: usize, seconds: Timing) {
+    let Timing { least, median } = seconds;
     println!(r#"{{"what":"{what}","vertices":{n},"least":{least:.6},"median":{median:.6}}}"#);
 }
 
 fn measure(n: usize) -> Result<(), Failure> {
-    let sample = Sample::by_name("torus", Some(n))?;
+    let sample = Sample::from_name("torus", Some(n))?;
     let points = sample.points.clone();
     let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces)?);
     let start = Instant::now();
     let decomposer = Decomposer::new(&shape);
     let prepared = start.elapsed().as_secs_f64();
     let (coords, n) = (points.as_flattened(), points.len());
-    print("prepare", n, (prepared, prepared));
+    print("prepare", n, Timing { least: prepared, median: prepared });
     let schedule = Schedule::dyadic(LEVELS)?;
 
-    // The transform alone, in the analysis order, into memory that is there.
+    // The transform alone, in the analysis order, into allocated memory.
     let transform = decomposer.transform().with_params(&BandsParams::default().with_accuracy(ACCURACY))?;
     let mean = decomposer.geometry().vertex_map().mean(coords, 3);
     let mut levels = vec![vec![0.0; mean.len()]; LEVELS];
@@ -79,10 +88,14 @@ fn measure(n: usize) -> Result<(), Failure> {
 
     let mut editor = request.editor()?;
     editor.set_layers(vec![WeightedLayer::everywhere(vec![0.5; LEVELS])])?;
-    // What the memory allows at this moment: an edit reads the levels and the signal and writes the result.
+    // Memory bound at this moment: an edit reads the levels and the signal and writes the result.
     let bytes = (8 * (LEVELS + 2) * coords.len()) as f64;
     let bound = bytes / triad();
-    print("bound of an edit everywhere, by the bandwidth of a = b + s·c", n, (bound, bound));
+    print(
+        "bound of an edit everywhere, by the bandwidth of a = b + s·c",
+        n,
+        Timing { least: bound, median: bound },
+    );
     let mut gain = 0.5;
     print(
         "edit everywhere",
@@ -96,7 +109,7 @@ fn measure(n: usize) -> Result<(), Failure> {
     regions(&decomposer, &mut editor, n)
 }
 
-/// A ball and a stroke of about 1 % of the vertices, weights and edits.
+/// Measures a ball and a stroke of about 1 % of the vertices: weights and edits.
 fn regions(decomposer: &Decomposer, editor: &mut Editor, n: usize) -> Result<(), Failure> {
     let weights = |region: &str| -> Result<RegionWeights, Failure> {
         Ok(parse_region(region)?.weights(decomposer.metric(), &|_| None, &[], Progress::none())?)

@@ -1,6 +1,6 @@
-//! Prints how long reading files takes, the median and the least of several runs each, beside a plain copy of the file into
-//! memory: `cargo run --release -p adwave-bench-helpers --bin read_time -- [--runs N] FILE…`. Without a file, an OBJ of about 90 MB
-//! is made first.
+//! Prints the time of reading files, median and shortest of several runs, next to a plain copy of the file into
+//! memory: `cargo run --release -p adwave-bench-helpers --bin read_time -- [--runs N] FILE…`. Without a file, it
+//! first generates an OBJ of about 90 MB.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,13 +18,13 @@ fn main() {
         }
     }
     if files.is_empty() {
-        files.push(generated());
+        files.push(generate_grid());
     }
     for path in files {
         let copy = times(n_runs, || std::fs::read(&path).map_or(0, |bytes| bytes.len()));
         let read = times(n_runs, || read(&path));
         println!(
-            "{}: {}; median {:.4} s, least {:.4} s; plain copy {:.4} s",
+            "{}: {}; median {:.4} s, shortest {:.4} s; plain copy {:.4} s",
             path.display(),
             describe(&path),
             read.0,
@@ -34,12 +34,12 @@ fn main() {
     }
 }
 
-/// The median and the least of several runs, in seconds.
+/// Median and shortest time of several runs, in seconds.
 fn times<T>(n_runs: usize, run: impl Fn() -> T) -> (f64, f64) {
     let mut seconds: Vec<f64> = (0..n_runs.max(1))
         .map(|_| {
             let start = Instant::now();
-            // The time to free the result is not the reader's.
+            // The time to free the result does not count as reading.
             let result = run();
             let seconds = start.elapsed().as_secs_f64();
             drop(result);
@@ -69,11 +69,11 @@ fn describe(path: &Path) -> String {
 /// Vertices along a side.
 const N: u32 = 1060;
 
-/// A wavy square grid of triangles.
-fn generated() -> PathBuf {
+/// Generates a wavy square grid of triangles.
+fn generate_grid() -> PathBuf {
     let path = std::env::temp_dir().join("adwave_read_time.obj");
     let mut out =
-        std::io::BufWriter::new(std::fs::File::create(&path).expect("a folder for temporary files"));
+        std::io::BufWriter::new(std::fs::File::create(&path).expect("there is a folder for temporary files"));
     let mut line = || -> std::io::Result<()> {
         for i in 0..N {
             for j in 0..N {
@@ -89,6 +89,6 @@ fn generated() -> PathBuf {
         }
         out.flush()
     };
-    line().expect("room for 90 MB");
+    line().expect("there is room for 90 MB");
     path
 }

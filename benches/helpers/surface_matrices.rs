@@ -1,7 +1,8 @@
-//! Writes the matrices of heat on a mesh for other programs: `surface_matrices MESH OUT.npz`.
+//! Writes the matrices of the heat equation on a mesh for other programs: `surface_matrices MESH OUT.npz`.
 //!
-//! The file has `mass` (n), the M of the operator, `areas` (n), M before the smallest masses were raised, and L ≥ 0 as `data`,
-//! `indices` and `indptr` (n + 1), all in the order of the mesh's vertices, of which no two may be at one position.
+//! The file has `mass` (n), the M of the operator, `areas` (n), M before the smallest masses were raised, and L ≥ 0
+//! as `data`, `indices` and `indptr` (n + 1), all in the order of the mesh's vertices. The vertices must be at
+//! distinct positions.
 
 use adwave::Progress;
 use adwave::operator::{OperatorKind, OperatorParams, Semigroup, surface_diffusion};
@@ -13,19 +14,21 @@ use std::path::PathBuf;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let [mesh, out] = &arguments[..] else {
-        return Err("give the file of a mesh and a name for the matrices".into());
+        return Err("usage: surface_matrices MESH OUT.npz".into());
     };
     let shape = read_path(mesh, &ReadLimits::default())?.to_shape()?;
     let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;
     let map = geometry.vertex_map();
     let n = geometry.n_vertices();
     if map.n_vertices() != n {
-        return Err("two vertices are at one position".into());
+        return Err("the vertices must be at distinct positions".into());
     }
     let params = OperatorParams::default().with_kind(OperatorKind::Surface);
     let surface = surface_diffusion(&geometry, &params, Progress::none())?;
     let diffusion = &surface.diffusion;
-    let Semigroup::Heat { rate } = diffusion.semigroup() else { return Err("no heat".into()) };
+    let Semigroup::Heat { rate } = diffusion.semigroup() else {
+        return Err("the operator has no heat equation".into());
+    };
     // λ = rate/τ, τ = s²/4.
     let lambda = 4.0 * rate / diffusion.step_length().powi(2);
     let total = surface.areas.iter().sum::<f64>() * (1.0 + surface.info.added_mass);

@@ -1,23 +1,24 @@
-//! Times one mesh on request, so that a harness can take turns between us and other programs.
+//! Times operations on one mesh on request, so that a harness can alternate between adwave and other programs.
 //!
-//! `timing_on_request FOLDER` reads `points.f64` (n × 3) and `triangles.u32` (m × 3), both little-endian, makes the diffusion
-//! operator and says so in a line of JSON. Then every line of the standard input is a request, answered by one line of JSON:
+//! `timing_on_request FOLDER` reads `points.f64` (n × 3) and `triangles.u32` (m × 3), both little-endian, builds the
+//! diffusion operator and prints a line of JSON. Then every line of the standard input is a request, answered by one
+//! line of JSON:
 //!
 //! | request | answer |
 //! |---|---|
 //! | `operator DIR` | writes Φ₁ without its diagonal, in the order of the analysis, and the number of each vertex there |
 //! | `basis LEVELS [DIR]` | seconds, entries, bytes; writes the matrices in the order of the mesh |
 //! | `bands LEVELS ACCURACY` | seconds of all bands of xyz into ready memory by a prepared transform |
-//! | `bits LEVELS ACCURACY CHANNELS` | a hash of all bands of so many channels, to compare two builds by |
-//! | `decompose LEVELS ACCURACY [DIR]` | the same as one call from the operator and the order of the mesh; writes the bands |
-//! | `filter LEVELS ACCURACY` | one filter with one gain a band, as one call |
+//! | `bits LEVELS ACCURACY CHANNELS` | a hash of all bands of that many channels, which compares two builds |
+//! | `decompose LEVELS ACCURACY [DIR]` | the bands as one call from the operator in the order of the mesh; writes them |
+//! | `filter LEVELS ACCURACY` | one filter with one gain per band, as one call |
 //! | `wavelet VERTEX LEVEL [DIR]` | φ and ψ of one vertex of the mesh |
 //! | `triad`, `product` | bandwidth of `a = b + s·c`; one product with Φ₁ and the bytes it must move |
 //! | `memory LEVELS ACCURACY CHANNELS` | bytes beyond input and output, counted and as the system sees them |
 //! | `against_powers LEVELS ACCURACY`, `against LEVELS ACCURACY REFERENCE` | relative error of each band |
 //!
-//! Seconds are those of one call, by a monotonic clock; `peak` is the most memory that was used during a request beyond what
-//! was used before it.
+//! Seconds are those of one call, by a monotonic clock; `peak` is the largest amount of memory used during a request
+//! beyond the amount before it.
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Engine, Schedule, Transform};
@@ -48,7 +49,7 @@ impl Subject {
         let (points, triangles) = (points.as_chunks::<3>().0.to_vec(), triangles.as_chunks::<3>().0.to_vec());
         let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
         let start = Instant::now();
-        // A row for each vertex, so that all programs see matrices of one size.
+        // A row for each vertex, so that all programs get matrices of one size.
         let geometry = PreparedGeometry::new(&shape, WeldMode::Off, Progress::none())?;
         let diffusion = Arc::new(Diffusion::new(
             local_operator(&geometry, &OperatorParams::default(), Progress::none())?,
@@ -81,7 +82,7 @@ impl Subject {
     }
 }
 
-/// All values of a file of little-endian numbers.
+/// Reads all values of a file of little-endian numbers.
 fn read_all<T, const N: usize>(path: &Path, value: fn([u8; N]) -> T) -> std::io::Result<Vec<T>> {
     Ok(std::fs::read(path)?.as_chunks::<N>().0.iter().map(|bytes| value(*bytes)).collect())
 }
@@ -104,7 +105,7 @@ fn params(accuracy: f64) -> BandsParams {
 }
 
 fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
-    // Ones, so that the memory is there before a clock runs.
+    // Ones, so that the memory is allocated before the clock starts.
     (0..levels).map(|_| vec![1.0; len]).collect()
 }
 
@@ -127,7 +128,7 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
     let result = basis(&subject.diffusion, &params, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     if let Some(folder) = folder {
-        let ordered = result.in_shape_order(subject.geometry.vertex_map())?;
+        let ordered = result.to_shape_order(subject.geometry.vertex_map())?;
         for (level, matrix) in (1..).zip(&ordered.scaling) {
             write_rows(folder, &format!("{level}-"), matrix.offsets(), matrix.columns())?;
             let path = Path::new(folder).join(format!("{level}-values.f32"));
@@ -173,7 +174,7 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
 fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -> Answer {
     let steps = 1_u64 << (level - 1);
     let welded = subject.geometry.vertex_map().as_slice();
-    let at = *welded.get(vertex).ok_or("no such vertex")? as usize;
+    let at = *welded.get(vertex).ok_or("the vertex must exist")? as usize;
     let start = Instant::now();
     let found = one_vertex(&subject.diffusion, at, steps / 2, steps, 1e-9, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
@@ -201,14 +202,14 @@ fn product(subject: &Subject, out: &mut Vec<f64>) -> String {
     format!(r#"{{"seconds":{seconds},"bytes":{bytes}}}"#)
 }
 
-/// A number of kilobytes from `/proc/self/status`, in bytes.
+/// Number of kilobytes from `/proc/self/status`, in bytes.
 fn status(field: &str) -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = text.lines().find(|line| line.starts_with(field))?;
     Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
 }
 
-/// Sets the highest use of memory so far to the present one and says what that is; `None` where the system cannot.
+/// Resets the highest memory use to the present one and returns it; `None` if the system cannot.
 fn reset_peak() -> Option<u64> {
     std::fs::write("/proc/self/clear_refs", "5").ok()?;
     status("VmRSS:")
@@ -229,7 +230,8 @@ fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> A
     Ok(format!(r#"{{"counted":{},"seen":{seen},"walk":{walk},"n":{}}}"#, info.bytes, subject.n()))
 }
 
-/// FNV-1a over the bits of all bands of a signal of `channels` channels: coordinates by turns, bent so that no two are alike.
+/// FNV-1a over the bits of all bands of a signal of `channels` channels: coordinates in turn, distorted so that no
+/// two are equal.
 fn bits(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Answer {
     let xyz = subject.signal();
     let value = |i: usize| xyz[3 * (i / channels) + i % channels % 3] * (1.0 + (i % channels) as f64).sqrt();
@@ -248,7 +250,7 @@ fn bits(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Ans
     ))
 }
 
-/// `max ‖w − e‖ / ‖e‖` by band, norms plain and weighted by π: the larger.
+/// `max ‖w − e‖ / ‖e‖` per band, with plain norms and norms weighted by π; the larger one.
 fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform) -> Answer {
     let (mut ours, mut exact) =
         (outputs(levels, subject.signal().len()), outputs(levels, subject.signal().len()));
@@ -275,28 +277,29 @@ fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform
     Ok(format!(r#"{{"relative":[{}]}}"#, errors.join(",")))
 }
 
-/// What is kept between requests: transforms by the bits of their accuracy, and outputs.
-struct Kept {
+/// State state between requests: transforms by the bits of their accuracy, and outputs.
+struct RequestState {
     transforms: HashMap<u64, Transform>,
     outs: Vec<Vec<f64>>,
     product: Vec<f64>,
 }
 
-fn answer(subject: &Subject, kept: &mut Kept, words: &[&str]) -> Answer {
+fn answer(subject: &Subject, state: &mut RequestState, words: &[&str]) -> Answer {
     match *words {
         ["operator", folder] => operator(subject, folder),
         ["basis", levels] => explicit(subject, levels.parse()?, None),
         ["basis", levels, folder] => explicit(subject, levels.parse()?, Some(folder)),
         ["bands", levels, accuracy] => {
             let (levels, accuracy): (usize, f64) = (levels.parse()?, accuracy.parse()?);
-            if let std::collections::hash_map::Entry::Vacant(free) = kept.transforms.entry(accuracy.to_bits())
+            if let std::collections::hash_map::Entry::Vacant(free) =
+                state.transforms.entry(accuracy.to_bits())
             {
                 free.insert(Transform::new(Arc::clone(&subject.diffusion), &params(accuracy))?);
             }
-            if kept.outs.len() != levels {
-                kept.outs = outputs(levels, subject.signal().len());
+            if state.outs.len() != levels {
+                state.outs = outputs(levels, subject.signal().len());
             }
-            subject.wavelets(&kept.transforms[&accuracy.to_bits()], levels, &mut kept.outs)
+            subject.wavelets(&state.transforms[&accuracy.to_bits()], levels, &mut state.outs)
         }
         ["decompose", levels, accuracy] => one_call(subject, levels.parse()?, accuracy.parse()?, None),
         ["decompose", levels, accuracy, folder] => {
@@ -306,9 +309,9 @@ fn answer(subject: &Subject, kept: &mut Kept, words: &[&str]) -> Answer {
         ["wavelet", vertex, level] => wavelet(subject, vertex.parse()?, level.parse()?, None),
         ["wavelet", vertex, level, folder] => wavelet(subject, vertex.parse()?, level.parse()?, Some(folder)),
         ["triad"] => Ok(bandwidth()),
-        ["product"] => Ok(product(subject, &mut kept.product)),
+        ["product"] => Ok(product(subject, &mut state.product)),
         ["memory", levels, accuracy, channels] => {
-            kept.transforms.clear();
+            state.transforms.clear();
             memory(subject, levels.parse()?, accuracy.parse()?, channels.parse()?)
         }
         ["bits", levels, accuracy, channels] => {
@@ -327,7 +330,7 @@ fn answer(subject: &Subject, kept: &mut Kept, words: &[&str]) -> Answer {
             let finer = Transform::new(Arc::clone(&subject.diffusion), &params(reference.parse()?))?;
             errors(subject, levels.parse()?, accuracy.parse()?, &finer)
         }
-        _ => Err(format!("no such request: {}", words.join(" ")).into()),
+        _ => Err(format!("unknown request: {}", words.join(" ")).into()),
     }
 }
 
@@ -341,12 +344,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         subject.diffusion.nnz(),
         subject.diffusion.bytes()
     );
-    let mut kept = Kept { transforms: HashMap::new(), outs: Vec::new(), product: Vec::new() };
+    let mut state = RequestState { transforms: HashMap::new(), outs: Vec::new(), product: Vec::new() };
     for line in std::io::stdin().lock().lines() {
         let line = line?;
         let words: Vec<&str> = line.split_whitespace().collect();
         let before = reset_peak();
-        match answer(&subject, &mut kept, &words) {
+        match answer(&subject, &mut state, &words) {
             Ok(answer) => {
                 let peak = before.zip(status("VmHWM:")).map(|(before, peak)| peak.saturating_sub(before));
                 let peak = peak.map_or("null".into(), |bytes| bytes.to_string());

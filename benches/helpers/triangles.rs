@@ -1,23 +1,23 @@
-//! Meshes that are measured on: an OBJ file subdivided, and spheres of any size.
+//! Meshes for measurements: subdivided OBJ files, and spheres of any size.
 
 use adwave::shape::{Mesh, Polygons, Shape};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// A triangle mesh.
+/// Triangle mesh.
 #[derive(Clone)]
 pub struct Triangles {
-    /// Positions, model units.
+    /// Positions in model units.
     pub points: Vec<[f64; 3]>,
     /// Corners, from 0.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Triangles {
-    /// Vertices and triangles of an OBJ file, without the vertices that no triangle uses.
+    /// Reads the vertices and triangles of an OBJ file, without the vertices that no triangle uses.
     ///
     /// # Errors
-    /// The file cannot be read.
+    /// If the file cannot be read.
     pub fn from_obj(path: &Path) -> std::io::Result<Self> {
         let text = std::fs::read_to_string(path)?;
         let (mut points, mut faces) = (Vec::new(), Vec::new());
@@ -53,7 +53,7 @@ impl Triangles {
         Ok(Self { points: used, faces })
     }
 
-    /// The octahedron projected on the unit sphere.
+    /// Octahedron projected onto the unit sphere.
     pub fn octahedron() -> Self {
         let points = vec![
             [1.0, 0.0, 0.0],
@@ -67,14 +67,14 @@ impl Triangles {
         Self { points, faces }
     }
 
-    /// A unit sphere of 4^(`subdivisions` + 1) + 2 vertices.
+    /// Unit sphere of 4^(`subdivisions` + 1) + 2 vertices.
     pub fn sphere(subdivisions: usize) -> Self {
-        (0..subdivisions).fold(Self::octahedron(), |sphere, _| sphere.subdivided().on_the_unit_sphere())
+        (0..subdivisions).fold(Self::octahedron(), |sphere, _| sphere.subdivide().project_to_unit_sphere())
     }
 
-    /// Every triangle cut into four at the middles of its edges.
+    /// Divides every triangle into four at the midpoints of its edges.
     #[must_use]
-    pub fn subdivided(mut self) -> Self {
+    pub fn subdivide(mut self) -> Self {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut faces = Vec::with_capacity(4 * self.faces.len());
         for &[a, b, c] in &self.faces {
@@ -92,9 +92,9 @@ impl Triangles {
         self
     }
 
-    /// Every vertex moved to distance 1 from the origin.
+    /// Moves every vertex to distance 1 from the origin.
     #[must_use]
-    pub fn on_the_unit_sphere(mut self) -> Self {
+    pub fn project_to_unit_sphere(mut self) -> Self {
         for p in &mut self.points {
             let length = p.iter().map(|c| c * c).sum::<f64>().sqrt();
             *p = p.map(|c| c / length);
@@ -102,12 +102,12 @@ impl Triangles {
         self
     }
 
-    /// The mesh.
+    /// Converts to a shape.
     ///
     /// # Panics
-    /// When a coordinate is not finite, or a triangle names a vertex that is not there.
+    /// If a coordinate is not finite or a triangle names a vertex that does not exist.
     pub fn into_shape(self) -> Shape {
         let faces = Polygons::from_triangles(&self.faces);
-        Shape::Mesh(Mesh::new(self.points, faces).expect("finite points and faces of them"))
+        Shape::Mesh(Mesh::new(self.points, faces).expect("the points are finite and the faces use them"))
     }
 }

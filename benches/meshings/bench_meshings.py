@@ -1,4 +1,4 @@
-"""Measures how far bands depend on the mesh and not on the surface, operator by operator, and writes docs/MESHINGS.md.
+"""Measures the dependence of bands on the mesh instead of the surface, operator by operator, and writes docs/MESHINGS.md.
 
 `cargo xtask bench-meshings` runs it in an environment of its own. `--only PART` prints one part and writes no document.
 """
@@ -11,7 +11,7 @@ import time
 from functools import cached_property
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parent.parent))  # what all comparisons share
+sys.path.append(str(Path(__file__).resolve().parent.parent))  # modules shared by all comparisons
 
 import cloud  # noqa: E402
 import cost  # noqa: E402
@@ -26,57 +26,60 @@ from meshings import Meshings  # noqa: E402
 
 MODELS = {"armadillo": "armadillo.obj", "kitten": "kitten.obj", "horse": "horse.ply", "dinosaur": "dinosaur.obj",
           "skull": "skull.off", "face": "face.obj", "bunny": "stanford-bunny.obj", "fandisk": "fandisk.obj"}
-# What takes their place where none of them is there.
+# Built-in shapes that replace the models if none is found.
 SAMPLES = {"creature": 30000, "knot": 20000, "torus": 20000, "sphere": 10000}
-# The shape that the mesh of many sizes is made from: one of the models, one of the samples.
-MANY_SIZES_OF = ("kitten", "knot")
+# Sources of the mesh with triangles of many sizes: one of the models, one of the samples.
+MANY_SIZES_SOURCES = ("kitten", "knot")
 
 PARTS = {"remeshing": remeshing, "cloud": cloud, "features": features, "scipy": scipy_peer, "cost": cost, "gaze": gaze,
          "pictures": pictures}
 
 
 class Bench:
-    """The command, the shapes, their other meshings, and what did not work."""
+    """The command, the shapes, their other meshings, and notes on failures."""
 
     def __init__(self, args):
         self.args, self.notes = args, []
         self.adwave = Adwave(args.adwave, args.work / "scratch")
         self.meshings = Meshings(args.work)
 
-    def note(self, what):
-        if what not in self.notes:
-            print(f"  {what}")
-            self.notes.append(what)
+    def add_note(self, text):
+        """Prints and keeps a note, once."""
+        if text not in self.notes:
+            print(f"  {text}")
+            self.notes.append(text)
 
     @cached_property
     def shapes(self):
+        """The models that were found, or the built-in shapes."""
         found = []
         for name, file in MODELS.items():
             paths = sorted(self.args.models.rglob(file)) if self.args.models.is_dir() else []
             if paths:
                 found.append(self.meshings.original(name, paths[0]))
             else:
-                self.note(f"{name} is left out: there is no {file} below the folder of models")
+                self.add_note(f"{name} is left out: the folder of models contains no {file}")
         if found:
             return found
-        self.note("built-in shapes take their place")
+        self.add_note("built-in shapes replace the models")
         return [self.meshings.original(name, self.adwave.sample(name, n)) for name, n in SAMPLES.items()]
 
     @cached_property
     def many_sizes(self):
-        named = [mesh for mesh in self.shapes if mesh.name in MANY_SIZES_OF]
+        """The mesh with triangles of many sizes."""
+        named = [mesh for mesh in self.shapes if mesh.name in MANY_SIZES_SOURCES]
         return self.meshings.many_sizes((named or self.shapes)[0])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--adwave", type=Path, required=True, help="the command")
-    parser.add_argument("--models", type=Path, required=True, help="folder with the models somewhere in it")
-    parser.add_argument("--fixations", type=Path, required=True, help="folder with meshes that have a field `gaze` somewhere in it")
-    parser.add_argument("--work", type=Path, required=True, help="folder for meshings, which are kept")
+    parser.add_argument("--models", type=Path, required=True, help="folder that contains the models, at any depth")
+    parser.add_argument("--fixations", type=Path, required=True, help="folder that contains meshes with a field `gaze`, at any depth")
+    parser.add_argument("--work", type=Path, required=True, help="folder in which meshings are kept")
     parser.add_argument("--docs", type=Path, required=True, help="folder with MESHINGS.md")
     parser.add_argument("--matrices", type=Path, help="program that writes masses and stiffness of the operator `surface`")
-    parser.add_argument("--only", choices=PARTS, help="one part, printed")
+    parser.add_argument("--only", choices=PARTS, help="measure one part and print it")
     args = parser.parse_args()
     bench = Bench(args)
     results = {"seconds": {}}

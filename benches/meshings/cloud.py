@@ -1,4 +1,4 @@
-"""Part `cloud`: a mesh beside its vertices as a cloud, which are at the same places."""
+"""Part `cloud`: a mesh compared with its vertices as a cloud, at the same positions."""
 
 from adwave import Failure
 from remeshing import norms, octave_levels
@@ -9,12 +9,12 @@ EDGES = (4, 8, 12)
 
 
 def difference(bench, mesh, operator):
-    """‖W_mesh − W_cloud‖/‖W_mesh‖ weighted by the area of the mesh."""
+    """‖W_mesh − W_cloud‖/‖W_mesh‖, weighted by the area of the mesh, one value per width."""
     lengths, counted = octave_levels([e * mesh.mean_edge for e in EDGES])
     try:
         here, there = (bench.adwave.transform(mesh, lengths, operator, kind=kind).wavelet[counted] for kind in ("mesh", "cloud"))
     except Failure as failure:
-        bench.note(str(failure))
+        bench.add_note(str(failure))
         return [None] * len(EDGES)
     return (norms(here - there, mesh.vertex_areas) / norms(here, mesh.vertex_areas)).tolist()
 
@@ -30,5 +30,7 @@ def measure(bench):
 
 
 def text(found):
-    rows = [[name, operator, *map(figure, figures)] for name, of in found.items() for operator, figures in of.items()]
+    """The section of the page."""
+    rows = [[name, operator, *map(figure, figures)]
+            for name, by_operator in found.items() for operator, figures in by_operator.items()]
     return table(["shape", "operator", *(f"{e} edges" for e in EDGES)], rows)

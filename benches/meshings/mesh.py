@@ -1,4 +1,4 @@
-"""Triangle meshes: their measures, and PLY files that remember what they were made from."""
+"""Triangle meshes with their measures, and PLY files that record their source."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,14 +9,14 @@ import numpy as np
 MADE_FROM = "comment made from "
 
 
-def areas_of(points, triangles):
+def triangle_areas(points, triangles):
     """The area of each triangle."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
 
 
-def sides_of(triangles):
-    """The edges, smaller vertex first, and the three edges of each triangle: ab, bc, ca."""
+def edges_and_sides(triangles):
+    """The edges (e × 2, smaller vertex first), and the edge numbers ab, bc, ca of each triangle (m × 3)."""
     sides = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     edges, number = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
     return edges, number.reshape(-1, 3)
@@ -24,7 +24,7 @@ def sides_of(triangles):
 
 @dataclass(frozen=True)
 class Mesh:
-    """A mesh, and the file that it lies in."""
+    """A mesh and its file."""
 
     name: str
     path: Path
@@ -33,7 +33,7 @@ class Mesh:
 
     @cached_property
     def triangle_areas(self):
-        return areas_of(self.points, self.triangles)
+        return triangle_areas(self.points, self.triangles)
 
     @cached_property
     def vertex_areas(self):
@@ -42,7 +42,7 @@ class Mesh:
 
     @cached_property
     def edges(self):
-        return sides_of(self.triangles)[0]
+        return edges_and_sides(self.triangles)[0]
 
     @cached_property
     def edge_lengths(self):
@@ -62,13 +62,14 @@ class Mesh:
         return np.bincount(ends, lengths, len(self.points)) / np.bincount(ends, minlength=len(self.points))
 
 
-def used(points, triangles):
-    """Without the vertices that no triangle uses."""
+def drop_unused_vertices(points, triangles):
+    """Points and triangles without the vertices that no triangle uses."""
     kept, number = np.unique(triangles, return_inverse=True)
     return points[kept], number.reshape(triangles.shape)
 
 
 def write(path, points, triangles, made_from):
+    """Writes a binary PLY with a comment on its source."""
     faces = np.empty(len(triangles), [("n", "u1"), ("corners", "<i4", 3)])
     faces["n"], faces["corners"] = 3, triangles
     header = ["ply", "format binary_little_endian 1.0", MADE_FROM + made_from, f"element vertex {len(points)}",
@@ -80,7 +81,7 @@ def write(path, points, triangles, made_from):
 
 
 def read(path, made_from):
-    """Points and triangles of a file of `write`, or None where it is not there or was made from something else."""
+    """Points and triangles of a file of `write`, or None if it is missing or has another source."""
     if not path.is_file():
         return None
     header, end, body = path.read_bytes().partition(b"end_header\n")

@@ -1,4 +1,4 @@
-"""Other meshings of the same surface, kept below the work folder until their source or their parameters change."""
+"""Other meshings of the same surface, kept in the work folder until their source or their parameters change."""
 
 import hashlib
 
@@ -6,27 +6,27 @@ import numpy as np
 import pymeshlab
 
 from closest import Surface
-from mesh import Mesh, read, sides_of, used, write
+from mesh import Mesh, drop_unused_vertices, edges_and_sides, read, write
 
 ISOTROPIC = {"iterations": 10, "adaptive": False, "featuredeg": 30.0, "checksurfdist": True, "reprojectflag": True}
 # The farthest that the remeshing may move the surface, in target edges.
-MOST_DISTANCE = 0.5
-# The mesh of many sizes: vertices that it starts from, the longest edge allowed in mean edges of the source (smallest and
-# largest), and how often that goes up and down along the longest side of the bounding box.
+MAX_DISTANCE = 0.5
+# The mesh of many sizes: initial vertices; smallest and largest limit of the edge length, in mean edges of the source; number
+# of waves of that limit along the longest side of the bounding box.
 COARSE_VERTICES, SIZES, WAVES = 600, (0.8, 10.0), 2.5
-# Where middles of edges are projected far away, bisecting does not end by itself.
-MOST_TRIANGLES = 2_000_000
+# Bisection may not end if midpoints are projected far away; this many triangles stop it.
+MAX_TRIANGLES = 2_000_000
 
 
 class Meshings:
-    """Makes meshes once: `folder/NAME.ply` says in a comment what it was made from."""
+    """Creates each mesh once: a comment in `folder/NAME.ply` records its source."""
 
     def __init__(self, folder):
         self.folder = folder
         folder.mkdir(parents=True, exist_ok=True)
 
-    def kept(self, name, source, parameters, make):
-        """The mesh that `make` gives, from its file where source (bytes) and parameters are the same."""
+    def cached(self, name, source, parameters, make):
+        """The mesh that `make` returns, read from its file if source (bytes) and parameters are unchanged."""
         key = hashlib.sha256(source + repr(parameters).encode()).hexdigest()[:32]
         path = self.folder / f"{name}.ply"
         found = read(path, key)
@@ -37,35 +37,35 @@ class Meshings:
         return Mesh(name, path, *found)
 
     def original(self, name, file):
-        """A file's mesh without the vertices that no triangle uses."""
-        return self.kept(name, file.read_bytes(), "original", lambda: used(*arrays(loaded(file))))
+        """The mesh of a file, without vertices that no triangle uses."""
+        return self.cached(name, file.read_bytes(), "original", lambda: drop_unused_vertices(*arrays(load(file))))
 
     def isotropic(self, mesh, target=None):
-        """Isotropic explicit remeshing, target edge the mean edge of the mesh, projected on its surface."""
+        """Isotropic explicit remeshing, projected on the surface; the target edge is the mean edge of the mesh."""
         target = target or mesh.mean_edge
-        parameters = {**ISOTROPIC, "targetlen": target, "maxsurfdist": MOST_DISTANCE * target}
+        parameters = {**ISOTROPIC, "targetlen": target, "maxsurfdist": MAX_DISTANCE * target}
 
         def make():
             lengths = {k: pymeshlab.PureValue(parameters[k]) for k in ("targetlen", "maxsurfdist")}
             meshes = meshset(mesh)
             meshes.meshing_isotropic_explicit_remeshing(**{**parameters, **lengths})
-            return used(*arrays(meshes))
+            return drop_unused_vertices(*arrays(meshes))
 
-        return self.kept(f"{mesh.name}-isotropic", source(mesh), parameters, make)
+        return self.cached(f"{mesh.name}-isotropic", source(mesh), parameters, make)
 
     def subdivided(self, mesh):
-        """Every triangle cut into four at the middles of its edges."""
-        return self.kept(f"{mesh.name}-subdivided", source(mesh), "midpoints", lambda: midpoints(mesh))
+        """The mesh with every triangle cut into four at its edge midpoints."""
+        return self.cached(f"{mesh.name}-subdivided", source(mesh), "midpoints", lambda: midpoints(mesh))
 
     def decimated(self, mesh, faces=0.5):
-        """Quadric edge collapse to a share of the triangles, all else by default."""
+        """Quadric edge collapse to a share of the triangles, with default settings."""
 
         def make():
             meshes = meshset(mesh)
             meshes.meshing_decimation_quadric_edge_collapse(targetperc=faces)
-            return used(*arrays(meshes))
+            return drop_unused_vertices(*arrays(meshes))
 
-        return self.kept(f"{mesh.name}-decimated", source(mesh), ("quadric", faces), make)
+        return self.cached(f"{mesh.name}-decimated", source(mesh), ("quadric", faces), make)
 
     def many_sizes(self, mesh):
         """A mesh of the same surface whose triangles grow and shrink along it."""
@@ -83,46 +83,51 @@ class Meshings:
 
             surface = Surface(mesh)
             project = lambda points: surface.closest(points).interpolated(mesh.points)
-            return refined(*used(*arrays(meshes)), size, project)
+            return refine(*drop_unused_vertices(*arrays(meshes)), size, project)
 
-        return self.kept(f"{mesh.name}-many-sizes", source(mesh), (COARSE_VERTICES, SIZES, WAVES), make)
+        return self.cached(f"{mesh.name}-many-sizes", source(mesh), (COARSE_VERTICES, SIZES, WAVES), make)
 
 
-def loaded(file):
+def load(file):
+    """A MeshSet with the mesh of a file."""
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.load_new_mesh(str(file))
     return meshes
 
 
 def meshset(mesh):
+    """A MeshSet with a mesh."""
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(mesh.points, mesh.triangles))
     return meshes
 
 
 def arrays(meshes):
+    """Points and triangles of the current mesh."""
     current = meshes.current_mesh()
     return current.vertex_matrix(), current.face_matrix().astype(np.int64)
 
 
 def source(mesh):
+    """The bytes of points and triangles, for a hash."""
     return mesh.points.tobytes() + mesh.triangles.tobytes()
 
 
 def midpoints(mesh):
-    edges, sides = sides_of(mesh.triangles)
+    """Points and triangles after every triangle was cut into four."""
+    edges, sides = edges_and_sides(mesh.triangles)
     (a, b, c), (ab, bc, ca) = mesh.triangles.T, len(mesh.points) + sides.T
     middles = mesh.points[edges].mean(axis=1)
     corners = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
     return np.concatenate([mesh.points, middles]), np.concatenate([np.stack(t, 1) for t in corners])
 
 
-def refined(points, triangles, size, project):
-    """Longest edges bisected (Rivara 1984) until no triangle's is longer than `size` at its center; middles are projected."""
-    while len(triangles) <= MOST_TRIANGLES:
-        edges, sides = sides_of(triangles)
+def refine(points, triangles, size, project):
+    """Bisects longest edges (Rivara 1984) until none is longer than `size` at the triangle's center; projects midpoints."""
+    while len(triangles) <= MAX_TRIANGLES:
+        edges, sides = edges_and_sides(triangles)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-        # Ranks in place of lengths, so that two triangles agree which of two equally long edges is longer.
+        # Ranks instead of lengths, so that two triangles agree on the longer of two equally long edges.
         ranks = np.argsort(np.lexsort((np.arange(len(edges)), lengths)))
         longest = ranks[sides].argmax(axis=1)
         rows = np.arange(len(triangles))
@@ -147,4 +152,4 @@ def refined(points, triangles, size, project):
             (halved & ~cut_bc, (ab, b, c)), (halved & cut_bc, (ab, b, bc)), (halved & cut_bc, (ab, bc, c)),
         ]
         triangles = np.concatenate([np.stack(corners, 1)[kept] for kept, corners in pieces])
-    raise SystemExit(f"bisecting went past {MOST_TRIANGLES:,} triangles: the coarse mesh is too far from the surface")
+    raise SystemExit(f"bisection exceeded {MAX_TRIANGLES:,} triangles: the coarse mesh is too far from the surface")

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 from PIL import Image, ImageDraw, ImageFont
 
-# The colors of viridis at equal distances, for the bar.
+# Colors of viridis at equal distances, for the color bar.
 STOPS = ("#440154", "#3b528b", "#21918c", "#5ec962", "#fde725")
-# Pixels of the sheet: a panel, the line of words above a row, the one below a panel, between panels, between blocks.
+# Pixels of the sheet: a panel, the title above a row, the caption below a panel, gaps between panels and between blocks.
 PANEL, ABOVE, BELOW, GAP, BETWEEN = 380, 40, 28, 12, 50
 GROUND, INK, SOFT = "#ffffff", "#1b1b1b", "#595959"
 
 
 @dataclass
 class Panel:
-    """A picture without ground, or none, and what stands below it."""
+    """A picture with a transparent background, or None, and its caption."""
 
     picture: Image.Image | None
     words: str
@@ -24,13 +24,15 @@ class Panel:
 
 @dataclass
 class Row:
+    """Panels side by side, below a title."""
+
     title: str
     panels: list
 
 
 @dataclass
 class Block:
-    """A shape: its name, what is said of it, its rows, the value of the last color."""
+    """A shape: its name, a paragraph on it, its rows, and the value of the last color."""
 
     name: str
     words: str
@@ -58,29 +60,33 @@ figcaption{color:var(--soft);font-size:.88rem;line-height:1.35;text-align:center
 
 
 def webp(picture):
+    """The picture as WebP in base64."""
     out = io.BytesIO()
     picture.save(out, "WEBP", quality=88, method=4)
     return base64.b64encode(out.getvalue()).decode()
 
 
-def figure_of(panel, title):
+def figure_html(panel, title):
+    """The HTML figure of a panel."""
     picture = "" if panel.picture is None else (
         f'<img src="data:image/webp;base64,{webp(panel.picture)}" alt="{html.escape(f"{title}: {panel.words}")}">')
     return f"<figure>{picture}<figcaption>{html.escape(panel.words)}</figcaption></figure>"
 
 
 def bar(largest):
+    """The HTML of the color bar."""
     return (f'<div class="bar"><i style="background:linear-gradient(to right,{",".join(STOPS)})"></i>'
             f"<span><b>0</b><em>|W|/σ</em><b>{largest:.2g} and more</b></span></div>")
 
 
 def page(title, introduction, blocks):
+    """The HTML page with all blocks."""
     body = [f"<h1>{html.escape(title)}</h1>", *(f"<p>{html.escape(words)}</p>" for words in introduction)]
     for block in blocks:
         body.append(f"<section>\n<h2>{html.escape(block.name)}</h2>\n<p>{html.escape(block.words)}</p>\n{bar(block.largest)}")
         for row in block.rows:
             body.append(f'<h3>{html.escape(row.title)}</h3>\n<div class="row">')
-            body += [figure_of(panel, row.title) for panel in row.panels]
+            body += [figure_html(panel, row.title) for panel in row.panels]
             body.append("</div>")
         body.append("</section>")
     return ('<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -89,7 +95,7 @@ def page(title, introduction, blocks):
 
 
 def sheet(blocks):
-    """All panels on one picture, the blocks beside each other."""
+    """All panels on one picture, the blocks next to each other."""
     columns = max(len(row.panels) for block in blocks for row in block.rows)
     rows = max(len(block.rows) for block in blocks)
     width, height = columns * (PANEL + GAP) - GAP, PANEL + ABOVE + BELOW

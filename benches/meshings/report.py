@@ -1,4 +1,4 @@
-"""The tables of docs/MESHINGS.md, between its markers."""
+"""The measured part of docs/MESHINGS.md."""
 
 import page
 
@@ -6,25 +6,28 @@ HEADS = {
     "remeshing": "Two meshings of one surface",
     "cloud": "A mesh and its vertices as a cloud",
     "features": "Features found again on the isotropic remeshing",
-    "scipy": "Beside SciPy's exponential",
-    "cost": "What it costs",
-    "gaze": "Saliency and where people look",
+    "scipy": "Comparison with SciPy's matrix exponential",
+    "cost": "Cost",
+    "gaze": "Saliency and eye fixations",
     "pictures": "Pictures",
 }
 
 
 def machine():
+    """The machine and the versions of packages, as a sentence."""
     return page.machine("numpy", "scipy", "pymeshlab", "pillow")
 
 
-def measured(results, parts):
-    whole = sum(results["seconds"].values())
-    parts_of_page = [("Machine", f"{results['machine']} The whole run took {whole / 60:.0f} minutes.")]
-    parts_of_page += [(HEADS[name], part.text(results[name])) for name, part in parts.items()]
+def render(results, parts):
+    """The measured part of the page: the machine, a section for each part, and notes."""
+    total = sum(results["seconds"].values())
+    sections = [("Machine", page.paragraph(f"{results['machine']} The whole run took {total / 60:.0f} minutes."))]
+    sections += [(HEADS[name], part.text(results[name])) for name, part in parts.items()]
     if results["notes"]:
-        parts_of_page.append(("What was left out", "\n".join(f"* {note}" for note in results["notes"])))
-    return page.sections(parts_of_page)
+        sections.append(("What was left out", page.bullets(results["notes"])))
+    return page.sections(sections)
 
 
 def write(results, parts, docs):
-    page.write(docs / "MESHINGS.md", measured(results, parts))
+    """Writes the measured part of MESHINGS.md in the folder `docs`."""
+    page.write(docs / "MESHINGS.md", render(results, parts))

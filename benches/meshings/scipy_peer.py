@@ -1,4 +1,4 @@
-"""Part `scipy`: bands of the surface's heat beside e^(−tM⁻¹L) f by SciPy from the same matrices."""
+"""Part `scipy`: bands by the operator `surface`, compared with e^(−tM⁻¹L) f by SciPy from the same matrices."""
 
 import subprocess
 import time
@@ -9,7 +9,7 @@ from scipy.sparse.linalg import expm_multiply
 
 from adwave import SURFACE, Failure
 from remeshing import EDGES, norms
-from page import table
+from page import paragraph, table
 from tables import seconds
 
 SHAPES = ("fandisk", "kitten")
@@ -17,11 +17,11 @@ ACCURACY = 1e-6
 
 
 class Unavailable(Exception):
-    """What is needed is not in this build."""
+    """A program that this part needs is missing in the build."""
 
 
 def surface_matrices(bench, mesh):
-    """Masses M (a vector) and stiffness L (sparse, positive) of the operator `surface`, in the order of the mesh's vertices.
+    """Masses M (n) and stiffness L (n × n, sparse, positive semidefinite) of `surface`, in the order of the mesh's vertices.
 
     The program of `--matrices` is called with the mesh's file and a name, and writes an .npz file of that name: `mass` (n),
     and the rows of L as `data`, `indices`, `indptr` (n + 1).
@@ -36,7 +36,7 @@ def surface_matrices(bench, mesh):
 
 
 def heat(masses, stiffness, values, lengths):
-    """e^(−tM⁻¹L) f at t = σ²/4, each length from the one before; also the seconds of it."""
+    """e^(−tM⁻¹L) f at t = σ²/4, each length computed from the one before, and the seconds for all."""
     rate = sp.diags(1 / masses) @ stiffness
     found, before = [values], 0.0
     start = time.perf_counter()
@@ -47,10 +47,10 @@ def heat(masses, stiffness, values, lengths):
 
 
 def measure(bench):
-    """The relative errors of our bands, and how many times longer SciPy takes; matrices are ready for both."""
+    """Relative errors of our bands, and the times of both; the matrices are ready for both."""
     found = {}
     if SURFACE not in bench.adwave.operators:
-        bench.note("scipy: this build has no operator `surface`")
+        bench.add_note("scipy: this build has no operator `surface`")
         return found
     for mesh in (mesh for mesh in bench.shapes if mesh.name in SHAPES):
         lengths = [e * mesh.mean_edge for e in EDGES]
@@ -59,7 +59,7 @@ def measure(bench):
             matrices = surface_matrices(bench, mesh)
             ours = bench.adwave.transform(mesh, lengths, SURFACE, accuracy=ACCURACY)
         except (Unavailable, Failure) as reason:
-            bench.note(f"scipy: {reason}")
+            bench.add_note(f"scipy: {reason}")
             return found
         levels, theirs = heat(*matrices, mesh.points, lengths)
         exact = levels[:-1] - levels[1:]
@@ -70,9 +70,11 @@ def measure(bench):
 
 
 def text(found):
+    """The section of the page."""
     if not found:
-        return "Not measured: see below."
-    rows = [[name, f"{of['vertices']:,}", *(f"{e:.0e}" for e in of["errors"]), seconds(of["ours"]), seconds(of["scipy"]),
-             f"{of['scipy'] / of['ours']:.3g}"] for name, of in found.items()]
-    return (f"`expm_multiply` at t = σ²/4 from the same matrices, each level from the one before; ours at accuracy {ACCURACY:g}.\n\n"
-            + table(["shape", "vertices", *(f"error at {e} edges" for e in EDGES), "ours", "SciPy", "ratio"], rows))
+        return "Not measured: see the notes below."
+    rows = [[name, f"{entry['vertices']:,}", *(f"{e:.0e}" for e in entry["errors"]), seconds(entry["ours"]),
+             seconds(entry["scipy"]), f"{entry['scipy'] / entry['ours']:.3g}"] for name, entry in found.items()]
+    head = ["shape", "vertices", *(f"error, {e} edges" for e in EDGES), "ours", "SciPy", "ratio"]
+    return paragraph("`expm_multiply` at t = σ²/4 from the same matrices, each level computed from the one before; ours at accuracy "
+                     f"{ACCURACY:g}.") + "\n\n" + table(head, rows)

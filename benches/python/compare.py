@@ -39,7 +39,7 @@ SPREAD = "distance along the surface from one vertex"
 
 @task(BANDS, "adwave")
 def _(V, F):
-    return aw.decompose(V, F, levels=8)
+    return aw.decompose((V, F), levels=8)
 
 
 @task(BANDS, "PyGSP, Chebyshev of order 30")
@@ -78,7 +78,7 @@ def _(V, F):
 
 @task(SMOOTH, "adwave")
 def _(V, F):
-    return aw.filter((V, F), preset="smooth", levels=5)
+    return aw.filter((V, F), "smooth", levels=5)
 
 
 @task(SMOOTH, "PyVista smooth_taubin")

@@ -1,4 +1,4 @@
-//! Looks for the folder of test files.
+//! Locates the folder of test files.
 
 use std::path::{Path, PathBuf};
 
@@ -11,13 +11,13 @@ fn main() {
     let folder = folder.canonicalize().unwrap_or(folder);
     println!("cargo::rustc-env=ADWAVE_TEST_DATA={}", folder.display());
     if let Ok(entries) = folder.read_dir() {
-        // One file stands for the folder: Cargo would look through all of a watched folder on every call.
+        // One file stands for the folder, because Cargo would scan a watched folder on every call.
         let files = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file());
         if let Some(file) = files.min() {
             println!("cargo::rerun-if-changed={}", file.display());
         }
     } else {
-        // Not watched: Cargo would build anew, on every call, all that depends on a path that is missing.
+        // Not watched: with a watched path that is missing, Cargo would rebuild all dependents on every call.
         println!("cargo::rustc-env=ADWAVE_TEST_DATA_MISSING=1");
     }
 }

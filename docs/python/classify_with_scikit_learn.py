@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Classify shapes with scikit-learn
 #
-# Sixty shapes of three kinds, each in its own size, pose and mesh. `WaveletFeatures` describes a shape by how
-# large its bands are: how much detail of each width it has. That does not change with size or the order of
-# vertices, and hardly with pose.
+# Sixty shapes of three kinds, each with its own size, pose and mesh. `WaveletFeatures` describes a shape by the
+# sizes of its bands: the amount of detail of each width. It does not depend on the size of the shape or the order
+# of its vertices, and hardly on its pose.
 
 # %%
 import sys
@@ -27,8 +27,8 @@ PICTURES = Path(__file__).parent / "pictures"
 rng = np.random.default_rng(11)
 
 # %% [markdown]
-# All are balls with a relief of 1 to 4 % and some roughness: bumps, ridges, or bumps on one side and ridges
-# on the other.
+# All shapes are balls with a relief of 1 to 4 % and some roughness: bumps, ridges, or bumps on one side and
+# ridges on the other.
 
 
 # %%
@@ -53,7 +53,7 @@ shapes = [make(kind) for kind in kinds]
 # mesh of a shape. Position, size and the order of vertices change nothing.
 
 # %%
-features = WaveletFeatures(operator="surface", widths=("1.5%", "3%", "6%", "12%"))
+features = WaveletFeatures(levels=aw.Widths(rms=["1.5%", "3%", "6%", "12%"]), operator="surface")
 table = features.fit_transform(shapes)
 print(table.shape, *features.get_feature_names_out()[:5], "…")
 first = shapes[0]
@@ -62,8 +62,7 @@ moved = aw.Shape(7 * first.points[order] + [1, 2, 3], np.argsort(order)[first.fa
 assert np.allclose(features.transform([moved]), table[:1], rtol=1e-6)
 
 # %% [markdown]
-# Nothing is learned from the shapes by `WaveletFeatures` itself, so that the table can be made once for all
-# folds.
+# `WaveletFeatures` learns nothing from the shapes, so that one table serves all folds.
 
 # %%
 classifier = make_pipeline(StandardScaler(), LogisticRegression(C=10, max_iter=1000))
@@ -79,7 +78,7 @@ print(f"15 new shapes: {15 * right:.0f} right")
 assert right > 0.7
 
 # %% [markdown]
-# Four of each kind, drawn as one mesh.
+# Four shapes of each kind, drawn as one mesh.
 
 # %%
 rows = [(row, column, shapes[20 * row + column]) for row in range(3) for column in range(4)]
@@ -88,5 +87,5 @@ starts = np.cumsum([0] + [len(points) for points in units])
 faces = np.concatenate([s.faces + start for (_, _, s), start in zip(rows, starts, strict=False)])
 palette = np.array([(120, 170, 220), (235, 175, 105), (150, 200, 140)], dtype=np.uint8)
 colors = np.repeat(palette[[r for r, _, _ in rows]], np.diff(starts), axis=0)
-look = {"colors": colors, "view": "front", "up": "y", "orthographic": True, "size": (520, 390)}
-aw.render(np.concatenate(units), faces, **look).save(PICTURES / "classify_with_scikit_learn.png")
+front = aw.Camera(view="front", up="y", orthographic=True)
+aw.render((np.concatenate(units), faces), colors=colors, camera=front, size=(520, 390)).save(PICTURES / "classify_with_scikit_learn.png")

@@ -14,15 +14,14 @@ PICTURES = Path(__file__).parent / "pictures"
 rng = np.random.default_rng(3)
 
 # %% [markdown]
-# The folds: white noise on an ellipsoid, of which one band is kept and steepened; it moves the surface in and
-# out by 4 mm.
+# The folds: one band of white noise on an ellipsoid, made steeper, moves the surface in and out by 4 mm.
 
 # %%
 ball = aw.sample("sphere", vertices=20_000)
 ellipsoid = aw.Shape(ball.points * [42, 56, 40], ball.faces)
 on_ellipsoid = aw.Decomposer(ellipsoid, operator="surface")
-band = on_ellipsoid.decompose(rng.standard_normal(ball.n_vertices), fwhm=[8, 11]).wavelet(2)
-folds = on_ellipsoid.decompose(np.tanh(3 * band / band.std()), fwhm=[4]).scaling(1)
+band = on_ellipsoid.decompose(rng.standard_normal(ball.n_vertices), levels=aw.Widths(fwhm=[8, 11])).wavelet(2)
+folds = on_ellipsoid.decompose(np.tanh(3 * band / band.std()), levels=aw.Widths(fwhm=[4])).scaling(1)
 cortex = ellipsoid.with_points(ellipsoid.points + 4 * folds[:, None] * aw.signal(ellipsoid, "normals"))
 found = aw.info(cortex)
 print(f"{cortex}, area {found.area / 100:.0f} cm², edges of {found.mean_length:.2f} mm")
@@ -35,30 +34,30 @@ assert found.closed and found.euler_characteristic == 2
 # %%
 surface = aw.Decomposer(cortex, operator="surface")
 noise = 0.3 * rng.standard_normal(cortex.n_vertices)
-pattern = surface.decompose(rng.standard_normal(cortex.n_vertices), fwhm=[20]).scaling(1)
+pattern = surface.decompose(rng.standard_normal(cortex.n_vertices), levels=aw.Widths(fwhm=[20])).scaling(1)
 pattern *= 0.3 / pattern.std()
 thickness = 2.5 + pattern + noise
 
 # %% [markdown]
-# Noise that is smoothed to a width w is less by a known factor: its variance becomes a / (4π s²) of what it
-# was, a being the area of a vertex and s = w / 2.355. (NaN would mask a vertex, such as the medial wall.)
+# Smoothing to a width w reduces noise by a known factor: its variance is multiplied by a / (4π s²), where a is
+# the area of a vertex and s = w / 2.355. (NaN would mask a vertex, such as those of the medial wall.)
 
 # %%
 areas = surface.areas
 for w in (4.0, 8.0, 16.0):
-    left = surface.decompose(noise, fwhm=[w]).scaling(1)
+    left = surface.decompose(noise, levels=aw.Widths(fwhm=[w])).scaling(1)
     rms = np.sqrt(np.average(left**2, weights=areas))
     law = 0.3 * np.sqrt(np.average(areas, weights=areas) / (4 * np.pi * (w / 2.355) ** 2))
     print(f"noise smoothed to {w:2.0f} mm FWHM: {rms:.4f} mm, by theory {law:.4f} mm")
     assert abs(rms / law - 1) < 0.15
 
 # %% [markdown]
-# The bands, and the variance in each. The noise is in the finest, the pattern in the wide ones; a sum
-# has the sum of the bands.
+# The bands, and the variance of each. The noise is in the finest bands, the pattern in the wide ones; the bands
+# of a sum are the sums of the bands.
 
 # %%
-bands = surface.decompose(thickness, fwhm=[2, 4, 8, 16, 32])
-parts = [surface.decompose(f, fwhm=bands.fwhm) for f in (thickness - 2.5, noise, pattern)]
+bands = surface.decompose(thickness, levels=aw.Widths(fwhm=[2, 4, 8, 16, 32]))
+parts = [surface.decompose(f, levels=aw.Widths(fwhm=bands.fwhm)) for f in (thickness - 2.5, noise, pattern)]
 shares = [part.energy() / areas.sum() for part in parts]
 print("band             all    noise  pattern  (mm²)")
 for j, row in enumerate(zip(*shares, strict=True)):
@@ -70,7 +69,7 @@ assert of_noise[:2].sum() > 0.85 * of_noise.sum() and of_pattern[3:].sum() > 0.9
 assert np.allclose(bands.reconstruct(), thickness, atol=1e-12)
 
 # %% [markdown]
-# What is wider than 8 mm is the pattern, nearly without noise.
+# The levels wider than 8 mm show the pattern, nearly without noise.
 
 # %%
 wide = bands.scaling(3)
@@ -79,6 +78,8 @@ print(f"error of the thickness: {noise.std():.3f} mm as given, {error:.3f} mm ab
 assert error < 0.06
 
 # %%
-look = {"range": (1.7, 3.3), "view": (80, 25), "up": "z", "size": (440, 330)}
-aw.render(cortex, values=thickness, label="thickness, mm", **look).save(PICTURES / "cortical_fields.png")
-aw.render(cortex, values=wide, label="above 8 mm", **look).save(PICTURES / "cortical_fields_wide.png")
+side = aw.Camera(view=(80, 25), up="z")
+for name, label, values in (("", "thickness, mm", thickness), ("_wide", "above 8 mm", wide)):
+    scale = aw.ColorScale(range=(1.7, 3.3), label=label)
+    picture = aw.render(cortex, values=values, scale=scale, camera=side, size=(440, 330))
+    picture.save(PICTURES / f"cortical_fields{name}.png")

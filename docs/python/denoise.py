@@ -1,7 +1,7 @@
 # %% [markdown]
-# # Take noise off
+# # Remove noise
 #
-# `denoise` finds by itself how much noise there is, how wide to smooth, and whether sharp edges must stay.
+# `denoise` estimates the amount of noise, the width of the smoothing, and whether sharp edges must be preserved.
 
 # %%
 from pathlib import Path
@@ -32,10 +32,10 @@ for name in ("knot", "creature", "bracket"):
     assert after < before / (1.3 if name == "creature" else 4)
 
 # %% [markdown]
-# The creature gains least: at 10 000 vertices its scales are only a few edges wide, and detail of that size
-# is what noise looks like.
+# The creature gains least: at 10 000 vertices its scales are only a few edges wide, and detail of that size looks
+# like noise.
 #
-# Whether edges stay is chosen by the estimated risk. On the bracket the choice, `"auto"`, is to keep them;
+# The estimated risk decides whether edges are preserved. On the bracket `"auto"` preserves them;
 # smoothing across them rounds them off.
 
 # %%
@@ -45,14 +45,15 @@ for creases in ("auto", "keep", "none"):
     error[creases] = rms(denoised, clean) / edge
     print(f"bracket, creases={creases!r}: error {error[creases]:.3f}")
     off = np.linalg.norm(denoised.points - clean.points, axis=1) / edge
-    look = {"values": off, "label": "error, edges", "range": (0, 0.5), "color_map": "magma"}
+    scale = aw.ColorScale(color_map="magma", range=(0, 0.5), label="error, edges")
     if creases != "keep":
-        aw.render(denoised, **look, size=(520, 390)).save(PICTURES / f"denoise_error_{creases}.png")
+        picture = aw.render(denoised, values=off, scale=scale, size=(520, 390))
+        picture.save(PICTURES / f"denoise_error_{creases}.png")
 assert error["auto"] < 1.1 * error["keep"] and error["auto"] < 0.8 * error["none"]
 
 # %% [markdown]
-# Noise that is known can be given, and `strength` says how thorough to be: times the noise that is taken for
-# noise.
+# A known amount of noise can be given, and `strength` is a factor of the noise: below 1 more careful, above 1 more
+# thorough.
 
 # %%
 known, _ = aw.denoise(noisy, noise=0.3 * edge)

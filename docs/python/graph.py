@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A signal on a graph
 #
-# A road network, a signal on its crossings, its bands, and its noise taken off; and the same bands by plain
-# SciPy.
+# A road network, a signal on its crossings, the bands of the signal, and the signal without noise; and the same
+# bands by plain SciPy.
 
 # %%
 import sys
@@ -23,8 +23,8 @@ PICTURES = Path(__file__).parent / "pictures"
 rng = np.random.default_rng(5)
 
 # %% [markdown]
-# Roads: the Delaunay triangulation of 2600 random places, of which the shortest spanning tree and some others
-# stay: nearly all crossings have one to four roads.
+# Roads: the shortest spanning tree of the Delaunay triangulation of 2600 random places, and some of its other
+# edges: nearly all crossings have one to four roads.
 
 # %%
 n = 2600
@@ -49,8 +49,8 @@ clean = np.where(x + 15 * np.sin(y / 15) > 50, 1.0, -1.0) + y / 100
 noisy = clean + 0.5 * rng.standard_normal(n)
 
 # %% [markdown]
-# Its bands: level j is smoothed by 2^(j-1) steps of a lazy random walk P, and what a level loses of the one
-# before is its band. `matrix()` gives P to SciPy, whose powers give the same bands.
+# The bands: level j is smoothed by 2^(j-1) steps of a lazy random walk P, and its band is the difference from the
+# level before. `matrix()` gives P to SciPy, whose powers give the same bands.
 
 # %%
 walk = aw.Decomposer(roads)
@@ -62,13 +62,13 @@ for level in range(1, 7):
     while steps < bands.steps[level - 1]:
         smooth, steps = P @ smooth, steps + 1
     difference = np.abs(bands.wavelet(level) - (before - smooth)).max()
-    sigma = bands.sigma[level - 1]
-    print(f"level {level}: {steps:2} steps, σ = {sigma:.2f} hops, difference from SciPy {difference:.0e}")
+    width = bands.rms_widths[level - 1]
+    print(f"level {level}: {steps:2} steps, width {width:.2f} hops, difference from SciPy {difference:.0e}")
     assert difference < 1e-9 * np.abs(bands.wavelet(level)).max()
 
 # %% [markdown]
-# Dropping the fine bands takes noise away, and the border between the districts with it. `denoise` mixes
-# levels, and steps less across places where the signal jumps.
+# Dropping the fine bands removes noise, but also blurs the border between the districts. `denoise` mixes levels,
+# and steps less across places where the signal jumps.
 
 
 # %%
@@ -83,7 +83,7 @@ print(f"denoise: {rms(denoised):.3f}; noise of {info['noise']:.2f} found")
 assert abs(info["noise"] - 0.5) < 0.05 and rms(denoised) < 0.9 * min(levels)
 
 # %% [markdown]
-# The picture: a graph has no positions, so that the roads are drawn as a mesh, one rectangle each.
+# The picture: a graph has no positions, so the roads are drawn as a mesh, one rectangle each.
 
 # %%
 a, b = places[edges].transpose(1, 0, 2)
@@ -92,6 +92,7 @@ corner = np.arange(len(edges)) + len(edges) * np.arange(4)[:, None]
 drawn = aw.Shape(np.concatenate([a - side, a + side, b + side, b - side]), corner.T)
 for name, signal in (("noisy", noisy), ("denoised", denoised)):
     at = signal[np.concatenate([edges[:, 0], edges[:, 0], edges[:, 1], edges[:, 1]])]
-    look = {"view": "top", "up": "z", "orthographic": True, "size": (400, 330)}
-    look |= {"values": at, "label": name, "range": (-1.5, 2.5), "color_map": "viridis"}
-    aw.render(drawn, **look).save(PICTURES / f"graph_{name}.png")
+    above = aw.Camera(view="top", up="z", orthographic=True)
+    scale = aw.ColorScale(color_map="viridis", range=(-1.5, 2.5), label=name)
+    picture = aw.render(drawn, values=at, scale=scale, camera=above, size=(400, 330))
+    picture.save(PICTURES / f"graph_{name}.png")

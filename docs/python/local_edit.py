@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Edit one place
 #
-# More detail on the head of the built-in creature, and nothing else changed, to the last bit.
+# More detail on the head of the built-in creature; the rest is unchanged, to the last bit.
 
 # %%
 import time
@@ -15,9 +15,9 @@ creature = aw.sample("creature")
 print(creature)
 
 # %% [markdown]
-# The bands are computed once. A region is a text: a ball about a point, by distance along the surface, as
-# wide as a share of the bounding box's diagonal. Its weights rise smoothly from 0 to 1, so that an edit has
-# no seam.
+# The bands are computed once. A region is a text: here a ball about a point, by distance along the surface, with
+# a radius in percent of the bounding box's diagonal. Its weights rise smoothly from 0 to 1, so that an edit has no
+# seam.
 
 # %%
 bands = aw.decompose(creature, levels=8)
@@ -27,8 +27,8 @@ inside, wholly = (weights > 0).sum(), (weights == 1).sum()
 print(f"{inside} of {creature.n_vertices} vertices are in the region, {wholly} of them wholly")
 
 # %% [markdown]
-# Gains, from fine to coarse: the finest three bands are made 2.5 times as strong, the next two less. The
-# first edit prepares, each further one takes milliseconds: fast enough for a slider.
+# Gains, from fine to coarse: the finest three bands become 2.5 times as strong, the next two less. The first edit
+# prepares, and each further one takes milliseconds: fast enough for a slider.
 
 # %%
 gains = [2.5, 2.5, 2.5, 2, 1.5, 1, 1, 1]
@@ -42,7 +42,7 @@ assert np.array_equal(crisp[outside], creature.points[outside])
 assert not np.array_equal(crisp[~outside], creature.points[~outside])
 
 # %% [markdown]
-# The same region as a mask: any weights, one for each vertex, from anywhere.
+# The same region as an array: any weights, one for each vertex.
 
 # %%
 masked = bands.apply(gains, where=weights)
@@ -58,8 +58,10 @@ both = bands.apply([aw.Layer(gains, head), aw.Layer("smooth", f"!{head}")])
 assert np.abs(both - crisp)[weights == 1].max() < 1e-12
 
 # %%
-close = {"focus": (0, 1.45, 0.2), "zoom": 1.9, "view": (25, 8), "size": (440, 440)}
+close = aw.Camera(view=(25, 8), focus=(0, 1.45, 0.2), zoom=1.9)
 for name, points in (("before", creature.points), ("after", crisp), ("both", both)):
-    aw.render(bands.to_shape(points), **close).save(PICTURES / f"local_edit_{name}.png")
-picture = aw.render(creature, values=weights, label="weight", **close)
+    picture = aw.render(bands.to_shape(points), camera=close, size=(440, 440))
+    picture.save(PICTURES / f"local_edit_{name}.png")
+scale = aw.ColorScale(label="weight")
+picture = aw.render(creature, values=weights, scale=scale, camera=close, size=(440, 440))
 picture.save(PICTURES / "local_edit_region.png")

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A million points
 #
-# How long it takes, and how much memory. `ADWAVE_GALLERY_SCALE=0.05 python million_points.py` takes a
-# twentieth of the points.
+# Time and memory for a large cloud. `ADWAVE_GALLERY_SCALE=0.05 python million_points.py` takes a twentieth of the
+# points.
 
 # %%
 import os
@@ -33,8 +33,7 @@ cloud = aw.Shape(noisy.points)
 print(cloud)
 
 # %% [markdown]
-# Prepared once: the neighbors of each point are found, and the diffusion is built. All questions after that
-# are cheap.
+# Preparation finds the neighbors of each point and builds the diffusion. All requests after that are cheap.
 
 # %%
 walk = timed("prepare", lambda: aw.Decomposer(cloud))
@@ -45,11 +44,10 @@ assert bands.array.nbytes == needed["result"]
 assert np.abs(bands.reconstruct() - cloud.points).max() < 1e-12
 
 # %% [markdown]
-# Filtered at once, without keeping bands; or by bands that are kept, where the first edit prepares and others
-# are quick.
+# One filter without stored bands; or edits of stored bands, of which the first prepares and the others are quick.
 
 # %%
-smooth = timed("filter: smooth, along the normals", lambda: aw.filter(walk, preset="smooth", levels=6))
+smooth = timed("filter: smooth, along the normals", lambda: aw.filter(walk, "smooth", levels=6))
 timed("first edit of the bands", lambda: bands.apply([0, 0, 1, 1, 1, 1]))
 edited = timed("next edit", lambda: bands.apply([0, 0, 0, 1, 1, 1]))
 assert np.allclose(edited, bands.array[3:].sum(axis=0), atol=1e-9)
@@ -63,11 +61,11 @@ print(f"rms distance from the clean points: {before:.1e}, then {after:.1e}, {bef
 assert after < before / 3
 
 # %% [markdown]
-# A part, noisy on the left and smoothed on the right; nearer for more points. The sample has faces, by which
-# it is drawn: quicker than a million discs.
+# A part of the knot, noisy on the left and smoothed on the right. The sample has faces, which are drawn faster
+# than a million discs.
 
 # %%
 left = clean.points[:, :1] < 0.45
 halves = noisy.with_points(np.where(left, cloud.points, smooth.points))
-look = {"size": (380, 285), "view": "front", "zoom": max(1, 2.2 * SCALE**0.5), "focus": (0.45, 0.1, 0.2)}
-aw.render(halves, **look).save(PICTURES / "million_points.png")
+near = aw.Camera(view="front", zoom=max(1, 2.2 * SCALE**0.5), focus=(0.45, 0.1, 0.2))
+aw.render(halves, camera=near, size=(380, 285)).save(PICTURES / "million_points.png")

@@ -25,8 +25,8 @@ EXAMPLES = (
 
 
 def run(name: str, scale: str) -> tuple[str, str]:
-    """Run one in a process of its own; how it ended, and a note."""
-    # Text with signs such as σ, on any system.
+    """Run an example in a process of its own; returns its status and a note."""
+    # UTF-8 on any system, for signs such as σ.
     environment = {**os.environ, "PYTHONUTF8": "1", "ADWAVE_GALLERY_SCALE": scale}
     script = str(Path(__file__).resolve().parent / f"{name}.py")
     done = subprocess.run(
@@ -41,7 +41,7 @@ def run(name: str, scale: str) -> tuple[str, str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Run the examples.")
     parser.add_argument("--only", metavar="NAME", choices=EXAMPLES, action="append", help="may be repeated")
-    parser.add_argument("--quick", action="store_true", help="with fewer points where there are a million")
+    parser.add_argument("--quick", action="store_true", help="use fewer points in the example with a million")
     arguments = parser.parse_args()
     chosen = arguments.only or EXAMPLES
     scale = "0.05" if arguments.quick else os.environ.get("ADWAVE_GALLERY_SCALE", "1.0")

@@ -1,8 +1,7 @@
 # %% [markdown]
 # # Saliency and features, to PyVista and back
 #
-# A `pyvista.PolyData` goes in as it is; what is found goes back into its `point_data` for any filter of
-# PyVista or VTK.
+# A `pyvista.PolyData` is a shape; results go back into its `point_data` for the filters of PyVista and VTK.
 
 # %%
 import sys
@@ -22,8 +21,8 @@ mesh = aw.sample("creature", vertices=20_000).to_pyvista()
 print(type(mesh).__name__, mesh.n_points, "points,", mesh.n_cells, "cells")
 
 # %% [markdown]
-# Where the shape stands out: above 0 where it is convex (claws, ears, nose), below 0 where it is concave. A
-# `Decomposer` is prepared once for all questions.
+# Saliency is above 0 where the shape is convex (claws, ears, nose), below 0 where it is concave. A `Decomposer` is
+# prepared once for all requests.
 
 # %%
 shape = aw.Decomposer(mesh)
@@ -53,13 +52,12 @@ spheres = places.glyph(scale="sigma", geom=pv.Sphere(radius=1.0), orient=False)
 print(f"{places.n_points} features, glyphs of {spheres.n_points} points")
 
 # %% [markdown]
-# And back again: `point_data` are the fields of the shape, and an edit comes back as a new `PolyData` with
-# all fields.
+# And back: `point_data` are the fields of the shape, and an edit becomes a new `PolyData` with all fields.
 
 # %%
 back = aw.as_shape(mesh)
 assert np.array_equal(back["saliency"], saliency.map)
-crisp = aw.filter(mesh, gains=[2, 2, 1.5, 1]).to(mesh)
+crisp = aw.filter(mesh, [2, 2, 1.5, 1]).to(mesh)
 assert isinstance(crisp, pv.PolyData) and "saliency" in crisp.point_data and crisp.n_cells == mesh.n_cells
 assert not np.array_equal(crisp.points, mesh.points)
 

@@ -38,28 +38,27 @@ scan = aw.Shape(clean + 0.25 * rng.standard_normal((len(clean), 1)) * [0, 0, 1])
 print(scan, f"noise {rms(scan.points[:, 2]):.1f} cm")
 
 # %% [markdown]
-# Smoothed in one call: one level with σ = 2 m, and the gain 0 for all that is finer. `along="z"` moves
-# heights only.
+# One call: a level with an rms width of 2 m, and the gain 0 for all finer detail. `along="z"` moves heights only.
 
 # %%
-smooth = aw.filter(scan, gains=[0], lengths=[2.0], along="z")
-print(f"filter, σ = 2 m: {rms(smooth.points[:, 2]):.1f} cm")
+smooth = aw.filter(scan, [0], levels=aw.Widths(rms=[2.0]), constraints=aw.Constraints(along="z"))
+print(f"filter, rms width 2 m: {rms(smooth.points[:, 2]):.1f} cm")
 assert rms(smooth.points[:, 2]) < 25 / 2.5
 assert np.array_equal(smooth.points[:, :2], scan.points[:, :2])
 
 # %% [markdown]
-# Neighbors in space are chosen by the noisy heights too. For land it is better to take neighbors in plan,
-# and the heights as a signal on it. A small width leaves noise, a large one takes the hills away.
+# The noisy heights affect the neighbors in space. For land it is better to take neighbors in plan, and the heights
+# as a signal on it. A small width leaves noise, a large one removes the hills.
 
 # %%
 plan = aw.Decomposer(scan.points[:, :2], operator="surface")
 z = scan.points[:, 2]
-errors = {width: rms(plan.decompose(z, lengths=[width]).scaling(1)) for width in (0.5, 1, 2, 4, 8)}
-print("\n".join(f"in plan, σ = {width} m: {error:.1f} cm" for width, error in errors.items()))
+errors = {width: rms(plan.decompose(z, levels=aw.Widths(rms=[width])).scaling(1)) for width in (0.5, 1, 2, 4, 8)}
+print("\n".join(f"in plan, rms width {width} m: {error:.1f} cm" for width, error in errors.items()))
 assert min(errors, key=errors.get) in (1, 2)
 
 # %% [markdown]
-# `denoise` finds the amount of noise and mixes widths by itself: better than each single width.
+# `denoise` estimates the amount of noise and mixes widths: better than each single width.
 
 # %%
 denoised, info = aw.denoise(plan, signal=z)
@@ -72,5 +71,6 @@ assert abs(info["noise"] - 0.25) < 0.02 and rms(denoised) < min(errors.values())
 # %%
 for name, heights in (("before", z), ("after", denoised)):
     error = 100 * (heights - clean[:, 2])
-    look = {"values": error, "label": "error, cm", "range": (-60, 60), "view": (30, 35), "up": "z"}
-    aw.render(clean, **look, size=(460, 300)).save(PICTURES / f"smooth_a_scan_{name}.png")
+    scale, camera = aw.ColorScale(range=(-60, 60), label="error, cm"), aw.Camera(view=(30, 35), up="z")
+    picture = aw.render(clean, values=error, scale=scale, camera=camera, size=(460, 300))
+    picture.save(PICTURES / f"smooth_a_scan_{name}.png")

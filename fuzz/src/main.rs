@@ -1,13 +1,14 @@
-//! Broken input for every reader and parser: `cargo xtask fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N]`.
+//! Fuzzer with broken input for every reader and parser: `cargo xtask fuzz [--seconds N] [--only TARGET] [--seed N]
+//! [--runs N]`.
 //!
-//! An in-process mutation fuzzer that needs no compiler but the stable one. Each target starts from the files below
-//! `fuzz/seeds/` (made by `--write-seeds`), changes them ([`mutate`]) and checks what must hold of any input
-//! ([`targets`]): content that is finite and in range, or an error of one line; no panic. An input whose outcome was not seen
-//! before is kept and changed further, which stands in for the coverage that libFuzzer would measure. The same seed and
-//! number of runs give the same inputs. What breaks is saved below `target/fuzz/`.
+//! This in-process mutation fuzzer works with the stable compiler. Each target starts from the files below
+//! `fuzz/seeds/` (written by `--write-seeds`), mutates them ([`mutate`]) and checks the properties that hold for any
+//! input ([`targets`]): content that is finite and in range, or an error of one line; no panic. An input with a new
+//! outcome is kept and mutated further, which replaces the coverage that libFuzzer would measure. The same seed and
+//! number of runs give the same inputs. Failing inputs are saved below `target/fuzz/`.
 
 #[allow(dead_code, reason = "the tests of adwave-io use all of it")]
-#[allow(clippy::unwrap_used, reason = "what is written is right")]
+#[allow(clippy::unwrap_used, reason = "generated seeds are valid")]
 #[path = "../../crates/adwave-io/tests/cloud_part/copc_file.rs"]
 mod copc_file;
 mod mutate;
@@ -24,18 +25,18 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use targets::Target;
 
-/// Inputs that a target keeps at most.
+/// Largest number of inputs that a target keeps.
 const MAX_KEPT: usize = 400;
-/// Findings after which a target is left.
+/// Number of findings after which a target is stopped.
 const MAX_FINDINGS: usize = 5;
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Options {
-    /// For all targets together.
+    /// Total time for all targets.
     seconds: f64,
     only: Option<String>,
     seed: u64,
-    /// Inputs per target; as many as there is time for otherwise.
+    /// Inputs per target; `None` runs until the time is up.
     runs: Option<u64>,
 }
 
@@ -43,7 +44,7 @@ fn main() -> ExitCode {
     match run(std::env::args().skip(1)) {
         Ok(0) => ExitCode::SUCCESS,
         Ok(n) => {
-            eprintln!("{n} inputs break something; they are below {}", output().display());
+            eprintln!("{n} inputs fail; they are saved below {}", output().display());
             ExitCode::FAILURE
         }
         Err(message) => {
@@ -61,7 +62,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<usize, String> {
             return seeds::write(&seeds_folder()).map(|()| 0).map_err(|e| e.to_string());
         }
         let value = arguments.next().ok_or_else(|| format!("{option} needs a value"))?;
-        let wrong = || format!("{option} {value}: not a number");
+        let wrong = || format!("{option} needs a number, got {value}");
         match option.as_str() {
             "--seconds" => options.seconds = value.parse().map_err(|_| wrong())?,
             "--only" => options.only = Some(value),
@@ -69,7 +70,9 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<usize, String> {
             "--runs" => options.runs = Some(value.parse().map_err(|_| wrong())?),
             "--file" => files.push(PathBuf::from(value)),
             _ => {
-                return Err(format!("fuzz knows --seconds, --only, --seed, --runs and --file, not {option}"));
+                return Err(format!(
+                    "unknown option {option}; use --seconds, --only, --seed, --runs or --file"
+                ));
             }
         }
     }
@@ -77,10 +80,10 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<usize, String> {
     let targets: Vec<Target> = targets::all().into_iter().filter(is_asked_for).collect();
     if targets.is_empty() {
         let names: Vec<&str> = targets::all().iter().map(|t| t.name).collect();
-        return Err(format!("there is no such target; there are {}", names.join(", ")));
+        return Err(format!("unknown target; use one of {}", names.join(", ")));
     }
     std::fs::create_dir_all(output()).map_err(|e| format!("{}: {e}", output().display()))?;
-    // What breaks is told with its input; the panics themselves would be told once per input.
+    // A finding is printed with its input; the panic message itself would be printed for every input.
     std::panic::set_hook(Box::new(|_| {}));
     watch::start(output());
     let seconds = options.seconds / targets.len() as f64;
@@ -92,7 +95,7 @@ fn run(mut arguments: impl Iterator<Item = String>) -> Result<usize, String> {
     Ok(n_findings)
 }
 
-/// Runs one target for its time, prints its line, and gives the number of findings.
+/// Runs one target for its time, prints its line, and returns the number of findings.
 fn fuzz(target: &Target, seconds: f64, options: &Options) -> usize {
     let start = Instant::now();
     let mut random = Random::new(options.seed ^ hash(target.name.as_bytes()));
@@ -102,7 +105,7 @@ fn fuzz(target: &Target, seconds: f64, options: &Options) -> usize {
     let (mut n_runs, mut n_ok, mut findings) = (0_u64, 0_u64, Vec::new());
     loop {
         let input = match kept.get(n_runs as usize) {
-            // Each seed once as it is.
+            // Each seed once, unchanged.
             Some(seed) if n_runs < n_seeds as u64 => seed.clone(),
             _ => mutate::mutate(&kept, target.words, &mut random),
         };
@@ -115,7 +118,7 @@ fn fuzz(target: &Target, seconds: f64, options: &Options) -> usize {
                 }
             }
             Err(what) => {
-                // One finding per way to break.
+                // One finding per kind of failure.
                 if outcomes.insert(hash(kind(&what).as_bytes())) {
                     let path = save(target.name, &input);
                     println!("{}: {what}: {}", target.name, path.display());
@@ -141,7 +144,7 @@ fn fuzz(target: &Target, seconds: f64, options: &Options) -> usize {
     findings.len()
 }
 
-/// Checks files as they are: what was found before.
+/// Checks files unchanged, such as earlier findings.
 fn replay(target: &Target, files: &[PathBuf]) -> Result<usize, String> {
     let mut n_findings = 0;
     for path in files {
@@ -153,19 +156,20 @@ fn replay(target: &Target, files: &[PathBuf]) -> Result<usize, String> {
     Ok(n_findings)
 }
 
-/// What became of an input, or what it broke.
+/// Runs the check of a target; returns the outcome, or the violated property as an error.
 fn check(target: &Target, input: &[u8]) -> Result<String, String> {
     watch::begin(target.name, input);
     let outcome = catch_unwind(AssertUnwindSafe(|| (target.check)(input)));
     watch::end();
     outcome.unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without words");
+        let text =
+            text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("panic without a message");
         Err(format!("panic: {text}"))
     })
 }
 
-/// The outcome without the numbers in it and without quoted parts of the input.
+/// Outcome without its numbers and without quoted parts of the input.
 fn kind(outcome: &str) -> String {
     let mut is_quoted = false;
     let keep = |c: &char| {
@@ -203,7 +207,7 @@ fn output() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz")
 }
 
-/// FNV-1a.
+/// Hashes by FNV-1a.
 fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }

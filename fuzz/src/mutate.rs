@@ -1,9 +1,9 @@
-//! How inputs are changed.
+//! Mutations of inputs.
 
-/// Inputs grow no longer than this.
+/// Largest size of an input in bytes.
 const MAX_BYTES: usize = 1 << 16;
 
-/// Numbers at which readers go wrong.
+/// Numbers that often expose faults of readers.
 const NUMBERS: [&str; 26] = [
     "0",
     "-0",
@@ -53,7 +53,7 @@ const WHOLE: [u64; 18] = [
     u64::MAX,
 ];
 
-/// SplitMix64: the same numbers on every machine.
+/// SplitMix64 generator: the same numbers on every machine.
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -69,27 +69,27 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A number below `n`; 0 where `n` is.
-    fn below(&mut self, n: usize) -> usize {
+    /// Random number below `n`; 0 if `n` is 0.
+    fn next_below(&mut self, n: usize) -> usize {
         if n == 0 { 0 } else { (self.next() % n as u64) as usize }
     }
 
     fn one_of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
-        &all[self.below(all.len())]
+        &all[self.next_below(all.len())]
     }
 
-    /// Most often short, seldom all of `n`.
+    /// Random range within `n`, usually short, seldom all of it.
     fn range(&mut self, n: usize) -> std::ops::Range<usize> {
-        let most = if self.below(8) == 0 { n } else { n.min(16) };
-        let start = self.below(n + 1);
-        start..(start + self.below(most + 1)).min(n)
+        let most = if self.next_below(8) == 0 { n } else { n.min(16) };
+        let start = self.next_below(n + 1);
+        start..(start + self.next_below(most + 1)).min(n)
     }
 }
 
-/// One of the inputs, changed one to eight times.
+/// Applies one to eight mutations to one of the inputs.
 pub(crate) fn mutate(kept: &[Vec<u8>], words: &[&str], random: &mut Random) -> Vec<u8> {
     let mut bytes = random.one_of(kept).clone();
-    for _ in 0..=random.below(4) * random.below(3) {
+    for _ in 0..=random.next_below(4) * random.next_below(3) {
         change(&mut bytes, kept, words, random);
         bytes.truncate(MAX_BYTES);
     }
@@ -98,50 +98,50 @@ pub(crate) fn mutate(kept: &[Vec<u8>], words: &[&str], random: &mut Random) -> V
 
 fn change(bytes: &mut Vec<u8>, kept: &[Vec<u8>], words: &[&str], random: &mut Random) {
     let n = bytes.len();
-    match random.below(16) {
-        0 if n > 0 => bytes[random.below(n)] ^= 1 << random.below(8),
-        1 if n > 0 => bytes[random.below(n)] = random.next() as u8,
-        2 => bytes.truncate(random.below(n + 1)),
+    match random.next_below(16) {
+        0 if n > 0 => bytes[random.next_below(n)] ^= 1 << random.next_below(8),
+        1 if n > 0 => bytes[random.next_below(n)] = random.next() as u8,
+        2 => bytes.truncate(random.next_below(n + 1)),
         3 => drop(bytes.drain(random.range(n))),
         4 => {
             let part = bytes[random.range(n)].to_vec();
-            insert(bytes, random.below(n + 1), &part);
+            insert(bytes, random.next_below(n + 1), &part);
         }
         5 => {
-            let noise: Vec<u8> = (0..random.below(9)).map(|_| random.next() as u8).collect();
-            insert(bytes, random.below(n + 1), &noise);
+            let noise: Vec<u8> = (0..random.next_below(9)).map(|_| random.next() as u8).collect();
+            insert(bytes, random.next_below(n + 1), &noise);
         }
         6 => {
-            // The beginning of one and the end of another.
+            // The beginning of one input and the end of another.
             let other = random.one_of(kept);
-            let tail = &other[random.below(other.len() + 1)..];
-            bytes.truncate(random.below(n + 1));
+            let tail = &other[random.next_below(other.len() + 1)..];
+            bytes.truncate(random.next_below(n + 1));
             bytes.extend_from_slice(tail);
         }
         7 => {
             let other = random.one_of(kept);
             let part = &other[random.range(other.len())];
-            insert(bytes, random.below(n + 1), part);
+            insert(bytes, random.next_below(n + 1), part);
         }
         8 | 9 => number_in_text(bytes, random),
         10 => whole_number(bytes, random),
         11 if !words.is_empty() => {
             let word = random.one_of(words).as_bytes();
-            insert(bytes, random.below(n + 1), word);
+            insert(bytes, random.next_below(n + 1), word);
         }
         12 if !words.is_empty() => word_for_word(bytes, words, random),
         13 => {
-            // A line again, or another one in its place.
-            let (one, other) = (line(bytes, random.below(n + 1)), line(bytes, random.below(n + 1)));
+            // A line is repeated, or another one replaces it.
+            let (one, other) = (line(bytes, random.next_below(n + 1)), line(bytes, random.next_below(n + 1)));
             let text = bytes[one].to_vec();
-            if random.below(2) == 0 {
+            if random.next_below(2) == 0 {
                 insert(bytes, other.start, &text);
             } else {
                 bytes.splice(other, text);
             }
         }
-        14 => drop(bytes.drain(line(bytes, random.below(n + 1)))),
-        _ => insert(bytes, random.below(n + 1), random.one_of(&NUMBERS).as_bytes()),
+        14 => drop(bytes.drain(line(bytes, random.next_below(n + 1)))),
+        _ => insert(bytes, random.next_below(n + 1), random.one_of(&NUMBERS).as_bytes()),
     }
 }
 
@@ -149,41 +149,41 @@ fn insert(bytes: &mut Vec<u8>, at: usize, part: &[u8]) {
     bytes.splice(at..at, part.iter().copied());
 }
 
-/// The line around a place, with its line feed.
+/// Range of the line around a position, with its line feed.
 fn line(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     let start = bytes[..at].iter().rposition(|&b| b == b'\n').map_or(0, |n| n + 1);
     let end = bytes[at..].iter().position(|&b| b == b'\n').map_or(bytes.len(), |n| at + n + 1);
     start..end
 }
 
-/// Another number in place of one in a text.
+/// Replaces a number in a text by another.
 fn number_in_text(bytes: &mut Vec<u8>, random: &mut Random) {
     let is_part = |b: u8| b.is_ascii_digit() || matches!(b, b'-' | b'.');
-    let from = random.below(bytes.len() + 1);
+    let from = random.next_below(bytes.len() + 1);
     let Some(start) = bytes[from..].iter().position(|&b| is_part(b)).map(|n| from + n) else { return };
     let end = bytes[start..].iter().position(|&b| !is_part(b)).map_or(bytes.len(), |n| start + n);
-    let number = if random.below(2) == 0 {
+    let number = if random.next_below(2) == 0 {
         (*random.one_of(&NUMBERS)).to_owned()
     } else {
-        random.below(40).to_string()
+        random.next_below(40).to_string()
     };
     bytes.splice(start..end, number.bytes());
 }
 
-/// Another number in place of some bytes, in either order.
+/// Replaces some bytes by another number, in either byte order.
 fn whole_number(bytes: &mut [u8], random: &mut Random) {
-    let width = 1 << random.below(4);
+    let width = 1 << random.next_below(4);
     if bytes.len() < width {
         return;
     }
-    let at = random.below(bytes.len() - width + 1);
-    let number = random.one_of(&WHOLE).wrapping_add(random.below(3) as u64).wrapping_sub(1);
+    let at = random.next_below(bytes.len() - width + 1);
+    let number = random.one_of(&WHOLE).wrapping_add(random.next_below(3) as u64).wrapping_sub(1);
     let (little, big) = (number.to_le_bytes(), number.to_be_bytes());
-    let new = if random.below(4) == 0 { &big[8 - width..] } else { &little[..width] };
+    let new = if random.next_below(4) == 0 { &big[8 - width..] } else { &little[..width] };
     bytes[at..at + width].copy_from_slice(new);
 }
 
-/// Another word of the format in place of one.
+/// Replaces a word of the format by another.
 fn word_for_word(bytes: &mut Vec<u8>, words: &[&str], random: &mut Random) {
     let old = random.one_of(words).as_bytes();
     let new = random.one_of(words).as_bytes();

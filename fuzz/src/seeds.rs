@@ -1,5 +1,5 @@
-//! The seeds, made here: small files of every format from our own writers, and by hand what these do not write.
-//! `cargo run -p adwave-fuzz -- --write-seeds` writes them below `fuzz/seeds/`.
+//! Seeds of the fuzzer: small files of every format from our own writers, and handwritten ones for content that these
+//! do not write. `cargo run -p adwave-fuzz -- --write-seeds` writes them below `fuzz/seeds/`.
 
 use crate::copc_file::copc;
 use adwave::shape::Polygons;
@@ -13,7 +13,7 @@ use std::path::Path;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
-/// Texts: folder, name, content.
+/// Text seeds: folder, name, content.
 const TEXTS: &[(&str, &str, &str)] = &[
     (
         "obj",
@@ -178,27 +178,27 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
         save(target, name, text.as_bytes())?;
     }
     for (target, format, kind) in [
-        ("obj", Format::Obj, "mesh"),
-        ("ply", Format::Ply, "mesh"),
-        ("ply", Format::PlyAscii, "text"),
-        ("off", Format::Off, "mesh"),
-        ("stl", Format::Stl, "mesh"),
-        ("xyz", Format::Xyz, "cloud"),
-        ("csv", Format::Csv, "cloud"),
-        ("pcd", Format::Pcd, "cloud"),
-        ("pcd", Format::PcdCompressed, "packed"),
-        ("off", Format::OffBinary, "binary"),
-        ("msh", Format::Msh, "binary"),
-        ("msh", Format::MshAscii, "text"),
-        ("meshb", Format::MeditBinary, "mesh"),
-        ("3mf", Format::ThreeMf, "mesh"),
-        ("dmat", Format::DmatBinary, "binary"),
-        ("vtk-xml", Format::Vtp, "mesh"),
-        ("vtk-xml", Format::Vtu, "grid"),
-        ("vtk", Format::Vtk, "mesh"),
-        ("freesurfer", Format::FreeSurfer, "mesh"),
-        ("glb", Format::Glb, "mesh"),
-        ("gltf", Format::Gltf, "mesh"),
+        ("obj", Format::OBJ, "mesh"),
+        ("ply", Format::PLY, "mesh"),
+        ("ply", Format::PLY_ASCII, "text"),
+        ("off", Format::OFF, "mesh"),
+        ("stl", Format::STL, "mesh"),
+        ("xyz", Format::XYZ, "cloud"),
+        ("csv", Format::CSV, "cloud"),
+        ("pcd", Format::PCD, "cloud"),
+        ("pcd", Format::PCD_COMPRESSED, "packed"),
+        ("off", Format::OFF_BINARY, "binary"),
+        ("msh", Format::MSH, "binary"),
+        ("msh", Format::MSH_ASCII, "text"),
+        ("meshb", Format::MEDIT_BINARY, "mesh"),
+        ("3mf", Format::THREE_MF, "mesh"),
+        ("dmat", Format::DMAT_BINARY, "binary"),
+        ("vtk-xml", Format::VTP, "mesh"),
+        ("vtk-xml", Format::VTU, "grid"),
+        ("vtk", Format::VTK, "mesh"),
+        ("freesurfer", Format::FREESURFER, "mesh"),
+        ("glb", Format::GLB, "mesh"),
+        ("gltf", Format::GLTF, "mesh"),
     ] {
         let mut bytes = Vec::new();
         write_bytes(&mesh()?, format, &mut bytes)?;
@@ -206,7 +206,7 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     }
     let edges = Edges { pairs: vec![[1, 0], [2, 1]], weights: vec![1.0, 0.5], direction: Direction::Both };
     let mut graph = Vec::new();
-    write_bytes(&ShapeFile::from_graph(3, edges), Format::Mtx, &mut graph)?;
+    write_bytes(&ShapeFile::from_graph(3, edges), Format::MTX, &mut graph)?;
     save("mtx", "weights", &graph)?;
     save("ply", "big", &big_endian_ply())?;
     save("e57", "scan", &e57_scan()?)?;
@@ -234,6 +234,12 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     for (name, n, has_pages) in [("flat", 40, false), ("pages", 40, true), ("root", 1, true)] {
         save("copc", name, &copc(n, has_pages).bytes)?;
     }
+    write_encoded(&save)?;
+    write_arrays(folder)
+}
+
+/// Writes seeds whose content is encoded or compressed.
+fn write_encoded(save: &impl Fn(&str, &str, &[u8]) -> Outcome<()>) -> Outcome<()> {
     save("gifti", "text", gifti("ASCII", |numbers, _| numbers.join(" ")).as_bytes())?;
     let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
     save("gifti", "base64", gifti("Base64Binary", |_, bytes| encode(bytes)).as_bytes())?;
@@ -249,13 +255,18 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
     let mut jpeg = Vec::new();
     image::RgbImage::new(8, 8).write_to(&mut Cursor::new(&mut jpeg), image::ImageFormat::Jpeg)?;
     save("picture", "jpeg", &jpeg)?;
+    Ok(())
+}
+
+/// Writes NPY arrays.
+fn write_arrays(folder: &Path) -> Outcome<()> {
     std::fs::create_dir_all(folder.join("npy"))?;
     write_npy(&folder.join("npy/doubles"), &[2, 3], ArrayValues::F64(&[0.0, 1.0, 2.0, f64::NAN, 4.0, 5.0]))?;
     write_npy(&folder.join("npy/whole"), &[4], ArrayValues::U32(&[0, 1, 2, 3]))?;
     let header = "{'descr': '>i2', 'fortran_order': True, 'shape': (2, 2), }\n";
     let fortran =
         [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &[0; 8]];
-    save("npy", "fortran", &fortran.concat())
+    Ok(std::fs::write(folder.join("npy/fortran"), fortran.concat())?)
 }
 
 /// A square of a quadrilateral and a triangle, with fields of several types.
@@ -281,7 +292,7 @@ pub(crate) fn picture() -> Vec<u8> {
     bytes
 }
 
-/// A scan with whole, scaled and floating numbers, of which one has no place.
+/// A scan with integer, scaled and floating-point values, one of them without a position.
 fn e57_scan() -> Outcome<Vec<u8>> {
     use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue};
     let record = |name, data_type| Record { name, data_type };
@@ -364,13 +375,13 @@ fn cifti() -> Vec<u8> {
 fn compressed_pcd() -> Vec<u8> {
     let header = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n\
                   POINTS 2\nDATA binary_compressed\n";
-    // Eight bytes, then twice the same eight: 16 bytes from 8 back.
+    // Eight bytes, then the same eight twice: 16 bytes from 8 back.
     let packed = [&[7_u8][..], &1.5_f32.to_le_bytes(), &(-2.0_f32).to_le_bytes(), &[7 << 5, 7, 7]].concat();
     let sizes = [(packed.len() as u32).to_le_bytes(), 24_u32.to_le_bytes()].concat();
     [header.as_bytes(), &sizes, &packed].concat()
 }
 
-/// Twelve points of a format, ten in a chunk.
+/// Twelve points of a format, ten per chunk.
 fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
     const N: u32 = 12;
     let size: u16 = match format {
@@ -427,7 +438,7 @@ fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A triangle and a value per vertex, each array as its numbers in text and its bytes.
+/// A triangle and a value per vertex, each array in text and in bytes.
 fn gifti(encoding: &str, content: impl Fn(&[String], &[u8]) -> String) -> String {
     let floats = |values: &[f32]| {
         let text: Vec<String> = values.iter().map(f32::to_string).collect();

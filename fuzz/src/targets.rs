@@ -1,4 +1,4 @@
-//! What is fuzzed, and what must hold of any input.
+//! Fuzz targets and the properties that hold for any input.
 
 use crate::words::{
     GEOMVIEW, GLTF, GRAPHML, MANUFACTURING, MEDIT, MSH, OBJ, PCD, PLY, RECIPE, REGION, VTK, VTK_XML, XML,
@@ -14,19 +14,19 @@ use adwave_io::{
 use std::error::Error;
 use std::path::Path;
 
-/// One reader or parser.
+/// Reader or parser under test.
 pub(crate) struct Target {
     pub(crate) name: &'static str,
-    /// The folder of its seeds.
+    /// Folder of its seeds.
     pub(crate) seeds: &'static str,
     /// Words of its language.
     pub(crate) words: &'static [&'static str],
-    /// `ok …` or the error's text; `Err` where the input breaks what must hold.
+    /// Returns `ok …` or the text of the reader's error; `Err` if the input violates a property.
     pub(crate) check: fn(&[u8]) -> Result<String, String>,
 }
 
-/// An E57 whose pages have the sums that go with them: mutations would seldom come past them.
-fn with_sums(bytes: &[u8]) -> Vec<u8> {
+/// An E57 with correct checksums of its pages; otherwise mutations would seldom get past them.
+fn with_checksums(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for page in bytes.chunks_exact_mut(1024) {
         let sum = crc32c::crc32c(&page[..1020]);
@@ -37,6 +37,13 @@ fn with_sums(bytes: &[u8]) -> Vec<u8> {
 
 /// All targets.
 pub(crate) fn all() -> Vec<Target> {
+    let mut targets = shape_targets();
+    targets.extend(other_targets());
+    targets
+}
+
+/// Readers of shapes, each with seeds of its own name.
+fn shape_targets() -> Vec<Target> {
     let shape = |name, words, check| Target { name, seeds: name, words, check };
     vec![
         shape("obj", OBJ, |b| mesh_file(b, "a.obj")),
@@ -72,10 +79,18 @@ pub(crate) fn all() -> Vec<Target> {
         shape("gifti", XML, |b| shape_file(b, "a.gii")),
         shape("glb", GLTF, |b| shape_file(b, "a.glb")),
         shape("gltf", GLTF, |b| shape_file(b, "a.gltf")),
-        shape("e57", &[], |b| shape_file(&with_sums(b), "a.e57")),
+        shape("e57", &[], |b| shape_file(&with_checksums(b), "a.e57")),
         shape("vtk-xml", VTK_XML, |b| shape_file(b, "a.vtp")),
         shape("vtk", VTK, |b| shape_file(b, "a.vtk")),
         shape("freesurfer", &["created by a\n\n", "\u{0}\u{0}\u{0}\u{2}"], |b| shape_file(b, "lh.white")),
+        shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
+    ]
+}
+
+/// Readers of fields, arrays, materials and pictures, and parsers of recipes and regions.
+fn other_targets() -> Vec<Target> {
+    let target = |name, words, check| Target { name, seeds: name, words, check };
+    vec![
         Target {
             name: "surface-values",
             seeds: "surface-values",
@@ -89,7 +104,6 @@ pub(crate) fn all() -> Vec<Target> {
             ],
             check: |b| fields(parse_surface_values(b, Some("CortexLeft"), 3, &LIMITS)),
         },
-        shape("gzip", &[], |b| shape_file(b, "a.obj.gz")),
         Target {
             name: "gifti-fields",
             seeds: "gifti",
@@ -102,29 +116,29 @@ pub(crate) fn all() -> Vec<Target> {
             words: &[",", ";", "\t", "\"", "NA"],
             check: |b| fields(parse_csv_fields(b, &LIMITS)),
         },
-        shape(
+        target(
             "npy",
             &["'descr'", "'fortran_order'", "'shape'", "True", "False", "<f8", ">i2", "|u1", "(", ")", ","],
             npy,
         ),
-        shape(
+        target(
             "materials",
             &["newmtl ", "map_Kd ", "-s 1 1 1 ", "a.png", "usemtl ", "vt ", "f ", "|"],
             materials,
         ),
-        shape("picture", &[], picture),
-        shape("recipe", RECIPE, recipe),
-        shape("region", REGION, region),
+        target("picture", &[], picture),
+        target("recipe", RECIPE, recipe),
+        target("region", REGION, region),
     ]
 }
 
 const LIMITS: ReadLimits = ReadLimits { max_bytes: 1 << 26, max_points: 1 << 22 };
 
-/// The text of an error that must be one line.
+/// Checks that the text of an error is one line, and returns it.
 fn one_line(error: &(impl Error + ?Sized)) -> Result<String, String> {
     let text = error.to_string();
     if text.is_empty() || text.contains(['\n', '\r']) {
-        return Err(format!("an error of several lines: {text:?}"));
+        return Err(format!("an error message with several lines: {text:?}"));
     }
     Ok(text)
 }
@@ -134,17 +148,18 @@ fn error(error: &impl ClassifiedError) -> Result<String, String> {
     one_line(error)
 }
 
-/// Reads a shape; what was read is in range, can be written in any format, and comes back the same in its own.
+/// Reads a shape and checks that it is in range, can be written in any format, and is unchanged after a round trip
+/// through its own format.
 ///
-/// Written in its own format and in one more, which the input's bytes choose: all two dozen for each input would leave
-/// little time for reading.
+/// It is written in its own format and in one more, chosen by the input's bytes: writing all two dozen formats for
+/// each input would leave little time for reading.
 fn shape_file(bytes: &[u8], name: &str) -> Result<String, String> {
     let file = match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
         Ok(file) => file,
         Err(e) => return error(&e),
     };
     in_range(&file)?;
-    let own = file.format().ok_or("a shape that was read has no format")?;
+    let own = file.format().ok_or("the shape has no format")?;
     let formats: Vec<Format> = Format::all().collect();
     let other = formats[(crate::hash(bytes) % formats.len() as u64) as usize];
     for format in formats.into_iter().filter(|&f| f == own || f == other) {
@@ -159,7 +174,7 @@ fn shape_file(bytes: &[u8], name: &str) -> Result<String, String> {
         Ok(shape) => {
             let points = shape.points().unwrap_or_default().as_flattened();
             if points.iter().any(|x| !x.is_finite()) {
-                return Err("a shape with a coordinate that is not finite".into());
+                return Err("a coordinate is not finite".into());
             }
         }
         Err(e) => drop(error(&e)?),
@@ -173,7 +188,7 @@ fn shape_file(bytes: &[u8], name: &str) -> Result<String, String> {
     ))
 }
 
-/// A part of a COPC, which the input's bytes choose: what was read lies in the box.
+/// Reads a part of a COPC, chosen by the input's bytes, and checks that all points lie in the box.
 fn cloud_part(bytes: &[u8]) -> Result<String, String> {
     let (low, high) = ([990.0, 1990.0, -10.0], [1003.0, 2010.0, 4.0]);
     let part = match crate::hash(bytes) % 4 {
@@ -184,7 +199,7 @@ fn cloud_part(bytes: &[u8]) -> Result<String, String> {
     };
     let path = std::env::temp_dir().join(format!("adwave-fuzz-{}-part", std::process::id()));
     std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
-    // The path is not the input's.
+    // The path differs from run to run.
     let own = |e: &ReadError| error(e).map(|text| text.replace(&*path.to_string_lossy(), "a"));
     let levels = match cloud_levels(&path, &LIMITS) {
         Ok(levels) => format!("{:?}", levels.map(|levels| levels.n_points.len())),
@@ -198,15 +213,19 @@ fn cloud_part(bytes: &[u8]) -> Result<String, String> {
     if let Some((low, high)) = part.bounds {
         let is_inside = |p: &[f64; 3]| (0..3).all(|a| low[a] <= p[a] && p[a] <= high[a]);
         if !file.points().iter().all(is_inside) {
-            return Err("a point outside the box".into());
+            return Err("a point lies outside the box".into());
         }
     }
     let mut written = Vec::new();
-    match write_bytes(&file, Format::Laz, &mut written) {
+    match write_bytes(&file, Format::LAZ, &mut written) {
         Ok(_) => {
             let again = read_bytes(written, Some("a.laz"), &LIMITS).map_err(|e| e.to_string())?;
             if again.n_vertices() != file.n_vertices() {
-                return Err(format!("{} points are {} when written", file.n_vertices(), again.n_vertices()));
+                return Err(format!(
+                    "{} points became {} when written",
+                    file.n_vertices(),
+                    again.n_vertices()
+                ));
             }
         }
         Err(e) => drop(error(&e)?),
@@ -214,10 +233,10 @@ fn cloud_part(bytes: &[u8]) -> Result<String, String> {
     Ok(format!("ok {} {levels}", file.n_vertices()))
 }
 
-/// As a whole, and one input in eight in portions too, for which it must be a file.
+/// Reads a LAS file at once, and one input in eight in blocks too, which need a file.
 fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
-    /// A few bytes can stand for any number of equal points.
-    const ENOUGH: usize = 200_000;
+    /// A few bytes can encode any number of equal points.
+    const MAX_POINTS: usize = 200_000;
     let outcome = shape_file(bytes, name)?;
     if !crate::hash(bytes).is_multiple_of(8) {
         return Ok(outcome);
@@ -225,13 +244,15 @@ fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
     let path = std::env::temp_dir().join(format!("adwave-fuzz-{}-{name}", std::process::id()));
     std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
     let mut records = Vec::new();
-    let in_portions = LasReader::open(&path).and_then(|mut reader| {
-        while records.len() < ENOUGH * reader.layout().record_bytes && reader.read(999, &mut records)? > 0 {}
+    let in_blocks = LasReader::open(&path).and_then(|mut reader| {
+        while records.len() < MAX_POINTS * reader.layout().record_bytes && reader.read(999, &mut records)? > 0
+        {
+        }
         Ok((records.len() / reader.layout().record_bytes, reader.layout().n_points))
     });
-    // What is passed over without being unpacked: the last point is that which was read there.
+    // Skipping without decoding must arrive at the same last point.
     let n_before = (records.len() / record_bytes(bytes)).saturating_sub(1);
-    if in_portions.is_ok() && n_before > 0 {
+    if in_blocks.is_ok() && n_before > 0 {
         let mut last = Vec::new();
         let skipped = LasReader::open(&path).and_then(|mut reader| {
             reader.skip(n_before as u64)?;
@@ -239,25 +260,26 @@ fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
         });
         let size = record_bytes(bytes);
         if skipped.is_err() || last != records[n_before * size..][..size] {
-            return Err("another point after others were passed over".to_owned());
+            return Err("the last point differs after skipping others".to_owned());
         }
     }
-    let said = match in_portions {
-        Ok((n, promised)) if n as u64 == promised || n >= ENOUGH => "ok".to_owned(),
-        Ok((n, promised)) => return Err(format!("{n} points in portions of {promised}")),
-        // The path is not the input's.
+    let blocks = match in_blocks {
+        Ok((n, promised)) if n as u64 == promised || n >= MAX_POINTS => "ok".to_owned(),
+        Ok((n, promised)) => return Err(format!("{n} points in blocks, expected {promised}")),
+        // The path differs from run to run.
         Err(e) => error(&e)?.replace(&*path.to_string_lossy(), "a"),
     };
     let whole = read_bytes(bytes.to_vec(), Some(name), &LIMITS);
     match whole {
-        Ok(file) if said == "ok" && file.n_vertices() != records.len() / record_bytes(bytes) => {
-            Err(format!("{} points as a whole, {} bytes in portions", file.n_vertices(), records.len()))
+        Ok(file) if blocks == "ok" && file.n_vertices() != records.len() / record_bytes(bytes) => {
+            Err(format!("{} points at once, {} bytes in blocks", file.n_vertices(), records.len()))
         }
-        _ => Ok(format!("{outcome}; {said}")),
+        _ => Ok(format!("{outcome}; {blocks}")),
     }
 }
 
-/// As a whole, and one input in eight in portions too, for which it must be a file: these give the same, and the file again.
+/// Reads a mesh file at once, and one input in eight in blocks too, which need a file; both must agree and reproduce
+/// the file.
 fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
     let outcome = shape_file(bytes, name)?;
     if !crate::hash(bytes).is_multiple_of(8) {
@@ -266,7 +288,7 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
     let path = std::env::temp_dir().join(format!("adwave-fuzz-{}-{name}", std::process::id()));
     std::fs::write(&path, bytes).map_err(|e| e.to_string())?;
     let (mut points, mut faces, mut again) = (Vec::new(), Polygons::new(), Vec::new());
-    let mut in_portions = || -> Result<(), Box<dyn Error>> {
+    let mut in_blocks = || -> Result<(), Box<dyn Error>> {
         let mut reader = MeshReader::open(&path)?;
         while reader.vertices(&mut points)? {}
         let mut reader = MeshReader::open(&path)?;
@@ -274,19 +296,19 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
         rewrite_mesh::<Box<dyn Error>>(&path, &[], &mut again, Progress::none(), &mut |_, _| Ok(()))?;
         Ok(())
     };
-    let said = match in_portions() {
+    let blocks = match in_blocks() {
         Ok(()) => "ok".to_owned(),
-        // The path is not the input's.
+        // The path differs from run to run.
         Err(e) => one_line(&*e)?.replace(&*path.to_string_lossy(), "a"),
     };
-    // An OBJ is one by its name alone.
+    // An OBJ is recognized by its name alone.
     let is_mesh = |f| match f {
-        Some(Format::Ply | Format::PlyAscii) => true,
-        Some(Format::Obj) => Path::new(name).extension().is_some_and(|e| e == "obj"),
+        Some(Format::PLY | Format::PLY_ASCII) => true,
+        Some(Format::OBJ) => Path::new(name).extension().is_some_and(|e| e == "obj"),
         _ => false,
     };
     match read_bytes(bytes.to_vec(), Some(name), &LIMITS) {
-        // Compressed files and lines of the old Macintosh are read whole alone.
+        // Compressed files and files with Macintosh line ends are read only at once.
         Ok(whole)
             if is_mesh(whole.format())
                 && !bytes.starts_with(&[0x1f, 0x8b])
@@ -294,20 +316,20 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
         {
             let bits =
                 |points: &[[f64; 3]]| points.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-            if said != "ok"
+            if blocks != "ok"
                 || bits(&points) != bits(whole.points())
                 || &faces != whole.faces()
                 || again != bytes
             {
-                return Err(format!("other portions than the whole: {said}"));
+                return Err(format!("blocks differ from the whole: {blocks}"));
             }
-            Ok(format!("{outcome}; {said}"))
+            Ok(format!("{outcome}; {blocks}"))
         }
-        _ => Ok(format!("{outcome}; {said}")),
+        _ => Ok(format!("{outcome}; {blocks}")),
     }
 }
 
-/// What the header says.
+/// Number of bytes per record according to the header.
 fn record_bytes(bytes: &[u8]) -> usize {
     bytes.get(105..107).map_or(1, |b| usize::from(u16::from_le_bytes([b[0], b[1]])).max(1))
 }
@@ -315,39 +337,47 @@ fn record_bytes(bytes: &[u8]) -> usize {
 fn in_range(file: &ShapeFile) -> Result<(), String> {
     let n = file.n_vertices();
     if !file.points().is_empty() && file.points().len() != n {
-        return Err(format!("{} points for {n} vertices", file.points().len()));
+        return Err(format!("{} points, expected {n} vertices", file.points().len()));
     }
     let ends = file.faces().corners().iter().chain(file.edges().pairs.as_flattened());
     if let Some(v) = ends.copied().find(|&v| v as usize >= n) {
-        return Err(format!("vertex {v} of {n}"));
+        return Err(format!("vertex {v}, expected below {n}"));
     }
     let weights = &file.edges().weights;
     if !weights.is_empty() && weights.len() != file.edges().pairs.len() {
-        return Err(format!("{} weights for {} edges", weights.len(), file.edges().pairs.len()));
+        return Err(format!(
+            "{} weights, expected {} (one per edge)",
+            weights.len(),
+            file.edges().pairs.len()
+        ));
     }
     let of_faces = file.face_fields().iter().map(|f| (f, file.faces().len()));
     for (field, rows) in file.vertex_fields().iter().map(|f| (f, n)).chain(of_faces) {
         if field.n_channels == 0 || field.values.len() != rows * field.n_channels {
-            return Err(format!("field of {} × {} for {rows} rows", field.values.len(), field.n_channels));
+            return Err(format!(
+                "a field of {} × {} values, expected {rows} rows",
+                field.values.len(),
+                field.n_channels
+            ));
         }
     }
     Ok(())
 }
 
-/// Written in its own format and read again, a shape is the same.
+/// Checks that a shape is unchanged after writing it in its own format and reading it again.
 fn unchanged(file: &ShapeFile, written: &[u8], name: &str) -> Result<(), String> {
     let again = read_bytes(written.to_vec(), Some(name), &ReadLimits::default())
-        .map_err(|e| format!("what was written is not read: {e}"))?;
+        .map_err(|e| format!("the written file cannot be read: {e}"))?;
     let same = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
     let (old, new) = (file.points().as_flattened(), again.points().as_flattened());
     if old.len() != new.len() {
         return Err(format!("{} points after writing and reading, {} before", new.len() / 3, old.len() / 3));
     }
     if let Some((a, b)) = old.iter().zip(new).find(|&(&a, &b)| !same(a, b)) {
-        return Err(format!("other points after writing and reading: {a:e} is now {b:e}"));
+        return Err(format!("a coordinate changed in writing and reading: {a:e} became {b:e}"));
     }
     // Triangles are all that an STL has.
-    if !matches!(file.format(), Some(Format::Stl | Format::StlAscii)) && file.faces() != again.faces() {
+    if !matches!(file.format(), Some(Format::STL | Format::STL_ASCII)) && file.faces() != again.faces() {
         return Err("other faces after writing and reading".into());
     }
     Ok(())
@@ -360,7 +390,7 @@ fn fields(read: Result<Vec<adwave_io::Field>, ReadError>) -> Result<String, Stri
         {
             Ok(format!("ok {}", fields.len().min(4)))
         }
-        Ok(_) => Err("a field without whole rows".into()),
+        Ok(_) => Err("a field without complete rows".into()),
         Err(e) => error(&e),
     }
 }
@@ -376,7 +406,7 @@ fn npy(bytes: &[u8]) -> Result<String, String> {
     }
 }
 
-/// An OBJ and its materials, separated by `|`.
+/// Checks an OBJ and its materials, separated by `|`.
 fn materials(bytes: &[u8]) -> Result<String, String> {
     let at = bytes.iter().position(|&b| b == b'|').unwrap_or(bytes.len());
     in_folder(|folder| {
@@ -405,15 +435,16 @@ fn colors(obj: &[u8], path: &Path, image: Option<&Path>) -> Result<String, Strin
     };
     match texture_colors(&file, path, image, &LIMITS) {
         Ok(field) if field.to_f64().iter().all(|c| c.is_nan() || (0.0..=1.0).contains(c)) => Ok("ok".into()),
-        Ok(_) => Err("a color beyond [0, 1]".into()),
-        // The folder's name is another each time.
+        Ok(_) => Err("a color outside [0, 1]".into()),
+        // The name of the folder differs from run to run.
         Err(e) => error(&e).map(|text| text.split('(').next_back().unwrap_or_default().to_owned()),
     }
 }
 
-/// Runs in a folder of its own.
+/// Runs a check in a temporary folder.
 fn in_folder(run: impl FnOnce(&Path) -> std::io::Result<Result<String, String>>) -> Result<String, String> {
-    let folder = tempfile::tempdir().map_err(|e| format!("no folder for temporary files: {e}"))?;
+    let folder =
+        tempfile::tempdir().map_err(|e| format!("cannot create a folder for temporary files: {e}"))?;
     run(folder.path()).map_err(|e| format!("temporary files: {e}"))?
 }
 
@@ -422,10 +453,11 @@ fn recipe(bytes: &[u8]) -> Result<String, String> {
     match parse_recipe(&text) {
         Ok(recipe) => {
             let written = recipe_to_text(&recipe);
-            let again = parse_recipe(&written).map_err(|e| format!("what was written is not read: {e}"))?;
-            // NaN is not itself; texts are.
+            let again =
+                parse_recipe(&written).map_err(|e| format!("the written file cannot be read: {e}"))?;
+            // NaN differs from itself, so the texts are compared.
             if recipe_to_text(&again) != written {
-                return Err("another recipe after writing and reading".into());
+                return Err("the recipe changed in writing and reading".into());
             }
             Ok(format!(
                 "ok {}",

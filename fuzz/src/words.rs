@@ -1,4 +1,4 @@
-//! Words of the formats' languages, which mutations put in.
+//! Words of the formats' languages, which mutations insert.
 
 pub(crate) const PLY: &[&str] = &[
     "element",

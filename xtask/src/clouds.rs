@@ -6,7 +6,7 @@ use std::process::Command;
 /// Prints the table. `arguments`: `--points N`.
 pub(crate) fn bench_clouds(arguments: &[&str]) -> Outcome {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
-    let python = python::environment(&root(), "clouds")?;
+    let python = python::environment("clouds")?;
     run(Command::new(python)
         .arg(root().join("benches/clouds/bench_clouds.py"))
         .arg("--adwave")

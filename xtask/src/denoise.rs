@@ -13,7 +13,7 @@ pub(crate) fn bench_denoise(arguments: &[&str]) -> Outcome {
     let release = ["build", "--release", "--locked", "--quiet"];
     cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
     cargo(&[&release[..], &["-p", "adwave-bench-helpers", "--bin", "denoise_case"]].concat(), &[])?;
-    let python = python::environment(&root(), PART)?;
+    let python = python::environment(PART)?;
     run(Command::new(python)
         .arg(root().join("benches/denoise/bench_denoise.py"))
         .arg("--adwave")

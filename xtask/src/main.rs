@@ -3,8 +3,10 @@
 mod clouds;
 mod denoise;
 mod meshings;
+mod notices;
 mod package;
 mod peers;
+mod publish;
 mod python;
 mod studio;
 
@@ -21,6 +23,7 @@ usage: cargo xtask COMMAND
   fuzz [--seconds N] [--only TARGET] [--seed N] [--runs N] [--file FILE]
             broken input for every reader and parser; what breaks is saved below target/fuzz
   wheel     build the Python package as target/wheels/adwave-….whl, for every Python from 3.10 on
+  docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
   python [--wheel]
             test the Python package from Python: its tests, the examples of its documentation and its types; of the wheel, or
             else of what the tests have built
@@ -37,6 +40,15 @@ usage: cargo xtask COMMAND
             the same tasks by the Python package and by other packages: seconds and lines, as a table
   bench-clouds [--points N]
             a scan of ten million points by tiles and by other programs: seconds and memory, as a table
+  same-outputs --before PROGRAM
+            run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
+  notices   write the notices and licenses of all that the program contains
+  package-check
+            what the registries check before a release: `cargo publish` of all crates; metadata, licenses and manylinux tag
+            of the Python package, and that its source distribution builds without a network; skips with a reason what is
+            not installed
+  style [FOLDER]
+            print every violation of the countable rules of style, below a folder of the repository
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps of several meshings of the same surfaces and write docs/MESHINGS.md
 
@@ -56,6 +68,7 @@ fn main() -> ExitCode {
         ["oracle"] => oracle(),
         ["oracle-baselines"] => oracle_baselines(),
         ["wheel"] => package::wheel().map(|_| ()),
+        ["docs"] => package::docs(),
         ["bench-python", ref rest @ ..] => package::bench(rest),
         ["studio-test"] => studio_test(),
         ["python", ref rest @ ..] => package::test_package(rest),
@@ -64,6 +77,11 @@ fn main() -> ExitCode {
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
+        ["same-outputs", ref rest @ ..] => same_outputs(rest),
+        ["notices"] => notices::write(),
+        ["package-check"] => publish::check(),
+        ["style"] => print_style("."),
+        ["style", folder] => print_style(folder),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())
@@ -77,6 +95,25 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints every violation of the countable rules of style below `folder`.
+fn print_style(folder: &str) -> Outcome {
+    let violations = xtask::style::check(&root(), folder)?;
+    for (rule, list) in violations.rules() {
+        println!("{rule}: {}", list.len());
+        for line in list {
+            println!("  {line}");
+        }
+    }
+    let share = 100.0 * violations.riddle_share();
+    println!("{} doc comments, {share:.1} % of them begin with What/Who/Which/…", violations.n_doc_comments);
+    Ok(())
+}
+
+fn same_outputs(arguments: &[&str]) -> Outcome {
+    cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
+    xtask::outputs::compare(arguments, &root(), &target().join("release/adwave"), &data())
 }
 
 fn studio_test() -> Outcome {
@@ -170,7 +207,7 @@ fn compare_with_scipy(adwave: &Path, folder: &str, vertices: [usize; 5], data: O
         let arguments = ["sample", name, "--vertices", &vertices, "--quiet", "-o"].map(OsStr::new);
         run(Command::new(adwave).args(arguments).arg(out))?;
     }
-    let python = python::environment(&root(), "oracle")?;
+    let python = python::environment("oracle")?;
     println!("> python {}", root().join("benches/oracle/oracle.py").display());
     let mut command = Command::new(python);
     command.arg(root().join("benches/oracle/oracle.py")).arg(adwave).arg(&samples);
@@ -184,7 +221,7 @@ fn oracle_baselines() -> Outcome {
     let build =
         ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "oracle_values"];
     cargo(&build, &[])?;
-    let python = python::environment(&root(), "baselines")?;
+    let python = python::environment("baselines")?;
     run(Command::new(python)
         .arg(root().join("benches/baselines/oracle.py"))
         .arg(target().join("release/oracle_values"))
@@ -211,6 +248,17 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> Outcome {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     println!("> cargo {}", arguments.join(" "));
     run(Command::new(cargo).current_dir(root()).args(arguments).envs(variables.iter().copied()))
+}
+
+/// Standard output of a command of cargo.
+fn cargo_output(arguments: &[&str]) -> Result<String, String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo).current_dir(root()).args(arguments).output();
+    let output = output.map_err(|e| format!("cannot run cargo: {e}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    Err(format!("cargo {} failed: {}", arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim()))
 }
 
 /// Runs a command to its end with our own standard streams.

@@ -11,7 +11,7 @@ pub(crate) fn bench_meshings(arguments: &[&str]) -> Outcome {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     let helper = ["-p", "adwave-bench-helpers", "--bin", "surface_matrices"];
     cargo(&[&["build", "--release", "--locked", "--quiet"], &helper[..]].concat(), &[])?;
-    let python = python::environment(&root(), "meshings")?;
+    let python = python::environment("meshings")?;
     run(Command::new(python)
         .arg(root().join("benches/meshings/bench_meshings.py"))
         .arg("--adwave")

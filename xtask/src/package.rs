@@ -1,59 +1,115 @@
-//! The Python package: built as a wheel, and tested from Python.
+//! The Python package: wheel, tests, documentation, and checks before a release.
 
 use crate::{Outcome, cargo, python, root, run, target};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The file that every CPython from 3.10 on loads as the extension.
+/// Name of the extension for every CPython from 3.10 on.
 const EXTENSION: &str = "_native.abi3.so";
 
 fn package() -> PathBuf {
     root().join("bindings/python")
 }
 
-/// `target/wheels/adwave-….whl`, by maturin in an environment of its own.
+/// Builds `target/wheels/adwave-….whl` for every CPython from 3.10 on, with the oldest manylinux tag that the linker allows.
 pub(crate) fn wheel() -> Result<PathBuf, String> {
-    let python = python::environment_of(&package().join("build-requirements.txt"), "wheel")?;
+    let python = python::environment_from(&package().join("build-requirements.txt"), "wheel")?;
     let out = target().join("wheels");
-    println!("> maturin build --profile wheel");
-    // No older wheel is taken for the new one.
+    // An older wheel must not be taken for the new one.
     let _ = std::fs::remove_dir_all(&out);
-    run(Command::new(&python)
-        .current_dir(package())
-        .args([
-            "-m",
-            "maturin",
-            "build",
-            "--profile",
-            "wheel",
-            "--locked",
-            "--compatibility",
-            "linux",
-            "--out",
-        ])
-        .arg(&out)
-        .args(["--interpreter"])
-        .arg(&python))?;
-    let wheels: Vec<PathBuf> = std::fs::read_dir(&out)
-        .map_err(|e| format!("cannot read {}: {e}", out.display()))?
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.extension() == Some(OsStr::new("whl")))
-        .collect();
-    let [wheel] = &wheels[..] else { return Err(format!("{} wheels were built, not one", wheels.len())) };
+    let words =
+        ["build", "--profile", "wheel", "--locked", "--compatibility", "pypi", "--compression-level", "9"];
+    maturin(&python, &words, &out)?;
+    let wheel = only_file(&out, "whl")?;
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     if !name.contains("-cp310-abi3-") {
         return Err(format!("{name} is not for every Python from 3.10 on"));
     }
     let bytes = wheel.metadata().map_err(|e| format!("{name}: {e}"))?.len();
     println!("{}: {:.2} MB", wheel.display(), bytes as f64 / 1e6);
-    Ok(wheel.clone())
+    Ok(wheel)
 }
 
-/// The same tasks by the wheel and by other packages: `benches/python/compare.py`, whose table is printed.
+fn maturin(python: &Path, words: &[&str], out: &Path) -> Outcome {
+    println!("> maturin {}", words.join(" "));
+    let mut command = Command::new(python);
+    command.current_dir(package()).args(["-m", "maturin"]).args(words).arg("--out").arg(out);
+    if words[0] == "build" {
+        command.arg("--interpreter").arg(python);
+    }
+    run(&mut command)
+}
+
+/// The only file with an extension in a folder.
+fn only_file(folder: &Path, extension: &str) -> Result<PathBuf, String> {
+    let files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .map_err(|e| format!("cannot read {}: {e}", folder.display()))?
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension() == Some(OsStr::new(extension)))
+        .collect();
+    match &files[..] {
+        [file] => Ok(file.clone()),
+        _ => Err(format!("{} must have one .{extension} file, got {}", folder.display(), files.len())),
+    }
+}
+
+/// Builds the site of the guides and the Python reference, `target/docs/index.html`; warnings are errors.
+pub(crate) fn docs() -> Outcome {
+    let python = python::environment_from(&package().join("docs-requirements.txt"), "docs")?;
+    let site = target().join("docs");
+    println!("> mkdocs build --strict");
+    run(Command::new(&python)
+        .current_dir(package().join("docs"))
+        .env("NO_MKDOCS_2_WARNING", "1")
+        .args(["-m", "mkdocs", "build", "--strict", "--clean", "--site-dir"])
+        .arg(&site))?;
+    println!("{}", site.join("index.html").display());
+    Ok(())
+}
+
+/// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and that the source distribution builds.
+pub(crate) fn check_release() -> Outcome {
+    let python = python::environment_from(&package().join("release-requirements.txt"), "release")?;
+    let wheel = wheel()?;
+    println!("> auditwheel show");
+    run(Command::new(&python).args(["-m", "auditwheel", "show"]).arg(&wheel))?;
+    if cfg!(target_os = "linux") && !wheel.to_string_lossy().contains("manylinux") {
+        return Err(format!("{} has no manylinux tag", wheel.display()));
+    }
+    let out = target().join("sdist");
+    let _ = std::fs::remove_dir_all(&out);
+    maturin(&python, &["sdist"], &out)?;
+    let sdist = only_file(&out, "gz")?;
+    println!("> twine check --strict");
+    run(Command::new(&python).args(["-m", "twine", "check", "--strict"]).args([&wheel, &sdist]))?;
+    build_from_sdist(&python, &sdist)
+}
+
+/// Builds a wheel from the source distribution alone, without a network, and imports it from a new environment.
+fn build_from_sdist(python: &Path, sdist: &Path) -> Outcome {
+    let out = target().join("sdist-wheel");
+    let _ = std::fs::remove_dir_all(&out);
+    println!("> pip wheel {}", sdist.display());
+    run(Command::new(python)
+        .args(["-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"])
+        .args(["--no-build-isolation", "--wheel-dir"])
+        .arg(&out)
+        .arg(sdist)
+        .env("CARGO_NET_OFFLINE", "true")
+        .env("CARGO_TARGET_DIR", target().join("sdist-build"))
+        .env("MATURIN_PEP517_ARGS", "--profile dev --strip"))?;
+    let test = python::environment_from(&package().join("test-requirements.txt"), "package")?;
+    let place = target().join("sdist-package");
+    install(&test, &only_file(&out, "whl")?, &place)?;
+    let example = "import adwave as aw; print(aw.decompose(aw.sample('sphere'), levels=4), aw.__version__)";
+    run(Command::new(&test).current_dir(&place).env("PYTHONPATH", &place).args(["-c", example]))
+}
+
+/// Compares the wheel with other packages on the same tasks: prints the table of `benches/python/compare.py`.
 pub(crate) fn bench(arguments: &[&str]) -> Outcome {
-    let python = python::environment(&root(), "python")?;
+    let python = python::environment("python")?;
     let place = target().join("bench-python");
     install(&python, &wheel()?, &place)?;
     run(Command::new(&python)
@@ -62,7 +118,7 @@ pub(crate) fn bench(arguments: &[&str]) -> Outcome {
         .args(arguments))
 }
 
-/// Puts a wheel into a folder.
+/// Installs a wheel into a folder.
 fn install(python: &Path, wheel: &Path, place: &Path) -> Outcome {
     println!("> pip install {}", wheel.display());
     let _ = std::fs::remove_dir_all(place);
@@ -72,16 +128,16 @@ fn install(python: &Path, wheel: &Path, place: &Path) -> Outcome {
         .arg(wheel))
 }
 
-/// The tests of the package, its documentation's examples and its types: of a wheel, or of what `cargo build` has built.
+/// Runs the tests of the package, the examples of its documentation and its type checks, on a wheel or on a debug build.
 pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
-    let of_wheel = match arguments {
+    let with_wheel = match arguments {
         [] => false,
         ["--wheel"] => true,
-        _ => return Err("python knows --wheel only".to_owned()),
+        _ => return Err(format!("python takes --wheel only, got {}", arguments.join(" "))),
     };
-    let python = python::environment_of(&package().join("test-requirements.txt"), "package")?;
+    let python = python::environment_from(&package().join("test-requirements.txt"), "package")?;
     let place = target().join("package");
-    if of_wheel {
+    if with_wheel {
         install(&python, &wheel()?, &place)?;
     } else {
         cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
@@ -112,7 +168,7 @@ pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     check("stubtest", &["-m", "mypy.stubtest", "adwave._native", "--ignore-disjoint-bases"], &place)?;
     let own = python.to_string_lossy();
     println!("> basedpyright");
-    // Of the sources alone: the assembled package beside them would be a second one of the same names.
+    // On the sources only: the assembled package would be a second one of the same names.
     run(Command::new(&python).current_dir(package()).env_remove("PYTHONPATH").args([
         "-m",
         "basedpyright",
@@ -123,7 +179,7 @@ pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
     ]))
 }
 
-/// The examples of `docs/python` where they may write their pictures; the path of what runs them.
+/// Copies the examples of `docs/python` to where they may write their pictures; returns the path of the script that runs them.
 fn gallery() -> Result<String, String> {
     let to = target().join("gallery");
     let wrong = |e: std::io::Error| format!("cannot copy the examples to {}: {e}", to.display());
@@ -136,10 +192,10 @@ fn gallery() -> Result<String, String> {
     Ok(to.join("run_all.py").to_string_lossy().into_owned())
 }
 
-/// The Python files and the extension of a debug build, side by side as an installed package has them.
+/// Assembles the package from its Python files and the extension of a debug build.
 fn assemble(place: &Path) -> Outcome {
     let to = place.join("adwave");
-    let wrong = |e: std::io::Error| format!("cannot put the package together in {}: {e}", to.display());
+    let wrong = |e: std::io::Error| format!("cannot assemble the package in {}: {e}", to.display());
     let _ = std::fs::remove_dir_all(place);
     std::fs::create_dir_all(&to).map_err(wrong)?;
     for entry in std::fs::read_dir(package().join("python/adwave")).map_err(wrong)?.flatten() {
@@ -152,7 +208,7 @@ fn assemble(place: &Path) -> Outcome {
     let built = ["lib_native.so", "lib_native.dylib", "_native.dll"].map(|name| debug.join(name));
     let built = built.iter().find(|path| path.exists());
     let built = built.ok_or_else(|| format!("no extension was built in {}", debug.display()))?;
-    // A link: a debug build has hundreds of megabytes.
+    // A link, since a debug build has hundreds of megabytes.
     std::fs::hard_link(built, to.join(EXTENSION))
         .or_else(|_| std::fs::copy(built, to.join(EXTENSION)).map(|_| ()))
         .map_err(wrong)

@@ -12,7 +12,7 @@ pub(crate) fn bench_peers(arguments: &[&str]) -> Outcome {
     let release = ["build", "--release", "--locked", "--quiet"];
     cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;
     cargo(&[&release[..], &["-p", "adwave-bench-helpers", "--bin", "timing_on_request"]].concat(), &[])?;
-    let python = python::environment(&root(), "peers")?;
+    let python = python::environment("peers")?;
     let target = root().join("target");
     run(Command::new(python)
         .arg(root().join("benches/peers/bench_peers.py"))

@@ -1,38 +1,44 @@
-//! Python environments below target/, for what other people's programs are compared with.
+//! Python environments below `target/`.
 
-use crate::{Outcome, root, run};
+use crate::{Outcome, root, run, target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const NEEDED: &str = "Python 3.10 or newer with its module venv is needed as `python3` for this command";
+const REQUIREMENT: &str = "this command needs Python 3.10 or newer with the module venv as `python3`";
 
-/// Whether there is a Python that is new enough.
+/// Fails unless `python3` is new enough and has the module venv.
 pub(crate) fn check() -> Outcome {
-    let recent = "import sys, venv; sys.exit(sys.version_info < (3, 10))";
-    run(Command::new("python3").args(["-c", recent])).map_err(|e| format!("{e}; {NEEDED}"))
+    let is_recent = "import sys, venv; sys.exit(sys.version_info < (3, 10))";
+    run(Command::new("python3").args(["-c", is_recent])).map_err(|e| format!("{e}; {REQUIREMENT}"))
 }
 
-/// The Python of an environment with the packages of `benches/NAME/requirements.txt`, made where it is not there yet or
-/// its list of packages has changed.
-pub(crate) fn environment(root: &Path, name: &str) -> Result<PathBuf, String> {
-    environment_of(&root.join(format!("benches/{name}/requirements.txt")), name)
+/// The Python of an environment with the packages of `benches/NAME/requirements.txt`, which is created again if the list changes.
+pub(crate) fn environment(name: &str) -> Result<PathBuf, String> {
+    environment_from(&root().join(format!("benches/{name}/requirements.txt")), name)
 }
 
-/// The same with the packages of any list.
-pub(crate) fn environment_of(list: &Path, name: &str) -> Result<PathBuf, String> {
-    let wanted = std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
-    let folder = root().join(format!("target/python-{name}"));
+/// The Python of an environment `target/python-NAME` with the packages of a list.
+pub(crate) fn environment_from(list: &Path, name: &str) -> Result<PathBuf, String> {
+    let packages =
+        std::fs::read_to_string(list).map_err(|e| format!("cannot read {}: {e}", list.display()))?;
+    let folder = target().join(format!("python-{name}"));
     let python = folder.join("bin/python");
     let stamp = folder.join("installed.txt");
-    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == packages) {
         return Ok(python);
     }
-    check()?;
-    println!("> python3 -m venv {}", folder.display());
-    run(Command::new("python3").args(["-m", "venv"]).arg(&folder)).map_err(|e| format!("{e}; {NEEDED}"))?;
+    create(&folder)?;
     run(Command::new(&python)
         .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"])
         .arg(list))?;
-    std::fs::write(&stamp, wanted).map_err(|e| format!("cannot write {}: {e}", stamp.display()))?;
+    std::fs::write(&stamp, packages).map_err(|e| format!("cannot write {}: {e}", stamp.display()))?;
     Ok(python)
+}
+
+/// Creates an empty environment in a folder.
+pub(crate) fn create(folder: &Path) -> Outcome {
+    check()?;
+    println!("> python3 -m venv {}", folder.display());
+    run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
+        .map_err(|e| format!("{e}; {REQUIREMENT}"))
 }

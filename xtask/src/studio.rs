@@ -1,37 +1,39 @@
-//! The page of the studio: its types and laws, that the committed bundle is what the sources give, and the whole of it in a browser.
+//! Tests of the studio's page: type check, lints, unit tests, freshness of the committed bundle, and end-to-end tests in a
+//! browser.
 
 use crate::{Outcome, root, run, target};
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
-/// The least version of Node that the page is built by.
+/// Oldest supported version of Node.
 const NODE: (u32, u32) = (20, 19);
-/// Where Debian's packages put the browser, and what others call it.
+/// Paths of Chromium or Chrome on Debian and other systems.
 const BROWSERS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 fn web() -> PathBuf {
     root().join("crates/adwave-studio/web")
 }
 
-/// All of it.
+/// Runs all tests of the page.
 pub(crate) fn test() -> Outcome {
-    node()?;
-    browser()?;
+    require_node()?;
+    let browser = require_browser()?;
     let npm = |words: &[&str]| {
         println!("> npm {}", words.join(" "));
-        run(Command::new("npm").current_dir(web()).args(words))
+        // Playwright must use the installed browser instead of downloading one.
+        run(Command::new("npm").current_dir(web()).args(words).env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1"))
     };
-    // Not `npm ci`: it refuses a lock file without the optional packages of systems that a registry does not offer.
+    // `npm ci` would reject a lock file that lacks optional packages of other operating systems.
     npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])?;
     npm(&["run", "--silent", "check"])?;
     npm(&["run", "--silent", "test"])?;
-    same_bundle()?;
-    in_browser()
+    check_bundle()?;
+    npm(&["run", "--silent", "build:e2e", "--", "--logLevel", "error"])?;
+    run_in_browser(browser)
 }
 
-/// The committed bundle is embedded by the server, so that nobody needs Node to build it.
-fn same_bundle() -> Outcome {
+/// Checks that the committed bundle, which the server embeds, equals a fresh build of the sources.
+fn check_bundle() -> Outcome {
     let fresh = target().join("studio-bundle");
     println!("> npm run build, into {}", fresh.display());
     run(Command::new("npm")
@@ -45,15 +47,15 @@ fn same_bundle() -> Outcome {
         Ok(names)
     };
     let committed = web().join("dist");
-    let (built, kept) = (names(&fresh)?, names(&committed)?);
+    let (built, existing) = (names(&fresh)?, names(&committed)?);
     let read = |path: PathBuf| std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
-    let mut differs = built != kept;
+    let mut differs = built != existing;
     for name in &built {
         differs = differs || read(fresh.join(name))? != read(committed.join(name))?;
     }
     if differs {
         return Err(format!(
-            "the bundle in {} is not what its sources give: run `npm run build` in {} and commit it",
+            "the bundle in {} is out of date; run `npm run build` in {} and commit the result",
             committed.display(),
             web().display()
         ));
@@ -61,62 +63,22 @@ fn same_bundle() -> Outcome {
     Ok(())
 }
 
-/// Servers on a built-in shape, and the page in a browser.
-fn in_browser() -> Outcome {
-    let folder = target().join("studio-test");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
-    let adwave = target().join("debug/adwave");
-    let shape = folder.join("creature.ply");
-    run(Command::new(&adwave)
-        .args(["sample", "creature", "--vertices", "20000", "--quiet", "-o"])
-        .arg(&shape))?;
-    // Each on a server of its own, whose edits nothing else has touched.
-    for (name, words) in
-        [("studio", vec![folder.clone()]), ("tools", vec![folder.clone()]), ("masks", vec![])]
-    {
-        let (mut server, address) = serve(&adwave, &shape, &folder.join(name))?;
-        let outcome = node_test(name, &[address.into()], words);
-        let _ = server.kill();
-        let _ = server.wait();
-        outcome?;
-    }
-    node_test("recovery", &[adwave, shape], vec![folder.join("recovery")])
-}
-
-/// A test of the page, in a browser.
-fn node_test(name: &str, first: &[PathBuf], more: Vec<PathBuf>) -> Outcome {
-    println!("> node test/{name}.mjs");
-    run(Command::new("node")
+/// Runs the end-to-end tests, which start their own servers from the debug build.
+fn run_in_browser(browser: &str) -> Outcome {
+    let out = target().join("studio-test");
+    let _ = std::fs::remove_dir_all(&out);
+    std::fs::create_dir_all(&out).map_err(|e| format!("cannot create {}: {e}", out.display()))?;
+    println!("> npx playwright test --project=page");
+    run(Command::new("npx")
         .current_dir(web())
-        .arg(format!("test/{name}.mjs"))
-        .args(first)
-        .args(more)
-        .env("CHROMIUM", browser_path().unwrap_or_default()))
+        .args(["playwright", "test", "--project=page"])
+        .env("CHROMIUM", browser)
+        .env("ADWAVE", target().join("debug/adwave"))
+        .env("STUDIO_OUT", &out))
 }
 
-fn serve(adwave: &Path, shape: &Path, folder: &Path) -> Result<(Child, String), String> {
-    let mut server = Command::new(adwave)
-        .args(["studio", "--no-open"])
-        .arg(shape)
-        .env("XDG_STATE_HOME", folder.join("state"))
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|e| format!("cannot start {}: {e}", adwave.display()))?;
-    let out = server.stdout.take().ok_or("the studio has no output")?;
-    let mut address = String::new();
-    let read = BufReader::new(out).read_line(&mut address);
-    match read {
-        Ok(n) if n > 0 => Ok((server, address.trim().to_owned())),
-        _ => {
-            let _ = server.kill();
-            Err("the studio gave no address".to_owned())
-        }
-    }
-}
-
-/// Node and npm, new enough.
-fn node() -> Outcome {
+/// Checks the version of Node; installs it if it is missing.
+fn require_node() -> Outcome {
     let version = || {
         let out = Command::new("node").arg("--version").output().ok()?;
         let text = String::from_utf8(out.stdout).ok()?;
@@ -127,13 +89,13 @@ fn node() -> Outcome {
         install(&["nodejs", "npm"]);
     }
     match version() {
-        Some(found) if found >= NODE => Ok(()),
+        Some(version) if version >= NODE => Ok(()),
         Some((major, minor)) => Err(format!(
-            "Node {major}.{minor} is older than {}.{}, which the studio's page is built by",
+            "the studio's page needs Node {}.{} or later, got {major}.{minor}; update it",
             NODE.0, NODE.1
         )),
         None => {
-            Err(format!("Node {}.{} with npm is needed for the studio's page: install it", NODE.0, NODE.1))
+            Err(format!("the studio's page needs Node {}.{} or later with npm; install it", NODE.0, NODE.1))
         }
     }
 }
@@ -142,19 +104,20 @@ fn browser_path() -> Option<&'static str> {
     BROWSERS.into_iter().find(|path| Path::new(path).exists())
 }
 
-fn browser() -> Outcome {
+/// Finds Chromium; installs it if it is missing.
+fn require_browser() -> Result<&'static str, String> {
     if browser_path().is_none() {
         install(&["chromium"]);
     }
-    browser_path().map(|_| ()).ok_or_else(|| {
-        "Chromium is needed to test the studio: install it (apt-get install chromium)".to_owned()
+    browser_path().ok_or_else(|| {
+        "the tests of the studio need Chromium; install it (apt-get install chromium)".to_owned()
     })
 }
 
-/// From the packages of Debian, where that is possible; who calls looks whether it is there then.
+/// Tries to install Debian packages; the caller checks the result.
 fn install(packages: &[&str]) {
     println!("> apt-get install {}", packages.join(" "));
-    let quiet = |words: &[&str]| {
+    let install_quietly = |words: &[&str]| {
         let _ = Command::new("apt-get")
             .args(words)
             .args(packages)
@@ -163,5 +126,5 @@ fn install(packages: &[&str]) {
             .status();
     };
     let _ = Command::new("apt-get").args(["update", "-qq"]).stdout(Stdio::null()).status();
-    quiet(&["install", "-y", "-qq", "--no-install-recommends"]);
+    install_quietly(&["install", "-y", "-qq", "--no-install-recommends"]);
 }

@@ -1,7 +1,7 @@
-//! Large vectors come from the system and go back to it as soon as they are freed.
+//! An allocator that returns large vectors to the system as soon as they are freed.
 //!
-//! The C library keeps freed vectors of up to 32 MiB for later, which a program that holds on to an interpreter for hours sees as
-//! memory that `del` does not free: up to 700 MB after five calls at a million vertices.
+//! The C library keeps freed vectors of up to 32 MiB for reuse. In an interpreter that runs for hours this looks like memory that `del`
+//! does not free: up to 700 MB after five calls with a million vertices.
 
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)]
@@ -9,13 +9,13 @@ mod linux {
     use std::alloc::{GlobalAlloc, Layout, System};
     use std::ptr;
 
-    /// Vectors of so many bytes have pages of their own.
+    /// Size in bytes from which vectors have their own pages.
     const LARGE: usize = 1 << 20;
-    /// Vectors of so many bytes are whole pages of 2 MiB, whose first touch costs less than that of as much in pages of 4 KiB: at most
+    /// Size in bytes from which vectors fill pages of 2 MiB, whose first touch costs less than that of pages of 4 KiB. This takes at most
     /// half as much memory again.
     const HUGE: usize = 3 << 20;
     const HUGE_PAGE: usize = 2 << 20;
-    /// Pages are aligned to at least so many bytes on every system.
+    /// Smallest alignment of pages in bytes, on every system.
     const PAGE: usize = 4096;
 
     struct LargeToSystem;
@@ -27,16 +27,16 @@ mod linux {
         layout.size() >= LARGE && layout.align() <= PAGE
     }
 
-    /// Bytes of the mapping of a vector. The system lays mappings at the start of a large page where they are so many large pages;
-    /// any other would begin and end in small ones, up to 1022 of them.
-    fn mapped(n_bytes: usize) -> usize {
-        // Layouts are at most `isize::MAX` bytes long: nothing overflows.
+    /// Bytes of the mapping of a vector. The system aligns mappings whose size is a multiple of the large page; any other mapping would
+    /// begin and end in up to 1022 small pages.
+    fn mapping_size(n_bytes: usize) -> usize {
+        // Layouts are at most `isize::MAX` bytes long, so this cannot overflow.
         if n_bytes >= HUGE { n_bytes.next_multiple_of(HUGE_PAGE) } else { n_bytes }
     }
 
     fn map(n_bytes: usize) -> *mut u8 {
-        let n_bytes = mapped(n_bytes);
-        // SAFETY: a new private mapping touches no memory that anyone uses.
+        let n_bytes = mapping_size(n_bytes);
+        // SAFETY: a new private mapping touches no existing memory.
         let start = unsafe {
             libc::mmap(
                 ptr::null_mut(),
@@ -51,15 +51,14 @@ mod linux {
             return ptr::null_mut();
         }
         if n_bytes >= HUGE {
-            // SAFETY: the range is the mapping; the advice changes no byte, and a system that cannot follow it says so in a result
-            // that does not matter.
+            // SAFETY: the range is the mapping, and the advice changes no byte; a failure does not matter.
             unsafe { libc::madvise(start, n_bytes, libc::MADV_HUGEPAGE) };
         }
         start.cast()
     }
 
     // SAFETY: `alloc`, `dealloc` and `realloc` choose by the layout, which is the same for one vector in all of them, so that each
-    // vector is freed by who made it; mappings are at least as large as asked for, aligned to pages and zeroed.
+    // vector is freed by its own allocator; mappings are at least as large as requested, aligned to pages and zeroed.
     unsafe impl GlobalAlloc for LargeToSystem {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
             if is_large(layout) {
@@ -80,7 +79,7 @@ mod linux {
         unsafe fn dealloc(&self, start: *mut u8, layout: Layout) {
             if is_large(layout) {
                 // SAFETY: `start` came from `map` with this size.
-                unsafe { libc::munmap(start.cast(), mapped(layout.size())) };
+                unsafe { libc::munmap(start.cast(), mapping_size(layout.size())) };
                 return;
             }
             // SAFETY: as above.
@@ -94,22 +93,22 @@ mod linux {
                 // SAFETY: as above.
                 (false, false) => unsafe { System.realloc(start, layout, n_bytes) },
                 (true, true) => {
-                    let (old, new) = (mapped(layout.size()), mapped(n_bytes));
+                    let (old, new) = (mapping_size(layout.size()), mapping_size(n_bytes));
                     // SAFETY: `start` came from `map` with the old size.
-                    let moved = unsafe { libc::mremap(start.cast(), old, new, libc::MREMAP_MAYMOVE) };
-                    if moved == libc::MAP_FAILED { ptr::null_mut() } else { moved.cast() }
+                    let new_start = unsafe { libc::mremap(start.cast(), old, new, libc::MREMAP_MAYMOVE) };
+                    if new_start == libc::MAP_FAILED { ptr::null_mut() } else { new_start.cast() }
                 }
                 _ => {
                     // SAFETY: as for `alloc`.
-                    let moved = unsafe { self.alloc(new) };
-                    if !moved.is_null() {
-                        // SAFETY: both are at least so long, and the new one overlaps nothing.
+                    let new_start = unsafe { self.alloc(new) };
+                    if !new_start.is_null() {
+                        // SAFETY: both are at least this long, and the new one does not overlap the old one.
                         unsafe {
-                            ptr::copy_nonoverlapping(start, moved, layout.size().min(n_bytes));
+                            ptr::copy_nonoverlapping(start, new_start, layout.size().min(n_bytes));
                             self.dealloc(start, layout);
                         }
                     }
-                    moved
+                    new_start
                 }
             }
         }

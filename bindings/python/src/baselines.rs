@@ -1,8 +1,8 @@
-//! What the method is compared with.
+//! Other methods for comparison: harmonics, signatures, Lee's saliency, Taubin smoothing, critical points, differential coordinates.
 
 use crate::arrays;
 use crate::call::run;
-use crate::measures::{Stage, stage};
+use crate::error::{Stage, stage};
 use crate::shape::ShapeData;
 use adwave::Progress;
 use adwave_baselines::differential::{Anchor, Differential, Reconstruction, Weights};
@@ -12,7 +12,7 @@ use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
 use adwave_baselines::lee::lee_saliency;
 use adwave_baselines::linalg::EigenParams;
 use adwave_baselines::signature::{heat_kernel_signature, heat_times, wave_kernel_signature};
-use adwave_baselines::taubin::lambda_mu;
+use adwave_baselines::taubin::{LambdaMu, lambda_mu};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -26,10 +26,10 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(from_differential, module)?)
 }
 
-/// These use all threads whatever the size of the shape.
+/// Size that makes a call use the pool for shapes of any size.
 const ALWAYS_ON_POOL: usize = usize::MAX;
 
-fn found(
+fn compute_harmonics(
     own: &adwave::shape::Shape,
     k: usize,
     p: Progress<'_>,
@@ -38,7 +38,7 @@ fn found(
     Harmonics::new(&laplacian, k, &EigenParams::default(), p)
 }
 
-/// λ_1 … λ_k, and the functions as columns at the vertices of the shape.
+/// Eigenvalues λ_1 … λ_k, and the eigenfunctions as columns at the vertices of the shape.
 #[pyfunction]
 #[pyo3(signature = (shape, k, progress=None))]
 fn harmonics<'py>(
@@ -49,7 +49,7 @@ fn harmonics<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let own = shape.get().shape(py)?;
     let (values, functions) = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| {
-        let found = found(own, k, p)?;
+        let found = compute_harmonics(own, k, p)?;
         let n = own.n_vertices();
         let mut columns = vec![0.0; n * found.len()];
         for f in 0..found.len() {
@@ -65,7 +65,7 @@ fn harmonics<'py>(
     Ok((arrays::vector(py, values).into_any(), functions.into_any()))
 }
 
-/// Heat or wave kernel signatures: the scales, and n × scales.
+/// Heat or wave kernel signature: the scales, and n × scales values.
 #[pyfunction]
 #[pyo3(signature = (shape, kind, k, n_scales, progress=None))]
 fn signature<'py>(
@@ -79,7 +79,7 @@ fn signature<'py>(
     let is_heat = crate::options::word("kind", kind, &[("heat", true), ("wave", false)])?;
     let own = shape.get().shape(py)?;
     let signature = run(py, ALWAYS_ON_POOL, progress.as_ref(), |p| {
-        let found = found(own, k, p)?;
+        let found = compute_harmonics(own, k, p)?;
         Ok::<_, adwave_baselines::harmonics::HarmonicsError>(if is_heat {
             heat_kernel_signature(&found, &heat_times(&found, n_scales))
         } else {
@@ -91,7 +91,7 @@ fn signature<'py>(
     Ok((arrays::vector(py, signature.scales).into_any(), values.into_any()))
 }
 
-/// Lee's saliency, and the mean curvature that it is made of.
+/// Lee's saliency, and the mean curvature that it is computed from.
 #[pyfunction]
 #[pyo3(signature = (shape, progress=None))]
 fn lee<'py>(
@@ -104,31 +104,43 @@ fn lee<'py>(
     Ok((arrays::vector(py, found.saliency).into_any(), arrays::vector(py, found.curvature).into_any()))
 }
 
-/// Taubin's λ|μ.
+/// Options of Taubin's smoothing.
+#[derive(FromPyObject)]
+struct TaubinOptions {
+    lam: f64,
+    mu: f64,
+    iterations: usize,
+    weights: String,
+}
+
+/// Taubin's λ|μ smoothing.
 #[pyfunction]
-#[pyo3(signature = (shape, signal, weights, lam, mu, iterations))]
+#[pyo3(signature = (shape, signal, options))]
 fn taubin<'py>(
     py: Python<'py>,
     shape: &Bound<'py, ShapeData>,
     signal: PyReadonlyArray2<'py, f64>,
-    weights: &str,
-    lam: f64,
-    mu: f64,
-    iterations: usize,
+    options: TaubinOptions,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let weights = weights_of(weights)?;
+    let weights = parse_weights(&options.weights)?;
     let own = shape.get().shape(py)?;
     let n_channels = signal.shape()[1];
     let values = arrays::rows(&signal, "signal")?;
     let smoothed = run(py, ALWAYS_ON_POOL, None, |_| -> Stage<Vec<f64>> {
         let k = stage(Differential::new(own, weights))?;
-        stage(lambda_mu(&k, values, n_channels, (lam, mu), iterations))
+        stage(lambda_mu(
+            &k,
+            values,
+            n_channels,
+            LambdaMu { lambda: options.lam, mu: options.mu },
+            options.iterations,
+        ))
     })?;
     Ok(arrays::matrix(py, smoothed, n_channels)?.into_any())
 }
 
-/// Of each time the smoothed function and its critical points: vertex, kind (1 maximum, −1 minimum, 0 saddle), multiplicity, value; and
-/// the sum of the indices.
+/// Time, smoothed function, critical points (vertex; kind: 1 maximum, −1 minimum, 0 saddle; multiplicity; value), and the sum of the
+/// indices.
 type CriticalLevel<'py> = (f64, Bound<'py, PyAny>, Vec<(usize, i8, usize, f64)>, i64);
 
 /// Critical points of a function at several scales.
@@ -158,12 +170,12 @@ fn feature_map<'py>(
     Ok(found.into_iter().map(one).collect())
 }
 
-fn weights_of(name: &str) -> PyResult<Weights> {
+fn parse_weights(name: &str) -> PyResult<Weights> {
     let known = [("uniform", Weights::Uniform), ("cotangent", Weights::Cotangent)];
     crate::options::word("weights", name, &known)
 }
 
-/// `L f`.
+/// Differential coordinates `L f`.
 #[pyfunction]
 #[pyo3(signature = (shape, signal, weights))]
 fn differential_coordinates<'py>(
@@ -172,7 +184,7 @@ fn differential_coordinates<'py>(
     signal: PyReadonlyArray2<'py, f64>,
     weights: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let weights = weights_of(weights)?;
+    let weights = parse_weights(weights)?;
     let own = shape.get().shape(py)?;
     let n_channels = signal.shape()[1];
     let values = arrays::rows(&signal, "signal")?;
@@ -181,25 +193,31 @@ fn differential_coordinates<'py>(
     Ok(arrays::matrix(py, delta, n_channels)?.into_any())
 }
 
-/// The signal that has these differential coordinates, with some vertices at places of their own.
+/// Vertices with targets.
+#[derive(FromPyObject)]
+struct AnchorOptions<'py> {
+    vertices: Vec<usize>,
+    targets: PyReadonlyArray2<'py, f64>,
+    weight: f64,
+}
+
+/// The signal that has these differential coordinates, with some vertices at targets.
 #[pyfunction]
-#[pyo3(signature = (shape, coordinates, anchors, targets, anchor_weight, weights))]
+#[pyo3(signature = (shape, coordinates, anchors, weights))]
 fn from_differential<'py>(
     py: Python<'py>,
     shape: &Bound<'py, ShapeData>,
     coordinates: PyReadonlyArray2<'py, f64>,
-    anchors: Vec<usize>,
-    targets: PyReadonlyArray2<'py, f64>,
-    anchor_weight: f64,
+    anchors: AnchorOptions<'py>,
     weights: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let weights = weights_of(weights)?;
+    let weights = parse_weights(weights)?;
     let own = shape.get().shape(py)?;
     let n_channels = coordinates.shape()[1];
     let delta = arrays::rows(&coordinates, "coordinates")?;
-    let targets = arrays::rows(&targets, "targets")?;
-    let anchors: Vec<Anchor> =
-        anchors.into_iter().map(|vertex| Anchor { vertex, weight: anchor_weight }).collect();
+    let targets = arrays::rows(&anchors.targets, "targets")?;
+    let weight = anchors.weight;
+    let anchors: Vec<Anchor> = anchors.vertices.iter().map(|&vertex| Anchor { vertex, weight }).collect();
     let solved = run(py, ALWAYS_ON_POOL, None, |_| {
         let differential = Differential::new(own, weights)?;
         Reconstruction::new(&differential, &anchors)?.solve(delta, targets, n_channels)

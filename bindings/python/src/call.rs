@@ -14,20 +14,20 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Shapes of so many vertices are done by the calling thread: `adwave` starts no threads for them.
+/// Number of vertices up to which the calling thread does the work: `adwave` starts no threads for such shapes.
 const SMALL: usize = 4096;
-/// Time between two looks at signals and progress.
+/// Time between two checks of signals and progress.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// The pools of one process, by their number of threads.
+/// Thread pools of one process, by their number of threads.
 struct Pools {
     process: u32,
     pools: Mutex<HashMap<usize, Arc<ThreadPool>>>,
 }
 
-/// A forked child has none of its parent's threads and maybe a lock that nobody will open: it gets pools of its own.
+/// Pools of this process. A forked child has none of its parent's threads, and a lock may be held forever: it gets its own pools.
 static POOLS: AtomicPtr<Pools> = AtomicPtr::new(ptr::null_mut());
-/// Threads that a call uses; 0 before it was asked.
+/// Number of threads that was requested; 0 for the default.
 static N_THREADS: AtomicUsize = AtomicUsize::new(0);
 
 #[allow(unsafe_code)]
@@ -35,7 +35,7 @@ fn pools() -> &'static Pools {
     let process = std::process::id();
     loop {
         let current = POOLS.load(Ordering::Acquire);
-        // SAFETY: it is null or came from `Box::leak` below and is never freed.
+        // SAFETY: the pointer is null, or comes from `Box::into_raw` below and is never freed.
         if let Some(found) = unsafe { current.as_ref() }
             && found.process == process
         {
@@ -43,19 +43,19 @@ fn pools() -> &'static Pools {
         }
         let new = Box::into_raw(Box::new(Pools { process, pools: Mutex::default() }));
         if POOLS.compare_exchange(current, new, Ordering::AcqRel, Ordering::Acquire).is_err() {
-            // SAFETY: nobody else has seen it.
+            // SAFETY: no other thread has this pointer.
             drop(unsafe { Box::from_raw(new) });
         }
     }
 }
 
 fn default_threads() -> usize {
-    let asked = std::env::var("ADWAVE_NUM_THREADS").ok().and_then(|n| n.trim().parse().ok());
-    // Affinity and the quota of a container are respected by this.
-    asked.filter(|&n| n > 0).unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into))
+    let requested = std::env::var("ADWAVE_NUM_THREADS").ok().and_then(|n| n.trim().parse().ok());
+    // This respects the affinity and the quota of a container.
+    requested.filter(|&n| n > 0).unwrap_or_else(|| std::thread::available_parallelism().map_or(1, Into::into))
 }
 
-/// How many threads a call uses.
+/// Number of threads that a call uses.
 #[pyfunction]
 pub(crate) fn threads() -> usize {
     match N_THREADS.load(Ordering::Relaxed) {
@@ -64,13 +64,13 @@ pub(crate) fn threads() -> usize {
     }
 }
 
-/// How many threads were asked for; 0 for as many as there are.
+/// Number of threads that was requested; 0 for as many as there are.
 #[pyfunction]
-pub(crate) fn asked_threads() -> usize {
+pub(crate) fn requested_threads() -> usize {
     N_THREADS.load(Ordering::Relaxed)
 }
 
-/// Sets how many threads a call uses from now on; 0 for as many as there are.
+/// Sets the number of threads of later calls; 0 for as many as there are.
 #[pyfunction]
 pub(crate) fn set_threads(n: usize) {
     N_THREADS.store(n, Ordering::Relaxed);
@@ -91,11 +91,11 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
 }
 
 thread_local! {
-    /// Where the last panic of this thread was, and what it said.
+    /// Place and message of the last panic of this thread.
     static LAST_PANIC: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Panics become exceptions, and are not printed beside them. This is the hook of this extension alone.
+/// Silences the message of panics, which become exceptions. The hook is that of this extension only.
 pub(crate) fn keep_panics_quiet() {
     std::panic::set_hook(Box::new(|info| {
         LAST_PANIC.with(|last| *last.borrow_mut() = info.to_string().replace('\n', " "));
@@ -106,17 +106,21 @@ type Outcome<T, E> = Result<Result<T, E>, String>;
 
 fn guarded<T, E>(work: impl FnOnce(Progress<'_>) -> Result<T, E>, progress: Progress<'_>) -> Outcome<T, E> {
     catch_unwind(AssertUnwindSafe(|| work(progress))).map_err(|panic: Box<dyn Any + Send>| {
-        let told = LAST_PANIC.with(|last| std::mem::take(&mut *last.borrow_mut()));
+        let message = LAST_PANIC.with(|last| std::mem::take(&mut *last.borrow_mut()));
         let text = panic.downcast_ref::<String>().cloned();
         let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&s| s.to_owned()));
-        if told.is_empty() { text.unwrap_or_else(|| "a panic without words".to_owned()) } else { told }
+        if message.is_empty() {
+            text.unwrap_or_else(|| "a panic without a message".to_owned())
+        } else {
+            message
+        }
     })
 }
 
-/// Runs `work` on a shape of so many vertices with the interpreter released.
+/// Runs `work` on a shape of `n_vertices` vertices with the interpreter released.
 ///
-/// `report(done, total)` is called from the calling thread, and signals are looked at there, every 20 ms; when one raises, the work
-/// is stopped and the exception passed on.
+/// Every 20 ms the calling thread calls `report(done, total)` and checks signals; if one raises, the work is stopped and the exception
+/// passed on.
 pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     py: Python<'_>,
     n_vertices: usize,
@@ -126,18 +130,18 @@ pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     let outcome = if n_vertices <= SMALL && report.is_none() {
         py.detach(|| guarded(work, Progress::none()))
     } else {
-        on_pool(py, report, work)?
+        run_in_pool(py, report, work)?
     };
     match outcome {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(error::of(&error)),
+        Ok(Err(error)) => Err(error::to_exception(&error)),
         Err(panic) => Err(InternalError::new_err(format!(
-            "adwave broke one of its own rules ({panic}); please report it, with what you gave it"
+            "internal error of adwave ({panic}); please report it with the input"
         ))),
     }
 }
 
-fn on_pool<T: Send, E: Send>(
+fn run_in_pool<T: Send, E: Send>(
     py: Python<'_>,
     report: Option<&Py<PyAny>>,
     work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,
@@ -163,7 +167,7 @@ fn on_pool<T: Send, E: Send>(
                     break None;
                 }
                 drop(waiting);
-                let asked = Python::attach(|py| {
+                let checked = Python::attach(|py| {
                     py.check_signals()?;
                     let now = counter.get();
                     if let Some(report) = report
@@ -175,8 +179,8 @@ fn on_pool<T: Send, E: Send>(
                     }
                     Ok::<(), PyErr>(())
                 });
-                if let Err(raised) = asked {
-                    // The scope ends when the work has seen this.
+                if let Err(raised) = checked {
+                    // The scope ends when the work has noticed this.
                     cancel.store(true, Ordering::Relaxed);
                     break Some(raised);
                 }

@@ -1,12 +1,14 @@
-//! Bands that are kept, for edit after edit.
+//! Edits of bands.
 
 use crate::arrays;
 use crate::call::run;
-use crate::command::RecipeData;
-use crate::error::{self, value};
-use crate::prepared::{Prepared, weights};
+use crate::error::{self, value_error};
+use crate::options::{self, BandsOptions};
+use crate::prepared::{Prepared, SignalValues, schedule};
+use crate::recipe::RecipeData;
+use crate::region::region_weights;
 use crate::shape::ShapeData;
-use adwave::filter::{Edit, FilterError, Gains, Preset, WeightedLayer, filter_bands};
+use adwave::filter::{Edit, FilterError, Gains, WeightedLayer, filter_bands};
 use adwave::region::RegionWeights;
 use adwave::{Decomposer, Editor};
 use numpy::{
@@ -30,26 +32,15 @@ pub(crate) struct EditorData {
     shape: Py<ShapeData>,
 }
 
-impl EditorData {
-    pub(crate) fn new(editor: Editor, n_channels: usize, shape: Py<ShapeData>) -> Self {
-        Self { editor: Mutex::new(editor), n_channels, shape }
-    }
-}
-
-/// The gains of a preset by its name.
-pub(crate) fn preset(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    Ok(crate::options::named::<Preset>("preset", name)?.gains(n_levels))
-}
-
 fn gains(given: &Bound<'_, PyAny>, n_levels: usize) -> PyResult<Vec<f64>> {
     if let Ok(name) = given.extract::<String>() {
-        return preset(&name, n_levels);
+        return options::preset_gains(&name, n_levels);
     }
     let gains: Vec<f64> = given.extract()?;
-    Gains::Gains(gains).resolve(n_levels).map_err(|e| error::of(&e))
+    Gains::Gains(gains).resolve(n_levels).map_err(|e| error::to_exception(&e))
 }
 
-/// Gains or the name of a preset, with nothing, a region's text or weights.
+/// Gains or the name of a preset, with a region's text, weights or nothing.
 type PlainLayer<'py> = (Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
 
 fn weighted_layers(
@@ -66,7 +57,7 @@ fn weighted_layers(
             None => RegionWeights::Everywhere,
             Some(region) => {
                 if let Ok(text) = region.extract::<String>() {
-                    weights(py, decomposer, shape, &text)?
+                    region_weights(py, decomposer, shape, &text)?
                 } else {
                     let array = region.cast::<PyArray1<f64>>().map_err(PyErr::from)?;
                     RegionWeights::Vertices(PyArrayMethods::readonly(array).as_slice()?.to_vec())
@@ -84,16 +75,16 @@ fn writable<'py>(
     n: usize,
     n_channels: usize,
 ) -> PyResult<PyReadwriteArray2<'py, f64>> {
-    let given = out.try_readwrite().map_err(|_| value("out: the array cannot be written to"))?;
+    let given = out.try_readwrite().map_err(|_| value_error("out: the array cannot be written to"))?;
     if given.shape() != [n, n_channels] || !given.is_c_contiguous() {
         let told = "give a C-contiguous array of float64 like the signal";
-        return Err(value(format!("out: shape {:?}; {told}", given.shape())));
+        return Err(value_error(format!("out: shape {:?}; {told}", given.shape())));
     }
     Ok(given)
 }
 
-/// The signal with layers, from bands that are there: levels × n × channels in the order of a shape none of whose vertices are welded
-/// or masked. Into `out` where there is one.
+/// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written to `out`,
+/// if given.
 #[pyfunction]
 #[pyo3(signature = (prepared, signal, bands, layers, out=None))]
 fn apply_bands<'py>(
@@ -105,12 +96,15 @@ fn apply_bands<'py>(
     out: Option<Bound<'py, PyArray2<f64>>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let own = prepared.get();
-    let (signal, n_channels) = own.signal(signal.as_ref())?;
+    let SignalValues { values: signal, n_channels } = own.signal(signal.as_ref())?;
     let map = own.decomposer.geometry().vertex_map();
     let n = map.n_vertices();
     let n_levels = bands.shape()[0].saturating_sub(1);
     if !bands.is_c_contiguous() || bands.shape()[1..] != [n, n_channels] || map.n_welded() < n {
-        return Err(value(format!("bands: shape {:?} is not that of the signal's bands", bands.shape())));
+        return Err(value_error(format!(
+            "bands: shape {:?} is not that of the signal's bands",
+            bands.shape()
+        )));
     }
     let layers = weighted_layers(py, &layers, n_levels, &own.decomposer, own.shape.get())?;
     let sizes = (n_levels, n_channels);
@@ -129,10 +123,10 @@ fn apply_bands<'py>(
     Ok(arrays::matrix(py, edited, n_channels)?.into_any())
 }
 
-/// Values that a thread copies at a time: a page of 2 MiB is touched by few.
+/// Values that a thread copies in one piece: few threads touch the same page of 2 MiB.
 const COPIED_AT_A_TIME: usize = 1 << 17;
 
-/// A copy by all threads: what takes the time is the first touch of each page.
+/// Copies values with all threads, since the first touch of each page takes the time.
 fn copy(from: &[f64], to: &mut [f64]) {
     if from.len() <= COPIED_AT_A_TIME {
         to.copy_from_slice(from);
@@ -142,7 +136,7 @@ fn copy(from: &[f64], to: &mut [f64]) {
     parts.for_each(|(to, from)| to.copy_from_slice(from));
 }
 
-fn copied(from: &[f64]) -> Vec<f64> {
+fn copy_of(from: &[f64]) -> Vec<f64> {
     let mut to = vec![0.0; from.len()];
     copy(from, &mut to);
     to
@@ -150,8 +144,25 @@ fn copied(from: &[f64]) -> Vec<f64> {
 
 #[pymethods]
 impl EditorData {
-    /// The signal with these layers: gains, or the name of a preset, each with nothing, a region's text or weights. Into `out` where
-    /// there is one.
+    /// The bands of a signal, kept for edits.
+    #[new]
+    #[pyo3(signature = (prepared, request, progress=None))]
+    fn new(
+        py: Python<'_>,
+        prepared: &Bound<'_, Prepared>,
+        request: BandsOptions<'_>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let own = prepared.get();
+        let signal = own.signal(request.signal.as_ref())?;
+        let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
+        let editor =
+            run(py, n, progress.as_ref(), |p| own.request(signal, &schedule, request.accuracy, p).editor())?;
+        Ok(Self { editor: Mutex::new(editor), n_channels: signal.n_channels, shape: own.shape.clone_ref(py) })
+    }
+
+    /// The signal with these layers: gains or the name of a preset, with a region's text, weights or nothing. Written to `out`, if
+    /// given.
     #[pyo3(signature = (layers, out=None))]
     fn apply<'py>(
         &self,
@@ -176,7 +187,7 @@ impl EditorData {
         }
         let edited = run(py, n, None, |_| {
             editor.set_layers(weighted)?;
-            Ok::<_, FilterError>(copied(editor.edited()))
+            Ok::<_, FilterError>(copy_of(editor.edited()))
         })?;
         Ok(arrays::matrix(py, edited, self.n_channels)?.into_any())
     }
@@ -197,7 +208,7 @@ impl EditorData {
             let edit = Edit::new(layers).with_fields(&lookup, &names);
             let layers = edit.resolve(n_levels, decomposer.metric(), progress)?;
             editor.set_layers(layers)?;
-            Ok::<_, FilterError>(copied(editor.edited()))
+            Ok::<_, FilterError>(copy_of(editor.edited()))
         })?;
         Ok(arrays::matrix(py, edited, self.n_channels)?.into_any())
     }

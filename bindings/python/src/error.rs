@@ -1,4 +1,4 @@
-//! From errors to exceptions.
+//! Conversion of errors to exceptions.
 
 use adwave::{ClassifiedError, ErrorKind};
 use pyo3::exceptions::{
@@ -11,17 +11,17 @@ create_exception!(
     adwave,
     InternalError,
     PyRuntimeError,
-    "adwave broke one of its own rules. Please report it, with what you gave it."
+    "An internal error of adwave. Please report it with the input."
 );
 
-/// The exception for an error, by who can do something about it.
-pub(crate) fn of(error: &impl ClassifiedError) -> PyErr {
+/// The exception for an error, by its kind.
+pub(crate) fn to_exception(error: &impl ClassifiedError) -> PyErr {
     let text = error.to_string();
     match error.kind() {
         ErrorKind::Input => PyValueError::new_err(text),
         ErrorKind::Memory => PyMemoryError::new_err(text),
         ErrorKind::Cancelled => PyKeyboardInterrupt::new_err(text),
-        // As Python names them itself, so that `except FileNotFoundError` holds.
+        // The exceptions of Python itself, so that `except FileNotFoundError` works.
         ErrorKind::Machine if text.contains("(os error 2)") => PyFileNotFoundError::new_err(text),
         ErrorKind::Machine if text.contains("(os error 13)") => PyPermissionError::new_err(text),
         ErrorKind::Machine => PyOSError::new_err(text),
@@ -29,6 +29,35 @@ pub(crate) fn of(error: &impl ClassifiedError) -> PyErr {
 }
 
 /// A `ValueError`.
-pub(crate) fn value(text: impl Into<String>) -> PyErr {
+pub(crate) fn value_error(text: impl Into<String>) -> PyErr {
     PyValueError::new_err(text.into())
+}
+
+/// Result of work whose steps have different error types.
+pub(crate) type Stage<T> = Result<T, StageError>;
+
+/// An error of any type, reduced to its kind and message.
+#[derive(Debug)]
+pub(crate) struct StageError {
+    kind: ErrorKind,
+    text: String,
+}
+
+impl std::fmt::Display for StageError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl std::error::Error for StageError {}
+
+impl ClassifiedError for StageError {
+    fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+}
+
+/// The result of a step with the common error type.
+pub(crate) fn stage<T, E: ClassifiedError>(result: Result<T, E>) -> Stage<T> {
+    result.map_err(|e| StageError { kind: e.kind(), text: e.to_string() })
 }

@@ -1,9 +1,8 @@
-//! Other wavelets on the same diffusion: spectral graph wavelets, diffusion wavelets.
+//! Other wavelets on the same diffusion: spectral graph wavelets and diffusion wavelets.
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
-use crate::measures::{Stage, stage};
+use crate::error::{self, Stage, stage, value_error};
 use crate::options::word;
 use crate::prepared::Prepared;
 use adwave::Progress;
@@ -29,12 +28,12 @@ const FAMILIES: &[(&str, KernelFamily)] = &[
 
 /// One channel of a signal over the welded vertices.
 fn channel(map: &VertexMap, values: &[f64], n_channels: usize, c: usize) -> Vec<f64> {
-    let of_shape: Vec<f64> = values.iter().skip(c).step_by(n_channels).copied().collect();
-    map.mean(&of_shape, 1)
+    let values: Vec<f64> = values.iter().skip(c).step_by(n_channels).copied().collect();
+    map.mean(&values, 1)
 }
 
-/// A channel over the welded vertices into its place in n × n_channels values at the vertices of the shape.
-fn put(map: &VertexMap, welded: &[f64], out: &mut [f64], n_channels: usize, c: usize) {
+/// Writes a channel over the welded vertices into n × n_channels values at the vertices of the shape.
+fn write_channel(map: &VertexMap, welded: &[f64], out: &mut [f64], n_channels: usize, c: usize) {
     for (row, value) in out.chunks_exact_mut(n_channels).zip(map.scatter(welded, 1)) {
         row[c] = value;
     }
@@ -103,7 +102,7 @@ impl FrameData {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (n, d) = (signal.shape()[0], signal.shape()[1]);
         if n != self.map.n_vertices() || d == 0 {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "signal: shape ({n}, {d}) for {} vertices; give one row for each",
                 self.map.n_vertices()
             )));
@@ -117,7 +116,7 @@ impl FrameData {
                 let found = self.frame.analyze(&f, p)?;
                 for (level, found) in out.chunks_exact_mut(n * d).zip(found) {
                     let unscaled: Vec<f64> = found.iter().zip(&self.root).map(|(v, r)| v / r).collect();
-                    put(&self.map, &unscaled, level, d, c);
+                    write_channel(&self.map, &unscaled, level, d, c);
                 }
             }
             Ok::<_, adwave_baselines::sgwt::SgwtError>(out)
@@ -125,7 +124,7 @@ impl FrameData {
         Ok(arrays::levels(py, out, n, d)?.into_any())
     }
 
-    /// The signal of coefficients, and how many iterations it took.
+    /// The signal with these coefficients, and the number of iterations.
     #[pyo3(signature = (coefficients, tolerance, progress=None))]
     fn synthesize<'py>(
         &self,
@@ -138,7 +137,7 @@ impl FrameData {
         let shape = coefficients.shape();
         let d = shape[2];
         if !coefficients.is_c_contiguous() || shape[..2] != [self.frame.kernels.len(), n] || d == 0 {
-            return Err(value(format!(
+            return Err(value_error(format!(
                 "coefficients: shape {shape:?}; this frame's are ({}, {n}, channels)",
                 self.frame.kernels.len()
             )));
@@ -155,7 +154,7 @@ impl FrameData {
                 let (back, info) = self.frame.inverse(&parts, tolerance, p)?;
                 iterations = iterations.max(info.iterations);
                 let unscaled: Vec<f64> = back.iter().zip(&self.root).map(|(v, r)| v / r).collect();
-                put(&self.map, &unscaled, &mut out, d, c);
+                write_channel(&self.map, &unscaled, &mut out, d, c);
             }
             Ok::<_, adwave_baselines::sgwt::SgwtError>((out, iterations))
         })?;
@@ -176,14 +175,15 @@ pub(crate) struct MultiscaleData {
 }
 
 impl MultiscaleData {
-    fn analyzed(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
+    /// Coefficients of a signal over the welded vertices.
+    fn analyze_welded(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
         match &self.basis {
             Basis::Orthogonal(basis) => basis.analyze(f),
             Basis::Biorthogonal(basis) => basis.analyze(f),
         }
     }
 
-    /// Functions over the welded vertices as rows over those of the shape.
+    /// Functions over the welded vertices as rows over the vertices of the shape.
     fn functions_as_rows<'py>(&self, py: Python<'py>, functions: &[Vec<f64>]) -> PyResult<Bound<'py, PyAny>> {
         let n = self.map.n_vertices();
         let rows: Vec<f64> = functions.iter().flat_map(|f| self.map.scatter(f, 1)).collect();
@@ -205,18 +205,18 @@ impl MultiscaleData {
     ) -> PyResult<Self> {
         let decomposer = &prepared.get().decomposer;
         let params = MultiscaleParams::default().with_levels(n_levels).with_precision(precision);
-        let walk = decomposer.diffusion();
+        let diffusion = decomposer.diffusion();
         let basis = run(py, usize::MAX, progress.as_ref(), |p: Progress<'_>| -> Stage<Basis> {
             Ok(if orthogonal {
-                Basis::Orthogonal(stage(DiffusionWavelets::new(walk, &params, p))?)
+                Basis::Orthogonal(stage(DiffusionWavelets::new(diffusion, &params, p))?)
             } else {
-                Basis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(walk, &params, p))?)
+                Basis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(diffusion, &params, p))?)
             })
         })?;
         Ok(Self { basis, map: decomposer.geometry().vertex_map().clone() })
     }
 
-    /// Scaling functions of each level from 0 on.
+    /// Number of scaling functions of each level, from level 0.
     #[getter]
     fn ranks(&self) -> Vec<usize> {
         match &self.basis {
@@ -225,18 +225,19 @@ impl MultiscaleData {
         }
     }
 
-    /// Coefficients of a signal: of the wavelets of each level, and of the last scaling functions.
+    /// Coefficients of a signal: of the wavelets of each level, then of the last scaling functions.
     fn analyze<'py>(&self, py: Python<'py>, signal: Vec<f64>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         if signal.len() != self.map.n_vertices() {
             let (n, got) = (self.map.n_vertices(), signal.len());
-            return Err(value(format!("signal: {got} values for {n} vertices")));
+            return Err(value_error(format!("signal: {got} values for {n} vertices")));
         }
-        let found = self.analyzed(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::of(&e))?;
+        let found =
+            self.analyze_welded(&channel(&self.map, &signal, 1, 0)).map_err(|e| error::to_exception(&e))?;
         let all = found.wavelets.into_iter().chain([found.scaling]);
         Ok(all.map(|values| arrays::vector(py, values).into_any()).collect())
     }
 
-    /// The signal of coefficients.
+    /// The signal with these coefficients.
     fn synthesize<'py>(
         &self,
         py: Python<'py>,
@@ -248,7 +249,7 @@ impl MultiscaleData {
             Basis::Orthogonal(basis) => basis.synthesize(&coefficients),
             Basis::Biorthogonal(basis) => basis.synthesize(&coefficients),
         };
-        let back = back.map_err(|e| error::of(&e))?;
+        let back = back.map_err(|e| error::to_exception(&e))?;
         Ok(arrays::vector(py, self.map.scatter(&back, 1)).into_any())
     }
 
@@ -256,7 +257,7 @@ impl MultiscaleData {
     fn functions<'py>(&self, py: Python<'py>, level: usize, kind: u8) -> PyResult<Bound<'py, PyAny>> {
         let n_levels = self.ranks().len() - 1;
         if level == 0 || level > n_levels {
-            return Err(value(format!("level: {level} is none of 1 to {n_levels}")));
+            return Err(value_error(format!("level must be in 1..={n_levels}, got {level}")));
         }
         let functions = match (&self.basis, kind) {
             (Basis::Orthogonal(basis), 1) => basis.wavelets(level),

@@ -1,11 +1,10 @@
-//! The extension module `adwave._native`: the crates of adwave for the Python files beside it.
+//! The extension module `adwave._native`: the crates of adwave for the Python files of the package.
 //!
 //! Nothing is computed here. [`call`] runs the work with the interpreter released, stops it at Ctrl-C and turns errors into
-//! exceptions; [`arrays`] brings numbers over without a copy; the other modules have one class or a few functions each. What people
-//! see, names, checks and documentation, is in the package's Python files.
+//! exceptions; [`arrays`] passes numbers without a copy; [`options`] reads the option classes of the package; the other modules have
+//! one class or a few functions each. Names, checks and documentation for users are in the package's Python files.
 
 #![expect(clippy::needless_pass_by_value, reason = "arguments come from the interpreter as values")]
-#![expect(clippy::too_many_arguments, reason = "keyword arguments of one function")]
 
 mod allocator;
 mod arrays;
@@ -20,6 +19,8 @@ mod operator;
 mod options;
 mod picture;
 mod prepared;
+mod recipe;
+mod region;
 mod register;
 mod repeatability;
 mod shape;
@@ -34,8 +35,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("InternalError", module.py().get_type::<error::InternalError>())?;
     module.add_class::<shape::ShapeData>()?;
     module.add_class::<prepared::Prepared>()?;
+    module.add_class::<recipe::RecipeData>()?;
     module.add_function(wrap_pyfunction!(call::threads, module)?)?;
-    module.add_function(wrap_pyfunction!(call::asked_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(call::requested_threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::set_threads, module)?)?;
     command::add(module)?;
     edit::add(module)?;

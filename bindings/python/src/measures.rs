@@ -1,19 +1,19 @@
-//! What is measured or taken off: saliency, features, noise, vertices; scores of maps and features.
+//! Saliency, features, denoising, and scores of maps.
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
-use crate::options::named;
-use crate::prepared::{Prepared, schedule};
+use crate::error::{self, StageError, stage, value_error};
+use crate::options::{BandsOptions, CREASES, RESPONSES, WEIGHTINGS, word};
+use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
+use adwave::Progress;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
-use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope, describe, features};
+use adwave::features::{Feature, FeatureParams, Refinement, Response, ThresholdScope, describe, features};
 use adwave::measure::{agreement, center_distance};
 use adwave::operator::OperatorParams;
-use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
+use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_level, with_height};
 use adwave::shape::PreparedGeometry;
 use adwave::signal::outward_normals;
-use adwave::{ClassifiedError, Progress};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -26,79 +26,73 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(gaze_scores, module)?)
 }
 
-/// Work of several steps, whose errors are of several kinds.
-pub(crate) type Stage<T> = Result<T, Failure>;
-
-/// An error of any kind, already in words.
-#[derive(Debug)]
-pub(crate) struct Failure {
-    kind: adwave::ErrorKind,
-    text: String,
-}
-
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.text)
-    }
-}
-
-impl std::error::Error for Failure {}
-
-impl ClassifiedError for Failure {
-    fn kind(&self) -> adwave::ErrorKind {
-        self.kind
-    }
-}
-
-pub(crate) fn stage<T, E: ClassifiedError>(result: Result<T, E>) -> Stage<T> {
-    result.map_err(|e| Failure { kind: e.kind(), text: e.to_string() })
-}
-
-/// The map, the same of each level, what `SaliencyLevel` says of each, and which sides the signs stand for.
+/// Saliency map, maps of the levels, a row of numbers for each level, and the meaning of the signs.
 type MapAndLevels<'py> =
     (Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, Vec<(usize, f64, f64, f64, f64)>, String);
 
-/// The map, the same of each level, a row of numbers for each level, and in words which sides the signs stand for.
-#[pyfunction]
-#[pyo3(signature = (prepared, signal, steps, accuracy, weighting, unsigned, skip, border, up, per_level, progress=None))]
-fn saliency_map<'py>(
-    py: Python<'py>,
-    prepared: &Bound<'py, Prepared>,
-    signal: Option<PyReadonlyArray2<'_, f64>>,
-    steps: Vec<f64>,
-    accuracy: f64,
-    weighting: &str,
+/// Options of a saliency map beyond its weighting.
+#[derive(FromPyObject)]
+struct SaliencyOptions {
     unsigned: bool,
     skip: Option<usize>,
     border: Option<f64>,
-    up: Option<usize>,
+    up: Option<String>,
     per_level: bool,
+}
+
+impl SaliencyOptions {
+    /// Parameters of the map; without a weighting of the signed one.
+    fn params(&self, weighting: Option<Weighting>) -> PyResult<SaliencyParams> {
+        let params = match weighting {
+            None if self.unsigned => SaliencyParams::default().with_sign(Sign::Unsigned),
+            None => SaliencyParams::default(),
+            Some(weighting) => SaliencyParams::paper().with_weighting(weighting),
+        };
+        let params =
+            SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: self.border, ..params };
+        params.check().map_err(|e| error::to_exception(&e))?;
+        Ok(params)
+    }
+
+    /// Index of the axis that points up.
+    fn axis(&self) -> PyResult<Option<usize>> {
+        self.up.as_ref().map(|up| word("up", up, &[("x", 0), ("y", 1), ("z", 2)])).transpose()
+    }
+}
+
+/// Computes a saliency map.
+#[pyfunction]
+#[pyo3(signature = (prepared, request, weighting, options, progress=None))]
+fn saliency_map<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    request: BandsOptions<'py>,
+    weighting: &str,
+    options: SaliencyOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<MapAndLevels<'py>> {
     let own = prepared.get();
-    let is_geometry = signal.is_none() && !own.decomposer.geometry().points().is_empty();
-    let signal = own.signal(signal.as_ref())?;
-    let schedule = schedule(steps)?;
-    let chosen: MapWeighting = named("weighting", weighting)?;
-    let params = chosen.params(if unsigned { Sign::Unsigned } else { Sign::Signed });
-    let params = SaliencyParams { skip: skip.unwrap_or(params.skip), border_sigmas: border, ..params };
-    params.check().map_err(|e| error::of(&e))?;
+    let is_geometry = request.signal.is_none() && !own.decomposer.geometry().points().is_empty();
+    let signal = own.signal(request.signal.as_ref())?;
+    let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
+    let chosen = word("weighting", weighting, WEIGHTINGS)?;
+    let (params, up, per_level) = (options.params(chosen)?, options.axis()?, options.per_level);
     let decomposer = &own.decomposer;
     let work = |p: Progress<'_>| {
         let request = own.request(signal, &schedule, accuracy, p);
         let mut sides = "unsigned".to_owned();
         let mut along = None;
-        if chosen == MapWeighting::Signed && is_geometry {
+        if chosen.is_none() && is_geometry {
             let found = stage(outward_normals(decomposer.geometry(), own.normals.as_deref(), p))?;
             if found.info.has_outside() {
-                along = Some(stage(request.along(&found.normals))?);
+                along = Some(stage(request.normal_components(&found.normals))?);
             }
             sides = if params.sign == Sign::Signed && along.is_some() {
                 format!("+ convex, - concave; {}", found.info)
             } else {
                 format!("unsigned: {}", found.info)
             };
-        } else if signal.1 == 1 && params.sign == Sign::Signed && up.is_none() {
+        } else if signal.n_channels == 1 && params.sign == Sign::Signed && up.is_none() {
             "+ above its surroundings, - below".clone_into(&mut sides);
         }
         let wavelets = match along {
@@ -111,14 +105,14 @@ fn saliency_map<'py>(
         } else {
             Vec::new()
         };
-        Ok::<_, Failure>((found, levels, sides))
+        Ok::<_, StageError>((found, levels, sides))
     };
     let (mut found, levels, sides) = run(py, decomposer.n_vertices(), progress.as_ref(), work)?;
     if let Some(axis) = up {
         let Some(points) = decomposer.geometry().shape().points() else {
-            return Err(value("up: a graph has no heights"));
+            return Err(value_error("up: a graph has no heights"));
         };
-        let heights: Vec<f64> = points.iter().map(|p| p[axis.min(2)]).collect();
+        let heights: Vec<f64> = points.iter().map(|p| p[axis]).collect();
         found.map = with_height(&found.map, &heights);
     }
     let rows = found.levels.iter().map(|l| (l.level, l.sigma, l.mean, l.max, l.alpha)).collect();
@@ -126,41 +120,56 @@ fn saliency_map<'py>(
     Ok((arrays::vector(py, found.map).into_any(), levels, rows, sides))
 }
 
-/// Columns of the features: vertex, position, level, σ, response, strength, sign, channel (−1: all), and the descriptors.
-#[pyfunction]
-#[pyo3(signature = (
-    prepared, signal, steps, accuracy, theta, response, per_component, refine, edge_ratio, border, best, descriptors,
-    progress=None
-))]
-fn find_features<'py>(
-    py: Python<'py>,
-    prepared: &Bound<'py, Prepared>,
-    signal: Option<PyReadonlyArray2<'_, f64>>,
-    steps: Vec<f64>,
-    accuracy: f64,
+/// The smallest response of a feature, and the largest number of features.
+#[derive(FromPyObject)]
+struct FeatureThreshold {
     theta: f64,
-    response: &str,
+    best: Option<usize>,
+}
+
+/// Options of features beyond their threshold.
+#[derive(FromPyObject)]
+struct FeatureOptions {
+    response: String,
     per_component: bool,
     refine: bool,
     edge_ratio: Option<f64>,
     border: Option<f64>,
-    best: Option<usize>,
     descriptors: bool,
+}
+
+impl FeatureOptions {
+    fn params(&self, threshold: &FeatureThreshold) -> PyResult<FeatureParams> {
+        let params = FeatureParams {
+            theta: threshold.theta,
+            response: word("response", &self.response, RESPONSES)?,
+            scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
+            refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
+            max_edge_ratio: self.edge_ratio,
+            border_sigmas: self.border,
+            best: threshold.best,
+        };
+        params.check().map_err(|e| error::to_exception(&e))?;
+        Ok(params)
+    }
+}
+
+/// Finds features: a dictionary of the columns vertex, position, level, sigma, response, strength, sign, channel (−1: all) and
+/// descriptor.
+#[pyfunction]
+#[pyo3(signature = (prepared, request, threshold, options, progress=None))]
+fn find_features<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    request: BandsOptions<'py>,
+    threshold: FeatureThreshold,
+    options: FeatureOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = prepared.get();
-    let signal = own.signal(signal.as_ref())?;
-    let schedule = schedule(steps)?;
-    let params = FeatureParams {
-        theta,
-        response: named("response", response)?,
-        scope: if per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
-        refinement: if refine { Refinement::Quadratic } else { Refinement::Off },
-        max_edge_ratio: edge_ratio,
-        border_sigmas: border,
-        best,
-    };
-    params.check().map_err(|e| error::of(&e))?;
+    let signal = own.signal(request.signal.as_ref())?;
+    let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
+    let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
     let work = |p: Progress<'_>| {
         let request = own.request(signal, &schedule, accuracy, p);
@@ -170,23 +179,10 @@ fn find_features<'py>(
         };
         let found = stage(features(decomposer, &wavelets, &params, p))?;
         let described = if descriptors { describe(decomposer, &wavelets, &found) } else { Vec::new() };
-        Ok::<_, Failure>((found, described))
+        Ok::<_, StageError>((found, described))
     };
     let (found, described) = run(py, decomposer.n_vertices(), progress.as_ref(), work)?;
-    let columns = PyDict::new(py);
-    let numbers =
-        |of: &dyn Fn(&adwave::features::Feature) -> f64| arrays::vector(py, found.iter().map(of).collect());
-    columns.set_item("vertex", arrays::vector(py, found.iter().map(|f| f.vertex as i64).collect()))?;
-    let at = |f: &adwave::features::Feature| f.position.unwrap_or([f64::NAN; 3]);
-    columns.set_item("position", arrays::point_rows(py, found.iter().map(at).collect())?)?;
-    columns.set_item("level", arrays::vector(py, found.iter().map(|f| f.level as i32).collect()))?;
-    columns.set_item("sigma", numbers(&|f| f.sigma))?;
-    columns.set_item("response", numbers(&|f| f.response))?;
-    columns.set_item("strength", numbers(&|f| f.strength))?;
-    columns
-        .set_item("sign", arrays::vector(py, found.iter().map(adwave::features::Feature::sign).collect()))?;
-    let channel = |f: &adwave::features::Feature| f.channel.map_or(-1, |c| c as i32);
-    columns.set_item("channel", arrays::vector(py, found.iter().map(channel).collect()))?;
+    let columns = feature_columns(py, &found)?;
     if descriptors {
         let n_columns = adwave::features::DESCRIPTOR_LENGTH;
         let flat: Vec<f64> = described.iter().flatten().copied().collect();
@@ -195,28 +191,52 @@ fn find_features<'py>(
     Ok(columns)
 }
 
-fn denoise_params(strength: f64, creases: &str, noise: Option<f64>) -> PyResult<DenoiseParams> {
-    let params =
-        DenoiseParams::default().with_strength(strength).with_creases(named("creases", creases)?);
-    Ok(match noise {
-        Some(noise) => params.with_noise(noise),
-        None => params,
-    })
+fn feature_columns<'py>(py: Python<'py>, found: &[Feature]) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    let numbers = |column: &dyn Fn(&Feature) -> f64| arrays::vector(py, found.iter().map(column).collect());
+    columns.set_item("vertex", arrays::vector(py, found.iter().map(|f| f.vertex as i64).collect()))?;
+    let position = |f: &Feature| f.position.unwrap_or([f64::NAN; 3]);
+    columns.set_item("position", arrays::point_rows(py, found.iter().map(position).collect())?)?;
+    columns.set_item("level", arrays::vector(py, found.iter().map(|f| f.level as i32).collect()))?;
+    columns.set_item("sigma", numbers(&|f| f.sigma))?;
+    columns.set_item("response", numbers(&|f| f.response))?;
+    columns.set_item("strength", numbers(&|f| f.strength))?;
+    columns.set_item("sign", arrays::vector(py, found.iter().map(Feature::sign).collect()))?;
+    let channel = |f: &Feature| f.channel.map_or(-1, |c| c as i32);
+    columns.set_item("channel", arrays::vector(py, found.iter().map(channel).collect()))?;
+    Ok(columns)
 }
 
-/// Positions without noise, and what was found out about it.
+/// Options of denoising.
+#[derive(FromPyObject)]
+struct DenoiseOptions {
+    strength: f64,
+    creases: String,
+    noise: Option<f64>,
+}
+
+impl DenoiseOptions {
+    fn params(&self) -> PyResult<DenoiseParams> {
+        let creases = word("creases", &self.creases, CREASES)?;
+        let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
+        Ok(match self.noise {
+            Some(noise) => params.with_noise(noise),
+            None => params,
+        })
+    }
+}
+
+/// Positions without noise, and the estimates that they are based on.
 #[pyfunction]
-#[pyo3(signature = (shape, strength, creases, noise, weld, progress=None))]
+#[pyo3(signature = (shape, options, weld, progress=None))]
 fn denoise_points<'py>(
     py: Python<'py>,
     shape: &Bound<'py, ShapeData>,
-    strength: f64,
-    creases: &str,
-    noise: Option<f64>,
+    options: DenoiseOptions,
     weld: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
-    let params = denoise_params(strength, creases, noise)?;
+    let params = options.params()?;
     let own = shape.get().shape(py)?;
     let default = OperatorParams::default().weld;
     let weld = if weld { default } else { adwave::shape::WeldMode::Off };
@@ -236,21 +256,19 @@ fn denoise_points<'py>(
     Ok((arrays::point_rows(py, denoised.points)?.into_any(), found))
 }
 
-/// Values of a signal without noise, and what was found out about it, for each group of channels.
+/// Values of a signal without noise, and the estimates for each group of channels.
 #[pyfunction]
-#[pyo3(signature = (prepared, signal, strength, creases, noise, progress=None))]
+#[pyo3(signature = (prepared, signal, options, progress=None))]
 fn denoise_values<'py>(
     py: Python<'py>,
     prepared: &Bound<'py, Prepared>,
     signal: Option<PyReadonlyArray2<'_, f64>>,
-    strength: f64,
-    creases: &str,
-    noise: Option<f64>,
+    options: DenoiseOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyDict>>)> {
-    let params = denoise_params(strength, creases, noise)?;
+    let params = options.params()?;
     let own = prepared.get();
-    let (values, n_channels) = own.signal(signal.as_ref())?;
+    let SignalValues { values, n_channels } = own.signal(signal.as_ref())?;
     let work = |p: Progress<'_>| denoise_signal(&own.decomposer, values, n_channels, &params, p);
     let denoised = run(py, own.decomposer.n_vertices(), progress.as_ref(), work)?;
     let mut found = Vec::new();
@@ -267,7 +285,8 @@ fn denoise_values<'py>(
     Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), found))
 }
 
-/// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation; the same with a control of distance.
+/// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation, and correlation given the distance from the
+/// center.
 #[pyfunction]
 #[pyo3(signature = (map, fixations, threshold, points=None))]
 fn gaze_scores<'py>(
@@ -288,5 +307,6 @@ fn gaze_scores<'py>(
     scores.set_item("auc", found.auc)?;
     scores.set_item("nss", found.nss)?;
     scores.set_item("correlation", found.correlation)?;
+    scores.set_item("partial_correlation", found.partial_correlation)?;
     Ok(scores)
 }

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value};
+use crate::error::{self, value_error};
 use crate::prepared::Prepared;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows, Value, basis};
@@ -19,12 +19,12 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 type Csr<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<Csr<'_>> {
-    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value(e.to_string()))?;
+    let (indptr, indices, data) = rows.into_scipy().map_err(|e| value_error(e.to_string()))?;
     let indices = arrays::vector(py, indices).into_any();
     Ok((arrays::vector(py, data).into_any(), indices, arrays::vector(py, indptr).into_any()))
 }
 
-/// Which vertex of the shape each welded one is, where none are welded.
+/// Vertex of the shape of each welded vertex; `None` if some vertices were welded.
 fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     if map.n_welded() < map.n_vertices() {
         return None;
@@ -36,21 +36,21 @@ fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     Some(vertex_of)
 }
 
-/// Φ₁, in the order of the shape where no vertices are welded, else over the welded ones.
+/// Φ₁ in the order of the shape, or over the welded vertices if some were welded.
 #[pyfunction]
 fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> PyResult<Csr<'py>> {
     let decomposer = &prepared.get().decomposer;
     let rows = run(py, decomposer.n_vertices(), None, |p| {
         let rows = decomposer.diffusion().to_rows(p)?;
         Ok::<_, adwave::Cancelled>(match shape_order(decomposer.geometry().vertex_map()) {
-            Some(order) => rows.permuted(&order),
+            Some(order) => rows.permute(&order),
             None => rows,
         })
     })?;
     csr(py, rows)
 }
 
-/// Φ_j and Ψ_j of all levels.
+/// Matrices Φ_j and Ψ_j of all levels.
 #[pyfunction]
 #[pyo3(signature = (prepared, n_levels, drop_tolerance, max_bytes, progress=None))]
 fn basis_matrices<'py>(
@@ -62,7 +62,7 @@ fn basis_matrices<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<Csr<'py>>, Vec<Csr<'py>>)> {
     let decomposer = &prepared.get().decomposer;
-    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::of(&e))?;
+    let schedule = Schedule::dyadic(n_levels).map_err(|e| error::to_exception(&e))?;
     let mut params = BasisParams::new(schedule);
     if let Some(tolerance) = drop_tolerance {
         params = params.with_drop_tolerance(tolerance);
@@ -73,7 +73,7 @@ fn basis_matrices<'py>(
     let map = decomposer.geometry().vertex_map();
     let found = run(py, usize::MAX, progress.as_ref(), |p| {
         let found = basis(decomposer.diffusion(), &params, p)?;
-        if map.n_welded() < map.n_vertices() { Ok(found) } else { found.in_shape_order(map) }
+        if map.n_welded() < map.n_vertices() { Ok(found) } else { found.to_shape_order(map) }
     })?;
     let wavelets = (1..=n_levels).map(|j| csr(py, found.wavelet(j))).collect::<PyResult<_>>()?;
     let scaling = found.scaling.into_iter().map(|rows| csr(py, rows)).collect::<PyResult<_>>()?;

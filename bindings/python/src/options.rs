@@ -1,73 +1,210 @@
-//! Words of options as the crates' enums.
+//! Options as they come from the Python classes, and their words as the enums of the crates.
 
-use crate::error::value;
-use adwave::NamedValue;
-use adwave::operator::{CloudGraph, OperatorParams};
+use crate::error::{self, value_error};
+use adwave::bands::{FWHM, Schedule};
+use adwave::denoise::Creases;
+use adwave::features::Response;
+use adwave::filter::Preset;
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
-use adwave::shape::WeldMode;
+use adwave::saliency::Weighting;
+use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use adwave_io::ShapeKind;
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
-/// One of several words.
+/// The value of a word of an option.
 pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> PyResult<T> {
     known.iter().find(|(name, _)| *name == given).map(|(_, found)| *found).ok_or_else(|| {
         let names: Vec<String> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
-        value(format!("{option}: '{given}' is none of {}", names.join(", ")))
+        value_error(format!("{option} must be one of {}, got '{given}'", names.join(", ")))
     })
 }
 
 pub(crate) const KINDS: &[(&str, ShapeKind)] =
     &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
+pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
+    ("free", MoveDirection::Free),
+    ("normal", MoveDirection::Normal),
+    ("surface", MoveDirection::Surface),
+    ("x", MoveDirection::X),
+    ("y", MoveDirection::Y),
+    ("z", MoveDirection::Z),
+];
+pub(crate) const BORDERS: &[(&str, Borders)] =
+    &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];
+pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
+pub(crate) const CREASES: &[(&str, Creases)] =
+    &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
+pub(crate) const RESPONSES: &[(&str, Response)] = &[
+    ("normalized", Response::Normalized),
+    ("literal", Response::Literal),
+    ("channels", Response::Channels),
+    ("sigma", Response::Sigma),
+];
+/// Weightings of saliency; `None` is the signed map.
+pub(crate) const WEIGHTINGS: &[(&str, Option<Weighting>)] = &[
+    ("signed", None),
+    ("paper", Some(Weighting::PerLevel)),
+    ("printed", Some(Weighting::AsPrinted)),
+    ("normalized", Some(Weighting::Normalized)),
+    ("ranks", Some(Weighting::Ranks)),
+    ("none", Some(Weighting::Uniform)),
+];
+const OPERATORS: &[(&str, OperatorKind)] =
+    &[("walk", OperatorKind::Walk), ("surface", OperatorKind::Surface)];
+const MESH_AREAS: &[(&str, MeshArea)] =
+    &[("barycentric", MeshArea::Barycentric), ("mixed-voronoi", MeshArea::MixedVoronoi)];
+const CLOUD_AREAS: &[(&str, CloudArea)] = &[
+    ("kth-neighbor", CloudArea::KthNeighbor),
+    ("unit", CloudArea::Unit),
+    ("tangent-voronoi", CloudArea::TangentVoronoi),
+];
 
-/// The value of a name, in a message that says which option it was for.
-pub(crate) fn named<T: NamedValue>(option: &str, given: &str) -> PyResult<T> {
-    T::from_name(given).map_err(|_| {
-        let names: Vec<String> = T::ENTRIES.iter().map(|entry| format!("'{}'", entry.name)).collect();
-        value(format!("{option}: '{given}' is none of {}", names.join(", ")))
-    })
+/// Options of the diffusion operator; `None` takes the library's default.
+#[derive(FromPyObject)]
+pub(crate) struct OperatorOptions {
+    kind: Option<String>,
+    weld: Option<bool>,
+    rings: Option<i64>,
+    neighbors: Option<i64>,
+    directed: Option<bool>,
+    area: Option<String>,
+    density_invariant: Option<bool>,
+    keep_creases: Option<bool>,
 }
 
-/// How the diffusion operator is built.
-pub(crate) fn operator(options: &Bound<'_, PyDict>) -> PyResult<OperatorParams> {
-    let mut params = OperatorParams::default();
-    for (name, given) in options {
-        let name: String = name.extract()?;
-        params = match name.as_str() {
-            "operator" => params.with_kind(named(&name, &given.extract::<String>()?)?),
-            "weld" => {
-                params.with_weld(if given.extract()? { WeldMode::EqualPositions } else { WeldMode::Off })
+impl OperatorOptions {
+    /// Parameters of the operator.
+    pub(crate) fn params(&self) -> PyResult<OperatorParams> {
+        let mut params = OperatorParams::default();
+        if let Some(kind) = &self.kind {
+            params = params.with_kind(word("operator", kind, OPERATORS)?);
+        }
+        if let Some(weld) = self.weld {
+            params = params.with_weld(if weld { WeldMode::EqualPositions } else { WeldMode::Off });
+        }
+        if let Some(rings) = self.rings {
+            params = params.with_rings(parse_positive("rings", rings)?);
+        }
+        if let Some(neighbors) = self.neighbors {
+            params = params.with_neighbors(parse_positive("neighbors", neighbors)?);
+        }
+        if let Some(directed) = self.directed {
+            params = params.with_cloud_graph(if directed { CloudGraph::Directed } else { CloudGraph::Union });
+        }
+        if let Some(area) = &self.area {
+            params = with_area(params, area)?;
+        }
+        if let Some(invariant) = self.density_invariant {
+            params = params.with_density_invariant(invariant);
+        }
+        if let Some(keep) = self.keep_creases {
+            params = params.with_keep_creases(keep);
+        }
+        if params.density_invariant && params.cloud_graph == CloudGraph::Directed {
+            return Err(value_error("density_invariant steps both ways; leave out directed"));
+        }
+        Ok(params)
+    }
+}
+
+/// The area of a vertex of a mesh or of a point of a cloud; their names differ.
+fn with_area(params: OperatorParams, name: &str) -> PyResult<OperatorParams> {
+    let find = |known: &[&str]| known.iter().map(|known| format!("'{known}'")).collect::<Vec<_>>().join(", ");
+    if let Some((_, area)) = MESH_AREAS.iter().find(|(known, _)| *known == name) {
+        return Ok(params.with_mesh_area(*area));
+    }
+    if let Some((_, area)) = CLOUD_AREAS.iter().find(|(known, _)| *known == name) {
+        return Ok(params.with_cloud_area(*area));
+    }
+    let names: Vec<&str> =
+        MESH_AREAS.iter().map(|(n, _)| *n).chain(CLOUD_AREAS.iter().map(|(n, _)| *n)).collect();
+    Err(value_error(format!("area must be one of {}, got '{name}'", find(&names))))
+}
+
+fn parse_positive(name: &str, n: i64) -> PyResult<usize> {
+    usize::try_from(n)
+        .ok()
+        .filter(|&n| n > 0)
+        .ok_or_else(|| value_error(format!("{name} must be at least 1, got {n}")))
+}
+
+/// A signal with its levels and the accuracy of its bands. No signal stands for the coordinates.
+#[derive(FromPyObject)]
+pub(crate) struct BandsOptions<'py> {
+    pub(crate) signal: Option<PyReadonlyArray2<'py, f64>>,
+    pub(crate) steps: Vec<f64>,
+    pub(crate) accuracy: f64,
+}
+
+/// Levels: widths, dyadic levels with voices, or a number of dyadic levels.
+#[derive(FromPyObject)]
+pub(crate) enum LevelOptions<'py> {
+    Widths {
+        rms: Option<Vec<Bound<'py, PyAny>>>,
+        fwhm: Option<Vec<Bound<'py, PyAny>>>,
+    },
+    Octaves {
+        n_levels: usize,
+        voices: usize,
+    },
+    #[pyo3(transparent)]
+    Count(usize),
+}
+
+impl LevelOptions<'_> {
+    /// Levels on a shape whose diffusion has this step length and whose bounding box has this diagonal, in model units.
+    pub(crate) fn schedule(&self, step: f64, diagonal: f64) -> PyResult<Schedule> {
+        let schedule = match self {
+            Self::Widths { rms, fwhm } => {
+                let divisor = if rms.is_some() { 1.0 } else { FWHM };
+                let widths = rms.as_ref().or(fwhm.as_ref()).into_iter().flatten();
+                let sigma: Vec<f64> = widths
+                    .map(|width| Ok(length(width)?.to_model_units(diagonal) / divisor))
+                    .collect::<PyResult<_>>()?;
+                Schedule::lengths(&sigma, step)
             }
-            "rings" => params.with_rings(at_least_one(&name, &given)?),
-            "mesh_area" => params.with_mesh_area(named(&name, &given.extract::<String>()?)?),
-            "neighbors" => params.with_neighbors(at_least_one(&name, &given)?),
-            "directed" => params.with_cloud_graph(if given.extract()? {
-                CloudGraph::Directed
-            } else {
-                CloudGraph::Union
-            }),
-            "cloud_area" => params.with_cloud_area(named(&name, &given.extract::<String>()?)?),
-            "density_invariant" => params.with_density_invariant(given.extract()?),
-            "keep_creases" => params.with_keep_creases(given.extract()?),
-            _ => return Err(value(format!("{name}: there is no such option of the diffusion operator"))),
+            Self::Octaves { n_levels, voices } => Schedule::voices(*n_levels, *voices),
+            Self::Count(n) => Schedule::dyadic(*n),
         };
+        schedule.map_err(|e| error::to_exception(&e))
     }
-    if params.density_invariant && params.cloud_graph == CloudGraph::Directed {
-        return Err(value("density_invariant steps both ways; leave out directed"));
-    }
-    Ok(params)
 }
 
-fn at_least_one(name: &str, given: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let n: i64 = given.extract()?;
-    usize::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| value(format!("{name}: {n} is below 1")))
+/// Constraints on positions after a filter.
+#[derive(FromPyObject)]
+pub(crate) struct ConstraintOptions {
+    along: Option<String>,
+    border: String,
+    volume: String,
 }
 
-/// A length: a number in model units, or `"2%"` of the diagonal.
+impl ConstraintOptions {
+    /// Parameters of the constraints.
+    pub(crate) fn params(&self) -> PyResult<PositionParams> {
+        Ok(PositionParams {
+            along: self.along.as_ref().map(|along| word("along", along, ALONG)).transpose()?,
+            borders: word("border", &self.border, BORDERS)?,
+            volume: word("volume", &self.volume, VOLUME)?,
+        })
+    }
+}
+
+/// Gains of a preset by its name.
+pub(crate) fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
+    let smooth = ("smooth", Preset::Suppress);
+    let known: Vec<(&str, Preset)> =
+        std::iter::once(smooth).chain(Preset::ALL.iter().map(|preset| (preset.name(), *preset))).collect();
+    Ok(word("preset", name, &known)?.gains(n_levels))
+}
+
+/// A length in model units, or a share of the diagonal such as `"2%"`.
 pub(crate) fn length(given: &Bound<'_, PyAny>) -> PyResult<Length> {
     if let Ok(units) = given.extract::<f64>() {
         return Ok(Length::Units(units));
     }
     let text: String = given.extract()?;
-    text.parse().map_err(|e| value(format!("{e}")))
+    text.parse().map_err(|e| value_error(format!("{e}")))
 }

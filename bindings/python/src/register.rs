@@ -1,9 +1,8 @@
-//! Two shapes brought together, and one with fewer vertices.
+//! Registration and distances of two shapes, and simplification.
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::value;
-use crate::measures::{Failure, Stage, stage};
+use crate::error::{Stage, StageError, stage, value_error};
 use crate::options::length;
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
@@ -12,45 +11,52 @@ use adwave::shape::{Shape, surface_area};
 use adwave::signal::outward_normals;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Described, Motion, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under, signed_distances,
+    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, PairParams, ShapeFeatures, Surface,
+    align as fit_motion, common_lengths, consensus, describe_shape, pairs_under, signed_distances,
 };
 use adwave_simplify::{Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud, simplify_mesh};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// How many times the mean response of its level a feature has that a motion is looked for by.
+/// Smallest response of a feature that is used to find a motion, in multiples of the mean of its level.
 const THETA: f64 = 1.0;
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(simplified, module)?)?;
-    module.add_function(wrap_pyfunction!(matched, module)?)?;
+    module.add_function(wrap_pyfunction!(simplify, module)?)?;
+    module.add_function(wrap_pyfunction!(match_shapes, module)?)?;
     module.add_function(wrap_pyfunction!(distances, module)?)
 }
 
-/// The shape with fewer vertices, which are kept (none listed where all are), and the greatest and rms distance.
-#[pyfunction]
-#[pyo3(signature = (shape, error, vertices, ratio, keep_border, progress=None))]
-fn simplified<'py>(
-    py: Python<'py>,
-    shape: &Bound<'py, ShapeData>,
+/// Target of a simplification.
+#[derive(FromPyObject)]
+struct SimplifyOptions<'py> {
     error: Option<Bound<'py, PyAny>>,
     vertices: Option<usize>,
     ratio: Option<f64>,
     keep_border: bool,
+}
+
+/// Simplifies a shape: the result, its vertices in the original (`None` for all), and the greatest and rms distance.
+#[pyfunction]
+#[pyo3(signature = (shape, options, progress=None))]
+fn simplify<'py>(
+    py: Python<'py>,
+    shape: &Bound<'py, ShapeData>,
+    options: SimplifyOptions<'py>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(ShapeData, Option<Bound<'py, PyAny>>, f64, f64)> {
     let content = shape.get();
     let own = content.shape(py)?;
-    let error = error.as_ref().map(length).transpose()?.map(|error| error.in_units(own.diagonal()));
+    let error =
+        options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
     let (file, kept, deviation) = match own {
         Shape::Mesh(mesh) => {
-            let target = match (error, vertices) {
+            let target = match (error, options.vertices) {
                 (Some(error), _) => MeshTarget::Error(error),
                 (_, Some(n)) => MeshTarget::Vertices(n),
-                _ => MeshTarget::Ratio(ratio.unwrap_or(1.0)),
+                _ => MeshTarget::Ratio(options.ratio.unwrap_or(1.0)),
             };
-            let border = if keep_border { Border::Kept } else { Border::Weighted };
+            let border = if options.keep_border { Border::Kept } else { Border::Weighted };
             let labels = content.file.corner_labels();
             let params = MeshParams::new(target).with_border(border);
             let found = run(py, usize::MAX, progress.as_ref(), |p| {
@@ -65,49 +71,55 @@ fn simplified<'py>(
                     faces: &found.faces,
                     corners: &found.corners,
                 };
-                let file = content.file.subset(&subset).map_err(|e| value(e.to_string()))?;
+                let file = content.file.subset(&subset).map_err(|e| value_error(e.to_string()))?;
                 (file, Some(found.kept), found.deviation)
             }
         }
         Shape::Cloud(cloud) => {
-            let target = match (error, vertices) {
+            let target = match (error, options.vertices) {
                 (Some(error), _) => CloudTarget::Spacing(error),
                 (_, Some(n)) => CloudTarget::Points(n),
-                _ => CloudTarget::Ratio(ratio.unwrap_or(1.0)),
+                _ => CloudTarget::Ratio(options.ratio.unwrap_or(1.0)),
             };
             let found = run(py, usize::MAX, progress.as_ref(), |p| simplify_cloud(cloud, target, p))?;
             let subset = Subset { vertices: &found.kept, ..Subset::default() };
-            let file = content.file.subset(&subset).map_err(|e| value(e.to_string()))?;
+            let file = content.file.subset(&subset).map_err(|e| value_error(e.to_string()))?;
             (file, Some(found.kept), found.deviation)
         }
-        Shape::Graph(_) => return Err(value("a graph has no surface; give a mesh or a cloud")),
+        Shape::Graph(_) => return Err(value_error("a graph has no surface; give a mesh or a cloud")),
     };
     let kept = kept.map(|kept| arrays::vector(py, kept).into_any());
-    Ok((content.like(file), kept, deviation.greatest(), deviation.rms()))
+    Ok((content.with_file(file), kept, deviation.greatest(), deviation.rms()))
+}
+
+/// Options of matching.
+#[derive(FromPyObject)]
+struct MatchOptions {
+    theta: f64,
+    within: f64,
+    scaled: bool,
 }
 
 /// Features of both shapes, the motion from the first to the second, and pairs.
 #[pyfunction]
-#[pyo3(signature = (first, second, theta, within, scaled, progress=None))]
-fn matched<'py>(
+#[pyo3(signature = (first, second, options, progress=None))]
+fn match_shapes<'py>(
     py: Python<'py>,
     first: &Bound<'py, Prepared>,
     second: &Bound<'py, Prepared>,
-    theta: f64,
-    within: f64,
-    scaled: bool,
+    options: MatchOptions,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (first.get(), second.get());
     let work = |p: Progress<'_>| -> Stage<_> {
-        let (one, two, motion) = motion_between(a, b, theta, scaled, p)?;
+        let (one, two, motion) = motion_between(a, b, options.theta, options.scaled, p)?;
         let other = &b.decomposer;
         let pairs = motion.as_ref().map_or_else(Vec::new, |(motion, _)| {
             let area = match other.geometry().triangles() {
                 [] => other.areas().iter().sum(),
                 triangles => surface_area(other.geometry().points(), triangles),
             };
-            pairs_under(&one.keys, &two.keys, motion, area, &PairParams { sigmas: within })
+            pairs_under(&one.keys, &two.keys, motion, area, &PairParams { sigmas: options.within })
         });
         Ok((one, two, motion, pairs))
     };
@@ -117,42 +129,49 @@ fn matched<'py>(
     found.set_item("motion", motion.as_ref().map(|(motion, _)| matrix(py, motion)).transpose()?)?;
     found.set_item("median", motion.as_ref().map(|(_, info)| info.median))?;
     found.set_item("overlap", motion.as_ref().map(|(_, info)| info.overlap))?;
-    let indices = |of: &dyn Fn(&adwave_register::Pair) -> usize| -> Vec<i64> {
-        pairs.iter().map(|pair| of(pair) as i64).collect()
+    let indices = |vertex: &dyn Fn(&adwave_register::Pair) -> usize| -> Vec<i64> {
+        pairs.iter().map(|pair| vertex(pair) as i64).collect()
     };
     found.set_item("first", arrays::vector(py, indices(&|pair| one.features[pair.first].vertex)))?;
     found.set_item("second", arrays::vector(py, indices(&|pair| two.features[pair.second].vertex)))?;
-    let numbers = |of: &dyn Fn(&adwave_register::Pair) -> f64| -> Vec<f64> { pairs.iter().map(of).collect() };
+    let numbers =
+        |column: &dyn Fn(&adwave_register::Pair) -> f64| -> Vec<f64> { pairs.iter().map(column).collect() };
     found.set_item("sigma", arrays::vector(py, numbers(&|pair| one.features[pair.first].sigma)))?;
     found.set_item("distance", arrays::vector(py, numbers(&|pair| pair.sigmas)))?;
     found.set_item("confidence", arrays::vector(py, numbers(&|pair| pair.confidence)))?;
     Ok(found)
 }
 
-/// The features of two shapes, and the motion between them where one is clear.
-type Brought = (Described, Described, Option<(Motion, AlignInfo)>);
+/// Features of two shapes, and the motion between them if one is clear.
+type FeaturesAndMotion = (ShapeFeatures, ShapeFeatures, Option<(Motion, AlignInfo)>);
 
 /// Features of both shapes, and the motion from the first to the second that most of them agree on, fitted to the surfaces.
-fn motion_between(a: &Prepared, b: &Prepared, theta: f64, scaled: bool, p: Progress<'_>) -> Stage<Brought> {
-    let (walk, other) = (&a.decomposer, &b.decomposer);
+fn motion_between(
+    a: &Prepared,
+    b: &Prepared,
+    theta: f64,
+    scaled: bool,
+    p: Progress<'_>,
+) -> Stage<FeaturesAndMotion> {
+    let (decomposer, other) = (&a.decomposer, &b.decomposer);
     let lengths = if scaled {
-        [stage(common_lengths(walk, walk))?, stage(common_lengths(other, other))?]
+        [stage(common_lengths(decomposer, decomposer))?, stage(common_lengths(other, other))?]
     } else {
-        let both = stage(common_lengths(walk, other))?;
+        let both = stage(common_lengths(decomposer, other))?;
         [both.clone(), both]
     };
-    let of = |side: &Prepared, lengths: &[f64]| -> Stage<Described> {
-        stage(described(&side.decomposer, side.normals.as_deref(), lengths, theta, p))
+    let describe = |side: &Prepared, lengths: &[f64]| -> Stage<ShapeFeatures> {
+        stage(describe_shape(&side.decomposer, side.normals.as_deref(), lengths, theta, p))
     };
-    let (one, two) = (of(a, &lengths[0])?, of(b, &lengths[1])?);
+    let (one, two) = (describe(a, &lengths[0])?, describe(b, &lengths[1])?);
     let params = ConsensusParams { scaled, ..ConsensusParams::default() };
-    let found = stage(consensus((&one.keys, &one.descriptors), (&two.keys, &two.descriptors), &params, p))?;
+    let found = stage(consensus(&one, &two, &params, p))?;
     let clear = found.filter(Consensus::is_clear);
     let (Some(found), Some(surface)) = (clear, Surface::new(other.geometry())) else {
         return Ok((one, two, None));
     };
     let params = AlignParams { scaled, ..AlignParams::default() };
-    let motion = stage(align(walk.geometry().points(), &surface, found.motion, &params, p))?;
+    let motion = stage(fit_motion(decomposer.geometry().points(), &surface, found.motion, &params, p))?;
     Ok((one, two, Some(motion)))
 }
 
@@ -160,43 +179,45 @@ fn matrix<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyAny>> 
     Ok(arrays::matrix(py, motion.matrix().as_flattened().to_vec(), 4)?.into_any())
 }
 
-/// The signed distance of each vertex of the first shape to the second, which is fitted first where that is asked for; whether they
-/// have a sign; the motion of the second.
+/// Signed distance of each vertex of the first shape to the second, whether it has a sign, and the motion of the second if it is
+/// fitted first.
 #[pyfunction]
-#[pyo3(signature = (first, second, fitted, limit, progress=None))]
+#[pyo3(signature = (first, second, align, limit, progress=None))]
 fn distances<'py>(
     py: Python<'py>,
     first: &Bound<'py, Prepared>,
     second: &Bound<'py, Prepared>,
-    fitted: bool,
+    align: bool,
     limit: Option<Bound<'py, PyAny>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, bool, Bound<'py, PyAny>)> {
     let (a, b) = (first.get(), second.get());
-    let walk = &a.decomposer;
+    let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
-    let limit = limit.map_or(f64::INFINITY, |limit| limit.in_units(walk.diagonal()));
-    let (Some(own), Some(surface)) = (Surface::new(walk.geometry()), Surface::new(b.decomposer.geometry()))
+    let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
+    let (Some(own), Some(surface)) =
+        (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
     else {
-        return Err(value("a graph has no surface; give meshes or clouds"));
+        return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
     let work = |p: Progress<'_>| -> Stage<_> {
         let mut motion = Motion::default();
-        if fitted {
-            // Where no motion of features is clear they are taken to lie near each other already.
+        if align {
+            // Without a clear motion of the features, the shapes are assumed to lie near each other.
             let start = motion_between(b, a, THETA, false, p)?.2.map_or(motion, |(motion, _)| motion);
             let other = b.decomposer.geometry().points();
-            motion = stage(align(other, &own, start, &AlignParams::default(), p))?.0;
+            motion = stage(fit_motion(other, &own, start, &AlignParams::default(), p))?.0;
         }
-        let outward = stage(outward_normals(walk.geometry(), a.normals.as_deref(), p))?;
-        // The first shape goes to where the second is, in place of the second to the first.
+        let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
+        // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
-        let points: Vec<[f64; 3]> = walk.geometry().points().iter().map(|point| back.apply(point)).collect();
+        let points: Vec<[f64; 3]> =
+            decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
         let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();
         let values = if is_signed { found.values } else { found.values.iter().map(|v| v.abs()).collect() };
-        Ok::<_, Failure>((walk.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
+        Ok::<_, StageError>((decomposer.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
     };
     let (values, is_signed, motion) = run(py, usize::MAX, progress.as_ref(), work)?;
     Ok((arrays::vector(py, values).into_any(), is_signed, matrix(py, &motion)?))

@@ -1,13 +1,12 @@
-//! Shapes changed on purpose, and which of their features are found again.
+//! Shapes changed on purpose, and the features that are found again.
 
 use crate::call::run;
-use crate::error::value;
-use crate::measures::{Stage, stage};
+use crate::error::{Stage, stage, value_error};
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::features::Feature;
 use adwave::measure::{
-    Change, Changed, RepeatabilityParams, change, n_right, repeatability, share_by_chance,
+    Change, ChangedShape, RepeatabilityParams, change, n_right, repeatability, share_by_chance,
 };
 use adwave::shape::{Shape, surface_area};
 use adwave_io::ShapeFile;
@@ -20,16 +19,16 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ChangeData>()
 }
 
-/// A changed shape, and the way back.
+/// A changed shape with the way back.
 #[pyclass(frozen, module = "adwave._native")]
 pub(crate) struct ChangeData {
-    changed: Changed,
+    changed: ChangedShape,
     shape: Py<ShapeData>,
 }
 
-/// Features from their columns.
+/// Features as structs, from their columns.
 fn features(columns: &Bound<'_, PyDict>) -> PyResult<Vec<Feature>> {
-    let get = |name: &str| columns.get_item(name)?.ok_or_else(|| value(format!("features: no {name}")));
+    let get = |name: &str| columns.get_item(name)?.ok_or_else(|| value_error(format!("features: no {name}")));
     let vertex: PyReadonlyArray1<'_, i64> = get("vertex")?.extract()?;
     let position: PyReadonlyArray2<'_, f64> = get("position")?.extract()?;
     let level: PyReadonlyArray1<'_, i32> = get("level")?.extract()?;
@@ -51,8 +50,8 @@ fn features(columns: &Bound<'_, PyDict>) -> PyResult<Vec<Feature>> {
     Ok((0..vertex.len()).map(one).collect())
 }
 
-/// Level, features and found again, for each level; features that are right; the share that chance would find again.
-type FoundAgain = (Vec<(usize, usize, usize)>, usize, f64);
+/// For each level its number, features and features found again; then the features that are right, and the share that chance would find.
+type RepeatedFeatures = (Vec<(usize, usize, usize)>, usize, f64);
 
 #[pymethods]
 impl ChangeData {
@@ -75,25 +74,25 @@ impl ChangeData {
             "other-vertices" => None,
             _ => {
                 let known = "'noise', 'rotation', 'scaling', 'resampling', 'other-vertices'";
-                return Err(value(format!("change: '{kind}' is none of {known}")));
+                return Err(value_error(format!("change must be one of {known}, got '{kind}'")));
             }
         };
-        let changed = run(py, usize::MAX, None, |p| -> Stage<Option<Changed>> {
+        let changed = run(py, usize::MAX, None, |p| -> Stage<Option<ChangedShape>> {
             match (&step, shape) {
                 (Some(step), _) => stage(change(shape, decomposer, step)).map(Some),
                 (None, Shape::Mesh(mesh)) => {
                     let mesh = stage(resample_mesh(mesh, seed, p))?;
-                    Ok(Some(Changed::resampled(Shape::Mesh(mesh))))
+                    Ok(Some(ChangedShape::resampled(Shape::Mesh(mesh))))
                 }
                 _ => Ok(None),
             }
         })?;
-        let changed = changed.ok_or_else(|| value("change: only a mesh gets other vertices"))?;
+        let changed = changed.ok_or_else(|| value_error("change 'other-vertices' needs a mesh"))?;
         let file = match &changed.shape {
             Shape::Mesh(mesh) => ShapeFile::from_mesh(mesh.points().to_vec(), mesh.faces().clone()),
             other => ShapeFile::from_cloud(other.points().unwrap_or_default().to_vec()),
         };
-        let shape = Py::new(py, prepared.get().shape.get().like(file))?;
+        let shape = Py::new(py, prepared.get().shape.get().with_file(file))?;
         Ok(Self { changed, shape })
     }
 
@@ -102,13 +101,13 @@ impl ChangeData {
         self.shape.clone_ref(py)
     }
 
-    /// A length of the changed shape as it was before.
+    /// Length in the original of a length in the changed shape.
     fn length_before(&self, length: f64) -> f64 {
         self.changed.length_before(length)
     }
 
-    /// Points of the changed shape as they were before it was turned and scaled.
-    fn before<'py>(
+    /// Points of the changed shape before it was rotated and scaled.
+    fn undo_motion<'py>(
         &self,
         py: Python<'py>,
         points: PyReadonlyArray2<'py, f64>,
@@ -117,17 +116,17 @@ impl ChangeData {
         Ok(crate::arrays::point_rows(py, back)?.into_any())
     }
 
-    /// Which features of the reference are found again.
-    fn found_again(
+    /// Features of the reference that are found again.
+    fn find_repeated(
         &self,
         py: Python<'_>,
         reference: &Bound<'_, Prepared>,
         before: &Bound<'_, PyDict>,
         after: &Bound<'_, PyDict>,
         sigmas: f64,
-    ) -> PyResult<FoundAgain> {
+    ) -> PyResult<RepeatedFeatures> {
         if !(sigmas.is_finite() && sigmas > 0.0) {
-            return Err(value(format!("within: {sigmas} is not a finite number above 0")));
+            return Err(value_error(format!("within must be a finite number above 0, got {sigmas}")));
         }
         let decomposer = &reference.get().decomposer;
         let (before, after) = (features(before)?, features(after)?);

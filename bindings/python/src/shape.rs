@@ -1,8 +1,8 @@
-//! What a file or arrays say of a shape.
+//! Shapes with everything that their file had.
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::value;
+use crate::error::value_error;
 use crate::options::{KINDS, word};
 use adwave::Decomposer;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
@@ -18,7 +18,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A shape with all that its file said of it. It never changes: what changes it gives a new one.
+/// A shape with everything that its file had. It is immutable: changes give a new one.
 #[pyclass(frozen, module = "adwave._native")]
 pub(crate) struct ShapeData {
     pub(crate) file: ShapeFile,
@@ -27,8 +27,8 @@ pub(crate) struct ShapeData {
     shape: OnceLock<Shape>,
 }
 
-fn wrong(error: ShapeFileError) -> PyErr {
-    value(error.to_string())
+fn file_error(error: ShapeFileError) -> PyErr {
+    value_error(error.to_string())
 }
 
 impl ShapeData {
@@ -37,7 +37,7 @@ impl ShapeData {
         Self { file, kind, name, shape: OnceLock::new() }
     }
 
-    /// The shape that this is, found out when first asked for.
+    /// The shape, which is built when it is first used.
     pub(crate) fn shape(&self, py: Python<'_>) -> PyResult<&Shape> {
         if let Some(shape) = self.shape.get() {
             return Ok(shape);
@@ -46,44 +46,52 @@ impl ShapeData {
         Ok(self.shape.get_or_init(|| shape))
     }
 
-    /// A field that a region may name, with how many numbers there are at each vertex.
+    /// A field that a region may name, with its number of channels.
     pub(crate) fn region_field(&self, decomposer: &Decomposer, name: &str) -> Option<(usize, Vec<f64>)> {
         region_field(&self.file, decomposer, name)
     }
 
-    /// Of the same kind and name.
-    pub(crate) fn like(&self, file: ShapeFile) -> Self {
+    /// Another file with the same kind and name.
+    pub(crate) fn with_file(&self, file: ShapeFile) -> Self {
         Self { file, kind: self.kind, name: self.name.clone(), shape: OnceLock::new() }
     }
 }
 
-fn kind_of(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
+fn parse_kind(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
     kind.map(|kind| word("kind", kind, KINDS)).transpose()
 }
 
-fn format_of(format: Option<&str>) -> PyResult<Option<Format>> {
+fn parse_format(format: Option<&str>) -> PyResult<Option<Format>> {
     let Some(name) = format else { return Ok(None) };
     if let Some(format) = Format::from_name(name) {
         return Ok(Some(format));
     }
     let names: Vec<&str> = Format::all().map(Format::name).collect();
-    Err(value(format!("format: '{name}' is none of {}", names.join(", "))))
+    Err(value_error(format!("format must be one of {}, got '{name}'", names.join(", "))))
+}
+
+/// Part of a file to read.
+#[derive(FromPyObject)]
+struct ReadOptions {
+    kind: Option<String>,
+    bounds: Option<([f64; 3], [f64; 3])>,
+    resolution: Option<f64>,
 }
 
 #[pymethods]
 impl ShapeData {
+    /// Reads a file, or a part of it.
     #[staticmethod]
-    #[pyo3(signature = (path, kind=None, progress=None, bounds=None, resolution=None))]
+    #[pyo3(signature = (path, options, progress=None))]
     fn read(
         py: Python<'_>,
         path: PathBuf,
-        kind: Option<&str>,
+        options: ReadOptions,
         progress: Option<Py<PyAny>>,
-        bounds: Option<([f64; 3], [f64; 3])>,
-        resolution: Option<f64>,
     ) -> PyResult<Self> {
-        let kind = kind_of(kind)?;
-        let (part, limits) = (CloudPart { bounds, resolution }, ReadLimits::default());
+        let kind = parse_kind(options.kind.as_deref())?;
+        let part = CloudPart { bounds: options.bounds, resolution: options.resolution };
+        let limits = ReadLimits::default();
         let file =
             run(py, usize::MAX, progress.as_ref(), |p| read_cloud_part_with(&path, &part, &limits, p))?;
         Ok(Self::new(file, kind, path.display().to_string()))
@@ -92,16 +100,16 @@ impl ShapeData {
     #[staticmethod]
     #[pyo3(signature = (content, name=None, kind=None))]
     fn read_bytes(py: Python<'_>, content: &[u8], name: Option<&str>, kind: Option<&str>) -> PyResult<Self> {
-        let kind = kind_of(kind)?;
+        let kind = parse_kind(kind)?;
         let (owned, limits) = (content.to_vec(), ReadLimits::default());
-        let called = std::path::Path::new(name.unwrap_or("content"));
+        let file_name = std::path::Path::new(name.unwrap_or("content"));
         let file = run(py, content.len(), None, |p| {
-            read_bytes_with(owned, name, &limits, p).map_err(|e| e.in_file(called))
+            read_bytes_with(owned, name, &limits, p).map_err(|e| e.in_file(file_name))
         })?;
         Ok(Self::new(file, kind, name.unwrap_or("bytes").to_owned()))
     }
 
-    /// A mesh, or a cloud where there are no corners; of triangles where there are no offsets.
+    /// A mesh, or a cloud without corners; the corners are those of triangles without offsets.
     #[staticmethod]
     #[pyo3(signature = (points, corners, offsets=None, kind=None))]
     fn from_arrays(
@@ -110,19 +118,24 @@ impl ShapeData {
         offsets: Option<PyReadonlyArray1<'_, u32>>,
         kind: Option<&str>,
     ) -> PyResult<Self> {
-        let kind = kind_of(kind)?;
+        let kind = parse_kind(kind)?;
         let points = arrays::points(&points, "points")?.to_vec();
         let corners = corners.as_slice()?;
         let faces = match offsets {
             Some(offsets) => Polygons::from_parts(offsets.as_slice()?.to_vec(), corners.to_vec())
-                .ok_or_else(|| value("faces: the offsets do not rise from 0 to the number of corners"))?,
+                .ok_or_else(|| value_error("faces: offsets must ascend from 0 to the number of corners"))?,
             None if corners.len().is_multiple_of(3) => Polygons::from_triangles(corners.as_chunks().0),
-            None => return Err(value(format!("faces: {} corners are no triangles", corners.len()))),
+            None => {
+                return Err(value_error(format!(
+                    "faces: the number of corners must be a multiple of 3, got {}",
+                    corners.len()
+                )));
+            }
         };
         Ok(Self::new(ShapeFile::from_mesh(points, faces), kind, "arrays".to_owned()))
     }
 
-    /// A graph by its edges; with both directions listed where it is not `undirected`.
+    /// A graph from its edges; if it is not `undirected`, both directions are listed.
     #[staticmethod]
     fn from_graph(
         n_vertices: usize,
@@ -133,7 +146,11 @@ impl ShapeData {
     ) -> PyResult<Self> {
         let (rows, columns) = (rows.as_slice()?, columns.as_slice()?);
         if rows.len() != columns.len() {
-            return Err(value(format!("edges: {} begin and {} end", rows.len(), columns.len())));
+            return Err(value_error(format!(
+                "edges must have as many rows as columns, got {} and {}",
+                rows.len(),
+                columns.len()
+            )));
         }
         let weights =
             weights.map(|w| Ok::<_, PyErr>(w.as_slice()?.to_vec())).transpose()?.unwrap_or_default();
@@ -156,7 +173,7 @@ impl ShapeData {
         seed: u64,
     ) -> PyResult<Self> {
         let sample = run(py, usize::MAX, None, |_| {
-            let mut sample = Sample::by_name(name, vertices)?;
+            let mut sample = Sample::from_name(name, vertices)?;
             if let Some(sigma) = noise {
                 sample.add_noise(NoiseSigma::MeanEdge(sigma), seed)?;
             }
@@ -196,7 +213,7 @@ impl ShapeData {
         self.file.faces().len()
     }
 
-    /// A read-only view: n × 3, of a graph without positions 0 × 3.
+    /// Positions, a read-only view: n × 3, or 0 × 3 for a graph without positions.
     #[getter]
     #[allow(unsafe_code)]
     fn points<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -205,7 +222,7 @@ impl ShapeData {
         Ok(unsafe { arrays::view(this.clone().into_any(), points, 3) }?.into_any())
     }
 
-    /// A read-only view of triangles, m × 3; `None` of other faces.
+    /// Triangles, a read-only view: m × 3; `None` for other faces.
     #[getter]
     #[allow(unsafe_code)]
     fn triangles<'py>(this: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
@@ -221,7 +238,7 @@ impl ShapeData {
         (arrays::vector(py, offsets).into_any(), arrays::vector(py, corners).into_any())
     }
 
-    /// Both ends of the edges that are listed, their weights, and whether each stands for both directions.
+    /// Both ends of the listed edges, their weights, and whether each stands for both directions.
     fn edges<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, bool)> {
         let edges = self.file.edges();
         let pairs = arrays::matrix(py, edges.pairs.as_flattened().to_vec(), 2)?;
@@ -248,36 +265,37 @@ impl ShapeData {
 
     fn with_points(&self, points: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(wrong)?;
-        Ok(self.like(file))
+        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(file_error)?;
+        Ok(self.with_file(file))
     }
 
     fn with_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.add_vertex_field(arrays::to_field(name, values)?).map_err(wrong)?;
-        Ok(self.like(file))
+        file.add_vertex_field(arrays::to_field(name, values)?).map_err(file_error)?;
+        Ok(self.with_file(file))
     }
 
-    /// New values of the signal of that name, n × channels: in the type of numbers that the file has for it.
+    /// New values of a signal, n × channels, stored in the number type that the file has for it.
     fn with_signal(&self, name: &str, values: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let n_channels = values.shape()[1];
         let values = arrays::rows(&values, "values")?.to_vec();
         let mut file = self.file.clone();
-        file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(wrong)?;
-        Ok(self.like(file))
+        file.add_vertex_field(written_signal(&file, name, n_channels, values)).map_err(file_error)?;
+        Ok(self.with_file(file))
     }
 
     fn with_face_field(&self, name: &str, values: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.add_face_field(arrays::to_field(name, values)?).map_err(wrong)?;
-        Ok(self.like(file))
+        file.add_face_field(arrays::to_field(name, values)?).map_err(file_error)?;
+        Ok(self.with_file(file))
     }
 
-    fn taken_as(&self, kind: &str) -> PyResult<Self> {
-        Ok(Self::new(self.file.clone(), kind_of(Some(kind))?, self.name.clone()))
+    /// The shape treated as another kind.
+    fn with_kind(&self, kind: &str) -> PyResult<Self> {
+        Ok(Self::new(self.file.clone(), parse_kind(Some(kind))?, self.name.clone()))
     }
 
-    /// Writes the shape, and gives what the format could not hold.
+    /// Writes the shape, and returns the parts that the format cannot store.
     #[pyo3(signature = (path, format=None, progress=None))]
     fn write(
         &self,
@@ -286,13 +304,15 @@ impl ShapeData {
         format: Option<&str>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<String>> {
-        let format = format_of(format)?;
+        let format = parse_format(format)?;
         let write = |p: adwave::Progress<'_>| write_path_with(&self.file, &path, format, p);
         Ok(run(py, usize::MAX, progress.as_ref(), write)?.not_written)
     }
 
     fn to_bytes<'py>(&self, py: Python<'py>, format: &str) -> PyResult<Bound<'py, PyBytes>> {
-        let Some(format) = format_of(Some(format))? else { return Err(value("format: none is given")) };
+        let Some(format) = parse_format(Some(format))? else {
+            return Err(value_error("format must be given"));
+        };
         let write = |p: adwave::Progress<'_>| {
             let mut bytes = Vec::new();
             write_bytes_with(&self.file, format, &mut bytes, p).map(|_| bytes)

@@ -1,9 +1,9 @@
-//! The studio, served by a thread beside the interpreter's.
+//! The studio, served by a thread of its own.
 
 use crate::error;
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave_studio::{Opened, StudioParams, serve};
+use adwave_studio::{StudioInput, StudioParams, serve};
 use pyo3::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,11 +14,11 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(studio, module)?)
 }
 
-/// Between two looks at signals.
+/// Time between two checks of signals.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Serves the studio until the page is done or a signal raises, which ends it too; `ready` is called with the address. The edit as a recipe
-/// and the positions after it.
+/// Serves the studio until the page is done or a signal raises; `ready` is called with the address. Returns the edit as a recipe, and
+/// the positions after it.
 #[pyfunction]
 fn studio<'py>(
     py: Python<'py>,
@@ -30,7 +30,7 @@ fn studio<'py>(
     let path = Path::new(&content.name);
     let path = path.is_file().then(|| path.to_path_buf());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-    let opened = Opened {
+    let input = StudioInput {
         name: name.unwrap_or_else(|| content.name.clone()),
         path,
         file: content.file.clone(),
@@ -44,16 +44,16 @@ fn studio<'py>(
         let stop = &stop;
         let server = scope.spawn(move || {
             let progress = Progress::none().with_cancel(stop);
-            // Who started it waits for this.
-            serve(opened, &params, progress, |served| drop(send.send(served.address.clone())))
+            // The calling thread waits for the address.
+            serve(input, &params, progress, |address| drop(send.send(address.url.clone())))
         });
         while !server.is_finished() {
             py.detach(|| std::thread::sleep(LOOK));
-            let asked = py.check_signals().and_then(|()| match receive.try_recv() {
+            let checked = py.check_signals().and_then(|()| match receive.try_recv() {
                 Ok(address) => ready.call1((address,)).map(|_| ()),
                 Err(_) => Ok(()),
             });
-            if let Err(error) = asked {
+            if let Err(error) = checked {
                 stop.store(true, Ordering::Relaxed);
                 if !error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) {
                     raised = Some(error);
@@ -67,9 +67,7 @@ fn studio<'py>(
         return Err(raised);
     }
     let finished = outcome
-        .map_err(|_| {
-            error::InternalError::new_err("the studio broke one of its own rules; please report it")
-        })?
-        .map_err(|e| error::of(&e))?;
+        .map_err(|_| error::InternalError::new_err("internal error of the studio; please report it"))?
+        .map_err(|e| error::to_exception(&e))?;
     Ok((finished.recipe, crate::arrays::point_rows(py, finished.points)?.into_any()))
 }

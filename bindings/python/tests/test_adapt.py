@@ -54,7 +54,7 @@ def read_only(a: Any) -> Any:
 
 
 def crooked(a: Any) -> Any:
-    """The same values one byte beside where the processor wants them."""
+    """Copy of values at an unaligned address."""
     buffer = np.zeros(a.nbytes + 1, np.uint8)
     view = buffer[1:].view(a.dtype).reshape(a.shape)
     view[...] = a

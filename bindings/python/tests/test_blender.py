@@ -220,7 +220,7 @@ def test_borders_directions_and_the_volume_are_those_of_the_library() -> None:
     for border in ("natural", "keep", "free"):
         for along in (None, "normal", "z"):
             mesh.adwave.border, mesh.adwave.along = border.upper(), (along or "auto").upper()
-            expected = aw.filter(plane, gains=[1, 4, 1], border=border, along=along)
+            expected = aw.filter(plane, [1, 4, 1], constraints=aw.Constraints(border=border, along=along))
             assert np.abs(points(mesh) - expected.points).max() < SINGLE, (border, along, mesh.adwave.message)
     mesh.adwave.keep_volume = True
     assert "closed" in mesh.adwave.message or "volume" in mesh.adwave.message
@@ -228,7 +228,7 @@ def test_borders_directions_and_the_volume_are_those_of_the_library() -> None:
     bpy.ops.adwave.split(levels=3)
     closed.adwave.keep_volume = True
     closed.adwave.bands[2].gain = 0
-    expected = aw.filter(single(SHAPE), gains=[1, 1, 0], volume="keep")
+    expected = aw.filter(single(SHAPE), [1, 1, 0], constraints=aw.Constraints(volume="keep"))
     assert np.abs(points(closed) - expected.points).max() < SINGLE
 
 

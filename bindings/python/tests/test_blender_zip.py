@@ -1,4 +1,4 @@
-"""What `python -m adwave.blender` writes; it needs no Blender."""
+"""The add-on that `python -m adwave.blender` writes; Blender is not needed."""
 
 from __future__ import annotations
 

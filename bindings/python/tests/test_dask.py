@@ -12,6 +12,7 @@ from pathlib import Path
 
 import adwave.dask
 import pytest
+from adwave.dask import Denoising, Fields
 
 distributed = pytest.importorskip("distributed")
 
@@ -40,7 +41,9 @@ def test_worker_processes_give_the_bytes_of_one_process(cloud: Path, tmp_path: P
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        folder = adwave.dask.plan(cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], magnitudes=[2, 4], tiles=8)
+        folder = adwave.dask.plan(
+            cloud, tmp_path / "many", gains=[0, 1, 1, 0.5], fields=Fields(magnitudes=[2, 4]), tiles=8
+        )
         paths = adwave.dask.run(folder, client)
         assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
         # Done already: nothing is written again.
@@ -55,7 +58,7 @@ def test_a_worker_that_is_killed_loses_nothing(cloud: Path, tmp_path: Path) -> N
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        folder = adwave.dask.plan(cloud, tmp_path / "many", magnitudes=[3], tiles=8)
+        folder = adwave.dask.plan(cloud, tmp_path / "many", fields=Fields(magnitudes=[3]), tiles=8)
         victim = next(iter(client.run(os.getpid).values()))
 
         def kill() -> None:
@@ -77,15 +80,15 @@ def test_noise_is_taken_off_by_workers_as_by_one_process(cloud: Path, tmp_path: 
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        folder = adwave.dask.plan(cloud, tmp_path / "many", denoise=True, strength=0.7, creases="keep", tiles=5)
+        folder = adwave.dask.plan(cloud, tmp_path / "many", denoise=Denoising(strength=0.7, creases="keep"), tiles=5)
         paths = adwave.dask.run(folder, client)
         assert [Path(path).read_bytes() for path in paths] == tiles(tmp_path / "one")
     with pytest.raises(RuntimeError, match="denoise"):
-        adwave.dask.plan(cloud, tmp_path / "plan", denoise=True, magnitudes=[2])
+        adwave.dask.plan(cloud, tmp_path / "plan", denoise=True, fields=Fields(magnitudes=[2]))
 
 
 def test_what_is_wrong_comes_back_as_a_sentence(cloud: Path, tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="there is no band 9"):
-        adwave.dask.plan(cloud, tmp_path / "plan", magnitudes=[9])
+        adwave.dask.plan(cloud, tmp_path / "plan", fields=Fields(magnitudes=[9]))
     with pytest.raises(RuntimeError, match=r"missing\.laz"):
-        adwave.dask.plan(tmp_path / "missing.laz", tmp_path / "plan", magnitudes=[1])
+        adwave.dask.plan(tmp_path / "missing.laz", tmp_path / "plan", fields=Fields(magnitudes=[1]))

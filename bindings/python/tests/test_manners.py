@@ -1,4 +1,4 @@
-"""What a guest in another's process owes: the interpreter, signals, forks, threads, memory, pickles."""
+"""Behavior within a Python process: imports, signals, forks, threads, memory, pickles."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def test_everything_pickles_with_the_same_bits() -> None:
     graph = aw.graph(3, [[0, 1], [1, 2]], [1.0, 2.0])
     for other in (cloud, graph):
         assert repr(pickle.loads(pickle.dumps(other))) == repr(other)
-    found = aw.features(shape, descriptors=True)
+    found = aw.features(shape, options=aw.FeatureOptions(descriptors=True))
     same = pickle.loads(pickle.dumps(found))
     assert np.array_equal(same, found) and np.array_equal(same.descriptors, found.descriptors)
     recipe = aw.Recipe("levels = 3\n[[layer]]\npreset = 'smooth'")

@@ -1,4 +1,4 @@
-"""The studio from Python: the page's requests stand in for the page."""
+"""The studio from Python, with requests instead of the page."""
 
 from __future__ import annotations
 
@@ -32,13 +32,15 @@ def asking(address: str) -> Callable[[str, str, Any], Any]:
     return ask
 
 
-def while_it_runs(work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch) -> aw.Edited:
-    """What the studio gives when `work` is done beside it, in the place of the browser that it opens."""
+def while_it_runs(
+    work: Callable[[Callable[[str, str, Any], Any]], None], monkeypatch: pytest.MonkeyPatch
+) -> aw.StudioResult:
+    """Result of the studio while `work` runs instead of the browser that it opens."""
     pages: queue.Queue[str] = queue.Queue()
     monkeypatch.setattr(webbrowser, "open", pages.put)
     failed: list[BaseException] = []
 
-    def beside() -> None:
+    def do_work() -> None:
         try:
             page = Path(pages.get(timeout=60).removeprefix("file://")).read_text(encoding="utf-8")
             work(asking(page.split("url=")[1].split('"')[0]))
@@ -46,7 +48,7 @@ def while_it_runs(work: Callable[[Callable[[str, str, Any], Any]], None], monkey
             failed.append(error)
             os.kill(os.getpid(), signal.SIGINT)
 
-    thread = threading.Thread(target=beside)
+    thread = threading.Thread(target=do_work)
     thread.start()
     try:
         return aw.studio(SHAPE)

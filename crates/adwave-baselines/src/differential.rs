@@ -1,4 +1,5 @@
-//! Differential coordinates: where a vertex is relative to its neighbors, and the surface that has given ones.
+//! Differential coordinates: the position of a vertex relative to its neighbors, and the reconstruction of a surface
+//! from them.
 //!
 //! Source: `sorkine2004`, `lipman2004`.
 //!
@@ -6,8 +7,8 @@
 //! δ = L f,  (L f)(x) = f(x) − Σ_y p(x,y) f(y),  Σ_y p(x,y) = 1
 //! f = argmin ‖L f − δ‖² + Σ_a w_a² ‖f(a) − c(a)‖²
 //! ```
-//! Where it wins: a handle is dragged and the details follow, at one solve a move. Where it does not: there is one band
-//! only, details do not rotate with the handle, and the result depends on where the anchors are.
+//! Strength: when a handle is dragged, the details follow at the cost of one solve per move. Weaknesses: there is a
+//! single band, details do not rotate with the handle, and the result depends on the positions of the anchors.
 
 use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::{Ldlt, LinalgError, SymmetricMatrix};
@@ -17,69 +18,70 @@ use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, one_ring};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Which mean of the neighbors.
+/// Weights of the mean over the neighbors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
-    /// All neighbors alike: the umbrella.
+    /// Equal weights for all neighbors: the umbrella operator.
     Uniform,
-    /// By the cotangents on the intrinsic Delaunay triangulation, so that no weight is negative; on a cloud by its heat
-    /// kernel, on a graph by its edges.
+    /// Cotangent weights on the intrinsic Delaunay triangulation, so that no weight is negative; heat kernel weights
+    /// on a cloud, edge weights on a graph.
     #[default]
     Cotangent,
 }
 
-/// Why there are no differential coordinates, or no surface that has them.
+/// Reasons for which differential coordinates or their reconstruction cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DifferentialError {
-    /// The system was not solved.
+    /// The linear system could not be solved.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
     /// A signal has the wrong length.
-    #[error("{got} values were given where {expected} are needed")]
+    #[error("expected {expected} values, got {got}")]
     Length {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
     },
-    /// An anchor does not exist or has no weight.
+    /// An anchor names a vertex that does not exist or has an invalid weight.
     #[error(
-        "anchor {anchor} (counted from 0) is vertex {vertex} with weight {weight}; there are {n_vertices} vertices, and weights are finite and above 0"
+        "anchor {anchor} (counted from 0) names vertex {vertex} with weight {weight}; the vertex must be \
+        below {n_vertices} and the weight finite and above 0"
     )]
     BadAnchor {
         /// Index of the anchor.
         anchor: usize,
-        /// Its vertex.
+        /// Vertex of the anchor.
         vertex: usize,
-        /// Its weight.
+        /// Weight of the anchor.
         weight: f64,
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// A component can float freely.
-    #[error("the component of vertex {vertex} has no anchor; give it one")]
+    /// A connected component has no anchor, so its position is undetermined.
+    #[error("the component of vertex {vertex} has no anchor; add an anchor to it")]
     NoAnchor {
-        /// A vertex of the component.
+        /// Vertex of the component.
         vertex: usize,
     },
 }
 
-/// `L = I − P` of a shape, `P` a mean over the neighbors; an empty row at a vertex without neighbors. Its eigenvalues
-/// are in [0, 2].
+/// Operator `L = I − P` of a shape, where `P` is a mean over the neighbors; the row of a vertex without neighbors is
+/// empty. Its eigenvalues lie in [0, 2].
 #[derive(Clone, Debug)]
 pub struct Differential {
     offsets: Vec<usize>,
     columns: Vec<u32>,
-    /// p(x, y).
+    /// p(x, y), one per stored neighbor.
     weights: Vec<f64>,
     vertex_map: VertexMap,
 }
 
 impl Differential {
-    /// L of `shape`. O(n log n).
+    /// Builds L of `shape`. O(n log n).
     ///
     /// # Errors
-    /// [`DifferentialError::Linalg`] where weights overflow.
+    /// [`DifferentialError::Linalg`] if weights overflow.
     ///
     /// ```
     /// use adwave::shape::{Graph, Shape};
@@ -95,7 +97,7 @@ impl Differential {
                 let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none())
                     .map_err(LinalgError::from)?;
                 let ring = one_ring(geometry.n_vertices(), geometry.triangles());
-                let row = |x: usize| ring.of(x).iter().map(|&y| (y, 1.0)).collect();
+                let row = |x: usize| ring.row(x).iter().map(|&y| (y, 1.0)).collect();
                 ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map().clone())
             } else {
                 let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
@@ -109,9 +111,9 @@ impl Differential {
         Ok(Self::from_rows(&rows, vertex_map))
     }
 
-    /// L of a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq. 16), so that `W_f(1)`
-    /// is half the differential coordinate.
-    pub fn from_walk(walk: &Diffusion, vertex_map: VertexMap) -> Self {
+    /// Builds L from a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq.
+    /// 16), so that `W_f(1)` is half the differential coordinate.
+    pub fn from_diffusion(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);
             // K = 2(I − Φ₁) = I − P, whose diagonal P(x,x) = 2Φ₁(x,x) − 1 is 0 on the lazy walk.
@@ -180,8 +182,12 @@ impl Differential {
         out
     }
 
-    /// From the shape's order to the analysis'.
-    pub(crate) fn welded(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
+    /// Converts a signal from the order of the shape to that of the analysis.
+    pub(crate) fn weld_signal(
+        &self,
+        signal: &[f64],
+        n_channels: usize,
+    ) -> Result<Vec<f64>, DifferentialError> {
         let expected = self.vertex_map.n_vertices() * n_channels;
         if signal.len() != expected || n_channels == 0 {
             return Err(DifferentialError::Length { expected, got: signal.len() });
@@ -189,8 +195,8 @@ impl Differential {
         Ok(self.vertex_map.mean(signal, n_channels))
     }
 
-    /// From the analysis' order to the shape's.
-    pub(crate) fn scattered(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
+    /// Converts values from the order of the analysis to that of the shape.
+    pub(crate) fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
         self.vertex_map.scatter(values, n_channels)
     }
 
@@ -199,7 +205,7 @@ impl Differential {
     /// # Errors
     /// [`DifferentialError::Length`].
     pub fn coordinates(&self, signal: &[f64], n_channels: usize) -> Result<Vec<f64>, DifferentialError> {
-        let mean = self.welded(signal, n_channels)?;
+        let mean = self.weld_signal(signal, n_channels)?;
         Ok(self.vertex_map.scatter(&self.apply(&mean, n_channels), n_channels))
     }
 
@@ -218,10 +224,10 @@ impl Differential {
                 entries.extend(row[i..].iter().map(|&(b, vb)| (a.min(b), a.max(b), va * vb)));
             }
         }
-        Ok(SymmetricMatrix::from_halves(self.n(), &entries)?.plus_diagonal(extra))
+        Ok(SymmetricMatrix::from_halves(self.n(), &entries)?.add_diagonal(extra))
     }
 
-    fn component_without(&self, anchored: &[f64]) -> Option<usize> {
+    fn find_unanchored_component(&self, anchored: &[f64]) -> Option<usize> {
         let n = self.n();
         let mut stack: Vec<usize> = (0..n).filter(|&x| anchored[x] > 0.0).collect();
         let mut reached: Vec<bool> = anchored.iter().map(|&w| w > 0.0).collect();
@@ -236,16 +242,16 @@ impl Differential {
     }
 }
 
-/// A soft constraint: this vertex is wanted at a place of its own.
+/// Soft constraint on the position (or signal value) of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
-    /// The vertex, in the order of the shape.
+    /// Vertex, in the order of the shape.
     pub vertex: usize,
     /// `w`, relative to the weight 1 of every differential coordinate; > 0.
     pub weight: f64,
 }
 
-/// `LᵀL + W²` factorized for a set of anchors: each move of them is one solve.
+/// Factorization of `LᵀL + W²` for a set of anchors; each move of the anchors costs one solve.
 #[derive(Debug)]
 pub struct Reconstruction<'a> {
     differential: &'a Differential,
@@ -254,7 +260,7 @@ pub struct Reconstruction<'a> {
 }
 
 impl<'a> Reconstruction<'a> {
-    /// Prepares the reconstruction with `anchors`. One sparse factorization.
+    /// Prepares the reconstruction with `anchors`; costs one sparse factorization.
     ///
     /// # Errors
     /// [`DifferentialError`] for an anchor that does not exist, a component without one, or a failed factorization.
@@ -267,15 +273,16 @@ impl<'a> Reconstruction<'a> {
             }
             squares[differential.vertex_map.welded(vertex)] += weight * weight;
         }
-        if let Some(vertex) = differential.component_without(&squares) {
+        if let Some(vertex) = differential.find_unanchored_component(&squares) {
             return Err(DifferentialError::NoAnchor { vertex });
         }
         let factor = Ldlt::new(&differential.normal_matrix(&squares)?, 0.0)?;
         Ok(Self { differential, anchors: anchors.to_vec(), factor })
     }
 
-    /// The signal whose differential coordinates are nearest to `coordinates` (n_vertices × n_channels) with the anchors
-    /// near `targets` (anchors × n_channels); in the order of the shape. Two sweeps through the factor.
+    /// Computes the signal whose differential coordinates are nearest to `coordinates` (n_vertices × n_channels) with
+    /// its values at the anchors near `targets` (anchors × n_channels); in the order of the shape. Costs two sweeps
+    /// through the factor.
     ///
     /// # Errors
     /// [`DifferentialError::Length`].
@@ -286,7 +293,7 @@ impl<'a> Reconstruction<'a> {
         n_channels: usize,
     ) -> Result<Vec<f64>, DifferentialError> {
         let l = self.differential;
-        let delta = l.welded(coordinates, n_channels)?;
+        let delta = l.weld_signal(coordinates, n_channels)?;
         let expected = self.anchors.len() * n_channels;
         if targets.len() != expected {
             return Err(DifferentialError::Length { expected, got: targets.len() });

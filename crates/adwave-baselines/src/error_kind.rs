@@ -1,4 +1,4 @@
-//! The kind of every error of this crate: who can do something about it.
+//! Error kinds: for each error of this crate, who can fix its cause.
 
 use crate::compare::CompareError;
 use crate::differential::DifferentialError;

@@ -1,9 +1,9 @@
 //! The feature map: critical points of a function smoothed by the heat kernel at several scales.
 //!
-//! Source: reference 45 of `houqin2013`. `f_t = e^(−tΔ) f`; a maximum, minimum or saddle is told by how often `f_t − f_t(x)` changes
-//! its sign round the link of x. Where it wins: what it finds are the topologically meaningful points, and they obey
-//! Euler's law. Where it does not: a place that is fine detail at one scale and slope at the next is no critical point of
-//! either, so features on a slope are missed.
+//! Source: reference 45 of `houqin2013`. `f_t = e^(−tΔ) f`; the number of sign changes of `f_t − f_t(x)` around the
+//! link of x distinguishes maxima, minima and saddles. Strength: the points are topologically meaningful and obey
+//! Euler's formula. Weakness: features on a slope are missed, because they are not critical points of `f_t` at any
+//! scale.
 
 use crate::laplacian::{Laplacian, LaplacianParams};
 use crate::linalg::{LinalgError, SymmetricMatrix};
@@ -12,58 +12,59 @@ use adwave::Progress;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode, one_ring};
 use thiserror::Error;
 
-/// Why there is no feature map.
+/// Reasons for which a feature map cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FeatureMapError {
-    /// There are no links without faces.
-    #[error("critical points need a mesh; this is a cloud or a graph")]
+    /// The shape has no faces and therefore no vertex links.
+    #[error("critical points need a mesh; this shape is a cloud or a graph")]
     NotAMesh,
-    /// The signal does not fit or is not finite.
-    #[error("the signal has {got} values for {expected} vertices, all of which must be finite")]
+    /// The signal has the wrong length or is not finite.
+    #[error("the signal must have {expected} finite values, one per vertex; got {got} values")]
     Signal {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
     },
     /// A time is negative, not finite or too long.
     #[error(
-        "time {index} is {time}; it takes finite times of at least 0 for which e^(−tΔ) is a polynomial of degree {most} at most"
+        "time {index} must be finite, at least 0 and short enough for a polynomial of degree {most} to \
+        represent e^(−tΔ); got {time}"
     )]
     Time {
         /// Index of the time.
         index: usize,
         /// The time, in squared model units.
         time: f64,
-        /// The largest degree.
+        /// Largest degree.
         most: usize,
     },
-    /// The linear algebra failed.
+    /// A linear algebra step failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
 }
 
-/// What a critical point is.
+/// Kind of a critical point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CriticalKind {
     /// All neighbors are lower.
     Maximum,
     /// All neighbors are higher.
     Minimum,
-    /// The sign changes four times round the link or more.
+    /// The sign changes at least four times around the link.
     Saddle,
 }
 
-/// A critical point.
+/// Critical point of a smoothed signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalPoint {
-    /// The vertex, in the order of the shape (the first of those at one position).
+    /// Vertex in the order of the shape (the first of those at one position).
     pub vertex: usize,
-    /// What it is.
+    /// Kind of the point.
     pub kind: CriticalKind,
     /// 1 for maxima and minima; a saddle with 2m + 2 sign changes counts m times.
     pub multiplicity: usize,
-    /// The smoothed value there.
+    /// Smoothed value at the vertex.
     pub value: f64,
 }
 
@@ -74,7 +75,7 @@ pub struct FeatureLevel {
     pub time: f64,
     /// The smoothed function, in the order of the shape.
     pub smoothed: Vec<f64>,
-    /// By rising welded vertex.
+    /// Critical points in ascending order of the welded vertex.
     pub points: Vec<CriticalPoint>,
     /// `Σ index(x)`: the Euler characteristic of the mesh.
     pub index_sum: i64,
@@ -82,12 +83,12 @@ pub struct FeatureLevel {
 
 /// Error of `e^(−tΔ)`, relative to the function.
 const ACCURACY: f64 = 1e-10;
-/// Largest degree of its polynomial: then t is about 5·10⁵ / λ_max.
+/// Largest degree of the polynomial; the largest t is then about 5·10⁵ / λ_max.
 const MAX_DEGREE: usize = 8192;
 
-/// Critical points of `signal` (a value per vertex) smoothed for each of `times` (squared model units). Equal values are told
-/// apart by their vertices' numbers, so that every function is in general position (`edelsbrunner1990`).
-/// O(n · √(t·λ_max)) for each time.
+/// Finds the critical points of `signal` (one value per vertex) after smoothing for each of `times` (squared model
+/// units). Ties between equal values are broken by vertex index, so that every function is in general position
+/// (`edelsbrunner1990`). O(n · √(t·λ_max)) for each time.
 ///
 /// # Errors
 /// [`FeatureMapError`].
@@ -134,7 +135,7 @@ pub fn feature_map(
     Ok(levels)
 }
 
-/// The heat equation on `M^(−½) S M^(−½)`.
+/// Heat equation on `M^(−½) S M^(−½)`.
 struct Heat {
     matrix: SymmetricMatrix,
     root: Vec<f64>,
@@ -143,21 +144,21 @@ struct Heat {
 
 impl Heat {
     fn new(laplacian: &Laplacian) -> Self {
-        // A vertex without mass has no row in S either, and keeps its value.
+        // A vertex without mass has no row in S and keeps its value.
         let root: Vec<f64> = laplacian.mass.iter().map(|&m| if m > 0.0 { m.sqrt() } else { 1.0 }).collect();
         let inverse: Vec<f64> = root.iter().map(|r| 1.0 / r).collect();
-        let matrix = laplacian.stiffness.scaled(&inverse);
+        let matrix = laplacian.stiffness.scale_symmetrically(&inverse);
         let lambda_max = largest_eigenvalue(&matrix);
         Self { matrix, root, lambda_max }
     }
 
-    /// `e^(−tΔ) f`; none where that takes too high a degree.
+    /// `e^(−tΔ) f`; `None` if the polynomial needs too high a degree.
     fn flow(&self, f: &[f64], time: f64, progress: Progress<'_>) -> Result<Option<Vec<f64>>, LinalgError> {
         let stiff = time * self.lambda_max;
         if stiff <= 0.0 {
             return Ok(Some(f.to_vec()));
         }
-        // The degree grows as √stiff.
+        // The degree grows with the square root of the stiffness.
         let mut degree = 16 + (4.0 * stiff.sqrt()) as usize;
         let polynomial = loop {
             if degree > MAX_DEGREE {
@@ -175,11 +176,11 @@ impl Heat {
     }
 }
 
-/// Critical points of a function on triangles, and the sum of their indices.
+/// Finds the critical points of a function on triangles, and the sum of their indices.
 ///
-/// The index of x is `1 − (lower neighbors) + (triangles whose highest corner is x)`, the Euler characteristic of its lower
-/// star; inside a surface that is `1 − ½(sign changes round the link)`. The indices sum to the Euler characteristic of any
-/// complex of triangles, with boundary or not manifold.
+/// The index of x is `1 − (lower neighbors) + (triangles whose highest corner is x)`, the Euler characteristic of its
+/// lower star; inside a surface that is `1 − ½(sign changes around the link)`. The indices sum to the Euler
+/// characteristic of any triangle complex, including those with a boundary and non-manifold ones.
 pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>, i64) {
     let ring = one_ring(f.len(), triangles);
     let lower = |y: u32, x: u32| (f[y as usize], y) < (f[x as usize], x);
@@ -204,7 +205,7 @@ pub fn critical_points(triangles: &[[u32; 3]], f: &[f64]) -> (Vec<CriticalPoint>
     }
     let (mut points, mut sum) = (Vec::new(), 0);
     for x in 0..f.len() as u32 {
-        let neighbors = ring.of(x as usize);
+        let neighbors = ring.row(x as usize);
         if neighbors.is_empty() {
             continue;
         }

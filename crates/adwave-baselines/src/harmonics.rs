@@ -5,8 +5,8 @@
 //! ```text
 //! S φ_k = λ_k M φ_k,   Φᵀ M Φ = I,   f̂_k = ⟨f, φ_k⟩_M,   f ≈ Σ_k f̂_k φ_k
 //! ```
-//! Where it wins: a frequency curve is exact and arbitrarily sharp, and few coefficients hold a smooth shape. Where it
-//! does not: time and memory grow with the number of frequencies, and no function is local.
+//! Strengths: a frequency response is exact and can be arbitrarily sharp, and a few coefficients represent a smooth
+//! shape. Weaknesses: time and memory grow with the number of frequencies, and no function is local.
 
 use crate::laplacian::Laplacian;
 use crate::linalg::{EigenInfo, EigenParams, LinalgError, smallest_eigenpairs};
@@ -15,54 +15,55 @@ use adwave::shape::VertexMap;
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Why there are no harmonics, or why they cannot be applied.
+/// Reasons for which harmonics cannot be computed or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum HarmonicsError {
-    /// The eigenpairs were not found.
+    /// The eigenpairs could not be computed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
     /// A signal or a list of coefficients has the wrong length.
-    #[error("{got} values were given for {n_channels} channels where {expected} are needed")]
+    #[error("expected {expected} values for {n_channels} channels, got {got}")]
     Length {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
-        /// Channels.
+        /// Number of channels.
         n_channels: usize,
     },
 }
 
-/// What a filter does to the part of a signal above the last frequency.
+/// Treatment of the part of a signal above the last frequency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Remainder {
     /// Scales it by the gain of the last frequency, as `vallet2008` does.
     #[default]
     LastGain,
-    /// Keeps it.
+    /// Keeps it unchanged.
     Keep,
-    /// Drops it.
+    /// Removes it.
     Drop,
 }
 
 /// The first eigenfunctions of a shape.
 #[derive(Clone, Debug)]
 pub struct Harmonics {
-    /// λ_k by rising value, in 1 / squared model units; one 0 a component.
+    /// λ_k in ascending order, in 1 / squared model units; one eigenvalue 0 per component.
     pub values: Vec<f64>,
     /// φ_k, one after the other, in the order of the Laplacian; 0 at vertices without mass.
     pub functions: Vec<f64>,
-    /// The diagonal of M.
+    /// Diagonal of M.
     pub mass: Vec<f64>,
-    /// What they took.
+    /// Cost and accuracy of the eigenpairs.
     pub info: EigenInfo,
     vertex_map: VertexMap,
 }
 
 impl Harmonics {
-    /// The first `k` harmonics, or as many as there are. Cost: see [`smallest_eigenpairs`].
+    /// Computes the first `k` harmonics, or all of them if there are fewer. Cost: see [`smallest_eigenpairs`].
     ///
-    /// Vertices without mass are no part of the surface: harmonics are 0 there and filters leave them alone.
+    /// Vertices without mass do not belong to the surface: harmonics are 0 there and filters leave their values
+    /// unchanged.
     ///
     /// # Errors
     /// [`HarmonicsError::Linalg`].
@@ -85,11 +86,11 @@ impl Harmonics {
     ) -> Result<Self, HarmonicsError> {
         let n = laplacian.n();
         let kept: Vec<u32> = (0..n as u32).filter(|&x| laplacian.mass[x as usize] > 0.0).collect();
-        // In units of the mean mass the standard problem is well scaled whatever the model's units.
+        // In units of the mean mass the standard problem is well scaled in any model unit.
         let unit = kept.iter().map(|&x| laplacian.mass[x as usize]).sum::<f64>() / kept.len().max(1) as f64;
         let root: Vec<f64> = kept.iter().map(|&x| (laplacian.mass[x as usize] / unit).sqrt()).collect();
         let inverse: Vec<f64> = root.iter().map(|r| 1.0 / r).collect();
-        let standard = laplacian.stiffness.restricted(&kept).scaled(&inverse);
+        let standard = laplacian.stiffness.submatrix(&kept).scale_symmetrically(&inverse);
         let pairs = smallest_eigenpairs(&standard, Some(&root), k, params, progress)?;
         let mut functions = vec![0.0; n * pairs.values.len()];
         let scale: Vec<f64> = inverse.iter().map(|r| r / unit.sqrt()).collect();
@@ -112,7 +113,7 @@ impl Harmonics {
         self.values.len()
     }
 
-    /// Whether there is no harmonic.
+    /// True if there are no harmonics.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -122,7 +123,7 @@ impl Harmonics {
         &self.functions[k * self.mass.len()..][..self.mass.len()]
     }
 
-    /// Values of the Laplacian's vertices as values of the shape's vertices.
+    /// Maps values at the Laplacian's vertices to the shape's vertices.
     pub fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
         self.vertex_map.scatter(values, n_channels)
     }
@@ -176,8 +177,8 @@ impl Harmonics {
         out
     }
 
-    /// The signal with its frequency `ω_k = √λ_k` (in 1 / model units) scaled by `gain(ω_k)`; in the order of the shape.
-    /// O(n·k).
+    /// Scales the frequency `ω_k = √λ_k` (in 1 / model units) of the signal by `gain(ω_k)`; the result is in the
+    /// order of the shape. O(n·k).
     ///
     /// # Errors
     /// [`HarmonicsError::Length`].

@@ -1,8 +1,8 @@
-//! Mesh saliency: where mean curvature differs between a scale and twice the scale.
+//! Mesh saliency: the difference of mean curvature between a scale and twice that scale.
 //!
-//! Source: `lee2005`. Where it wins: five fixed scales relative to the size of the
-//! model and nothing to choose. Where it does not: balls in space join sheets that do not touch, the cost grows with the
-//! density of the vertices, and it takes the curvature of a mesh, no other signal.
+//! Source: `lee2005`. Strength: five fixed scales relative to the size of the model, without parameters. Weaknesses:
+//! balls in space mix sheets that do not touch, the cost grows with the vertex density, and the signal is always the
+//! curvature of a mesh.
 
 use adwave::shape::{PreparedGeometry, Shape, WeldMode, diagonal, one_ring};
 use adwave::vector::{cross, dot, norm, subtract};
@@ -11,11 +11,11 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Why there is no saliency.
+/// Reasons for which the saliency cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum LeeError {
-    /// The shape has no faces, so no curvature.
-    #[error("mesh saliency needs a mesh; this is a cloud or a graph")]
+    /// The shape has no faces and therefore no curvature.
+    #[error("mesh saliency needs a mesh; this shape is a cloud or a graph")]
     NotAMesh,
     /// Stopped on request.
     #[error(transparent)]
@@ -24,16 +24,16 @@ pub enum LeeError {
 
 /// σ in multiples of ε.
 const SCALES: [f64; 5] = [2.0, 3.0, 4.0, 5.0, 6.0];
-/// ε as a part of the bounding box's diagonal.
+/// ε as a fraction of the bounding box's diagonal.
 const EPSILON: f64 = 0.003;
-/// The Gaussian is cut off at so many σ.
+/// Radius of the Gaussian's support in σ.
 const CUT: f64 = 2.0;
 /// All widths that occur as σ or 2σ, in multiples of ε.
 const WIDTHS: [f64; 8] = [2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0];
-/// Vertices between two looks at the progress handle.
+/// Vertices processed between two checks of the progress handle.
 const AT_A_TIME: usize = 8192;
 
-/// Saliency of the vertices, and what it is made of; in the order of the shape.
+/// Saliency of the vertices and its intermediate results, in the order of the shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeeSaliency {
     /// `Σ_i N(𝒮_i)`, ≥ 0.
@@ -46,11 +46,11 @@ pub struct LeeSaliency {
     pub sigma: [f64; 5],
 }
 
-/// The saliency of a mesh. O(n log n + pairs of vertices closer than 7.2 % of the diagonal).
+/// Computes the saliency of a mesh. O(n log n + pairs of vertices closer than 7.2 % of the diagonal).
 ///
-/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`; the normalization scales each map to
-/// [0, 1] and multiplies it by `(1 − m̄)²`, m̄ the mean of its local maxima other than the largest. Mean curvature is the
-/// trace of Taubin's tensor, the area-weighted mean of `2 n·(v − x)/|v − x|²` over the one-ring.
+/// `G(H, σ)(v) = Σ H(x) e^(−|x−v|²/2σ²) / Σ e^(−|x−v|²/2σ²)` over `|x − v| ≤ 2σ`; the normalization scales each map
+/// to [0, 1] and multiplies it by `(1 − m̄)²`, m̄ the mean of its local maxima other than the largest. Mean curvature
+/// is the trace of Taubin's tensor, the area-weighted mean of `2 n·(v − x)/|v − x|²` over the one-ring.
 ///
 /// # Errors
 /// [`LeeError`].
@@ -60,7 +60,7 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
     }
     let geometry = PreparedGeometry::new(shape, WeldMode::default(), progress.quiet())?;
     let size = diagonal(geometry.points());
-    // In units of ε: every length that counts is then of the order of one.
+    // In units of ε every relevant length is of the order of one.
     let epsilon = if size > 0.0 { EPSILON * size } else { 1.0 };
     let points: Vec<[f64; 3]> = geometry.points().iter().map(|p| p.map(|c| c / epsilon)).collect();
     let ring = one_ring(points.len(), geometry.triangles());
@@ -72,7 +72,7 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
         let at = |width: f64| WIDTHS.iter().position(|&w| w == width).expect("a width of the list");
         let (fine, coarse) = (at(sigma), at(2.0 * sigma));
         let map: Vec<f64> = gaussians.iter().map(|g| (g[fine] - g[coarse]).abs()).collect();
-        for (sum, value) in saliency.iter_mut().zip(normalized(&map, &ring)) {
+        for (sum, value) in saliency.iter_mut().zip(normalize_map(&map, &ring)) {
             *sum += value;
         }
         scales.push(geometry.vertex_map().scatter(&map.iter().map(|v| v / epsilon).collect::<Vec<_>>(), 1));
@@ -86,9 +86,9 @@ pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency
     })
 }
 
-/// Mean curvature by Taubin's tensor (`taubin1995tensor`), whose trace is the mean
-/// of the directional curvatures. With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted ones would
-/// leave an error of the first order in the edge length.
+/// Mean curvature by Taubin's tensor (`taubin1995tensor`), whose trace is the mean of the directional curvatures.
+/// With the normals of [`sphere_normals`] it is exact on a sphere; area-weighted normals would leave an error of
+/// first order in the edge length.
 fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     let normals = sphere_normals(points, triangles);
     let mut sum = vec![(0.0, 0.0); points.len()];
@@ -111,8 +111,8 @@ fn mean_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
     sum.into_iter().map(|(h, w)| if w > 0.0 { h / w } else { 0.0 }).collect()
 }
 
-/// Unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, a and b their edges there: exact where all of them lie on a
-/// sphere (`max1999`).
+/// Unit normals `Σ (a × b)/(|a|²|b|²)` over the triangles at a vertex, where a and b are their edges there; exact if
+/// all of them lie on a sphere (`max1999`).
 fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let mut sum = vec![[0.0; 3]; points.len()];
     for t in triangles {
@@ -140,7 +140,7 @@ fn sphere_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> 
 fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<Vec<[f64; 8]>, Cancelled> {
     let reach = CUT * WIDTHS[WIDTHS.len() - 1];
     let tree: ImmutableKdTree<f64, 3> =
-        ImmutableKdTree::new_from_slice(points).expect("the tree of finitely many finite points");
+        ImmutableKdTree::new_from_slice(points).expect("the tree is built from finitely many finite points");
     let mut all = Vec::with_capacity(points.len());
     for (piece, chunk) in points.chunks(AT_A_TIME).enumerate() {
         progress.step((piece * AT_A_TIME) as u64, points.len() as u64)?;
@@ -155,7 +155,7 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
                     .into_iter()
                     .map(|hit| (hit.distance, hit.item))
                     .collect();
-                // A fixed order of summation.
+                // The order of summation is fixed.
                 near.sort_unstable_by_key(|e| e.1);
                 let (mut sum, mut total) = ([0.0; 8], [0.0; 8]);
                 for (squared, y) in near {
@@ -175,13 +175,13 @@ fn gaussians(points: &[[f64; 3]], h: &[f64], progress: Progress<'_>) -> Result<V
     Ok(all)
 }
 
-/// The map scaled to [0, 1] and promoted where it has few strong peaks (`itti1998`).
-fn normalized(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
+/// Scales the map to [0, 1] and promotes maps with a few strong peaks (`itti1998`).
+fn normalize_map(map: &[f64], ring: &adwave::shape::Adjacency) -> Vec<f64> {
     let top = map.iter().copied().fold(0.0, f64::max);
     if top <= 0.0 {
         return vec![0.0; map.len()];
     }
-    let is_peak = |x: usize| !ring.of(x).is_empty() && ring.of(x).iter().all(|&y| map[y as usize] < map[x]);
+    let is_peak = |x: usize| !ring.row(x).is_empty() && ring.row(x).iter().all(|&y| map[y as usize] < map[x]);
     let peaks: Vec<f64> =
         (0..map.len()).filter(|&x| is_peak(x) && map[x] < top).map(|x| map[x] / top).collect();
     let mean = if peaks.is_empty() { 0.0 } else { peaks.iter().sum::<f64>() / peaks.len() as f64 };

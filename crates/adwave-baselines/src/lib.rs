@@ -1,4 +1,4 @@
-//! What adwave is compared with, each built as well as its own literature asks.
+//! Reference methods that adwave is compared with, each built as well as its own literature asks.
 
 pub mod compare;
 pub mod differential;

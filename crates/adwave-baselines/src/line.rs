@@ -1,8 +1,8 @@
-//! The three kinds of wavelets side by side, as in Fig. 2 and Table 1 of the paper, in numbers.
+//! Numerical comparison of the three kinds of wavelets, as in Fig. 2 and Table 1 of the paper.
 
 use crate::multiscale::{
     BiorthogonalDiffusionWavelets, DiffusionWavelets, Downsampled, Locality, MultiscaleError,
-    MultiscaleParams, downsampled, locality,
+    MultiscaleParams, downsample, locality,
 };
 use adwave::Decomposer;
 use adwave::Progress;
@@ -12,9 +12,9 @@ use std::time::Instant;
 /// One kind of wavelets on one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineCase {
-    /// DW, BDW or ADW.
+    /// `"DW"`, `"BDW"` or `"ADW"`.
     pub name: &'static str,
-    /// The level.
+    /// Level.
     pub level: usize,
     /// Steps of the walk up to the level: 2^level − 1 for each kind.
     pub steps: usize,
@@ -24,19 +24,19 @@ pub struct LineCase {
     pub scaling: MeanLocality,
     /// Means over all wavelets.
     pub wavelet: MeanLocality,
-    /// Means over all duals, where there are any.
+    /// Means over all duals; `None` if the kind has no duals.
     pub dual: Option<MeanLocality>,
-    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, with φ̃ = φ where there is no dual, each φ of unit length.
+    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|`, with φ̃ = φ if there is no dual, each φ of unit length.
     pub defect: f64,
-    /// The scaling functions and the wavelets of ADW when as many are kept as their rank.
+    /// Downsampled scaling functions and wavelets of ADW: as many as their rank.
     pub downsampled: Option<[Downsampled; 2]>,
-    /// Largest error of a signal that is taken apart on all levels up to this one and put together.
+    /// Largest error of a signal that is decomposed on all levels up to this one and reconstructed.
     pub error: f64,
-    /// How long putting together takes, once everything is prepared.
+    /// Seconds taken by the reconstruction after all preparations.
     pub seconds: f64,
-    /// The scaling function that peaks nearest to the middle vertex.
+    /// Scaling function that peaks nearest to the middle vertex.
     pub middle_scaling: Vec<f64>,
-    /// The wavelet that peaks nearest to the middle vertex.
+    /// Wavelet that peaks nearest to the middle vertex.
     pub middle_wavelet: Vec<f64>,
 }
 
@@ -45,107 +45,130 @@ pub struct LineCase {
 pub struct MeanLocality {
     /// Mean of the support.
     pub support: f64,
-    /// Mean of the fewest vertices that hold 99 %.
+    /// Mean of the smallest number of vertices that hold 99 %.
     pub core: f64,
     /// Largest of the means.
     pub mean: f64,
 }
 
-/// DW, BDW and ADW of `shape`'s walk on each of `levels`, all after as many steps: level j of DW and BDW is T^(2^j − 1), one
-/// power T^(2^i) for each level before, so ADW takes the levels n_j = 2^j − 1 in place of 2^(j − 1). Its functions are the rows
-/// of Φ_j (eq. 6) and Ψ_j (eq. 8), at every vertex; those of the others are as many as the rank.
+/// Measures DW, BDW and ADW of `shape`'s walk on each of `levels`, all after the same number of steps. Level j of DW
+/// and BDW is T^(2^j − 1), one power T^(2^i) for each level before, so ADW uses the steps n_j = 2^j − 1 instead of
+/// 2^(j − 1). The functions of ADW are the rows of Φ_j (eq. 6) and Ψ_j (eq. 8) at every vertex; the other kinds have
+/// as many functions as the rank.
 ///
 /// # Errors
-/// [`MultiscaleError`] where the walk is too large or not reversible.
+/// [`MultiscaleError`] if the walk is too large or not reversible.
 pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
     let decomposer = Decomposer::new(shape);
-    let (walk, vertex_map) = (decomposer.diffusion(), decomposer.geometry().vertex_map());
+    let walk = decomposer.diffusion();
     let n = walk.n_vertices();
     let top = levels.iter().copied().max().unwrap_or(1);
     let params = MultiscaleParams::default().with_levels(top);
     let dw = DiffusionWavelets::new(walk, &params, Progress::none())?;
     let bdw = BiorthogonalDiffusionWavelets::new(walk, &params, Progress::none())?;
-    // In the shape's order, so that the middle is the middle.
-    let scatter = |functions: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
-        functions.iter().map(|f| vertex_map.scatter(f, 1)).collect()
-    };
-    let signal: Vec<f64> =
-        (0..n).map(|i| (0.2 * i as f64).sin() + f64::from(u8::from(i % 13 == 5))).collect();
-    let difference = |a: &[f64]| a.iter().zip(&signal).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let signal = (0..n).map(|i| (0.2 * i as f64).sin() + f64::from(u8::from(i % 13 == 5))).collect();
+    let test = LineTest { decomposer: &decomposer, signal, precision: params.precision };
     let mut cases = Vec::new();
     for &level in levels {
         if level == 0 || level > dw.n_levels().min(bdw.n_levels()) {
             continue;
         }
-        let coefficients = dw.analyze(&signal)?;
+        cases.extend([
+            test.orthogonal_case(&dw, level)?,
+            test.biorthogonal_case(&bdw, level)?,
+            test.adaptive_case(level)?,
+        ]);
+    }
+    Ok(cases)
+}
+
+/// Walk and test signal shared by the cases of [`line_case`].
+struct LineTest<'a> {
+    decomposer: &'a Decomposer,
+    /// Test signal at the rows of the walk: a sine with spikes.
+    signal: Vec<f64>,
+    /// Precision of the downsampling.
+    precision: f64,
+}
+
+impl LineTest<'_> {
+    fn orthogonal_case(&self, dw: &DiffusionWavelets, level: usize) -> Result<LineCase, MultiscaleError> {
+        let coefficients = dw.analyze(&self.signal)?;
         let start = Instant::now();
         let back = dw.synthesize(&coefficients)?;
         let seconds = start.elapsed().as_secs_f64();
-        cases.push(LineCase {
-            error: difference(&back),
-            seconds,
-            ..case(
-                "DW",
-                level,
-                &scatter(dw.scaling_functions(level)),
-                &scatter(dw.wavelets(level)),
-                dw.orthogonality_defect(level),
-            )
-        });
-        let coefficients = bdw.analyze(&signal)?;
+        let scaling = self.scatter(&dw.scaling_functions(level));
+        let wavelets = self.scatter(&dw.wavelets(level));
+        let defect = dw.orthogonality_defect(level);
+        let error = self.largest_error(&back);
+        Ok(LineCase { error, seconds, ..case("DW", level, &scaling, &wavelets, defect) })
+    }
+
+    fn biorthogonal_case(
+        &self,
+        bdw: &BiorthogonalDiffusionWavelets,
+        level: usize,
+    ) -> Result<LineCase, MultiscaleError> {
+        let coefficients = bdw.analyze(&self.signal)?;
         let start = Instant::now();
         let back = bdw.synthesize(&coefficients)?;
         let seconds = start.elapsed().as_secs_f64();
-        cases.push(LineCase {
-            error: difference(&back),
+        let scaling = self.scatter(&bdw.scaling_functions(level));
+        let wavelets = self.scatter(&bdw.wavelets(level));
+        let defect = bdw.biorthogonality_defect(level);
+        Ok(LineCase {
+            error: self.largest_error(&back),
             seconds,
             dual: Some(measure(&bdw.dual_functions(level))),
-            ..case(
-                "BDW",
-                level,
-                &scatter(bdw.scaling_functions(level)),
-                &scatter(bdw.wavelets(level)),
-                bdw.biorthogonality_defect(level),
-            )
-        });
+            ..case("BDW", level, &scaling, &wavelets, defect)
+        })
+    }
+
+    fn adaptive_case(&self, level: usize) -> Result<LineCase, MultiscaleError> {
+        let walk = self.decomposer.diffusion();
+        let n = walk.n_vertices();
         // Rows of Φ_j: powers of the walk, 2·(2^(j−1) − 1) + 1 = 2^j − 1.
         let once = dense_walk(walk);
         let mut powers = vec![identity(n), once.clone()];
         for j in 2..=level {
-            let next = product_of(&product_of(&powers[j - 1], &powers[j - 1]), &once);
+            let next = multiply(&multiply(&powers[j - 1], &powers[j - 1]), &once);
             powers.push(next);
         }
         let wavelets: Vec<Vec<Vec<f64>>> = (1..=level)
-            .map(|j| powers[j - 1].iter().zip(&powers[j]).map(|(a, b)| minus(a, b)).collect())
+            .map(|j| powers[j - 1].iter().zip(&powers[j]).map(|(a, b)| subtract(a, b)).collect())
             .collect();
         let product = |m: &[Vec<f64>]| -> Vec<f64> {
-            m.iter().map(|row| row.iter().zip(&signal).map(|(a, b)| a * b).sum()).collect()
+            m.iter().map(|row| row.iter().zip(&self.signal).map(|(a, b)| a * b).sum()).collect()
         };
-        let parts: Vec<Vec<f64>> =
+        let bands: Vec<Vec<f64>> =
             wavelets.iter().map(|w| product(w)).chain([product(&powers[level])]).collect();
         let start = Instant::now();
         let mut back = vec![0.0; n];
-        for part in &parts {
-            back.iter_mut().zip(part).for_each(|(b, p)| *b += p);
+        for band in &bands {
+            back.iter_mut().zip(band).for_each(|(b, p)| *b += p);
         }
         let seconds = start.elapsed().as_secs_f64();
-        let defect = gram_defect(&powers[level]);
-        let by_rank = [&powers[level], &wavelets[level - 1]].map(|f| downsampled(f, params.precision));
-        let [scaling, wavelet] = by_rank;
-        cases.push(LineCase {
-            error: difference(&back),
+        let (scaling, wavelets) = (&powers[level], &wavelets[level - 1]);
+        let defect = gram_defect(scaling);
+        let downsampled = [downsample(scaling, self.precision)?, downsample(wavelets, self.precision)?];
+        Ok(LineCase {
+            error: self.largest_error(&back),
             seconds,
-            downsampled: Some([scaling?, wavelet?]),
-            ..case(
-                "ADW",
-                level,
-                &scatter(powers[level].clone()),
-                &scatter(wavelets[level - 1].clone()),
-                defect,
-            )
-        });
+            downsampled: Some(downsampled),
+            ..case("ADW", level, &self.scatter(scaling), &self.scatter(wavelets), defect)
+        })
     }
-    Ok(cases)
+
+    /// Functions in the shape's order, so that the middle index is the middle vertex.
+    fn scatter(&self, functions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let vertex_map = self.decomposer.geometry().vertex_map();
+        functions.iter().map(|f| vertex_map.scatter(f, 1)).collect()
+    }
+
+    /// Largest error of a reconstruction of the signal.
+    fn largest_error(&self, back: &[f64]) -> f64 {
+        back.iter().zip(&self.signal).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
 }
 
 fn case(
@@ -208,7 +231,7 @@ fn dense_walk(walk: &adwave::operator::Diffusion) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn product_of(left: &[Vec<f64>], right: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn multiply(left: &[Vec<f64>], right: &[Vec<f64>]) -> Vec<Vec<f64>> {
     left.iter()
         .map(|row| {
             let mut out = vec![0.0; row.len()];
@@ -220,7 +243,7 @@ fn product_of(left: &[Vec<f64>], right: &[Vec<f64>]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
+fn subtract(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
@@ -263,16 +286,19 @@ mod tests {
             let [dw, bdw, adw] = cases else { panic!("three kinds on each level") };
             assert!(dw.defect < 1e-10 && bdw.defect < 1e-8, "{} {}", dw.defect, bdw.defect);
             assert!(adw.defect > 0.9, "neighboring functions of the ADW overlap: {}", adw.defect);
-            // The footnote of Table 1: as many as the rank have duals. A dual is as long as the precision allows, 1/ε.
+            // By the footnote of Table 1, as many functions as the rank have duals. A dual is as long as the
+            // precision allows, 1/ε.
             for kept in adw.downsampled.as_ref().unwrap() {
                 assert!((2..50).contains(&kept.kept.len()), "{}", kept.kept.len());
                 assert!(kept.defect < 1e-8 && kept.longest_dual > 1.0, "{kept:?}");
             }
-            // So many steps reach nearly all of the line: 1e-6 of a peak lies 5.3 σ away, 84 points and more.
+            // This number of steps reaches nearly all of the line: 1e-6 of a peak lies 5.3 σ away, at least 84
+            // points.
             for case in [dw, bdw, adw] {
                 assert!(case.scaling.support > 90.0, "{} {}: {:?}", case.name, case.level, case.scaling);
             }
-            // Where most of it is: narrower than DW; ADW and BDW alike, as both are the same power of the walk.
+            // The core is narrower than that of DW, and equal for ADW and BDW, as both are the same power of the
+            // walk.
             assert!(bdw.scaling.core < dw.scaling.core, "{:?} {:?}", bdw.scaling, dw.scaling);
             assert!(adw.scaling.core < dw.scaling.core, "{:?} {:?}", adw.scaling, dw.scaling);
             assert!(

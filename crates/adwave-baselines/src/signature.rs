@@ -1,12 +1,12 @@
-//! Heat and wave kernel signatures: a vertex described by the spectrum as seen from it.
+//! Heat and wave kernel signatures: descriptors of a vertex from the spectrum.
 //!
-//! Source: `sun2009`, `aubry2011`. Both are unchanged by bending.
-//! They say what kind of place a vertex is in; unlike bands they cannot be edited.
+//! Source: `sun2009`, `aubry2011`. Both are invariant under bending. They describe the surroundings of a vertex;
+//! unlike bands they cannot be edited.
 
 use crate::harmonics::Harmonics;
 use rayon::prelude::*;
 
-/// Logarithm of 10 times four: at the shortest time the last harmonic counts 1e-4.
+/// Four times the logarithm of 10: at the shortest time the last harmonic has the weight 1e-4.
 const FOUR_LN_10: f64 = 4.0 * std::f64::consts::LN_10;
 
 /// Signatures of all vertices.
@@ -18,22 +18,23 @@ pub struct Signature {
     pub values: Vec<f64>,
 }
 
-/// First and last eigenvalue that is not 0, where there are two.
+/// First and last nonzero eigenvalue; `None` if there are fewer than two.
 fn range(harmonics: &Harmonics) -> Option<(f64, f64)> {
     let last = *harmonics.values.last()?;
     let first = *harmonics.values.iter().find(|&&v| v > 1e-9 * last)?;
     (first < last).then_some((first, last))
 }
 
-/// Times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, equally far apart in the logarithm, as `sun2009` takes them; empty
-/// where there are no two eigenvalues other than 0.
+/// Times from `4 ln 10 / λ_last` to `4 ln 10 / λ_1`, equally spaced in the logarithm, as in `sun2009`; empty if there
+/// are fewer than two nonzero eigenvalues.
 pub fn heat_times(harmonics: &Harmonics, n_times: usize) -> Vec<f64> {
     let Some((first, last)) = range(harmonics) else { return Vec::new() };
     let (from, to) = ((FOUR_LN_10 / last).ln(), (FOUR_LN_10 / first).ln());
     (0..n_times).map(|i| (from + (to - from) * i as f64 / (n_times.max(2) - 1) as f64).exp()).collect()
 }
 
-/// `HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²`, in 1 / squared model units: the heat that stays. O(n·k·times).
+/// `HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²`, in 1 / squared model units: the fraction of heat that stays at x.
+/// O(n·k·times).
 ///
 /// ```
 /// use adwave::{Progress, shape::{Graph, Shape}};
@@ -49,8 +50,8 @@ pub fn heat_kernel_signature(harmonics: &Harmonics, times: &[f64]) -> Signature 
     weighted_squares(harmonics, times, |lambda, t| (-lambda * t).exp(), |_| 1.0)
 }
 
-/// `WKS(x, e) = Σ_k φ_k(x)² exp(−(e − ln λ_k)²/2σ²) / Σ_k exp(−(e − ln λ_k)²/2σ²)` at `n_energies` energies, `σ` seven times
-/// their distance, from `ln λ_1 + 2σ` to `ln λ_last − 2σ`, both included. O(n·k·energies).
+/// `WKS(x, e) = Σ_k φ_k(x)² exp(−(e − ln λ_k)²/2σ²) / Σ_k exp(−(e − ln λ_k)²/2σ²)` at `n_energies` energies from `ln
+/// λ_1 + 2σ` to `ln λ_last − 2σ`, both included, where `σ` is seven times their spacing. O(n·k·energies).
 pub fn wave_kernel_signature(harmonics: &Harmonics, n_energies: usize) -> Signature {
     const SIGMA: f64 = 7.0;
     let Some((first, last)) = range(harmonics) else {

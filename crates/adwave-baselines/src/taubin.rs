@@ -1,43 +1,43 @@
-//! Taubin's low-pass filters: λ|μ and the windowed sinc, the smoothing that everyone uses.
+//! Taubin's low-pass filters: λ|μ and the windowed sinc, the most widely used smoothing methods.
 //!
-//! Source: `taubin1995signal`, `taubin1996`. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at the
-//! frequency 0. Where they win: nothing is prepared, a handful of products does it. Where they do not: one cut, no bands,
-//! and the frequency is that of the mesh, not of the shape.
+//! Source: `taubin1995signal`, `taubin1996`. Both are polynomials of `K = I − P` (spectrum in [0, 2]) that are 1 at
+//! the frequency 0. Strength: they need no preparation and only a handful of products. Weaknesses: there is one
+//! cutoff and no bands, and the frequency depends on the meshing, not on the shape.
 
 use crate::differential::{Differential, DifferentialError};
 use std::f64::consts::PI;
 use thiserror::Error;
 
-/// Why a filter is none.
+/// Reasons for which a filter cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TaubinError {
-    /// A pass band outside the spectrum.
-    #[error("the pass band is {0}; it lies between 0 and 2, both excluded")]
+    /// The pass band lies outside the spectrum.
+    #[error("the pass band must lie between 0 and 2 (exclusive), got {0}")]
     PassBand(f64),
-    /// No steps, or too many.
-    #[error("{got} iterations; take 1 to {most}")]
+    /// The number of iterations is out of range.
+    #[error("the number of iterations must be in 1..={most}, got {got}")]
     Iterations {
-        /// Asked for.
+        /// Number of iterations requested.
         got: usize,
-        /// The most.
+        /// Largest number of iterations.
         most: usize,
     },
     /// λ or μ out of range.
-    #[error("λ = {lambda} and μ = {mu}; it takes 0 < λ < 1 and μ < −λ")]
+    #[error("λ and μ must satisfy 0 < λ < 1 and μ < −λ, got λ = {lambda} and μ = {mu}")]
     Factors {
         /// λ.
         lambda: f64,
         /// μ.
         mu: f64,
     },
-    /// The signal does not fit.
+    /// The signal has the wrong length.
     #[error(transparent)]
     Signal(#[from] DifferentialError),
 }
 
-/// The gain at the edge of the pass band, within the 1 ± 0.001 at which VTK's search for the shift ends.
+/// Gain at the edge of the pass band, within the 1 ± 0.001 at which VTK's search for the shift ends.
 const PASSED: f64 = 0.9995;
-/// Cap on the products.
+/// Cap on the number of products.
 const MAX_ITERATIONS: usize = 100_000;
 
 fn check_iterations(got: usize) -> Result<(), TaubinError> {
@@ -47,7 +47,17 @@ fn check_iterations(got: usize) -> Result<(), TaubinError> {
     Ok(())
 }
 
-/// `((1 − μK)(1 − λK))^iterations f`, which keeps frequencies below about `1/λ + 1/μ`. In the order of the shape.
+/// Factors of the two alternating steps of [`lambda_mu`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LambdaMu {
+    /// Shrinking factor, in (0, 1).
+    pub lambda: f64,
+    /// Inflating factor, below −λ.
+    pub mu: f64,
+}
+
+/// Computes `((1 − μK)(1 − λK))^iterations f`, which keeps frequencies below about `1/λ + 1/μ`; the result is in the
+/// order of the shape.
 ///
 /// # Errors
 /// [`TaubinError`].
@@ -55,14 +65,15 @@ pub fn lambda_mu(
     k: &Differential,
     signal: &[f64],
     n_channels: usize,
-    (lambda, mu): (f64, f64),
+    factors: LambdaMu,
     iterations: usize,
 ) -> Result<Vec<f64>, TaubinError> {
+    let LambdaMu { lambda, mu } = factors;
     if !(lambda > 0.0 && lambda < 1.0 && mu < -lambda && mu.is_finite()) {
         return Err(TaubinError::Factors { lambda, mu });
     }
     check_iterations(iterations)?;
-    let before = k.welded(signal, n_channels)?;
+    let before = k.weld_signal(signal, n_channels)?;
     let mut f = before.clone();
     for _ in 0..iterations {
         for step in [lambda, mu] {
@@ -70,12 +81,12 @@ pub fn lambda_mu(
             f.iter_mut().zip(&kf).for_each(|(f, kf)| *f -= step * kf);
         }
     }
-    Ok(k.scattered(&f, n_channels))
+    Ok(k.scatter(&f, n_channels))
 }
 
-/// The low-pass filter of `taubin1996`: the ideal one cut after `degree` Chebyshev terms and windowed after
-/// Hamming, its edge moved until the gain at a given frequency is a given one. The windows of Blackman, Hann and Nuttall, which
-/// some programs take, give wider transitions at the same degree.
+/// Low-pass filter of `taubin1996`: the ideal filter truncated after `degree` Chebyshev terms and multiplied by
+/// Hamming's window, its edge shifted until the gain at a given frequency has a given value. The windows of Blackman,
+/// Hann and Nuttall, which some programs use, give wider transitions at the same degree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowedSinc {
     /// Coefficients of `T_k(1 − K/2)`.
@@ -83,8 +94,8 @@ pub struct WindowedSinc {
 }
 
 impl WindowedSinc {
-    /// The filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`: the gain is 1 at 0 and 0.9995 at the
-    /// edge.
+    /// Builds the filter that passes frequencies below `pass_band`, in (0, 2), by a polynomial of `degree`: the gain
+    /// is 1 at 0 and 0.9995 at the edge.
     ///
     /// # Errors
     /// [`TaubinError`].
@@ -100,15 +111,15 @@ impl WindowedSinc {
         }
         check_iterations(degree)?;
         let edge = (1.0 - pass_band / 2.0).acos();
-        // The gain at the pass band rises with the shift, through the width of the window's main lobe, then ripples round 1.
+        // The gain at the pass band rises with the shift across the main lobe of the window, then ripples around 1.
         let most = (PI - edge).min(4.0 * PI / (degree + 1) as f64);
-        let make = |shift: f64| Self::with_edge(edge + shift, degree).keeping_constants();
-        let shift = first_that(|shift| make(shift).gain(pass_band) >= PASSED, most);
+        let make = |shift: f64| Self::with_edge(edge + shift, degree).normalize_gain_at_zero();
+        let shift = find_threshold(|shift| make(shift).gain(pass_band) >= PASSED, most);
         Ok(make(shift))
     }
 
-    /// The filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`: for comparisons with other filters.
-    /// Where the degree is too low for so narrow a band, the gain at `frequency` stays above ½.
+    /// Builds the filter whose gain is ½ at `frequency`, in (0, 2), by a polynomial of `degree`; it serves
+    /// comparisons with other filters. If the degree is too low for the band, the gain at `frequency` stays above ½.
     ///
     /// # Errors
     /// [`TaubinError`].
@@ -123,12 +134,12 @@ impl WindowedSinc {
             return Err(TaubinError::PassBand(frequency));
         }
         check_iterations(degree)?;
-        let make = |theta: f64| Self::with_edge(theta, degree).keeping_constants();
-        let theta = first_that(|theta| theta > 0.0 && make(theta).gain(frequency) >= 0.5, PI);
+        let make = |theta: f64| Self::with_edge(theta, degree).normalize_gain_at_zero();
+        let theta = find_threshold(|theta| theta > 0.0 && make(theta).gain(frequency) >= 0.5, PI);
         Ok(make(theta.max(1e-9)))
     }
 
-    /// The ideal low-pass of the frequencies `2 − 2 cos θ`, cut and windowed.
+    /// Ideal low pass of the frequencies `2 − 2 cos θ`, truncated and windowed.
     fn with_edge(theta: f64, degree: usize) -> Self {
         let theta = theta.min(PI);
         let coefficients = (0..=degree)
@@ -141,8 +152,8 @@ impl WindowedSinc {
         Self { coefficients }
     }
 
-    /// The same with the gain 1 at 0, or a shape far from the origin would move.
-    fn keeping_constants(mut self) -> Self {
+    /// Sets the gain at 0 to 1; otherwise a shape far from the origin would move.
+    fn normalize_gain_at_zero(mut self) -> Self {
         let at_zero: f64 = self.coefficients.iter().sum();
         self.coefficients.iter_mut().for_each(|c| *c /= at_zero);
         self
@@ -163,7 +174,7 @@ impl WindowedSinc {
         sum
     }
 
-    /// The filtered signal, n_vertices × n_channels, in the order of the shape. One product a degree.
+    /// Filters a signal, n_vertices × n_channels, in the order of the shape. Costs one product per degree.
     ///
     /// # Errors
     /// [`TaubinError::Signal`].
@@ -173,8 +184,8 @@ impl WindowedSinc {
         signal: &[f64],
         n_channels: usize,
     ) -> Result<Vec<f64>, TaubinError> {
-        let f = k.welded(signal, n_channels)?;
-        // As differences from f, so that a constant stays the same to the last bit: p(K)f = f + Σ c_k (T_k f − f).
+        let f = k.weld_signal(signal, n_channels)?;
+        // As differences from f, so that a constant stays bit-identical: p(K)f = f + Σ c_k (T_k f − f).
         let mut before = vec![0.0; f.len()];
         let mut now: Vec<f64> = k.apply(&f, n_channels).iter().map(|v| -0.5 * v).collect();
         let mut sum: Vec<f64> = vec![0.0; f.len()];
@@ -189,13 +200,13 @@ impl WindowedSinc {
             std::mem::swap(&mut before, &mut now);
         }
         let out: Vec<f64> = f.iter().zip(&sum).map(|(f, s)| f + s).collect();
-        Ok(k.scattered(&out, n_channels))
+        Ok(k.scatter(&out, n_channels))
     }
 }
 
-/// The least value up to `most` at which a condition holds, to rounding; `most` where it holds nowhere. The condition is looked at
-/// in so many steps that no ripple of a filter is passed over.
-fn first_that(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
+/// Smallest value up to `most` at which a condition holds, to rounding; `most` if it holds nowhere. The condition is
+/// evaluated at steps that are short enough not to miss a ripple of the filter.
+fn find_threshold(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
     const STEPS: u32 = 64;
     let place = |k: u32| most * f64::from(k) / f64::from(STEPS);
     let Some(k) = (0..=STEPS).find(|&k| holds(place(k))) else { return most };
@@ -207,23 +218,24 @@ fn first_that(holds: impl Fn(f64) -> bool, most: f64) -> f64 {
     high
 }
 
-/// λ, μ and the fewest iterations by which [`lambda_mu`] has the gain ½ at `frequency` exactly, for comparisons: λ = 0.5, and what
-/// is below about a quarter of the frequency is kept, `1/λ + 1/μ` being the frequency at which the gain is 1 again. O(1).
+/// Returns the factors and the smallest number of iterations for which [`lambda_mu`] has the gain ½ at `frequency` exactly;
+/// it serves comparisons. λ is 0.5, and frequencies below about a quarter of `frequency` are kept; `1/λ + 1/μ` is the
+/// frequency at which the gain is 1 again. O(1).
 ///
 /// ```
-/// let (lambda, mu, iterations) = adwave_baselines::taubin::lambda_mu_with_half_gain(0.1);
-/// let gain = ((1.0 - 0.1 * lambda) * (1.0 - 0.1 * mu)).powi(iterations as i32);
+/// let (factors, iterations) = adwave_baselines::taubin::lambda_mu_with_half_gain(0.1);
+/// let gain = ((1.0 - 0.1 * factors.lambda) * (1.0 - 0.1 * factors.mu)).powi(iterations as i32);
 /// assert!((gain - 0.5).abs() < 1e-9 && iterations > 300);
 /// ```
-pub fn lambda_mu_with_half_gain(frequency: f64) -> (f64, f64, usize) {
+pub fn lambda_mu_with_half_gain(frequency: f64) -> (LambdaMu, usize) {
     const LAMBDA: f64 = 0.5;
     let mu = |kept: f64| 1.0 / (kept - 1.0 / LAMBDA);
     let once = |kept: f64| (1.0 - LAMBDA * frequency) * (1.0 - mu(kept) * frequency);
     let iterations = (-std::f64::consts::LN_2 / once(frequency / 4.0).abs().ln()).ceil().max(1.0);
-    // More iterations keep more: up to the frequency itself, where the gain is 1.
+    // More iterations move the kept frequencies up to the frequency itself, where the gain is 1.
     let reaches = |kept: f64| once(kept).abs().powf(iterations) >= 0.5;
-    let kept = first_that(reaches, frequency);
-    (LAMBDA, mu(kept), iterations as usize)
+    let kept = find_threshold(reaches, frequency);
+    (LambdaMu { lambda: LAMBDA, mu: mu(kept) }, iterations as usize)
 }
 
 #[cfg(test)]

@@ -86,8 +86,8 @@ fn what_cannot_be_read_in_part_is_refused_in_one_line() {
         ("info sample:sphere --resolution 1", "--box and --resolution are for files"),
         ("info - --resolution 1", "--box and --resolution are for files"),
         ("info b.laz --resolution 1", "b.laz: has no levels"),
-        ("info a.copc.laz --resolution 0", "give a length above 0"),
-        ("info a.copc.laz --box 0,0,1,1", "no point lies in the box"),
+        ("info a.copc.laz --resolution 0", "must be a length above 0"),
+        ("info a.copc.laz --box 0,0,1,1", "contains no points"),
         ("info a.copc.laz --box 2,0,1,1", "from 2.0 to 1.0 along x"),
         ("info a.copc.laz --box 0,0,0,1,1,nan", "along z"),
     ] {

@@ -136,7 +136,7 @@ fn bad_requests_are_refused_in_one_line() {
     )
     .unwrap();
     for (arguments, words) in [
-        ("sample:sphere -o a.png --size 99999x99999", "too large"),
+        ("sample:sphere -o a.png --size 99999x99999", "pixels per side, got 99999x99999"),
         ("sample:sphere -o a.png --colormap sepia --color density", "viridis"),
         ("sample:sphere -o a.png --color heat", "coords"),
         ("sample:sphere -o a.jpg", ".png"),
@@ -146,11 +146,11 @@ fn bad_requests_are_refused_in_one_line() {
         ("sample:sphere -o a.png --features missing.json", "missing.json"),
         ("graph.mtx -o a.png", "no positions"),
         ("missing.obj -o a.png", "missing.obj"),
-        ("sample:sphere -o a.png --zoom 0", "the zoom is 0.0"),
-        ("sample:sphere -o a.png --zoom nan", "the zoom is NaN"),
+        ("sample:sphere -o a.png --zoom 0", "got 0.0"),
+        ("sample:sphere -o a.png --zoom nan", "got NaN"),
         ("sample:sphere -o a.png --zoom 1e9", "at most 277 "),
         ("sample:sphere -o a.png --focus vertex=999999", "counted from 0"),
-        ("sample:sphere -o a.png --focus 1e9,0,0", "far off the shape"),
+        ("sample:sphere -o a.png --focus 1e9,0,0", "far from the shape"),
         ("sample:sphere -o a.png --region 'ball:vertex=999999,radius=1'", "vertex 999999"),
         ("sample:sphere -o a.png --region 'field:name=heat'", "heat"),
     ] {

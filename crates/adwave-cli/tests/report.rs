@@ -170,7 +170,7 @@ fn degenerate_shapes_have_a_page_that_says_so() {
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nv 9 9 9\nf 1 2 3\nf 1 2 3\nf 1 2 4\nf 2 1 5\nf 1 1 2\n";
     fs::write(path.join("odd.obj"), odd).unwrap();
     let (page, _) = report(path, "odd.obj --levels 3");
-    for words in ["Edges of three faces or more", "Repeated faces", "Vertices of no face", "things to know"] {
+    for words in ["Edges of three or more faces", "Repeated faces", "Vertices of no face", "irregularities"] {
         assert!(page.contains(words), "{words}");
     }
 }

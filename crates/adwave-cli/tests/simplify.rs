@@ -125,10 +125,10 @@ fn what_cannot_be_asked_for_is_said_in_one_line() {
         ("simplify one.obj -o o.ply --vertices 0", "0 vertices"),
         ("simplify one.obj -o o.ply --error -1", "no length"),
         ("simplify one.obj -o o.ply --error nan", "no length"),
-        ("simplify one.obj -o o.ply --ratio 0", "no share"),
+        ("simplify one.obj -o o.ply --ratio 0", "at most 1, got 0.0"),
         ("simplify one.obj -o o.docx --vertices 1", "o.docx"),
         ("simplify one.obj -o o.ply --vertices 1 --keep-border", "--keep-border"),
-        ("simplify flat.obj -o o.ply --vertices 1", "flat.obj: no face has an area"),
+        ("simplify flat.obj -o o.ply --vertices 1", "flat.obj: no face has a positive area"),
         ("simplify nan.obj -o o.ply --vertices 1", "not finite"),
         ("simplify g.mtx -o o.ply --vertices 1", "nothing to simplify by distance"),
         ("info g.mtx --detail", "no detail"),
@@ -182,7 +182,7 @@ fn bands_agree_where_they_are_wider_than_the_edges() {
     use adwave::shape::Shape;
     use adwave::{Decomposer, Progress};
     use adwave_simplify::{MeshParams, MeshTarget, simplify_mesh};
-    let file = adwave::sample::Sample::by_name("creature", Some(12_000)).unwrap();
+    let file = adwave::sample::Sample::from_name("creature", Some(12_000)).unwrap();
     let mesh = adwave::shape::Mesh::new(file.points, file.faces).unwrap();
     let simplified =
         simplify_mesh(&mesh, None, &MeshParams::new(MeshTarget::Ratio(0.33)), Progress::none()).unwrap();

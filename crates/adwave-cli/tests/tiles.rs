@@ -97,7 +97,7 @@ fn a_map_and_features_come_with_the_tiles() {
     says(path, "tiles a.laz -o b.laz --features f.csv --theta 0", "θ is 0");
     says(path, "tiles a.laz -o b.laz --features f.csv --levels 2", "at least 3 levels");
     says(path, "tiles a.laz -o b.laz --saliency=paper --levels 2", "skips the 2 finest levels");
-    says(path, "tiles a.laz -o b.laz --vectors 9", "no band 9");
+    says(path, "tiles a.laz -o b.laz --vectors 9", "bands must be in 1..=8, got 9");
 }
 
 #[test]
@@ -111,16 +111,20 @@ fn noise_is_taken_off_by_tiles_and_jobs_as_in_memory() {
     assert!(said["summary"]["moved"][0].as_f64().unwrap() > 0.0, "{said}");
     run(path, "tiles a.laz -o many.laz --denoise --tiles 5 --workers 2");
     assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("many.laz")).unwrap());
-    // By jobs: the sides of a cloud are a stage of their own.
+    // By tasks: the orientation of a cloud is a stage of its own.
     run(path, "tiles a.laz -o jobs --denoise --tiles 5 --plan-only");
     run(path, "tile jobs sort");
     let status = json(path, "tile jobs status");
-    assert_eq!((&status["has_sides"], &status["sides_done"]), (&true.into(), &0.into()), "{status}");
+    assert_eq!(
+        (&status["has_orientation"], &status["orientation_done"]),
+        (&true.into(), &0.into()),
+        "{status}"
+    );
     let n_tiles = status["n_tiles"].as_u64().unwrap();
     (0..n_tiles).for_each(|tile| run(path, &format!("tile jobs neighbors {tile}")));
-    says(path, "tile jobs bands 0", "adwave tile FOLDER sides 0");
-    says(path, "tile jobs sides 99", "there is no tile 99");
-    for kind in ["sides", "bands"] {
+    says(path, "tile jobs bands 0", "the orientation of tile 0 must be computed first");
+    says(path, "tile jobs orientation 99", "got 99");
+    for kind in ["orientation", "bands"] {
         (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
     }
     run(path, "tiles a.laz -o jobs.laz --denoise --tiles 5 --work jobs");
@@ -201,7 +205,7 @@ fn what_cannot_be_is_said_in_one_line() {
     let path = folder.path();
     run(path, "sample terrain --points 3e4 -o a.laz");
     says(path, "tiles a.laz -o b.laz", "--gains");
-    says(path, "tiles a.laz -o b.laz --magnitudes 9", "bands are 1 to 8");
+    says(path, "tiles a.laz -o b.laz --magnitudes 9", "bands must be in 1..=8, got 9");
     says(path, "tiles a.laz -o b.laz --magnitudes 30 --levels 30", "rings");
     says(path, "tiles a.laz -o b.laz --gains 0,1 --levels 3", "2 gains for 3 levels");
     says(path, "tiles a.laz -o b.ply --magnitudes 1", ".las or .laz");
@@ -216,11 +220,11 @@ fn what_cannot_be_is_said_in_one_line() {
     // Tiles of an earlier work are not replaced, not even where they are the input.
     run(path, "tiles a.laz -o done --magnitudes 1");
     let before = fs::read(path.join("done/tile-00000.laz")).unwrap();
-    says(path, "tiles done/tile-00000.laz -o done --magnitudes 2", "earlier work");
+    says(path, "tiles done/tile-00000.laz -o done --magnitudes 2", "earlier job");
     assert!(fs::read(path.join("done/tile-00000.laz")).unwrap() == before);
     // Another work in the same folder, and other input under the same name.
     run(path, "tiles a.laz -o w --magnitudes 1 --plan-only");
-    says(path, "tiles a.laz -o w --magnitudes 2", "another work");
+    says(path, "tiles a.laz -o w --magnitudes 2", "another job");
     run(path, "sample terrain --points 2e4 -o a.laz");
     says(path, "tile w sort", "has changed");
 }
@@ -249,8 +253,8 @@ fn a_mesh_keeps_its_order_and_format_by_one_command_and_by_jobs() {
     assert!(info["fields"].to_string().contains("wavelet_2"));
     says(path, "tiles t.ply -o b.obj --magnitudes 1", "give a .ply");
     says(path, "tiles t.ply -o b --magnitudes 1", "give a .ply");
-    says(path, "tiles t.obj -o b.obj --magnitudes 1", "holds no fields");
-    says(path, "tiles t.ply t.obj -o b.ply --magnitudes 1", "alone");
+    says(path, "tiles t.obj -o b.obj --magnitudes 1", "cannot store fields");
+    says(path, "tiles t.ply t.obj -o b.ply --magnitudes 1", "only input");
     says(path, "tiles missing.ply -o b.ply --magnitudes 1", "missing.ply");
     let bytes = fs::read(path.join("t.ply")).unwrap();
     fs::write(path.join("cut.ply"), &bytes[..bytes.len() - 5]).unwrap();

@@ -81,7 +81,7 @@ fn diff_says_where_and_at_which_scale() {
     }
     adwave(path).args(words("diff a.ply b.ply --by closest --align -o diff.html")).assert().success();
     let page = std::fs::read_to_string(path.join("diff.html")).unwrap();
-    assert!(page.contains("b.ply against a.ply") && page.matches("<img").count() >= 6);
+    assert!(page.contains("b.ply compared with a.ply") && page.matches("<img").count() >= 6);
 }
 
 #[test]

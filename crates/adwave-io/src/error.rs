@@ -1,89 +1,91 @@
-//! What can go wrong in reading and writing. Every message is one line.
+//! Errors of reading and writing. Every message is one line.
 
 use std::io;
 
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 
-/// Why bytes are not read as a shape.
+/// Reasons for which bytes cannot be read as a shape.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The error of a named file.
+    /// Error in a named file.
     #[error("{path}: {source}")]
     InFile {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What is wrong with it.
+        /// Error in the file.
         source: Box<ReadError>,
     },
     /// The file cannot be opened or read.
-    #[error("cannot be read ({0}); check that it is there and readable")]
+    #[error("the file cannot be read ({0}); check that it exists and is readable")]
     Io(#[from] io::Error),
-    /// There is no byte.
+    /// The file has no bytes.
     #[error("is empty; give a file that holds vertices")]
     Empty,
     /// Neither content nor name tells a format that can be read.
-    #[error(
-        "is of an unknown format ({found}); formats that can be read: {}",
-        crate::Format::readable_names()
-    )]
+    #[error("is of an unknown format ({found}); formats that can be read: {readable}")]
     UnknownFormat {
         /// What it looks like.
         found: String,
+        /// Names of the formats that can be read.
+        readable: String,
     },
     /// A line of a text format is wrong.
     #[error("line {line}: {message}")]
     Line {
-        /// Counted from 1.
+        /// Line number, counted from 1.
         line: u64,
-        /// What is wrong, and what to do.
+        /// Reason and remedy.
         message: String,
     },
     /// A byte of a binary format is wrong.
     #[error("byte {byte}: {message}")]
     Byte {
-        /// Counted from 0.
+        /// Byte offset, counted from 0.
         byte: u64,
-        /// What is wrong, and what to do.
+        /// Reason and remedy.
         message: String,
     },
-    /// The file ends before what its header promises.
-    #[error("ends at byte {end} of {needed} needed, in element `{element}`, row {row}; get the whole file")]
+    /// The file is shorter than its header states.
+    #[error(
+        "the file ends at byte {end} of {needed}, in element `{element}`, row {row}; get the whole \
+            file"
+    )]
     Truncated {
-        /// How many bytes there are.
+        /// Number of bytes in the file.
         end: u64,
-        /// How many bytes there must be at least.
+        /// Least number of bytes needed.
         needed: u64,
-        /// Which part of the file is cut.
+        /// Part of the file that is truncated.
         element: String,
-        /// The first row, counted from 0, that is not whole.
+        /// First incomplete row, counted from 0.
         row: u64,
     },
-    /// A face names a vertex that is not there.
+    /// A face names a vertex that does not exist.
     #[error("{place}: face {face} names vertex {index}, but there are {n_vertices}; correct the face")]
     FaceIndex {
         /// `line 12` or `byte 345`.
         place: String,
-        /// Counted from 0.
+        /// Index of the face, counted from 0.
         face: u64,
-        /// As the file counts: from 1 in OBJ, from 0 elsewhere; negative as it stands.
+        /// Vertex index in the file's own numbering: from 1 in OBJ, from 0 elsewhere; negative as in the file.
         index: i64,
-        /// How many vertices there are.
+        /// Number of vertices.
         n_vertices: u64,
     },
-    /// More than the limits allow.
-    #[error("{what}: {found}, more than the limit of {limit}; raise the limit or split the file")]
+    /// The content exceeds the limits.
+    #[error("{what}: {found} exceeds the limit of {limit}; raise the limit or split the file")]
     Limit {
-        /// What there is too much of.
+        /// Limited quantity.
         what: &'static str,
-        /// How much there is.
+        /// Amount found.
         found: u64,
-        /// How much is allowed.
+        /// Amount allowed.
         limit: u64,
     },
-    /// Something else about the file as a whole.
+    /// Any other error of the file as a whole.
     #[error("{0}")]
     Whole(String),
-    /// Reading was told to stop.
+    /// The caller cancelled the reading.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -106,7 +108,7 @@ impl ClassifiedError for ReadError {
     }
 }
 
-/// Content that is no text is the caller's to mend; all else of the system is the machine's.
+/// Content that is not text is an input error; all other system errors are errors of the machine.
 pub(crate) fn kind_of_io(error: &io::Error) -> ErrorKind {
     match error.kind() {
         io::ErrorKind::InvalidData => ErrorKind::Input,
@@ -116,80 +118,80 @@ pub(crate) fn kind_of_io(error: &io::Error) -> ErrorKind {
 }
 
 impl ReadError {
-    /// The error at byte `position` of a text.
+    /// Creates the error at byte `position` of a text.
     pub(crate) fn in_line(bytes: &[u8], position: usize, message: impl Into<String>) -> Self {
         Self::Line { line: crate::text::line_of(bytes, position), message: message.into() }
     }
 
-    /// The error at byte `position` of a binary.
+    /// Creates the error at byte `position` of a binary file.
     pub(crate) fn at_byte(position: usize, message: impl Into<String>) -> Self {
         Self::Byte { byte: position as u64, message: message.into() }
     }
 
-    /// The same error with the file's name before it.
+    /// Prefixes the error with the file's name.
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         Self::InFile { path: path.display().to_string(), source: Box::new(self) }
     }
 }
 
-/// Why a shape is not written.
+/// Reasons for which a shape cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The error of a named file.
+    /// Error in a named file.
     #[error("{path}: {source}")]
     InFile {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What is wrong.
+        /// Error in the file.
         source: Box<WriteError>,
     },
-    /// Writing failed; an older file of that name is as it was.
-    #[error("cannot be written ({0}); a file that was there before is unchanged")]
+    /// Writing failed; an older file of that name is unchanged.
+    #[error("the file cannot be written ({0}); an existing file is unchanged")]
     Io(#[source] io::Error),
-    /// Writing was told to stop; an older file of that name is as it was.
+    /// The caller cancelled the writing; an older file of that name is unchanged.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The folder is not there.
-    #[error("the folder {folder} does not exist; make it first")]
+    /// The folder does not exist.
+    #[error("the folder {folder} does not exist; create it first")]
     NoFolder {
-        /// The folder.
+        /// Path of the folder.
         folder: String,
     },
     /// The name has no ending that tells a format.
-    #[error(
-        "the name tells no format that can be written; use one of the endings {}",
-        crate::Format::writable_names()
-    )]
-    UnknownFormat,
+    #[error("the name tells no format that can be written; use one of the endings {writable}")]
+    UnknownFormat {
+        /// Endings that can be written.
+        writable: String,
+    },
     /// The shape has nothing that the format can hold.
-    #[error("{format} cannot hold {what}; choose another format")]
+    #[error("{format} cannot store {what}; choose another format")]
     CannotHold {
         /// The format.
         format: crate::Format,
-        /// What it cannot hold.
+        /// Content that cannot be stored.
         what: String,
     },
-    /// The format is read only.
-    #[error("{format} is read, and cannot hold what is to be written; choose another format")]
+    /// The format is read-only.
+    #[error("{format} is read-only and cannot store the content; choose another format")]
     ReadOnly {
-        /// The format.
+        /// Format of the file.
         format: crate::Format,
     },
-    /// An array does not have the shape that it is said to have.
-    #[error("array {name}: {found} values do not fill the shape {shape:?}; correct the shape")]
+    /// The number of values of an array does not match its shape.
+    #[error("array {name}: the shape {shape:?} does not match {found} values; correct the shape")]
     ArrayShape {
-        /// Its name.
+        /// Name of the array.
         name: String,
-        /// How many values there are.
+        /// Number of values.
         found: u64,
-        /// The shape given.
+        /// Shape given.
         shape: Vec<usize>,
     },
 }
 
 impl From<io::Error> for WriteError {
-    /// An error of the system, or the request to stop that came through a [`std::io::Write`].
+    /// Converts an error of the system, or a cancellation that came through a [`std::io::Write`].
     fn from(error: io::Error) -> Self {
         let is_cancelled =
             error.get_ref().is_some_and(<dyn std::error::Error + Send + Sync>::is::<Cancelled>);
@@ -204,7 +206,7 @@ impl ClassifiedError for WriteError {
             Self::Io(error) => kind_of_io(error),
             Self::Cancelled(error) => error.kind(),
             Self::NoFolder { .. } => ErrorKind::Machine,
-            Self::UnknownFormat
+            Self::UnknownFormat { .. }
             | Self::CannotHold { .. }
             | Self::ReadOnly { .. }
             | Self::ArrayShape { .. } => ErrorKind::Input,
@@ -213,7 +215,7 @@ impl ClassifiedError for WriteError {
 }
 
 impl WriteError {
-    /// The same error with the file's name before it.
+    /// Prefixes the error with the file's name.
     #[must_use]
     pub fn in_file(self, path: &std::path::Path) -> Self {
         Self::InFile { path: path.display().to_string(), source: Box::new(self) }
@@ -240,7 +242,7 @@ mod tests {
             assert_eq!(error.kind(), kind, "{error}");
         }
         for (error, kind) in [
-            (WriteError::UnknownFormat.in_file(path), ErrorKind::Input),
+            (WriteError::UnknownFormat { writable: ".obj".into() }.in_file(path), ErrorKind::Input),
             (WriteError::from(missing()), ErrorKind::Machine),
             (WriteError::from(io::Error::other(Cancelled)).in_file(path), ErrorKind::Cancelled),
         ] {

@@ -1,4 +1,4 @@
-//! How much a file may ask for, and decompression that keeps to it.
+//! Limits on the resources of a file, and decompression within them.
 
 use std::io::Read;
 use std::sync::OnceLock;
@@ -8,18 +8,18 @@ use adwave::Progress;
 use crate::ReadError;
 use crate::progress::BYTES_PER_STEP;
 
-/// Bounds on what is read.
+/// Limits for reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadLimits {
-    /// Most bytes of a file, after decompression.
+    /// Largest size of a file in bytes, after decompression.
     pub max_bytes: u64,
-    /// Most vertices, at most 2³² − 1.
+    /// Largest number of vertices, at most 2³² − 1.
     pub max_points: u64,
 }
 
 impl Default for ReadLimits {
-    /// A quarter of the memory that the machine has free when this is first asked for, at least 256 MiB (4 GiB where the system does not
-    /// tell): a shape takes up to some four times the bytes of its file. And 2³² − 1 vertices.
+    /// A quarter of the memory that is free at the first call, at least 256 MiB (4 GiB if the system does not report
+    /// it), because a shape takes up to about four times the bytes of its file; and 2³² − 1 vertices.
     fn default() -> Self {
         static MAX_BYTES: OnceLock<u64> = OnceLock::new();
         let max_bytes =
@@ -28,7 +28,7 @@ impl Default for ReadLimits {
     }
 }
 
-/// Memory that a program may take without pushing others out, in bytes; `None` if the system does not tell.
+/// Memory in bytes that a program may take without displacing others, if the system reports it.
 pub fn free_memory() -> Option<u64> {
     let info = std::fs::read_to_string("/proc/meminfo").ok()?;
     let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -54,7 +54,7 @@ impl ReadLimits {
     }
 }
 
-/// The bytes as they are, or what the gzip members in them hold.
+/// Returns the bytes unchanged, or the decompressed content of their gzip members.
 pub(crate) fn decompress(
     bytes: Vec<u8>,
     limits: &ReadLimits,
@@ -72,8 +72,10 @@ pub(crate) fn decompress(
         let before = plain.len();
         if let Err(error) = reader.by_ref().take(BYTES_PER_STEP as u64).read_to_end(&mut plain) {
             let n = plain.len();
-            let message =
-                format!("the gzip stream breaks after {n} plain bytes ({error}); get the whole file");
+            let message = format!(
+                "the gzip stream is damaged after {n} decompressed bytes ({error}); get the \
+                        complete file"
+            );
             return Err(ReadError::at_byte(bytes.len(), message));
         }
         if plain.len() == before {

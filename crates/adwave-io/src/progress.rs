@@ -1,28 +1,28 @@
-//! How readers and writers say how far they are and ask whether to stop: once per some thousand rows, or per mebibyte.
+//! Progress reports and cancellation checks of readers and writers: once per several thousand rows, or per mebibyte.
 
 use std::io::{self, Write};
 
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Rows between two questions whether to stop: some milliseconds of the slowest format.
+/// Rows between two checks: some milliseconds of the slowest format.
 const ROWS_PER_STEP: u64 = 8192;
-/// Bytes written between two questions: compressing them takes some milliseconds.
+/// Bytes written between two checks: compressing them takes some milliseconds.
 const WRITTEN_PER_STEP: usize = 1 << 18;
-/// Rows that all threads work on together between two questions.
+/// Rows processed in parallel between two checks.
 const ROWS_PER_BLOCK: usize = 1 << 17;
-/// Up to this many rows the calling thread does the work itself and no thread pool is asked or started.
+/// Largest number of rows that the calling thread processes alone, without starting a thread pool.
 pub(crate) const SERIAL: usize = 4096;
-/// Bytes that are read, written or searched between two questions.
+/// Bytes read, written or searched between two checks.
 pub(crate) const BYTES_PER_STEP: usize = 1 << 20;
 
-/// Reports row `row` of `n_rows` now and then; to be called before each row.
+/// Reports row `row` of `n_rows` periodically; called before each row.
 #[inline]
 pub(crate) fn at_row(progress: Progress<'_>, row: u64, n_rows: u64) -> Result<(), Cancelled> {
     if row.is_multiple_of(ROWS_PER_STEP) { progress.step(row, n_rows) } else { Ok(()) }
 }
 
-/// Appends `value(i)` for each `i` in `0..n`, by all threads of the pool where there are many.
+/// Appends `value(i)` for each `i` in `0..n`, on all threads of the pool if there are many.
 pub(crate) fn extend<T: Send>(
     values: &mut Vec<T>,
     n: usize,
@@ -45,7 +45,7 @@ pub(crate) fn extend<T: Send>(
     Ok(())
 }
 
-/// The values `value(i)` for each `i` in `0..n`; see [`extend`].
+/// Collects the values `value(i)` for each `i` in `0..n`; see [`extend`].
 pub(crate) fn collect<T: Send>(
     n: usize,
     progress: Progress<'_>,
@@ -56,7 +56,7 @@ pub(crate) fn collect<T: Send>(
     Ok(values)
 }
 
-/// Whether all `0..n` hold, asked in blocks.
+/// True if the predicate holds for all `0..n`; evaluated in blocks.
 pub(crate) fn all(
     n: usize,
     progress: Progress<'_>,
@@ -77,7 +77,8 @@ pub(crate) fn all(
     Ok(true)
 }
 
-/// A target of writing that stops when the call is told to: it asks after some bytes, however much is written at once.
+/// Writer that stops when the call is cancelled; it checks after a number of bytes, regardless of the size of single
+/// writes.
 pub(crate) struct Watched<'a> {
     out: &'a mut dyn Write,
     progress: Progress<'a>,
@@ -94,7 +95,7 @@ impl Write for Watched<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if self.since >= WRITTEN_PER_STEP {
             self.since = 0;
-            // `io::Error` is the only way out of `write`; `WriteError` finds what is inside.
+            // `io::Error` is the only error type of `write`; `WriteError` extracts the cause.
             self.progress.check().map_err(io::Error::other)?;
         }
         let n = self.out.write(&bytes[..bytes.len().min(WRITTEN_PER_STEP)])?;

@@ -1,4 +1,4 @@
-//! Where a result came from, as it stands in the files that have room for it.
+//! Provenance of a result, stored in files of formats that have room for it.
 
 use serde_json::{Value, json};
 
@@ -14,38 +14,38 @@ use serde_json::{Value, json};
 /// let made = Provenance { program: "adwave 0.1.0".into(), command: "adwave denoise scan.laz -o a.vtp".into(), inputs: vec![input] };
 /// shape.set_provenance(Some(made.clone()));
 /// let mut bytes = Vec::new();
-/// write_bytes(&shape, Format::Vtp, &mut bytes).unwrap();
+/// write_bytes(&shape, Format::VTP, &mut bytes).unwrap();
 /// let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
 /// assert_eq!(again.provenance(), Some(&made));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Provenance {
-    /// Name and version.
+    /// Name and version of the program.
     pub program: String,
-    /// The words that were typed, without the folders of files.
+    /// Command line, without the folders of files.
     pub command: String,
-    /// The files that were read.
+    /// Files that were read.
     pub inputs: Vec<ProvenanceInput>,
 }
 
-/// A file that a result was made of.
+/// File from which a result was created.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProvenanceInput {
-    /// Its name without folders.
+    /// Name without folders.
     pub name: String,
-    /// The SHA-256 of its bytes, in hexadecimal digits; none where it had no bytes.
+    /// SHA-256 of its bytes in hexadecimal digits; `None` for an input without bytes.
     pub sha256: Option<String>,
 }
 
-/// The name that it has among other metadata.
+/// Key among other metadata.
 pub(crate) const NAME: &str = "adwave";
-/// What some editors put before a text in UTF-8.
+/// UTF-8 byte order mark, which some editors write.
 const MARK: &[u8] = b"\xef\xbb\xbf";
-/// More than this is no provenance.
+/// Largest size of a provenance text in bytes.
 const MOST: usize = 60_000;
 
 impl Provenance {
-    /// As JSON on one line, in ASCII letters.
+    /// Formats as JSON on one line, in ASCII.
     pub fn to_json(&self) -> String {
         let input = |input: &ProvenanceInput| json!({"name": input.name, "sha256": input.sha256});
         let inputs: Vec<Value> = self.inputs.iter().map(input).collect();
@@ -63,7 +63,7 @@ impl Provenance {
         ascii
     }
 
-    /// The inverse of [`to_json`](Self::to_json); `None` of any other text.
+    /// Inverse of [`to_json`](Self::to_json); `None` for other texts.
     pub fn from_json(text: &str) -> Option<Self> {
         if text.len() > MOST {
             return None;
@@ -84,7 +84,7 @@ impl Provenance {
     }
 }
 
-/// A text with one more line after the first `lines_before`; whatever the mark of UTF-8 begins stays first.
+/// Text with an additional line after the first `lines_before`; a UTF-8 byte order mark stays first.
 pub(crate) struct WithComment<'a> {
     out: &'a mut dyn std::io::Write,
     line: Option<Vec<u8>>,
@@ -121,7 +121,7 @@ impl std::io::Write for WithComment<'_> {
     }
 }
 
-/// What a comment of that beginning says in the first lines of a text.
+/// Content of the comment with this beginning in the first lines of a text.
 pub(crate) fn in_comments(bytes: &[u8], begin: &str) -> Option<Provenance> {
     const LINES: usize = 64;
     let head = &bytes[..bytes.len().min(4 * MOST)];
@@ -173,7 +173,7 @@ mod tests {
         };
         let input = ProvenanceInput { name: "a.ply".into(), sha256: None };
         let made = Provenance { program: "p".into(), command: "c".into(), inputs: vec![input] };
-        for format in [Format::Glb, Format::Gltf, Format::Vtp, Format::Vtu, Format::Las, Format::Laz] {
+        for format in [Format::GLB, Format::GLTF, Format::VTP, Format::VTU, Format::LAS, Format::LAZ] {
             let mut shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0], [1.0, 0.0, 0.25]]);
             shape.set_provenance(Some(made.clone()));
             let bytes = written(&shape, format);

@@ -1,7 +1,7 @@
-//! Edits as small TOML files that people can read, write and replay.
+//! Edit recipes: small TOML files that people can read, write and apply again.
 //!
 //! ```toml
-//! levels = 6                     # with voices = 2 if wanted; or steps = [1, 2.5, 4], or lengths = [0.01, "2%"]; left out: as many as fit the shape
+//! levels = 6                     # or steps = [1, 2.5, 4], or lengths = [0.01, "2%"]; left out: as many as fit the shape
 //! operator = "walk"               # or "surface"; left out: the walk, with lengths the surface
 //! density_invariant = true       # left out: false; and so keep_creases
 //! field = "coords"               # left out: the coordinates
@@ -23,32 +23,32 @@ use adwave::LevelSpec;
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::io::Read;
 use std::path::Path;
 
-/// An edit: layers, the levels that their gains are for, and the signal they change.
+/// Edit: layers, the levels of their gains, and the signal they change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
-    /// Name of the signal; `coords` is the coordinates.
+    /// Name of the signal; `coords` stands for the coordinates.
     pub field: String,
-    /// By what the signal is smoothed; where it is not said, the reader decides by the levels.
+    /// Operator that smooths the signal; `None` lets the reader choose by the levels.
     pub operator: Option<OperatorKind>,
-    /// Whether the density of the samples is taken out of the walk.
+    /// True if the walk is made independent of the sampling density.
     pub density_invariant: bool,
-    /// Whether steps keep to vertices whose normals are alike.
+    /// True if steps prefer vertices with similar normals.
     pub keep_creases: bool,
-    /// What is asked of new positions.
+    /// Constraints on new positions.
     pub positions: PositionParams,
-    /// The levels that the gains are for.
+    /// Levels of the gains.
     pub levels: LevelSpec,
-    /// What is changed where.
+    /// Changes and their regions.
     pub layers: Vec<Layer>,
 }
 
-/// Nothing is changed, of the coordinates.
+/// Changes nothing; the signal is the coordinates.
 impl Default for Recipe {
     fn default() -> Self {
         Self {
@@ -63,7 +63,7 @@ impl Default for Recipe {
     }
 }
 
-/// A recipe as TOML has it.
+/// TOML form of a recipe.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -76,7 +76,7 @@ struct Table {
     #[serde(default, skip_serializing_if = "is_default")]
     keep_creases: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
-    along: Option<Along>,
+    along: Option<MoveDirection>,
     #[serde(default, skip_serializing_if = "is_default")]
     border: Borders,
     #[serde(default, skip_serializing_if = "is_default")]
@@ -93,8 +93,8 @@ struct Table {
     layers: Vec<Layer>,
 }
 
-/// Numbers of steps without a decimal point where they are whole.
-#[expect(clippy::ref_option, reason = "the form that serde calls")]
+/// Serializes integral numbers of steps without a decimal point.
+#[expect(clippy::ref_option, reason = "the signature is required by serde")]
 fn whole_as_whole<S: Serializer>(steps: &Option<Vec<f64>>, serializer: S) -> Result<S::Ok, S::Error> {
     #[derive(Serialize)]
     #[serde(untagged)]
@@ -119,7 +119,7 @@ fn coords() -> String {
     "coords".to_owned()
 }
 
-/// Reads a recipe from text.
+/// Parses a recipe.
 ///
 /// ```
 /// use adwave::LevelSpec;
@@ -131,7 +131,7 @@ fn coords() -> String {
 /// ```
 ///
 /// # Errors
-/// [`ReadError::Line`], when the text is no recipe.
+/// [`ReadError::Line`], if the text is not a recipe.
 pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
     let table: Table = toml::from_str(text).map_err(|e| {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
@@ -144,7 +144,7 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         (None, None, Some(steps), None) => LevelSpec::Steps(steps),
         (None, None, None, Some(lengths)) => LevelSpec::Widths(lengths),
         _ => {
-            let message = "give only one of levels, steps and lengths".to_owned();
+            let message = "levels, steps and lengths exclude each other; give only one of them".to_owned();
             return Err(ReadError::Line { line: 1, message });
         }
     };
@@ -159,13 +159,13 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
     })
 }
 
-/// Bytes of a recipe at the most: a hundred thousand strokes.
+/// Largest size of a recipe in bytes: a hundred thousand strokes.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Reads the recipe in the file `path`.
 ///
 /// # Errors
-/// [`ReadError`] when the file cannot be read or holds no recipe.
+/// [`ReadError`] if the file cannot be read or is not a recipe.
 pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
     let read = || {
         let mut text = String::new();
@@ -179,7 +179,7 @@ pub fn read_recipe(path: &Path) -> Result<Recipe, ReadError> {
     read().map_err(|e| e.in_file(path))
 }
 
-/// A recipe as text that [`parse_recipe`] reads back to the same recipe.
+/// Formats a recipe as text that [`parse_recipe`] reads back to the same recipe.
 pub fn recipe_to_text(recipe: &Recipe) -> String {
     let mut table = Table {
         field: recipe.field.clone(),
@@ -203,15 +203,15 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
             table.voices = Some(*voices);
         }
         LevelSpec::Steps(steps) => table.steps = Some(steps.clone()),
-        LevelSpec::Widths(widths) => table.lengths = Some(widths.clone()),
+        LevelSpec::Widths(lengths) => table.lengths = Some(lengths.clone()),
     }
     toml::to_string(&table).expect("numbers, texts and tables are TOML")
 }
 
-/// Writes a recipe, replacing an old file only when all is written.
+/// Writes a recipe atomically: an old file is replaced only after the new one is complete.
 ///
 /// # Errors
-/// [`WriteError`] when the file cannot be written.
+/// [`WriteError`] if the file cannot be written.
 pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
     atomic_write(path, |file| Ok(file.write_all(recipe_to_text(recipe).as_bytes())?))
 }
@@ -220,12 +220,12 @@ pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
 mod tests {
     use super::*;
     use adwave::filter::{Gains, Preset};
-    use adwave::region::{BrushStroke, Place, Region};
+    use adwave::region::{BrushStroke, Location, Region};
 
     #[test]
     fn writing_and_reading_is_the_identity() {
         let ball = Region::Ball {
-            center: Place::Point([0.5, -1.0, 2.0]),
+            center: Location::Point([0.5, -1.0, 2.0]),
             radius: Length::PercentOfDiagonal(5.0),
             falloff: Some(Length::Units(0.25)),
         };
@@ -234,7 +234,7 @@ mod tests {
             Region::All(vec![
                 Region::Field { name: "thickness".into(), low: 1.0, high: 3.5 },
                 Region::Vertices { indices: vec![1, 2, 9], radius: Length::Units(0.0), falloff: None },
-                Region::Stroke { path: vec![Place::Vertex(7)], radius: Length::Units(0.1), falloff: None },
+                Region::Stroke { path: vec![Location::Vertex(7)], radius: Length::Units(0.1), falloff: None },
                 Region::Painted(vec![
                     BrushStroke::Add(Region::Faded { factor: 0.5, region: Box::new(Region::Everywhere {}) }),
                     BrushStroke::Subtract(Region::Vertices {
@@ -251,7 +251,7 @@ mod tests {
             density_invariant: false,
             keep_creases: true,
             positions: PositionParams {
-                along: Some(Along::Surface),
+                along: Some(MoveDirection::Surface),
                 borders: Borders::Keep,
                 volume: Volume::Keep,
             },

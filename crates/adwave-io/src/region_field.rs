@@ -1,4 +1,4 @@
-//! Fields that a region may name: those of the file, and what the shape gives itself.
+//! Fields that a region may refer to: those of the file, and those computed from the shape.
 
 use crate::{ShapeFile, file_normals};
 use adwave::bands::Schedule;
@@ -6,16 +6,16 @@ use adwave::saliency::{SaliencyParams, saliency};
 use adwave::signal::{SurfaceSignal, outward_normals, surface_signal};
 use adwave::{Decomposer, Progress};
 
-/// The vertex field of a name, as regions have it: `(n_channels, values)`. The file's own first; then, of the shape as it was
-/// opened, with the decomposer's diffusion:
+/// Finds the vertex field of a name for a region: `(n_channels, values)`. Fields of the file come first, then those
+/// computed from the shape as it was opened, with the decomposer's diffusion:
 ///
-/// | name | what |
+/// | name | field |
 /// |---|---|
 /// | `mean-curvature`, `gaussian-curvature`, `shape-index`, … | a [`SurfaceSignal`] |
-/// | `saliency` | signed saliency over as many dyadic levels as the shape has by default |
-/// | `band-J` | the length of the wavelet coefficients of the coordinates at dyadic level J |
+/// | `saliency` | signed saliency over the default dyadic levels of the shape |
+/// | `band-J` | the norm of the wavelet coefficients of the coordinates at dyadic level J |
 ///
-/// None for a name that is none of these, and where the shape has no such thing.
+/// Returns `None` for any other name, and if the shape does not have that field.
 ///
 /// ```
 /// use adwave::{Decomposer, shape::{PointCloud, Shape}};
@@ -49,7 +49,8 @@ fn shape_saliency(file: &ShapeFile, decomposer: &Decomposer) -> Option<Vec<f64>>
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
     let normals = file_normals(file);
     let found = outward_normals(decomposer.geometry(), normals.as_deref(), Progress::none()).ok()?;
-    let wavelets = if found.info.has_outside() { request.along(&found.normals) } else { request.norms() };
+    let wavelets =
+        if found.info.has_outside() { request.normal_components(&found.normals) } else { request.norms() };
     Some(saliency(decomposer, &wavelets.ok()?, &SaliencyParams::default(), Progress::none()).ok()?.map)
 }
 

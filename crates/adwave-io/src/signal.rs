@@ -1,5 +1,8 @@
-//! Signals by name: coordinates, fields of the file, what the shape gives by itself, colors of a texture, other files.
+//! Signals by name: coordinates, fields of the file, quantities computed from the shape, colors of a texture, other
+//! files.
 
+use crate::model::format_descriptor::SurfaceSize;
+use crate::registry::values::read_value_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SignalError, SurfaceSignal, degree, lightness, luminance, surface_signal};
@@ -9,22 +12,22 @@ use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A name gives no signal.
+/// Reasons for which a name does not select a signal.
 #[derive(Debug, Error)]
 pub enum NamedSignalError {
-    /// There is no such signal, or it does not fit the shape.
+    /// The signal does not exist, or does not fit the shape.
     #[error("{0}")]
     Unknown(String),
-    /// The file that was named cannot be read.
+    /// The named file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The colors of the texture cannot be found.
+    /// The colors of the texture cannot be determined.
     #[error(transparent)]
     Texture(#[from] TextureError),
-    /// The shape has no such signal.
+    /// The shape does not have this signal.
     #[error(transparent)]
     Shape(#[from] SignalError),
-    /// The call was told to stop.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -41,31 +44,31 @@ impl ClassifiedError for NamedSignalError {
     }
 }
 
-/// The name of the coordinates as a signal.
+/// Name of the coordinates as a signal.
 pub const COORDS: &str = "coords";
-/// The name of the sum of the weights at each node of a graph.
+/// Name of the signal with the sum of the weights at each node of a graph.
 pub const DEGREE: &str = "degree";
 
-/// What a shape is split by where nothing is said: its coordinates, or the degree of a graph's nodes.
+/// Default signal of a shape: its coordinates, or the degree of a graph's nodes.
 pub fn default_signal(file: &ShapeFile) -> &'static str {
     if file.points().is_empty() { DEGREE } else { COORDS }
 }
 
-/// A signal on the vertices: n_vertices × n_channels, row-major.
+/// Signal on the vertices: n_vertices × n_channels, row-major.
 #[derive(Clone, Debug)]
 pub struct NamedSignal {
-    /// SignalValues of each vertex.
+    /// Number of values per vertex.
     pub n_channels: usize,
     /// All values.
     pub values: SignalValues,
 }
 
-/// The values of a signal. The coordinates are the shape's own and not copied.
+/// Values of a signal. Coordinates are shared with the shape instead of copied.
 #[derive(Clone, Debug)]
 pub enum SignalValues {
-    /// The points of the shape.
+    /// Points of the shape.
     Coordinates(Arc<Vec<[f64; 3]>>),
-    /// Anything else.
+    /// Any other values.
     Other(Vec<f64>),
 }
 
@@ -86,23 +89,24 @@ impl From<Field> for NamedSignal {
     }
 }
 
-/// A shape that signals are asked of.
+/// Shape whose signals are selected by name.
 #[derive(Clone, Copy, Debug)]
 pub struct SignalSource<'a> {
-    /// What its file says.
+    /// Content of its file.
     pub file: &'a ShapeFile,
-    /// The shape that this is.
+    /// Shape made from the file.
     pub shape: &'a Shape,
-    /// What to call it in errors: its path, which textures are looked for beside.
+    /// Name in errors: its path, in whose folder textures are located.
     pub name: &'a str,
 }
 
-/// The coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file by its name, a signal that the shape gives by itself
-/// ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colors, the same of a texture after
-/// `texture-`, or the content of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv`, `FILE.gii`, or what
-/// [`read_surface_values`](crate::read_surface_values) reads, all but the first two with `:NAME` for one of several columns.
+/// Finds a signal by its name: the coordinates (`coords`, or one of `x`, `y`, `z`), a field of the file, a quantity
+/// computed from the shape ([`SurfaceSignal`], the `degree` of a graph), `luminance` or `lightness` of its colors,
+/// the same of a texture after `texture-`, or the content of another file: `FILE.npy`, `FILE.dmat`, `FILE.csv`,
+/// `FILE.gii`, or a file for [`read_surface_values`](crate::read_surface_values). All but the first two accept
+/// `:NAME` for one of several columns.
 ///
-/// `texture` is the picture of the texture, in the place of the one that the shape's materials name.
+/// `texture` is a picture that replaces the one named by the shape's materials.
 ///
 /// # Errors
 /// [`NamedSignalError`].
@@ -122,14 +126,14 @@ pub fn named_signal(
     let SignalSource { file, shape, name: of } = source;
     if texture.is_some() && !name.starts_with("texture") {
         return Err(NamedSignalError::Unknown(format!(
-            "--texture goes with --field texture, texture-luminance or texture-lightness, not with {name}"
+            "--texture needs --field texture, texture-luminance or texture-lightness, got {name}"
         )));
     }
     if name == COORDS {
         let points = file.shared_points();
         if points.is_empty() {
             return Err(NamedSignalError::Unknown(format!(
-                "{of}: a graph has no coordinates; name another signal, degree or FILE.npy"
+                "{of}: a graph has no coordinates; choose another signal, such as degree or FILE.npy"
             )));
         }
         return Ok(NamedSignal { n_channels: 3, values: SignalValues::Coordinates(points) });
@@ -153,9 +157,9 @@ pub fn named_signal(
     }
     match name {
         "luminance" | "lightness" => {
-            let colors = file
-                .field("color")
-                .ok_or_else(|| NamedSignalError::Unknown(format!("{of} has no colors, so no {name}")))?;
+            let colors = file.field("color").ok_or_else(|| {
+                NamedSignalError::Unknown(format!("{of} has no colors and therefore no {name}"))
+            })?;
             return brightness(colors, name);
         }
         "texture" => return Ok(texture_field(file, of, texture)?.into()),
@@ -168,7 +172,7 @@ pub fn named_signal(
     if let Some(field) = from_file(name, file.structure(), n_vertices)? {
         if field.len() != n_vertices {
             return Err(NamedSignalError::Unknown(format!(
-                "{name} has {} rows, but {} has {n_vertices} vertices",
+                "{name} needs one row per vertex: it has {} rows, but {} has {n_vertices} vertices",
                 field.len(),
                 of
             )));
@@ -185,26 +189,27 @@ pub fn named_signal(
         .chain(own)
         .collect();
     Err(NamedSignalError::Unknown(format!(
-        "{} has no field '{name}'; there is {}, or a file .npy, .dmat, .csv, .gii, .nii, .mgh or of FreeSurfer's values",
+        "{} has no field '{name}'; use {}, or a file .npy, .dmat, .csv, .gii, .nii, .mgh or with \
+        FreeSurfer's values",
         of,
         known.join(", ")
     )))
 }
 
-/// The coordinate that is named, where no field of the file has that name: `z` is the heights of a terrain.
+/// Axis of that name, unless a field of the file has that name: `z` is the heights of a terrain.
 pub fn named_axis(file: &ShapeFile, name: &str) -> Option<usize> {
     let axis = ["x", "y", "z"].iter().position(|axis| *axis == name)?;
     (file.field(name).is_none() && !file.points().is_empty()).then_some(axis)
 }
 
-/// The points with one coordinate replaced.
+/// Replaces one coordinate of the points.
 pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 3]> {
     let replaced = |(p, v): (&[f64; 3], &f64)| std::array::from_fn(|c| if c == axis { *v } else { p[c] });
     points.iter().zip(values).map(replaced).collect()
 }
 
-/// New values of the signal of that name as a field to write: that of the file in its own type of numbers, else one by the name
-/// of the column, or of the file without its extensions.
+/// Converts new values of the named signal to a field for writing: a field of the file keeps its type of numbers,
+/// others are named after the column, or after the file without its extensions.
 pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: Vec<f64>) -> Field {
     if let Some(old) = file.field(name) {
         return old.with_values_rounded(&values);
@@ -214,8 +219,8 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: V
     Field::new(stem, n_channels, FieldValues::F64(values))
 }
 
-/// A field of another file, with `:NAME` for one of several. Files of values that have no ending of their own are known by
-/// their content.
+/// Reads a field of another file; `:NAME` selects one of several. Files of values without an extension of their own
+/// are identified by their content.
 fn from_file(
     name: &str,
     structure: Option<&str>,
@@ -237,30 +242,27 @@ fn from_file(
         Some(".npy") => {
             vec![crate::read_npy(Path::new(path), &limits)?.into_field(name)]
         }
-        Some(".dmat") => vec![crate::read_dmat_field(Path::new(path), &limits)?],
         Some(".csv" | ".tsv") => crate::read_csv_fields(Path::new(path), &limits)?,
-        Some(".gii") => crate::read_gifti_fields(Path::new(path), &limits)?,
-        Some(_) => crate::read_surface_values(Path::new(path), structure, n_vertices, &limits)?,
+        Some(_) => read_value_file(Path::new(path), &SurfaceSize { structure, n_vertices }, &limits)?,
         None => return Ok(None),
     };
     let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
     match column {
         Some(column) => match names.iter().position(|n| *n == column) {
             Some(at) => Ok(fields.into_iter().nth(at)),
-            None => Err(NamedSignalError::Unknown(format!(
-                "{path} has no '{column}'; there is {}",
-                names.join(", ")
-            ))),
+            None => {
+                Err(NamedSignalError::Unknown(format!("{path} has no '{column}'; use {}", names.join(", "))))
+            }
         },
         None => Ok(Some(joined(path, &fields)?)),
     }
 }
 
-/// All fields of a file as the channels of one.
+/// Joins all fields of a file as the channels of one field.
 fn joined(path: &str, fields: &[Field]) -> Result<Field, NamedSignalError> {
     if let Some(other) = fields.iter().find(|f| f.len() != fields[0].len()) {
         return Err(NamedSignalError::Unknown(format!(
-            "{path} holds {} with {} rows and {} with {}; name one of them: {path}:{}",
+            "{path} has {} with {} rows and {} with {}; select one of them: {path}:{}",
             fields[0].name,
             fields[0].len(),
             other.name,
@@ -277,7 +279,10 @@ fn texture_field(file: &ShapeFile, of: &str, texture: Option<&Path>) -> Result<F
     if of == "-" || file.format().is_none() {
         return Err(NamedSignalError::Unknown(format!("{of}: a texture needs a shape from a file")));
     }
-    Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?)
+    #[cfg(feature = "texture")]
+    return Ok(crate::texture_colors(file, Path::new(of), texture, &ReadLimits::default())?);
+    #[cfg(not(feature = "texture"))]
+    Err(NamedSignalError::Unknown(format!("{of}: textures {texture:?} need the feature `texture`")))
 }
 
 /// Luminance or lightness of colors: bytes, or numbers in [0, 1].
@@ -285,7 +290,7 @@ fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalErro
     let n_channels = colors.n_channels;
     if n_channels < 3 {
         return Err(NamedSignalError::Unknown(format!(
-            "the colors have {n_channels} channels, not red, green and blue"
+            "colors must have 3 channels (red, green and blue), got {n_channels}"
         )));
     }
     let scale = match colors.values {
@@ -298,7 +303,7 @@ fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalErro
     Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(values) })
 }
 
-/// The normals of the file, three numbers for each vertex.
+/// Normals of the file, three numbers per vertex.
 pub fn file_normals(file: &ShapeFile) -> Option<Vec<f64>> {
     let normals = file.field("normal").filter(|field| field.n_channels == 3)?.to_f64();
     (normals.len() == 3 * file.n_vertices()).then_some(normals)

@@ -1,7 +1,7 @@
 //! Several files that take their places together.
 
 use crate::WriteError;
-use crate::atomic::{PREFIX, SUFFIX, check_replaceable, keep_owner, resolve, with_temporaries};
+use crate::files::atomic::{PREFIX, SUFFIX, check_replaceable, keep_owner, resolve, with_temporaries};
 use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};

@@ -1,5 +1,5 @@
-//! Every file of the test inputs gives a shape or an error of one line, soon, and what is read can be written and
-//! read again.
+//! Tests on all input files: each gives a shape or an error of one line, in limited time, and a shape can be written
+//! and read again.
 
 mod common;
 
@@ -36,7 +36,7 @@ fn all_files() -> Vec<(PathBuf, PathBuf)> {
     all.into_iter().map(|p| (p.clone(), p.strip_prefix(root).unwrap().to_path_buf())).collect()
 }
 
-/// Files that no reader can make sense of.
+/// Files that no reader can interpret.
 const BROKEN: &[&str] = &[
     "messy/tinyobjloader/models/invalid-relative-texture-index.obj",
     "messy/tinyobjloader/models/invalid-relative-vertex-index.obj",
@@ -78,16 +78,16 @@ fn every_file_gives_a_shape_or_an_error_of_one_line() {
         outcomes.insert(name, outcome);
     }
     let shape = |name: &Path| !outcomes[name].starts_with("ERROR");
-    // Formats that are read must be read wherever such a file is sound; the broken ones are known.
+    // Supported formats must be read from every valid file; the broken files are listed.
     for name in outcomes.keys() {
         let ending = name.extension().and_then(|e| e.to_str()).unwrap_or("");
         let ours = matches!(ending, "obj" | "ply" | "off" | "stl" | "pcd" | "las" | "xyz" | "pwn")
             || matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vtr" | "vts");
-        // A GIFTI of values alone is a field and no shape.
+        // A GIFTI of values only is a field, not a shape.
         let file = name.file_name().and_then(|f| f.to_str()).unwrap_or("");
         let is_surface = ["flat", "infl", "pial", "sphere", "white"].iter().any(|s| file.starts_with(s));
         let ours = ours || (file.ends_with(".gii.gz") && is_surface);
-        // No library for these compressions is kept that this one uses.
+        // These compressions have no maintained library.
         let is_packed = file.contains("lz4") || file.contains("lzma");
         let broken = is_packed || BROKEN.iter().any(|b| Path::new(b) == name);
         assert_eq!(shape(name), ours && !broken, "{}: {}", name.display(), outcomes[name]);
@@ -106,24 +106,24 @@ fn same_points(a: &ShapeFile, b: &ShapeFile) -> bool {
 /// The corners of each face; an STL has its own three vertices for each triangle.
 fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
     let what = format!("{} as {format}", name.display());
-    if matches!(format, Format::Stl | Format::StlAscii) {
+    if matches!(format, Format::STL | Format::STL_ASCII) {
         let triangles = triangulate(a.points(), a.faces());
         let soup: Vec<[f64; 3]> = triangles.iter().flatten().map(|&v| a.points()[v as usize]).collect();
         assert_eq!(soup.len(), b.points().len(), "{what}");
-        let single = format == Format::Stl;
+        let single = format == Format::STL;
         for (x, y) in soup.as_flattened().iter().zip(b.points().as_flattened()) {
             let x = if single { f64::from(*x as f32) } else { *x };
             assert!(same_bits(x, *y), "{what}: {x} became {y}");
         }
         return;
     }
-    if matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) {
+    if matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) {
         for (x, y) in a.points().as_flattened().iter().zip(b.points().as_flattened()) {
             assert!(same_bits(f64::from(*x as f32), *y), "{what}: {x} became {y}");
         }
         return;
     }
-    if matches!(format, Format::Glb | Format::Gltf) {
+    if matches!(format, Format::GLB | Format::GLTF) {
         // Far from the origin they are about their center, with more digits than 32-bit floats have there.
         let reach =
             a.points().as_flattened().iter().filter(|x| x.is_finite()).fold(0.0_f64, |r, x| r.max(x.abs()));
@@ -138,20 +138,20 @@ fn same_content(name: &Path, format: Format, a: &ShapeFile, b: &ShapeFile) {
         && a.points().iter().any(|p| !is_there(&p))
         && a.points().iter().any(|p| is_there(&p))
     {
-        // Points without a place are left out of it.
+        // Points without a position are dropped.
         assert!(a.points().iter().filter(is_there).eq(b.points()), "{what}: points");
         return;
     }
     assert!(same_points(a, b), "{what}: points");
     if matches!(
         format,
-        Format::Obj | Format::Off | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+        Format::OBJ | Format::OFF | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
     ) {
         assert_eq!(a.faces(), b.faces(), "{what}: faces");
     }
     if matches!(
         format,
-        Format::Obj | Format::Ply | Format::PlyAscii | Format::Vtp | Format::Vtu | Format::Vtk
+        Format::OBJ | Format::PLY | Format::PLY_ASCII | Format::VTP | Format::VTU | Format::VTK
     ) {
         assert_eq!(a.edges().pairs, b.edges().pairs, "{what}: edges");
     }
@@ -165,19 +165,19 @@ fn what_is_read_can_be_written_and_read_again() {
             let mut bytes = Vec::new();
             if let Err(error) = write_bytes(&shape, format, &mut bytes) {
                 let message = error.to_string();
-                assert!(message.contains("cannot hold") && !message.contains('\n'), "{message}");
+                assert!(message.contains("cannot store") && !message.contains('\n'), "{message}");
                 continue;
             }
-            // The names of the formats are no file endings for the text forms; the content must tell.
+            // The names of text formats are not file extensions; the content must identify them.
             let hint = format!("a.{}", format.name());
             let again = read_bytes(bytes, Some(&hint), &ReadLimits::default())
                 .unwrap_or_else(|e| panic!("{} as {format}: {e}", name.display()));
-            if matches!(format, Format::Las | Format::Laz) {
+            if matches!(format, Format::LAS | Format::LAZ) {
                 assert_eq!(again.n_vertices(), shape.n_vertices(), "{}", name.display());
             } else if !format.holds_graphs() {
                 same_content(&name, format, &shape, &again);
             }
-            if matches!(format, Format::Ply | Format::PlyAscii) {
+            if matches!(format, Format::PLY | Format::PLY_ASCII) {
                 for (a, b) in shape.vertex_fields().iter().zip(again.vertex_fields()) {
                     assert_eq!((&a.name, a.n_channels), (&b.name, b.n_channels), "{}", name.display());
                     let (x, y) = (a.to_f64(), b.to_f64());
@@ -194,8 +194,7 @@ fn what_is_read_can_be_written_and_read_again() {
     }
 }
 
-/// What the writers make of a file that nothing was changed in: for the formats that keep their text and for PLY
-/// exactly the bytes that were read.
+/// Formats that keep their text, and PLY, write exactly the bytes that were read.
 #[data_test]
 fn an_unchanged_shape_is_written_byte_for_byte() {
     let mut n = 0;
@@ -204,15 +203,15 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
         let format = shape.format().unwrap();
         let kept = matches!(
             format,
-            Format::Obj
-                | Format::Ply
-                | Format::PlyAscii
-                | Format::Off
-                | Format::Xyz
-                | Format::PcdAscii
-                | Format::Gifti
+            Format::OBJ
+                | Format::PLY
+                | Format::PLY_ASCII
+                | Format::OFF
+                | Format::XYZ
+                | Format::PCD_ASCII
+                | Format::GIFTI
         );
-        if !kept || (format == Format::Ply && shape.n_vertices() == 0) {
+        if !kept || (format == Format::PLY && shape.n_vertices() == 0) {
             continue;
         }
         let mut bytes = Vec::new();
@@ -225,7 +224,7 @@ fn an_unchanged_shape_is_written_byte_for_byte() {
             file = plain;
         }
         if bytes != file {
-            // Only a PLY without an element of vertices has no rows to keep.
+            // Only a PLY without a vertex element has no rows to keep.
             assert!(shape.n_vertices() == 0, "{} changed", name.display());
         }
         n += 1;
@@ -250,7 +249,7 @@ fn moved_points_keep_everything_else() {
         for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
             let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
             // Those of a LAS are whole numbers of its steps.
-            let is_near = format == Format::Las && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
+            let is_near = format == Format::LAS && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
             assert!(same_bits(x, *y) || is_near, "{}: {x} became {y}", name.display());
         }
         assert_eq!(shape.faces(), again.faces(), "{}", name.display());

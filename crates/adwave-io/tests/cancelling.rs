@@ -1,4 +1,4 @@
-//! Reading and writing stop when they are told to, in every format, and say how far they are.
+//! Tests that reading and writing can be cancelled in every format, and report progress.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 

@@ -1,4 +1,4 @@
-//! Fields from outside: GIFTI, tables, textures; what they hold, and what is wrong with bad ones.
+//! Tests of external fields: GIFTI, tables, textures; their content, and errors of invalid ones.
 
 mod common;
 
@@ -78,7 +78,7 @@ fn all_encodings_and_orders_of_a_gifti_give_the_same_points() {
         Gifti::new().array(column_major, &base64(&by_column)),
     ] {
         let shape = read_bytes(gifti.array(triangles, "0 1 2").bytes(), None, &limits()).unwrap();
-        assert_eq!(shape.format(), Some(Format::Gifti));
+        assert_eq!(shape.format(), Some(Format::GIFTI));
         let expected: Vec<f64> = COORDINATES.iter().map(|&c| c.into()).collect();
         assert_eq!(shape.points().as_flattened(), expected);
         assert_eq!(shape.faces().get(0), [0, 1, 2]);
@@ -162,7 +162,7 @@ fn a_table_names_its_columns_or_numbers_them() {
     }
 }
 
-/// A folder with a square of two triangles, its material and its picture: left red, right blue.
+/// Creates a folder with a square of two triangles, its material and its picture: left red, right blue.
 fn textured(obj: &str, mtl: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut picture = image::RgbImage::new(8, 8);

@@ -1,4 +1,4 @@
-//! FreeSurfer surfaces, and values at their vertices in files of FreeSurfer and of CIFTI.
+//! Tests of FreeSurfer surfaces, and of values at their vertices in files of FreeSurfer and CIFTI.
 
 use adwave::shape::Polygons;
 use adwave_io::{
@@ -34,22 +34,22 @@ fn surface() -> Vec<u8> {
 fn a_surface_keeps_its_creator_and_its_volume() {
     let bytes = surface();
     let mut shape = read(&bytes, Some("subject/surf/lh.white")).unwrap();
-    assert_eq!((shape.format(), shape.structure()), (Some(Format::FreeSurfer), Some("CortexLeft")));
+    assert_eq!((shape.format(), shape.structure()), (Some(Format::FREESURFER), Some("CortexLeft")));
     assert_eq!(shape.points()[3], [1.0, 1.0, f64::from(0.1_f32)]);
     assert_eq!(shape.faces().triangles(), Some([[0, 1, 2], [1, 3, 2]].as_slice()));
     let mut again = Vec::new();
-    assert_eq!(write_bytes(&shape, Format::FreeSurfer, &mut again).unwrap().not_written, [""; 0]);
+    assert_eq!(write_bytes(&shape, Format::FREESURFER, &mut again).unwrap().not_written, [""; 0]);
     assert_eq!(again, bytes);
     let mut points = shape.points().to_vec();
     points[0] = [7.0, 8.0, 9.0];
     shape.set_points(points).unwrap();
     let mut moved = Vec::new();
-    write_bytes(&shape, Format::FreeSurfer, &mut moved).unwrap();
+    write_bytes(&shape, Format::FREESURFER, &mut moved).unwrap();
     let at = 3 + CREATOR.len() + 8;
     assert_eq!(moved[at..at + 12], floats(&[7.0, 8.0, 9.0]));
     assert_eq!((&moved[..at], &moved[at + 12..]), (&bytes[..at], &bytes[at + 12..]));
     // Another format says what it leaves out.
-    let report = write_bytes(&shape, Format::Ply, &mut Vec::new()).unwrap();
+    let report = write_bytes(&shape, Format::PLY, &mut Vec::new()).unwrap();
     assert_eq!(report.not_written, ["the volume that the surface is of"]);
 }
 
@@ -60,7 +60,7 @@ fn a_new_surface_has_what_the_format_holds() {
     let mut shape = ShapeFile::from_mesh(points, square);
     shape.add_vertex_field(Field::new("heat", 1, FieldValues::U8(vec![1; 4]))).unwrap();
     let mut bytes = Vec::new();
-    let report = write_bytes(&shape, Format::FreeSurfer, &mut bytes).unwrap();
+    let report = write_bytes(&shape, Format::FREESURFER, &mut bytes).unwrap();
     assert_eq!(
         report.not_written,
         ["digits of coordinates beyond 32-bit floats", "vertex field `heat`", "polygons (as triangles)"]
@@ -119,7 +119,7 @@ fn curv() -> Vec<u8> {
     [b"\xff\xff\xff".to_vec(), ints(&[4, 2, 1]), floats(&[0.5, -1.0, 2.5, f32::NAN])].concat()
 }
 
-/// Five vertices, of which the last two have no label and one that the table lacks.
+/// Five vertices; the last two have no label and a label missing in the table.
 fn annotation(is_new: bool) -> Vec<u8> {
     let pairs = ints(&[5, 0, 0x0003_0201, 1, 0x0006_0504, 2, 0x0003_0201, 3, 0, 4, 77]);
     let entry =
@@ -157,19 +157,19 @@ fn values_of_freesurfer() {
     assert_eq!((overlay.n_channels, &overlay.values), (2, &FieldValues::I16(vec![1, -4, 2, -5, 3, -6])));
     for bytes in [curv(), annotation(true), annotation(false), mgh()] {
         for end in 0..bytes.len() {
-            // Without its table an annotation is one of colors as numbers.
+            // Without its table an annotation has colors as numbers.
             let is_whole = values(&bytes[..end], None, 4).is_ok();
             assert!(!is_whole || end == 44, "{end} of {}", bytes.len());
         }
     }
-    // They are no shapes, and the message says what to do.
+    // They are not shapes, and the message tells what to do.
     for bytes in [curv(), mgh()] {
         let error = read(&bytes, Some("lh.curv")).unwrap_err().to_string();
         assert!(error.contains("as a field of a surface"), "{error}");
     }
 }
 
-/// Dense values of two columns: three vertices of a left side of 4, two of a right side of 5.
+/// Dense values in two columns: three vertices of a left side of 4, two of a right side of 5.
 fn cifti(is_big: bool) -> Vec<u8> {
     let model = |side: &str, first: usize, n: usize, list: &str| {
         let count = list.split(' ').count();
@@ -220,7 +220,7 @@ fn dense_values_lie_at_the_vertices_of_the_surface() {
         assert_eq!(left.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), ["thick", "curv"]);
         let FieldValues::F32(curv) = &left[1].values else { panic!("another type") };
         assert_eq!((curv[0], curv[2], curv[3], curv[1].is_nan()), (1.0, 3.0, 5.0, true));
-        // Without a name the number of vertices tells.
+        // Without a name the number of vertices decides.
         assert_eq!(values(&bytes, None, 5).unwrap()[0].get(4, 0), 8.0);
         for end in 0..bytes.len() {
             assert!(values(&bytes[..end], Some("CortexLeft"), 4).is_err(), "{end}");

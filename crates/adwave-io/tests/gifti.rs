@@ -1,4 +1,4 @@
-//! GIFTI as it is written: surfaces, values alone, what names and numbers become.
+//! Tests of written GIFTI files: surfaces, values alone, conversion of names and numbers.
 
 mod common;
 
@@ -22,7 +22,7 @@ fn square() -> ShapeFile {
 
 fn written(shape: &ShapeFile) -> (Vec<u8>, Vec<String>) {
     let mut bytes = Vec::new();
-    let report = write_bytes(shape, Format::Gifti, &mut bytes).unwrap();
+    let report = write_bytes(shape, Format::GIFTI, &mut bytes).unwrap();
     (bytes, report.not_written)
 }
 
@@ -62,7 +62,7 @@ fn what_32_bits_cannot_hold_is_said_or_refused() {
     shape.set_points(vec![[0.1; 3]; 4]).unwrap();
     assert!(written(&shape).1.contains(&"digits of coordinates beyond 32-bit floats".to_owned()));
     shape.set_points(vec![[1e39, 0.0, 0.0]; 4]).unwrap();
-    let error = write_bytes(&shape, Format::Gifti, &mut Vec::new()).unwrap_err().to_string();
+    let error = write_bytes(&shape, Format::GIFTI, &mut Vec::new()).unwrap_err().to_string();
     assert!(error.contains("coordinates beyond 3.4e38"), "{error}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("large.gii");
@@ -79,7 +79,7 @@ fn polygons_become_triangles_and_that_is_said() {
     let (bytes, left) = written(&ShapeFile::from_mesh(points, arrow));
     assert_eq!(left, ["polygons (as triangles)"]);
     let again = read_bytes(bytes, None, &limits()).unwrap();
-    // The corner that points inwards is on the diagonal, so that the two parts do not overlap.
+    // The reentrant corner is on the diagonal, so that the two parts do not overlap.
     assert_eq!(again.faces().len(), 2);
     assert!(again.faces().iter().all(|f| f.contains(&0) && f.contains(&2)));
 }
@@ -132,7 +132,7 @@ fn a_table_has_a_row_of_names_even_where_a_name_is_a_number() {
     assert!(error.contains("one") && error.contains("table.csv"), "{error}");
 }
 
-/// A triangle in every encoding, with text around that nothing here understands.
+/// A triangle in every encoding, with unknown text around it.
 fn kept(encoding: &str, data: &str, order: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<!-- kept -->\n<GIFTI Version=\"1.0\" NumberOfDataArrays=\"3\">\n<MetaData/>\n<DataArray \
@@ -171,7 +171,7 @@ fn a_surface_that_is_written_again_keeps_everything_but_what_changed() {
                 assert!(now.contains(part), "{part} is gone: {now}");
             }
             assert!(now.contains("NumberOfDataArrays=\"4\""), "{now}");
-            // A field of the file in its own type, and one that is of another type now.
+            // A field of the file in its own type, and one whose type has changed.
             let own = shape.field("label").unwrap().with_values_rounded(&[1.0, 2.4, 3.0]);
             shape.add_vertex_field(own).unwrap();
             let read = read_bytes(written(&shape).0, None, &limits()).unwrap();
@@ -220,7 +220,7 @@ fn arrays_in_files_of_their_own_lie_beside_the_surface() {
     std::fs::write(&path, text("a.data")).unwrap();
     let shape = read_path(&path, &limits()).unwrap();
     assert_eq!(shape.points(), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
-    // It is written with its numbers in it.
+    // It is written with its numbers embedded.
     assert_eq!(read_bytes(written(&shape).0, None, &limits()).unwrap().points(), shape.points());
     std::fs::write(folder.path().join("a.data"), &bytes[..20]).unwrap();
     let error = read_path(&path, &limits()).unwrap_err().to_string();

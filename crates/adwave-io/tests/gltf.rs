@@ -1,4 +1,4 @@
-//! glTF and GLB: what the scene shows is read, what moved is written into its place, all else stays.
+//! Tests of glTF and GLB: the scene is read, moved points are written in place, all other content stays.
 
 mod common;
 
@@ -8,7 +8,7 @@ use adwave_io::{
 use adwave_test_data::data_test;
 use base64::Engine as _;
 
-/// A buffer in the text.
+/// Buffer in the text.
 fn data(bytes: &[u8]) -> String {
     format!(
         "data:application/octet-stream;base64,{}",
@@ -22,7 +22,7 @@ fn floats(values: &[f32]) -> Vec<u8> {
 
 const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
-/// One triangle that `nodes` show.
+/// Triangle shown by `nodes`.
 fn triangle(nodes: &str, roots: &str) -> String {
     format!(
         "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":{roots}}}],\"nodes\":{nodes},\
@@ -56,7 +56,7 @@ fn nodes_put_meshes_into_the_scene() {
     ));
     // The third node is in no scene.
     assert_eq!(shape.points(), [[10.0, 0.0, 0.0], [12.0, 0.0, 0.0], [10.0, -2.0, 0.0]]);
-    // A mirror turns the order of the corners.
+    // A reflection reverses the order of the corners.
     assert_eq!(shape.faces().iter().next().unwrap(), [0, 2, 1]);
     assert_eq!(shape.precision(), Precision::F64);
     assert_eq!(shape.extras(), ["1 material", "the tree of 3 nodes"]);
@@ -66,16 +66,16 @@ fn nodes_put_meshes_into_the_scene() {
 fn what_does_not_move_stays_the_same_bytes_and_what_moves_goes_into_its_place() {
     let text = triangle(r#"[{"mesh":0,"translation":[0.1,0,0]}]"#, "[0]");
     let mut shape = read(&text);
-    assert_eq!(written(&shape, Format::Gltf), text.as_bytes());
+    assert_eq!(written(&shape, Format::GLTF), text.as_bytes());
     // As a GLB and back: the same document.
-    let binary = written(&shape, Format::Glb);
+    let binary = written(&shape, Format::GLB);
     let of_binary = read_bytes(binary.clone(), None, &ReadLimits::default()).unwrap();
-    assert_eq!((of_binary.format(), of_binary.points()), (Some(Format::Glb), shape.points()));
-    assert_eq!(written(&of_binary, Format::Glb), binary);
+    assert_eq!((of_binary.format(), of_binary.points()), (Some(Format::GLB), shape.points()));
+    assert_eq!(written(&of_binary, Format::GLB), binary);
     let mut points = shape.points().to_vec();
     points[1][2] = 0.5;
     shape.set_points(points.clone()).unwrap();
-    let again = String::from_utf8(written(&shape, Format::Gltf)).unwrap();
+    let again = String::from_utf8(written(&shape, Format::GLTF)).unwrap();
     let mut moved = TRIANGLE;
     moved[5] = 0.5;
     let expected =
@@ -91,7 +91,7 @@ fn a_mesh_that_two_nodes_show_can_move_in_one() {
     let mut points = shape.points().to_vec();
     points[5] = [7.0, 8.0, 9.0];
     shape.set_points(points.clone()).unwrap();
-    for format in [Format::Glb, Format::Gltf] {
+    for format in [Format::GLB, Format::GLTF] {
         let again = read_bytes(written(&shape, format), None, &ReadLimits::default()).unwrap();
         assert_eq!(again.points(), points, "{format}");
         assert_eq!(again.faces(), shape.faces());
@@ -106,7 +106,7 @@ fn a_field_that_is_added_joins_each_mesh() {
     shape.add_vertex_field(saliency.clone()).unwrap();
     let normal = adwave_io::Field::new("normal", 3, FieldValues::F32([0.0, 0.0, 1.0].repeat(6)));
     shape.add_vertex_field(normal.clone()).unwrap();
-    let bytes = written(&shape, Format::Glb);
+    let bytes = written(&shape, Format::GLB);
     let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
     assert_eq!(again.field("saliency"), Some(&saliency));
     assert_eq!(again.field("normal"), Some(&normal));
@@ -115,7 +115,7 @@ fn a_field_that_is_added_joins_each_mesh() {
 
 #[test]
 fn sparse_and_quantized_positions() {
-    // Row 2 is replaced; positions are bytes that stand for fractions, every four bytes.
+    // Row 2 is replaced; positions are bytes that represent fractions, with a stride of four bytes.
     let mut bytes = vec![0, 0, 0, 0, 255, 0, 0, 0, 0, 51, 0, 0];
     bytes.extend([2, 0, 0, 0]);
     bytes.extend([0, 255, 0]);
@@ -131,12 +131,12 @@ fn sparse_and_quantized_positions() {
     );
     let mut shape = read(&text);
     assert_eq!(shape.points(), [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    assert_eq!(written(&shape, Format::Gltf), text.as_bytes());
+    assert_eq!(written(&shape, Format::GLTF), text.as_bytes());
     // What has moved has no place among the bytes, and gets one behind them.
     let points = vec![[0.0, 0.0, 0.25], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     shape.set_points(points.clone()).unwrap();
     assert_eq!(
-        read_bytes(written(&shape, Format::Glb), None, &ReadLimits::default()).unwrap().points(),
+        read_bytes(written(&shape, Format::GLB), None, &ReadLimits::default()).unwrap().points(),
         points
     );
 }
@@ -179,7 +179,7 @@ fn what_cannot_be_read_is_said_in_one_line() {
 #[test]
 fn every_cut_and_many_changed_bytes_give_a_line_or_a_shape() {
     let shape = read(&triangle(r#"[{"mesh":0},{"mesh":0,"translation":[0,0,4]}]"#, "[0,1]"));
-    let whole = written(&shape, Format::Glb);
+    let whole = written(&shape, Format::GLB);
     // Fewer bytes than its name may be those of a text.
     for end in 4..whole.len() {
         let error = read_bytes(whole[..end].to_vec(), Some("a.glb"), &ReadLimits::default()).unwrap_err();
@@ -200,7 +200,7 @@ fn every_cut_and_many_changed_bytes_give_a_line_or_a_shape() {
             }
             let mut read = read;
             if read.set_points(moved).is_ok() {
-                let _ = write_bytes(&read, Format::Glb, &mut Vec::new());
+                let _ = write_bytes(&read, Format::GLB, &mut Vec::new());
             }
         }
     }
@@ -228,7 +228,7 @@ fn buffers_and_pictures_beside_the_file_go_with_it() {
     }
 }
 
-/// `(file, vertices, faces, edges)`, as trimesh and pygltflib count them.
+/// `(file, vertices, faces, edges)` as counted by trimesh and pygltflib.
 const SAMPLES: &[(&str, usize, usize, usize)] = &[
     ("BoxTextured-glTF-Binary/BoxTextured.glb", 24, 12, 0),
     ("SimpleMorph/glTF/SimpleMorph.gltf", 3, 1, 0),

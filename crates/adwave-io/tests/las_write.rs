@@ -1,4 +1,4 @@
-//! LAS and LAZ are written: over what was read, so that all else stays, and anew.
+//! Tests of writing LAS and LAZ: over the original, so that all other content stays, and new files.
 
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, Subset, read_bytes, write_bytes};
 use adwave_test_data::data_test;
@@ -39,7 +39,7 @@ fn farthest(a: &ShapeFile, b: &ShapeFile) -> f64 {
 #[test]
 fn a_new_file_holds_points_intensity_classes_and_colors() {
     let shape = scan(500);
-    for (format, name) in [(Format::Las, "a.las"), (Format::Laz, "a.laz")] {
+    for (format, name) in [(Format::LAS, "a.las"), (Format::LAZ, "a.laz")] {
         let again = read(&written(&shape, format), name);
         assert_eq!(again.format(), Some(format));
         assert!(farthest(&shape, &again) < 1e-7);
@@ -52,13 +52,13 @@ fn a_new_file_holds_points_intensity_classes_and_colors() {
 
 #[test]
 fn what_was_read_is_written_with_all_that_it_had() {
-    let las = written(&scan(300), Format::Las);
+    let las = written(&scan(300), Format::LAS);
     let shape = read(&las, "a.las");
-    assert_eq!(written(&shape, Format::Las), las, "nothing changed");
+    assert_eq!(written(&shape, Format::LAS), las, "nothing changed");
     // There and back.
-    let laz = written(&shape, Format::Laz);
-    assert_eq!(written(&read(&laz, "a.laz"), Format::Las), las);
-    for (bytes, name, format) in [(&las, "a.las", Format::Las), (&laz, "a.laz", Format::Laz)] {
+    let laz = written(&shape, Format::LAZ);
+    assert_eq!(written(&read(&laz, "a.laz"), Format::LAS), las);
+    for (bytes, name, format) in [(&las, "a.las", Format::LAS), (&laz, "a.laz", Format::LAZ)] {
         let mut moved = read(bytes, name);
         let mut points = moved.points().to_vec();
         points[7][2] += 0.5;
@@ -69,7 +69,7 @@ fn what_was_read_is_written_with_all_that_it_had() {
         assert!(farthest(&moved, &again) < 1e-7 && again.points()[8] == shape.points()[8]);
         assert_eq!(again.field("color"), shape.field("color"));
         assert!(again.field("intensity").unwrap().to_f64().iter().all(|v| *v == 9.0));
-        // A new field becomes extra bytes, and changes in its place when it comes back with other values.
+        // A new field becomes extra bytes, and is updated in place when it is written again with other values.
         moved.add_vertex_field(Field::new("gaze", 1, FieldValues::F32(vec![1.5; 300]))).unwrap();
         let mut again = read(&written(&moved, format), name);
         assert_eq!(again.field("gaze"), moved.field("gaze"));
@@ -84,18 +84,18 @@ fn what_was_read_is_written_with_all_that_it_had() {
         let mut shape = shape.clone();
         let points = shape.points().iter().map(|p| p.map(|c| 1e9 * c)).collect();
         shape.set_points(points).unwrap();
-        write_bytes(&shape, Format::Las, &mut Vec::new()).unwrap_err().to_string()
+        write_bytes(&shape, Format::LAS, &mut Vec::new()).unwrap_err().to_string()
     };
     assert!(far.contains("in steps of"), "{far}");
 }
 
 #[test]
 fn some_of_the_points_are_counted_anew() {
-    let shape = read(&written(&scan(300), Format::Las), "a.las");
+    let shape = read(&written(&scan(300), Format::LAS), "a.las");
     let vertices: Vec<u32> = (0..300).filter(|v| v % 3 == 1).collect();
     let subset = Subset { vertices: &vertices, ..Subset::default() };
     let few = shape.subset(&subset).unwrap();
-    for (format, name) in [(Format::Las, "b.las"), (Format::Laz, "b.laz")] {
+    for (format, name) in [(Format::LAS, "b.las"), (Format::LAZ, "b.laz")] {
         let bytes = written(&few, format);
         assert_eq!(bytes[107..111], 100_u32.to_le_bytes());
         assert_eq!(bytes[111..115], 100_u32.to_le_bytes());
@@ -111,10 +111,10 @@ fn real_scans_keep_everything() {
         let path = std::path::Path::new(adwave_test_data::folder!()).join("pointclouds/PDAL-test").join(name);
         let bytes = std::fs::read(&path).unwrap();
         let shape = read(&bytes, name);
-        assert_eq!(written(&shape, Format::Las), bytes, "{name}");
-        let laz = written(&shape, Format::Laz);
+        assert_eq!(written(&shape, Format::LAS), bytes, "{name}");
+        let laz = written(&shape, Format::LAZ);
         assert!(10 * laz.len() < 6 * bytes.len(), "{name}: {} of {} bytes", laz.len(), bytes.len());
-        assert_eq!(written(&read(&laz, "a.laz"), Format::Las), bytes, "{name}");
+        assert_eq!(written(&read(&laz, "a.laz"), Format::LAS), bytes, "{name}");
     }
 }
 
@@ -141,7 +141,7 @@ fn what_a_record_has_no_place_for_becomes_extra_bytes() {
     for field in &fields {
         shape.add_vertex_field(field.clone()).unwrap();
     }
-    for (format, name) in [(Format::Las, "a.las"), (Format::Laz, "a.laz")] {
+    for (format, name) in [(Format::LAS, "a.las"), (Format::LAZ, "a.laz")] {
         let mut bytes = Vec::new();
         let report = write_bytes(&shape, format, &mut bytes).unwrap();
         assert_eq!(report.not_written, ["the name of `intensity` (it is `intensity_2` there)"]);
@@ -164,13 +164,13 @@ fn what_a_record_has_no_place_for_becomes_extra_bytes() {
 #[test]
 fn coordinates_beyond_all_steps_are_refused() {
     let far = ShapeFile::from_cloud(vec![[-1.7e308, 0.0, 0.0], [1.7e308, 0.0, 0.0]]);
-    let error = write_bytes(&far, Format::Las, &mut Vec::new()).unwrap_err().to_string();
+    let error = write_bytes(&far, Format::LAS, &mut Vec::new()).unwrap_err().to_string();
     assert!(error.contains("cannot hold"), "{error}");
 }
 
 #[test]
 fn parts_that_lie_over_each_other_are_one_line() {
-    let las = written(&scan(30), Format::Las);
+    let las = written(&scan(30), Format::LAS);
     let refusal = |at: usize, value: &[u8]| {
         let mut broken = las.clone();
         broken[at..at + value.len()].copy_from_slice(value);
@@ -181,13 +181,13 @@ fn parts_that_lie_over_each_other_are_one_line() {
     // More records than there is room for before the points: none of these is made of points.
     let mut counted = las.clone();
     counted[100..104].copy_from_slice(&1_u32.to_le_bytes());
-    let again = written(&read(&counted, "a.las"), Format::Las);
+    let again = written(&read(&counted, "a.las"), Format::LAS);
     assert_eq!(again, las);
 }
 
 #[test]
 fn times_that_differ_by_more_than_a_whole_number_holds_are_kept_or_refused() {
-    let mut las = written(&scan(30), Format::Las);
+    let mut las = written(&scan(30), Format::LAS);
     // Format 3 has a time before the color.
     let (head, points) = las.split_at(227);
     let (mut head, mut rows) = (head.to_vec(), Vec::new());
@@ -200,8 +200,8 @@ fn times_that_differ_by_more_than_a_whole_number_holds_are_kept_or_refused() {
     head[105..107].copy_from_slice(&34_u16.to_le_bytes());
     las = [head, rows].concat();
     let mut laz = Vec::new();
-    match write_bytes(&read(&las, "a.las"), Format::Laz, &mut laz) {
-        Ok(_) => assert_eq!(written(&read(&laz, "a.laz"), Format::Las), las),
+    match write_bytes(&read(&las, "a.las"), Format::LAZ, &mut laz) {
+        Ok(_) => assert_eq!(written(&read(&laz, "a.laz"), Format::LAS), las),
         Err(error) => assert!(error.to_string().contains("write a LAS instead"), "{error}"),
     }
 }

@@ -1,5 +1,5 @@
-//! LAS and LAZ made here, since no small compressed file can be shipped: points of formats 3 and 7, whole, cut and
-//! with bytes changed.
+//! Tests of LAS and LAZ generated here, because no small compressed file can be distributed: points of formats 3 and
+//! 7, complete, truncated, and with modified bytes.
 
 use std::io::Cursor;
 
@@ -9,7 +9,7 @@ use laz::{LasZipCompressor, LazItemRecordBuilder, LazVlr};
 const N: usize = 300;
 const N_POINTS: i32 = 300;
 
-/// The records of `N` points and the size of each.
+/// Records of `N` points and the size of each.
 fn records(format: u8) -> (Vec<u8>, u16) {
     let size: u16 = if format == 3 { 34 } else { 36 };
     let mut all = Vec::new();
@@ -27,7 +27,7 @@ fn records(format: u8) -> (Vec<u8>, u16) {
     (all, size)
 }
 
-/// A file of 100 points a chunk, so that there are several.
+/// File with 100 points per chunk, so that there are several chunks.
 fn file(format: u8, is_compressed: bool) -> Vec<u8> {
     let (points, size) = records(format);
     let items = LazItemRecordBuilder::default_for_point_format_id(format, 0).unwrap();
@@ -81,7 +81,7 @@ fn compressed_and_plain_points_are_the_same() {
     for format in [3, 7] {
         let plain = read_bytes(file(format, false), None, &ReadLimits::default()).unwrap();
         let packed = read_bytes(file(format, true), None, &ReadLimits::default()).unwrap();
-        assert_eq!((plain.format(), packed.format()), (Some(Format::Las), Some(Format::Laz)));
+        assert_eq!((plain.format(), packed.format()), (Some(Format::LAS), Some(Format::LAZ)));
         assert_eq!(plain.points()[4], [12.0, 24.0, 28.0]);
         assert_eq!(plain.points(), packed.points());
         assert_eq!(plain.vertex_fields(), packed.vertex_fields());
@@ -110,7 +110,7 @@ fn broken_files_give_one_line() {
 }
 
 fn survives(bytes: Vec<u8>) {
-    // Sizes in the file must not make the reader take memory beyond this.
+    // Sizes in the file must not make the reader take more memory than this.
     let limits = ReadLimits { max_bytes: 1 << 26, ..ReadLimits::default() };
     if let Err(error) = read_bytes(bytes, Some("a.laz"), &limits) {
         let message = error.to_string();
@@ -120,7 +120,7 @@ fn survives(bytes: Vec<u8>) {
 
 #[test]
 fn a_chunk_that_claims_more_points_than_it_has_hides_no_broken_chunk_behind_it() {
-    // Their first chunk of ten points says that it has 266; the second says that a layer has over a gigabyte.
+    // Their first chunk of ten points states 266; the second states a layer of over a gigabyte.
     let files: [&[u8]; 2] = [
         include_bytes!("../../../fuzz/seeds/laz/chunk-claims-more-points.laz"),
         include_bytes!("../../../fuzz/seeds/laz/chunks-smaller-than-they-claim.laz"),

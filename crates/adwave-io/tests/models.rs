@@ -1,4 +1,4 @@
-//! The published models have the numbers of vertices and faces that their sources state.
+//! Tests that the published models have the numbers of vertices and faces stated by their sources.
 
 mod common;
 

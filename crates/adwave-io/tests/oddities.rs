@@ -1,4 +1,4 @@
-//! What files in the wild do, one by one, and what the errors say.
+//! Tests of unusual files found in practice, and of error messages.
 
 use std::fmt::Write;
 
@@ -42,16 +42,16 @@ fn obj_indices_may_count_backwards_and_from_before_the_vertices() {
 fn obj_edit_keeps_groups_comments_and_line_ends() {
     let text = "\u{feff}# é\r\nmtllib a b.mtl\r\nv 0.10 1 2 # first\r\nv 3 4 5 0.5 0.5 1\r\nvn 0 0 1\r\ng x\r\nusemtl m\r\ns 1\r\nf 1//1 2//1 1//1\r\n";
     let mut shape = read(text, "a.obj");
-    assert_eq!(written(&shape, Format::Obj), text.as_bytes());
+    assert_eq!(written(&shape, Format::OBJ), text.as_bytes());
     shape.set_points(vec![[0.1, 1.0, 2.5], [3.0, 4.0, 5.0]]).unwrap();
-    assert_eq!(written(&shape, Format::Obj), text.replace("1 2 #", "1 2.5 #").as_bytes());
+    assert_eq!(written(&shape, Format::OBJ), text.replace("1 2 #", "1 2.5 #").as_bytes());
 }
 
 #[test]
 fn obj_errors_name_line_and_token() {
     assert_eq!(
         error("v 0 0 0\nv 1 x2 0\n", "a.obj"),
-        "line 2: a vertex has \"x2\" where a number belongs; correct it"
+        "line 2: a vertex must have numbers, got \"x2\"; correct it"
     );
     assert_eq!(
         error("v 0 0 0\n\nf 1 2 3\n", "a.obj"),
@@ -59,14 +59,14 @@ fn obj_errors_name_line_and_token() {
     );
     assert_eq!(
         error("v 1 2 3\nv 1 2\n", "a.obj"),
-        "line 2: a vertex has 2 numbers and needs 3; add the missing ones"
+        "line 2: a vertex needs 3 numbers, got 2; add the missing ones"
     );
     assert!(error("v 0 0 0\nl 1 7\n", "a.obj").starts_with("line 2: "));
 }
 
 #[test]
 fn obj_pieces_join_in_order() {
-    // Large enough to be cut into several pieces, with indices that count back over the cuts.
+    // Large enough for several chunks, with negative indices across their borders.
     let n = 60_000;
     let mut text = String::new();
     for i in 0..n {
@@ -79,7 +79,7 @@ fn obj_pieces_join_in_order() {
     let shape = read(&text, "a.obj");
     assert!(shape.points().iter().enumerate().all(|(i, p)| *p == [i as f64, 0.25, -1e-3]));
     assert!(shape.faces().iter().enumerate().all(|(f, c)| c == [f as u32 + 3, f as u32 + 2, f as u32]));
-    assert_eq!(written(&shape, Format::Obj), text.as_bytes());
+    assert_eq!(written(&shape, Format::OBJ), text.as_bytes());
     assert!(error(text + "v 0 0\n", "a.obj").starts_with(&format!("line {}: ", 2 * n - 3 + 1)));
 }
 
@@ -87,10 +87,10 @@ fn obj_pieces_join_in_order() {
 fn content_overrules_the_name() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0.1 2 3\n";
     let shape = read(ply, "a.obj");
-    assert_eq!((shape.format(), shape.precision()), (Some(Format::PlyAscii), Precision::F32));
+    assert_eq!((shape.format(), shape.precision()), (Some(Format::PLY_ASCII), Precision::F32));
     assert_eq!(shape.points(), [[f64::from(0.1_f32), 2.0, 3.0]]);
-    assert_eq!(read("v 1 2 3\n", "a.stl").format(), Some(Format::Obj));
-    assert_eq!(read("1 2 3\n", "a.obj").format(), Some(Format::Xyz));
+    assert_eq!(read("v 1 2 3\n", "a.stl").format(), Some(Format::OBJ));
+    assert_eq!(read("1 2 3\n", "a.obj").format(), Some(Format::XYZ));
     assert!(error("newmtl a\n", "a.obj").contains("a material library"));
     assert!(error("import numpy\n", "a.py").contains("formats that can be read: obj, ply"));
     assert!(error("", "a.obj").contains("is empty"));
@@ -128,11 +128,11 @@ fn ply_keeps_elements_properties_and_comments() {
     assert_eq!(shape.points(), [[1.0, 2.5, 3.0], [4.0, 5.0, 6.0]]);
     assert_eq!(shape.field("color").unwrap().values, FieldValues::U8(vec![255, 0, 9, 1, 2, 3]));
     assert_eq!(shape.edges().pairs, [[0, 1]]);
-    assert_eq!(written(&shape, Format::PlyAscii), text.as_bytes());
+    assert_eq!(written(&shape, Format::PLY_ASCII), text.as_bytes());
     shape.set_points(vec![[1.0, 2.5, 3.5], [4.0, 5.0, 6.0]]).unwrap();
-    assert_eq!(written(&shape, Format::PlyAscii), text.replace("255 3.0", "255 3.5").as_bytes());
+    assert_eq!(written(&shape, Format::PLY_ASCII), text.replace("255 3.0", "255 3.5").as_bytes());
     shape.add_vertex_field(adwave_io::Field::new("saliency", 1, FieldValues::F32(vec![0.5, 0.1]))).unwrap();
-    let more = String::from_utf8(written(&shape, Format::PlyAscii)).unwrap();
+    let more = String::from_utf8(written(&shape, Format::PLY_ASCII)).unwrap();
     assert!(more.contains("property uchar blue\nproperty float saliency\nelement edge"), "{more}");
     assert!(more.contains("255 3.5 1 7 2.50 1 0 9 0.5\n1 6 0 5 4 2 3 0.1\n0 1 0.5\n"), "{more}");
 }
@@ -163,7 +163,7 @@ fn ply_strips_stand_beside_faces_and_a_number_is_no_list_of_corners() {
     let text = format!("{points}element face 1\nproperty uchar vertex_indices\n{rows}3\n");
     assert!(error(&text, "a.ply").contains("no list `vertex_indices`"));
 
-    // Faces of one length are read by another way; the strips before them stay too.
+    // Faces of equal size are read by another path; the strips before them stay too.
     let text = format!("{points}{strips}{face}end_header\n").replace("ascii", "binary_little_endian");
     let mut binary = text.into_bytes();
     binary.extend([0_f32, 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.].iter().flat_map(|x| x.to_le_bytes()));
@@ -195,15 +195,15 @@ fn stl_is_told_apart_by_its_length() {
     binary.extend([0; 48]);
     binary.extend([5, 1]);
     let shape = read(&binary, "a.stl");
-    assert_eq!((shape.format(), shape.n_vertices()), (Some(Format::Stl), 3));
+    assert_eq!((shape.format(), shape.n_vertices()), (Some(Format::STL), 3));
     assert_eq!(shape.face_fields()[1].values, FieldValues::U16(vec![261]));
     let cut = error(&binary[..120], "a.stl");
-    assert_eq!(cut, "ends at byte 120 of 134 needed, in element `triangle`, row 0; get the whole file");
+    assert_eq!(cut, "the file ends at byte 120 of 134, in element `triangle`, row 0; get the whole file");
     let ascii = read(
         "solid vertex facet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 .5\nendloop\nendfacet\nendsolid\n",
         "a",
     );
-    assert_eq!((ascii.format(), ascii.points()[2]), (Some(Format::StlAscii), [0.0, 1.0, 0.5]));
+    assert_eq!((ascii.format(), ascii.points()[2]), (Some(Format::STL_ASCII), [0.0, 1.0, 0.5]));
 }
 
 #[test]
@@ -239,15 +239,15 @@ fn what_a_format_cannot_hold_is_reported() {
     let mut shape = read("g a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.1\nf 1 2 4 3\n", "a.obj");
     shape.add_vertex_field(adwave_io::Field::new("gaze", 1, FieldValues::F32(vec![1.0; 4]))).unwrap();
     let mut bytes = Vec::new();
-    let report = write_bytes(&shape, Format::Stl, &mut bytes).unwrap();
+    let report = write_bytes(&shape, Format::STL, &mut bytes).unwrap();
     for what in ["groups", "vertex field `gaze`", "polygons", "digits of coordinates"] {
         assert!(report.not_written.iter().any(|l| l.contains(what)), "{what}: {:?}", report.not_written);
     }
-    let report = write_bytes(&shape, Format::Obj, &mut bytes).unwrap();
+    let report = write_bytes(&shape, Format::OBJ, &mut bytes).unwrap();
     assert_eq!(report.not_written, ["vertex field `gaze`"]);
     let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
-    assert!(write_bytes(&cloud, Format::Stl, &mut bytes).unwrap_err().to_string().contains("cannot hold"));
-    let report = write_bytes(&shape, Format::Las, &mut bytes).unwrap();
+    assert!(write_bytes(&cloud, Format::STL, &mut bytes).unwrap_err().to_string().contains("cannot hold"));
+    let report = write_bytes(&shape, Format::LAS, &mut bytes).unwrap();
     assert!(report.not_written.iter().any(|l| l == "faces"), "{:?}", report.not_written);
 }
 
@@ -291,7 +291,7 @@ fn faces_that_are_not_convex_are_cut_inside() {
     // An arrow head of area 1.5 whose fan round its first corner would leave it.
     let off = b"OFF\n5 2 0\n-1 0 0\n0 .5 0\n1 0 0\n0 2 0\n0 0 1\n4 0 1 2 3\n3 0 3 4\n";
     let shape = read_bytes(off.to_vec(), None, &ReadLimits::default()).unwrap();
-    for format in [Format::Stl, Format::StlAscii, Format::Amf, Format::ThreeMf, Format::Glb] {
+    for format in [Format::STL, Format::STL_ASCII, Format::AMF, Format::THREE_MF, Format::GLB] {
         let mut bytes = Vec::new();
         let report = write_bytes(&shape, format, &mut bytes).unwrap();
         assert!(report.not_written.contains(&"polygons (as triangles)".to_owned()), "{format}");
@@ -312,11 +312,11 @@ fn an_archive_that_was_cut_is_said_to_be_cut() {
     let off = b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     let shape = read_bytes(off.to_vec(), None, &ReadLimits::default()).unwrap();
     let mut bytes = Vec::new();
-    write_bytes(&shape, Format::ThreeMf, &mut bytes).unwrap();
+    write_bytes(&shape, Format::THREE_MF, &mut bytes).unwrap();
     bytes.truncate(bytes.len() - 20);
     for name in ["a.3mf", "a.amf"] {
         let error = read_bytes(bytes.clone(), Some(name), &ReadLimits::default()).unwrap_err().to_string();
-        assert!(error.starts_with("the ZIP archive is broken"), "{error}");
+        assert!(error.starts_with("the ZIP archive is damaged"), "{error}");
         assert!(error.ends_with("get the whole file"), "{error}");
     }
 }

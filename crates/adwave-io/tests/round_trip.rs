@@ -1,5 +1,5 @@
-//! Write → read is the identity for everything that the writer does not report as left out, for every format and
-//! every pair of formats; and broken bytes give an error of one line, never a panic.
+//! Tests that write followed by read is the identity except for reported losses, for every format and every pair of
+//! formats; and that damaged bytes give an error of one line, never a panic.
 
 use adwave::shape::Polygons;
 use adwave_io::{
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 fn both_ways() -> Vec<Format> {
     // Coordinates of LAS are whole numbers of steps: `las_write.rs`.
-    let is_las = |f: &Format| matches!(f, Format::Las | Format::Laz);
+    let is_las = |f: &Format| matches!(f, Format::LAS | Format::LAZ);
     Format::all().filter(|f| f.can_read() && f.can_write() && !f.holds_graphs() && !is_las(f)).collect()
 }
 
@@ -104,7 +104,7 @@ fn shape() -> impl Strategy<Value = ShapeFile> {
 }
 
 fn is_gltf(format: Format) -> bool {
-    matches!(format, Format::Glb | Format::Gltf)
+    matches!(format, Format::GLB | Format::GLTF)
 }
 
 fn same(a: f64, b: f64) -> bool {
@@ -115,12 +115,12 @@ fn held<'a>(fields: &'a [Field], report: &'a WriteReport, kind: &'a str) -> impl
     fields.iter().filter(move |f| !report.not_written.contains(&format!("{kind} field `{}`", f.name)))
 }
 
-/// Whether the report says that a part is rounded to 32-bit floats.
+/// True if the report lists a part as rounded to 32-bit floats.
 fn is_rounded(report: &WriteReport, what: &str) -> bool {
     report.not_written.contains(&format!("digits of {what} beyond 32-bit floats"))
 }
 
-/// A number as it is, or as a 32-bit float has it.
+/// A number unchanged, or rounded to a 32-bit float.
 fn stored(x: f64, is_rounded: bool) -> f64 {
     if is_rounded { f64::from(x as f32) } else { x }
 }
@@ -140,7 +140,8 @@ fn check_fields<'a>(
             let scale =
                 if field.name == "color" && matches!(field.values, FieldValues::U8(_)) { scale } else { 1.0 };
             let x = stored(x / scale, is_rounded(report, &format!("`{}`", field.name)));
-            // The v of a glTF goes down: 1 - v is rounded there and back, by half a unit of the last place each time.
+            // The v of a glTF points down: 1 - v is rounded in both directions, by half a unit in the last place each
+            // time.
             let is_flipped = what.starts_with("gl")
                 && field.name == "texcoord"
                 && (x - y).abs() <= f64::from(f32::EPSILON) * x.abs().max(1.0);
@@ -149,30 +150,30 @@ fn check_fields<'a>(
     }
 }
 
-/// Writes, reads, and checks all that is not left out; gives what was read.
+/// Writes, reads, and checks everything except reported losses; returns the shape that was read.
 fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     let mut bytes = Vec::new();
     let report = match write_bytes(shape, format, &mut bytes) {
         Ok(report) => report,
         Err(error) => {
-            let stl = matches!(format, Format::Stl | Format::StlAscii);
+            let stl = matches!(format, Format::STL | Format::STL_ASCII);
             let fields = shape.vertex_fields().iter().flat_map(Field::to_f64);
             let is_large = |x: f64| x.is_finite() && (x as f32).is_infinite();
             let beyond = shape.points().as_flattened().iter().copied().chain(fields).any(is_large);
             let is_single =
-                matches!(format, Format::Gifti | Format::Stl | Format::FreeSurfer | Format::OffBinary)
+                matches!(format, Format::GIFTI | Format::STL | Format::FREESURFER | Format::OFF_BINARY)
                     || is_gltf(format);
             let is_expected = (stl && shape.faces().is_empty()) || (is_single && beyond);
             assert!(is_expected, "{format}: {error}");
             return None;
         }
     };
-    // No name: the content alone must tell the format, but for what text of plain rows is called.
+    // Without a name: the content alone must identify the format, except for text of plain rows.
     let again = read_bytes(bytes.clone(), None, &ReadLimits::default())
         .unwrap_or_else(|e| panic!("{format}: {e}\n{}", String::from_utf8_lossy(&bytes)));
     let what = format.to_string();
     let left = |name: &str| report.not_written.iter().any(|l| l == name);
-    if matches!(format, Format::Stl | Format::StlAscii) {
+    if matches!(format, Format::STL | Format::STL_ASCII) {
         let triangles: usize = shape.faces().iter().map(|f| f.len() - 2).sum();
         assert_eq!(again.faces().len(), triangles);
         return Some(again);
@@ -180,7 +181,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     let is_there = |p: &&[f64; 3]| p.iter().all(|x| x.is_finite());
     let n_there = shape.points().iter().filter(is_there).count();
     if what.starts_with("pcd") && n_there > 0 && n_there < shape.n_vertices() {
-        // Points without a place are left out of it, and come back when it is written.
+        // Points without a position are dropped, and come back when it is written.
         let points = shape.points().iter().filter(is_there);
         assert!(points.copied().eq(again.points().iter().copied()), "{what}");
         return Some(again);
@@ -192,7 +193,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         let is_rounded = is_rounded(&report, "coordinates");
         let x = stored(
             *x,
-            matches!(format, Format::Gifti | Format::FreeSurfer | Format::OffBinary) && is_rounded,
+            matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) && is_rounded,
         );
         // Far from the origin a glTF has them about their center, with more digits than 32-bit floats have there.
         let near = is_rounded && (x - y).abs() <= 1e-7 * x.abs().max(extent);
@@ -212,7 +213,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
     if !left("edges") {
         assert_eq!(again.edges().pairs, shape.edges().pairs, "{what}");
     }
-    let scale = if matches!(format, Format::Obj | Format::Amf) { 255.0 } else { 1.0 };
+    let scale = if matches!(format, Format::OBJ | Format::AMF) { 255.0 } else { 1.0 };
     check_fields(
         &what,
         held(shape.vertex_fields(), &report, "vertex"),
@@ -239,13 +240,13 @@ proptest! {
 
     #[test]
     fn an_added_field_joins_the_original(shape in shape(), extra in any::<u16>()) {
-        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::Stl | Format::StlAscii)) {
+        for format in both_ways().into_iter().filter(|f| !matches!(f, Format::STL | Format::STL_ASCII)) {
             let Some(mut read) = there_and_back(&shape, format) else { continue };
             let n = read.n_vertices();
             read.add_vertex_field(Field::new("added", 1, FieldValues::U16(vec![extra; n]))).unwrap();
             let own = read.format().unwrap();
             there_and_back(&read, own);
-            // And one that takes the place of the file's.
+            // And one that replaces the original field.
             read.add_vertex_field(Field::new("color", 3, FieldValues::U8(vec![7; 3 * n]))).unwrap();
             there_and_back(&read, own);
         }
@@ -263,7 +264,7 @@ proptest! {
             let edges = Edges { pairs, weights, direction };
             let graph = ShapeFile::from_graph(n as usize, edges.clone());
             let mut bytes = Vec::new();
-            write_bytes(&graph, Format::Mtx, &mut bytes).unwrap();
+            write_bytes(&graph, Format::MTX, &mut bytes).unwrap();
             let read = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
             prop_assert_eq!(read.n_vertices(), n as usize);
             prop_assert_eq!(read.edges(), &edges);
@@ -274,7 +275,7 @@ proptest! {
                 let read = read_bytes(bytes, Some(&hint), &ReadLimits::default()).unwrap();
                 prop_assert_eq!(read.n_vertices(), n as usize);
                 prop_assert_eq!(&read.edges().pairs, &edges.pairs);
-                // Where directions are lost, each edge has half of its weight both ways.
+                // If directions are lost, each edge has half of its weight in both directions.
                 let is_halved = report.not_written.iter().any(|w| w.starts_with("directions of edges"));
                 prop_assert_eq!(read.edges().direction == direction, !is_halved);
                 let part = if is_halved { 0.5 } else { 1.0 };
@@ -316,7 +317,7 @@ proptest! {
             b"solid ",
         ];
         for head in HEADS {
-            survives([head, noise.as_slice()].concat(), Format::Obj);
+            survives([head, noise.as_slice()].concat(), Format::OBJ);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Files with fewer vertices keep what they say of those that stay.
+//! Tests that files with fewer vertices keep the attributes of the remaining ones.
 
 use adwave::shape::Polygons;
 use adwave_io::{Edges, Field, FieldValues, Format, ReadLimits, ShapeFile, Subset, read_bytes, write_bytes};
@@ -14,7 +14,7 @@ fn written(file: &ShapeFile, format: Format) -> String {
     String::from_utf8(out).unwrap()
 }
 
-/// Two squares of two triangles, of two materials; the texture has a seam between them.
+/// Two squares of two triangles with two materials; the texture has a seam between them.
 const TEXTURED: &str = "# head\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1.0 0 0 0 1 0\nv 2 0 0 0 0 1\nv 0 1 0 1 1 0\n\
     v 1 1 0 0 1 1\nv 2 1 0 1 0 1\nvt 0 0\nvt 0.5 0\nvt 0.0 1\nvt 0.5 1\nvt 0.6 0\nvt 1 0\nvt 0.6 1\nvt 1 1\n\
     vn 0 0 1\no sheet\ng left\nusemtl red\nf 1/1/1 2/2/1 4/3/1\nf 2/2/1 5/4/1 4/3/1\ng right\nusemtl blue\n\
@@ -34,7 +34,7 @@ fn an_obj_keeps_its_lines_materials_groups_and_both_sides_of_a_seam() {
     let part = file.subset(&subset).unwrap();
     assert_eq!(part.points(), [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
     assert_eq!(
-        written(&part, Format::Obj),
+        written(&part, Format::OBJ),
         "# head\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1.0 0 0 0 1 0\nv 2 0 0 0 0 1\nv 1 1 0 0 1 1\nvt 0.6 0\nvt 1 0\n\
          vt 0.6 1\nvt 0 0\nvt 0.5 0\nvt 0.5 1\nvn 0 0 1\no sheet\ng left\nusemtl red\nf 1/4/1 2/5/1 4/6/1\n\
          g right\nusemtl blue\nf 2/1/1 3/2/1 4/3/1\nl 1 2\nl 2 3\n"
@@ -76,7 +76,7 @@ fn fields_keep_their_types_and_rows_and_edges_their_ends() {
     assert_eq!(part.field("id").unwrap().values, FieldValues::U64(vec![u64::MAX, 2, 3]));
     assert_eq!(part.field("flow").unwrap().values, FieldValues::F32(vec![0.0, 1.0, 4.0, 5.0, 6.0, 7.0]));
     assert_eq!(part.face_fields()[0].values, FieldValues::I16(vec![7]));
-    // As a cloud it has no faces, and nothing of faces.
+    // As a cloud it has no faces and no face attributes.
     let cloud = file.subset(&Subset { vertices: &[1], ..Subset::default() }).unwrap();
     assert!(cloud.faces().is_empty() && cloud.face_fields().is_empty());
     let graph = ShapeFile::from_graph(

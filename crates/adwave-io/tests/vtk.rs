@@ -1,4 +1,4 @@
-//! VTK, XML and legacy: what encodings and kinds of cells become, samples that others wrote, broken files.
+//! Tests of VTK, XML and legacy: encodings and kinds of cells, samples from other programs, damaged files.
 
 mod common;
 
@@ -20,7 +20,7 @@ fn faces(shape: &ShapeFile) -> Vec<Vec<u32>> {
     shape.faces().iter().map(<[u32]>::to_vec).collect()
 }
 
-/// How the arrays of a file of XML are stored.
+/// Storage of the arrays in an XML file.
 #[derive(Clone, Copy, Debug)]
 struct Storage {
     is_big: bool,
@@ -52,7 +52,7 @@ impl Writer {
         }
     }
 
-    /// An array with its numbers as text and as bytes.
+    /// Array with its numbers as text and as bytes.
     fn array(&mut self, kind: &str, name: &str, n: usize, text: &str, bytes: Vec<u8>) -> String {
         let open = format!("<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n}\" ");
         if self.storage.place == Place::Ascii {
@@ -135,7 +135,7 @@ fn storages() -> Vec<Storage> {
 
 const SQUARE: [f64; 12] = [0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
 
-/// A square of two triangles, as strip and as polygons, with a line and values.
+/// Square of two triangles, as strip and as polygons, with a line and values.
 fn polydata(storage: Storage) -> Vec<u8> {
     let mut w = Writer { storage, appended: Vec::new() };
     let mut piece = |strip: bool| {
@@ -168,7 +168,7 @@ fn pieces_are_joined_however_their_arrays_are_stored() {
     for storage in storages() {
         let bytes = polydata(storage);
         let shape = read(bytes.clone()).unwrap_or_else(|e| panic!("{storage:?}: {e}"));
-        assert_eq!(shape.format(), Some(Format::Vtp));
+        assert_eq!(shape.format(), Some(Format::VTP));
         let twice: Vec<f64> = SQUARE.iter().chain(&SQUARE).copied().collect();
         assert_eq!(shape.points().as_flattened(), twice, "{storage:?}");
         assert_eq!(faces(&shape), [[0, 1, 2], [3, 2, 0], [4, 5, 7], [7, 5, 6]]);
@@ -193,7 +193,7 @@ fn no_cut_or_changed_byte_is_more_than_an_error() {
         let end = bytes.trim_ascii_end().len();
         for cut in 0..end {
             match read(&bytes[..cut]) {
-                // A legacy file has no mark of its end.
+                // A legacy file has no end mark.
                 Ok(_) => assert!(k >= whole, "byte {cut} of {end}"),
                 Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
             }
@@ -211,7 +211,8 @@ fn no_cut_or_changed_byte_is_more_than_an_error() {
     }
 }
 
-/// An unstructured grid of a hexahedron on a wedge, a quadratic triangle, a voxel, a tetrahedron apart, and a line.
+/// An unstructured grid of a hexahedron on a wedge, a quadratic triangle, a voxel, a separate tetrahedron, and a
+/// line.
 #[test]
 fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
     let mut points = Vec::new();
@@ -220,7 +221,7 @@ fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
             points.extend([f64::from(x), f64::from(y), f64::from(z)]);
         }
     }
-    // The middles of the sides of a curved triangle 0 1 2, and a point of nothing.
+    // The midpoints of the sides of a curved triangle 0 1 2, and a point without a cell.
     points.extend([0.5, -0.2, 0.0, 1.2, 0.5, 0.0, 0.5, 0.5, 0.0, 9.0, 9.0, 9.0]);
     let storage = Storage { is_big: false, is_wide: false, is_packed: false, place: Place::Raw };
     let mut w = Writer { storage, appended: Vec::new() };
@@ -234,7 +235,7 @@ fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
         w.floats("Points", 3, &points)
     );
     let shape = read(w.file("UnstructuredGrid", "", &piece)).unwrap();
-    assert_eq!(shape.format(), Some(Format::Vtu));
+    assert_eq!(shape.format(), Some(Format::VTU));
     // The three middles are gone, what no cell names stays.
     assert_eq!((shape.n_vertices(), shape.points()[12]), (13, [9.0; 3]));
     assert_eq!(shape.faces().len(), 1 + 5 + 5);
@@ -243,7 +244,7 @@ fn of_volumes_the_boundary_is_taken_and_of_curved_cells_the_corners() {
     let ids = shape.face_fields()[0].to_f64();
     assert_eq!(ids, [3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
     assert_eq!(shape.extras().len(), 2, "{:?}", shape.extras());
-    // Outwards all over: the faces of the volumes pass each side once in each direction.
+    // All faces point outwards: the faces of the volumes traverse each side once in each direction.
     let mut sides = std::collections::BTreeMap::new();
     for face in shape.faces().iter().skip(1) {
         for k in 0..face.len() {
@@ -297,7 +298,7 @@ fn claims_make_no_room() {
     let huge = "WholeExtent=\"0 2000000000 0 2000000000 0 9\"";
     assert!(file("ImageData", huge, "<Piece Extent=\"0 2000000000 0 2000000000 0 9\"/>").contains("limit"));
     assert!(file("PolyData", "", "<Piece NumberOfPoints=\"4000000000\"/>").contains("no coordinates"));
-    // A table of blocks that promises more than zlib can hold.
+    // A block table that states more than zlib can decompress to.
     let head: Vec<u8> = [1_u32, 1 << 30, 0, 9].iter().flat_map(|n| n.to_le_bytes()).collect();
     let text = STANDARD.encode([head, zlib(&[0; 12])].concat());
     let bomb = format!(
@@ -375,13 +376,13 @@ const LEGACY: &[(&str, [usize; 3], Names, Names)] = &[
 fn legacy_texts() {
     for (text, counts, of_vertices, of_faces) in LEGACY {
         let shape = read(*text).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert_eq!(shape.format(), Some(Format::Vtk));
+        assert_eq!(shape.format(), Some(Format::VTK));
         assert_eq!([shape.n_vertices(), shape.faces().len(), shape.edges().pairs.len()], *counts, "{text}");
         assert_eq!(shape.field_names(), *of_vertices);
         assert_eq!(shape.face_fields().iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), *of_faces);
     }
     let old = read(LEGACY[0].0).unwrap();
-    // Polygons come before strips among the cells, wherever they stand.
+    // Polygons precede strips among the cells, regardless of their order in the file.
     assert_eq!(faces(&old), [[2, 3, 0], [0, 1, 3], [3, 1, 2]]);
     assert_eq!(old.face_fields()[0].to_f64(), [5.0, 6.0, 6.0]);
     assert_eq!(
@@ -404,7 +405,7 @@ fn edges_and_values_of_faces_are_written_together() {
     mesh.add_face_field(Field::new("part", 1, FieldValues::U8(vec![3, 4]))).unwrap();
     mesh.add_face_field(Field::new("area", 1, FieldValues::F32(vec![0.5, 0.25]))).unwrap();
     let line = Edges { pairs: vec![[0, 1]], ..Edges::default() };
-    for format in [Format::Vtp, Format::Vtu, Format::Vtk] {
+    for format in [Format::VTP, Format::VTU, Format::VTK] {
         let text = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0 1 0 0 0 1 0\nLINES 1 3\n2 0 1\n\
                     POLYGONS 1 4\n3 0 1 2\nCELL_DATA 2\nSCALARS part int\nLOOKUP_TABLE default\n0 9\n";
         let shape = read(text).unwrap();
@@ -420,7 +421,7 @@ fn edges_and_values_of_faces_are_written_together() {
     }
 }
 
-/// Vertices, faces and edges as VTK 9 counts them (`extract_surface` of PyVista, equal points of grids merged).
+/// Vertices, faces and edges as counted by VTK 9 (`extract_surface` of PyVista, equal points of grids merged).
 const SAMPLES: &[(&str, [usize; 3])] = &[
     ("formats/fields/pyvista-examples/channels.vti", [225_002, 225_000, 0]),
     ("formats/fields/pyvista-examples/frog_tissues.vti", [729_424, 729_422, 0]),

@@ -1,58 +1,59 @@
-//! The rigid motion that brings one shape closest to another.
+//! Alignment: the motion that brings one shape closest to another.
 
-use crate::{Closest, Motion, Surface};
+use crate::{ClosestPoint, Motion, Surface};
 use adwave::vector::{cross, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-/// How a fit is made.
+/// Options of an alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlignParams {
-    /// Points of the moving shape that are used at most, evenly taken from its order.
-    pub most_points: usize,
-    /// Rounds at most.
-    pub most_rounds: usize,
-    /// Whether the size may change too.
+    /// Largest number of points of the moving shape, sampled evenly in their order.
+    pub max_points: usize,
+    /// Largest number of rounds.
+    pub max_rounds: usize,
+    /// True to fit a similarity, with a change of size, instead of a rigid motion.
     pub scaled: bool,
 }
 
 impl Default for AlignParams {
     fn default() -> Self {
-        Self { most_points: 20_000, most_rounds: 100, scaled: false }
+        Self { max_points: 20_000, max_rounds: 100, scaled: false }
     }
 }
 
-/// How a fit came out.
+/// Diagnostics of an alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlignInfo {
-    /// Rounds that were taken.
+    /// Number of rounds.
     pub rounds: usize,
-    /// Median distance of the points that have a closest point off the border, in model units; NaN when none has.
+    /// Median distance of the points whose closest point is not on a border, in model units; NaN if there is none.
     pub median: f64,
-    /// Share of the points that have one, in [0, 1].
+    /// Share of these points, in [0, 1].
     pub overlap: f64,
 }
 
-/// Tukey's constant: 95 % of the efficiency of least squares on normal errors.
+/// Tukey's constant, for 95 % of the efficiency of least squares on normal errors.
 const TUKEY: f64 = 4.685;
-/// From the median of absolute values of normal errors to their standard deviation.
+/// Ratio of standard deviation to median absolute deviation of normal errors.
 const MAD: f64 = 1.4826;
-/// Residuals, as a share of the size of the shape, that are rounding.
+/// Residuals caused by rounding, relative to the size of the shape.
 const ROUNDING: f64 = 1e-9;
-/// A round that moves less than this part of what is left changes nothing any more.
-const STILL: f64 = 0.01;
+/// Movement of a round relative to the residual below which the iteration ends.
+const MIN_PROGRESS: f64 = 0.01;
 
-/// The rigid motion of `points` (with [`AlignParams::scaled`] the similarity) that brings them closest to `surface`, begun at `start`: in each
-/// round the closest points, then the small motion with the least `Σ w·(n·(p − c))²`, n the normal at the closest point c, and w Tukey's weights, so that what differs between
-/// the shapes does not tilt the fit. Points whose closest lies on a border have none. O(rounds × points × log n).
+/// Finds the rigid motion of `points` (with [`AlignParams::scaled`] the similarity) that brings them closest to `surface`.
 ///
-/// A part of the motion that no point speaks for (the turn of a sphere) stays as it was.
+/// The iteration begins at `start`. Each round finds the closest points c with normals n, then the small motion that
+/// minimizes `Σ w·(n·(p − c))²`. The weights w are Tukey's, so that differences between the shapes do not tilt the fit.
+/// Points whose closest point lies on a border are ignored. Components of the motion that the points do not determine, such
+/// as the rotation of a sphere, stay unchanged. O(rounds × points × log n).
 ///
 /// Source: `chen1992`.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// Returns [`Cancelled`] on cancellation.
 pub fn align(
     points: &[[f64; 3]],
     surface: &Surface,
@@ -60,75 +61,77 @@ pub fn align(
     params: &AlignParams,
     progress: Progress<'_>,
 ) -> Result<(Motion, AlignInfo), Cancelled> {
-    let step = points.len().div_ceil(params.most_points.max(1)).max(1);
+    let step = points.len().div_ceil(params.max_points.max(1)).max(1);
     let used: Vec<[f64; 3]> = points.iter().step_by(step).copied().collect();
-    let size = size(&used);
+    let size = half_extent(&used);
     let mut motion = start;
     let mut rounds = 0;
-    while rounds < params.most_rounds {
+    while rounds < params.max_rounds {
         progress.check()?;
         rounds += 1;
         let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
-        let Some(Round { small, moves, residual }) = round(&moved, surface, size, params.scaled) else {
+        let Some(Round { motion: small, movement, residual }) =
+            align_round(&moved, surface, size, params.scaled)
+        else {
             break;
         };
         motion = motion.then(&small);
-        if moves < (ROUNDING * size).max(STILL * residual) {
+        if movement < (ROUNDING * size).max(MIN_PROGRESS * residual) {
             break;
         }
     }
     let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
     let mut distances: Vec<f64> =
-        inner(&moved, surface).map(|(p, c)| norm(&subtract(&p, &c.point))).collect();
+        interior_pairs(&moved, surface).map(|(p, c)| norm(&subtract(&p, &c.point))).collect();
     let overlap = distances.len() as f64 / used.len().max(1) as f64;
     Ok((motion, AlignInfo { rounds, median: median(&mut distances), overlap }))
 }
 
-/// Half the extent of the points.
-fn size(points: &[[f64; 3]]) -> f64 {
+/// Half the diagonal of the bounding box.
+fn half_extent(points: &[[f64; 3]]) -> f64 {
     adwave::shape::diagonal(points) / 2.0
 }
 
-/// The points that have a closest point off the border, with it.
-fn inner<'a>(
+/// Pairs points with their closest points, without those on a border.
+fn interior_pairs<'a>(
     moved: &'a [[f64; 3]],
     surface: &'a Surface,
-) -> impl Iterator<Item = ([f64; 3], Closest)> + use<'a> {
-    let found: Vec<Closest> = moved.par_iter().map(|p| surface.closest(p)).collect();
-    moved.iter().copied().zip(found).filter(|(_, closest)| !closest.is_border && closest.normal != [0.0; 3])
+) -> impl Iterator<Item = ([f64; 3], ClosestPoint)> + use<'a> {
+    let closest: Vec<ClosestPoint> = moved.par_iter().map(|p| surface.closest(p)).collect();
+    moved.iter().copied().zip(closest).filter(|(_, closest)| !closest.is_border && closest.normal != [0.0; 3])
 }
 
-/// What one round found.
+/// Result of one round.
 struct Round {
-    small: Motion,
-    /// How far it moves a point at the rim.
-    moves: f64,
-    /// Median distance from the tangent planes before.
+    motion: Motion,
+    /// Movement of a point at the rim, in model units.
+    movement: f64,
+    /// Median distance from the tangent planes before the round, in model units.
     residual: f64,
 }
 
-/// One round.
-fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Option<Round> {
-    let found: Vec<([f64; 3], Closest)> = inner(moved, surface).collect();
-    if found.len() < 6 || size <= 0.0 {
+/// Performs one round; `None` if too few points have a closest point.
+fn align_round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Option<Round> {
+    let pairs: Vec<([f64; 3], ClosestPoint)> = interior_pairs(moved, surface).collect();
+    if pairs.len() < 6 || size <= 0.0 {
         return None;
     }
     let center = {
-        let sum = found.iter().fold([0.0; 3], |sum, (p, _)| std::array::from_fn(|k| sum[k] + p[k]));
-        sum.map(|c| c / found.len() as f64)
+        let sum = pairs.iter().fold([0.0; 3], |sum, (p, _)| std::array::from_fn(|k| sum[k] + p[k]));
+        sum.map(|c| c / pairs.len() as f64)
     };
-    let residual = |(p, c): &([f64; 3], Closest)| dot(&subtract(p, &c.point), &c.normal);
-    let mut absolute: Vec<f64> = found.iter().map(|pair| residual(pair).abs()).collect();
+    let residual = |(p, c): &([f64; 3], ClosestPoint)| dot(&subtract(p, &c.point), &c.normal);
+    let mut absolute: Vec<f64> = pairs.iter().map(|pair| residual(pair).abs()).collect();
     let typical = median(&mut absolute);
     let width = (TUKEY * MAD * typical).max(ROUNDING * size);
     let (mut a, mut b) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
-    for pair in &found {
+    for pair in &pairs {
         let r = residual(pair);
         let share = 1.0 - (r / width).powi(2);
         if share <= 0.0 {
             continue;
         }
-        // Turns and growth in units of the size, so that the unknowns are lengths alike.
+        // Rotation and growth are scaled by the size, so that all unknowns are lengths.
         let arm = subtract(&pair.0, &center).map(|c| c / size);
         let (turn, n) = (cross(&arm, &pair.1.normal), pair.1.normal);
         let growth = if scaled { dot(&arm, &n) } else { 0.0 };
@@ -137,7 +140,7 @@ fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Opti
         a += weight * row * row.transpose();
         b -= weight * r * row;
     }
-    // What no point speaks for stays: eigenvalues far below the largest are left out.
+    // Undetermined components have eigenvalues far below the largest and are left out.
     let eigen = a.symmetric_eigen();
     let largest = eigen.eigenvalues.max();
     let mut x = SVector::<f64, 7>::zeros();
@@ -151,9 +154,9 @@ fn round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Opti
     let about = Motion::new(turn, [0.0; 3]).scaled_by(1.0 + x[6] / size);
     let back = about.apply(&center);
     let translation = std::array::from_fn(|k| center[k] - back[k] + shift[k]);
-    let moves = size * norm(&turn) + norm(&shift) + x[6].abs();
-    let small = about.then(&Motion::new([0.0; 3], translation));
-    moves.is_finite().then_some(Round { small, moves, residual: typical })
+    let movement = size * norm(&turn) + norm(&shift) + x[6].abs();
+    let motion = about.then(&Motion::new([0.0; 3], translation));
+    movement.is_finite().then_some(Round { motion, movement, residual: typical })
 }
 
 fn median(values: &mut [f64]) -> f64 {

@@ -1,4 +1,4 @@
-//! The closest point of a surface.
+//! ClosestPoint points of a surface.
 
 use adwave::shape::{PreparedGeometry, nearest_neighbors};
 use adwave::signal::{FIT_NEIGHBORS, cloud_normals};
@@ -9,20 +9,20 @@ use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TrianglePointLocation};
 use std::collections::HashSet;
 
-/// How far beside the nearest point of a cloud, in spacings there, its tangent plane still stands for the surface.
-const REACH: f64 = 1.5;
+/// Radius in local spacings within which the tangent plane at a point of a cloud represents the surface.
+const TANGENT_RADIUS: f64 = 1.5;
 
-/// A mesh or cloud that closest points are asked of, at the welded vertices of a prepared geometry.
+/// Search structure for the closest points of a mesh or cloud, over the welded vertices of a prepared geometry.
 pub struct Surface {
-    /// Lengths are divided by this before they are squared.
+    /// Power of two by which lengths are divided, to avoid overflow of squares.
     unit: f64,
-    kind: Kind,
+    index: SurfaceIndex,
 }
 
-enum Kind {
+enum SurfaceIndex {
     Mesh {
         mesh: Box<TriMesh>,
-        border: Border,
+        border: BorderEdges,
     },
     Cloud {
         tree: Box<ImmutableKdTree<f64, 3>>,
@@ -34,28 +34,29 @@ enum Kind {
 
 /// The closest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closest {
-    /// Where it is.
+pub struct ClosestPoint {
+    /// Position.
     pub point: [f64; 3],
-    /// Unit normal of the triangle or tangent plane there, of either sign; zero on a triangle without area.
+    /// Unit normal of the triangle or tangent plane, of either sign; zero on a degenerate triangle.
     pub normal: [f64; 3],
-    /// The welded vertices that it lies between: of a cloud three times the nearest point.
+    /// Welded vertices of the triangle; for a cloud three times the nearest point.
     pub corners: [u32; 3],
-    /// Their weights, which add up to 1.
+    /// Barycentric weights, with sum 1.
     pub weights: [f64; 3],
-    /// Whether it lies on a border: what was looked for may lie beyond it.
+    /// True if the point lies on a border: the query may correspond to a point beyond it.
     pub is_border: bool,
 }
 
-impl Closest {
-    /// A field of welded vertices there, by its weights.
+impl ClosestPoint {
+    /// Interpolates a field of the welded vertices.
     pub fn value(&self, field: &[f64]) -> f64 {
         self.corners.iter().zip(self.weights).map(|(&corner, weight)| weight * field[corner as usize]).sum()
     }
 }
 
 impl Surface {
-    /// Of a mesh or cloud; `None` of a graph and of a shape without points, or a mesh without triangles is taken as its vertices. O(n log n).
+    /// Builds the search structure in O(n log n); `None` for a graph or a shape without points. A mesh without triangles is
+    /// treated as a cloud.
     pub fn new(geometry: &PreparedGeometry) -> Option<Self> {
         let diagonal = geometry.shape().diagonal();
         let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
@@ -66,42 +67,45 @@ impl Surface {
         let triangles = geometry.triangles();
         let mesh =
             || TriMesh::new(points.iter().map(|&p| Vector::from(p)).collect(), triangles.to_vec()).ok();
-        let found = if triangles.is_empty() { None } else { mesh() };
-        let kind = if let Some(mesh) = found {
-            Kind::Mesh { mesh: Box::new(mesh), border: Border::new(triangles) }
+        let tri_mesh = if triangles.is_empty() { None } else { mesh() };
+        let index = if let Some(mesh) = tri_mesh {
+            SurfaceIndex::Mesh { mesh: Box::new(mesh), border: BorderEdges::new(triangles) }
         } else {
             let near = nearest_neighbors(&points, FIT_NEIGHBORS);
-            // Of the disc that so many points share.
+            // Spacing of k points that share a disk.
             let share = (std::f64::consts::PI / near.k.max(1) as f64).sqrt();
-            Kind::Cloud {
+            SurfaceIndex::Cloud {
                 tree: Box::new(ImmutableKdTree::new_from_slice(&points).ok()?),
                 normals: cloud_normals(&points, &near),
                 spacing: near.radius.iter().map(|r| r * share).collect(),
                 points,
             }
         };
-        Some(Self { unit, kind })
+        Some(Self { unit, index })
     }
 
-    /// Whether there are triangles.
+    /// Returns true for a mesh with triangles.
     pub fn is_mesh(&self) -> bool {
-        matches!(self.kind, Kind::Mesh { .. })
+        matches!(self.index, SurfaceIndex::Mesh { .. })
     }
 
-    /// The closest point to `point`: on a mesh exactly; on a cloud in the tangent plane of the nearest point where that lies
-    /// beside it, else the nearest point, which then counts as the border. O(log n) as a rule.
-    pub fn closest(&self, point: &[f64; 3]) -> Closest {
+    /// Finds the closest point, typically in O(log n). On a mesh it is exact. On a cloud it is the projection to the tangent
+    /// plane of the nearest point, if that is near enough; otherwise it is the nearest point, marked as border.
+    pub fn closest(&self, point: &[f64; 3]) -> ClosestPoint {
         let p = point.map(|c| c / self.unit);
-        let found = match &self.kind {
-            Kind::Mesh { mesh, border } => on_mesh(mesh, border, &p),
-            Kind::Cloud { tree, points, normals, spacing } => on_cloud(tree, points, normals, spacing, &p),
+        let closest = match &self.index {
+            SurfaceIndex::Mesh { mesh, border } => closest_on_mesh(mesh, border, &p),
+            SurfaceIndex::Cloud { tree, points, normals, spacing } => {
+                closest_on_cloud(tree, points, normals, spacing, &p)
+            }
         };
-        Closest { point: found.point.map(|c| c * self.unit), ..found }
+        ClosestPoint { point: closest.point.map(|c| c * self.unit), ..closest }
     }
 }
 
-fn on_mesh(mesh: &TriMesh, border: &Border, p: &[f64; 3]) -> Closest {
-    let (found, (triangle, location)) = mesh.project_local_point_and_get_location(Vector::from(*p), false);
+fn closest_on_mesh(mesh: &TriMesh, border: &BorderEdges, p: &[f64; 3]) -> ClosestPoint {
+    let (projection, (triangle, location)) =
+        mesh.project_local_point_and_get_location(Vector::from(*p), false);
     let corners = mesh.indices()[triangle as usize];
     let at = |k: usize| -> [f64; 3] { mesh.vertices()[corners[k] as usize].into() };
     let normal = unit(&cross(&subtract(&at(1), &at(0)), &subtract(&at(2), &at(0)))).unwrap_or_default();
@@ -115,35 +119,35 @@ fn on_mesh(mesh: &TriMesh, border: &Border, p: &[f64; 3]) -> Closest {
         }
         _ => false,
     };
-    Closest { point: found.point.into(), normal, corners, weights, is_border }
+    ClosestPoint { point: projection.point.into(), normal, corners, weights, is_border }
 }
 
-fn on_cloud(
+fn closest_on_cloud(
     tree: &ImmutableKdTree<f64, 3>,
     points: &[[f64; 3]],
     normals: &[[f64; 3]],
     spacing: &[f64],
     p: &[f64; 3],
-) -> Closest {
+) -> ClosestPoint {
     let nearest = tree.query(p).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize;
     let (q, normal) = (points[nearest], normals[nearest]);
-    let away = subtract(p, &q);
-    let beside = add_scaled(&away, -dot(&away, &normal), &normal);
-    let is_border = normal == [0.0; 3] || norm(&beside) > REACH * spacing[nearest];
-    let point = if is_border { q } else { add_scaled(&q, 1.0, &beside) };
-    Closest { point, normal, corners: [nearest as u32; 3], weights: [1.0, 0.0, 0.0], is_border }
+    let offset = subtract(p, &q);
+    let tangential = add_scaled(&offset, -dot(&offset, &normal), &normal);
+    let is_border = normal == [0.0; 3] || norm(&tangential) > TANGENT_RADIUS * spacing[nearest];
+    let point = if is_border { q } else { add_scaled(&q, 1.0, &tangential) };
+    ClosestPoint { point, normal, corners: [nearest as u32; 3], weights: [1.0, 0.0, 0.0], is_border }
 }
 
-/// The edges of one triangle only.
-struct Border {
+/// Edges with a single triangle, and their vertices.
+struct BorderEdges {
     edges: HashSet<(u32, u32)>,
     vertices: HashSet<u32>,
 }
 
-impl Border {
+impl BorderEdges {
     fn new(triangles: &[[u32; 3]]) -> Self {
         let mut edges: Vec<(u32, u32)> =
-            triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).map(sorted).collect();
+            triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(sort_edge).collect();
         edges.sort_unstable();
         let edges: HashSet<_> =
             edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect();
@@ -152,7 +156,7 @@ impl Border {
     }
 
     fn has_edge(&self, a: u32, b: u32) -> bool {
-        self.edges.contains(&sorted((a, b)))
+        self.edges.contains(&sort_edge([a, b]))
     }
 
     fn has_vertex(&self, x: u32) -> bool {
@@ -160,6 +164,7 @@ impl Border {
     }
 }
 
-fn sorted((a, b): (u32, u32)) -> (u32, u32) {
+/// Orders the ends of an edge.
+fn sort_edge([a, b]: [u32; 2]) -> (u32, u32) {
     (a.min(b), a.max(b))
 }

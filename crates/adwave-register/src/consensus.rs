@@ -1,37 +1,37 @@
-//! The motion that most features of two shapes agree on.
+//! Consensus: the motion that most features of two shapes agree on.
 
-use crate::Motion;
-use adwave::features::{Descriptor, Feature};
+use crate::{Motion, ShapeFeatures};
+use adwave::features::Feature;
 use adwave::vector::{dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// A feature as matching sees it.
+/// Properties of a feature that are used in matching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// Where it is.
+    /// Position.
     pub position: [f64; 3],
-    /// Unit normal there; zero where there is none.
+    /// Unit normal; zero if unknown.
     pub normal: [f64; 3],
-    /// Its radius.
+    /// Radius σ, in model units.
     pub sigma: f64,
-    /// The sign of its response.
+    /// Sign of the response.
     pub sign: i8,
 }
 
 impl Key {
-    /// Of a feature that has a position.
+    /// Creates the key of a feature; `None` if it has no position.
     pub fn new(feature: &Feature, normal: [f64; 3]) -> Option<Self> {
         Some(Self { position: feature.position?, normal, sigma: feature.sigma, sign: feature.sign() })
     }
 
-    /// Whether another could be the same, `scale` times as large: its sign, and its size within [`OCTAVES`].
+    /// Tells if another feature, `scale` times as large, has the same sign and a similar size ([`MAX_OCTAVES`]).
     pub(crate) fn is_alike(&self, other: &Self, scale: f64) -> bool {
-        self.sign == other.sign && (other.sigma / (scale * self.sigma)).log2().abs() <= OCTAVES
+        self.sign == other.sign && (other.sigma / (scale * self.sigma)).log2().abs() <= MAX_OCTAVES
     }
 
-    /// The same, and facing the same way after the motion.
+    /// Tells if another feature is similar and has a similar normal after the motion.
     pub(crate) fn is_alike_after(&self, other: &Self, motion: &Motion) -> bool {
         let no_normal = self.normal == [0.0; 3] || other.normal == [0.0; 3];
         self.is_alike(other, motion.scale())
@@ -39,26 +39,26 @@ impl Key {
     }
 }
 
-/// How much the σ of one feature may differ on two meshings, in doublings.
-const OCTAVES: f64 = 0.75;
+/// Largest difference of σ of the same feature on two meshes, in octaves.
+const MAX_OCTAVES: f64 = 0.75;
 
-/// Triples that are tried at least.
-const LEAST_TRIES: usize = 2000;
-/// One time in so many the right motion may be missed.
-const MISSED: f64 = 1e4;
-/// Random turns that say what chance gives.
-const TURNS: usize = 50;
+/// Smallest number of tried triples.
+const MIN_TRIES: usize = 2000;
+/// Inverse probability of missing the correct motion.
+const INVERSE_MISS_RATE: f64 = 1e4;
+/// Number of random rotations for the chance level.
+const N_RANDOM_TURNS: usize = 50;
 
-/// How a motion is looked for.
+/// Options of the search for a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConsensusParams {
-    /// Triples of pairs that are tried.
+    /// Largest number of tried triples of pairs.
     pub tries: usize,
-    /// For each feature, how many of the other shape's that look most like it may be the same.
+    /// Number of most similar features of the other shape that are candidates for each feature.
     pub candidates: usize,
-    /// Features agree with a motion when it brings them together to within so many of their σ.
+    /// Distance after the motion up to which features agree with it, in their σ.
     pub sigmas: f64,
-    /// Whether the size may differ too.
+    /// True to search for a similarity, with a change of size, instead of a rigid motion.
     pub scaled: bool,
     /// Seed of the triples.
     pub seed: u64,
@@ -70,39 +70,40 @@ impl Default for ConsensusParams {
     }
 }
 
-/// What most features agree on.
+/// Motion that most features agree on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Consensus {
-    /// From the first shape to the second.
+    /// Motion from the first shape to the second.
     pub motion: Motion,
-    /// Pairs of features that it brings together.
+    /// Number of pairs of features that agree with it.
     pub n_agreeing: usize,
-    /// The most that it brings together when it is followed by one of 50 random turns about the middle of the second shape.
+    /// Largest number of agreeing pairs after one of 50 random rotations about the center of the second shape.
     pub n_by_chance: usize,
 }
 
 impl Consensus {
-    /// Whether it explains clearly more than a turn by chance: half as many pairs again, and at least six.
+    /// Returns true if at least six pairs agree, and more than 1.5 times as many as by chance.
     pub fn is_clear(&self) -> bool {
         self.n_agreeing >= 6 && 2 * self.n_agreeing > 3 * self.n_by_chance
     }
 }
 
-/// The motion from `first` to `second` that most features agree on, by random triples of pairs that look alike (RANSAC); `None` where
-/// no triple fits. The same seed gives the same motion. O(tries + hundreds × first × second).
+/// Finds the motion from `first` to `second` that most features agree on, by random triples of similar pairs (RANSAC).
+///
+/// Returns `None` if no triple fits. The same seed gives the same motion. O(tries + hundreds × first × second).
 ///
 /// Source: `fischler1981`.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// Returns [`Cancelled`] on cancellation.
 pub fn consensus(
-    first: (&[Key], &[Descriptor]),
-    second: (&[Key], &[Descriptor]),
+    first: &ShapeFeatures,
+    second: &ShapeFeatures,
     params: &ConsensusParams,
     progress: Progress<'_>,
 ) -> Result<Option<Consensus>, Cancelled> {
-    let (keys, others) = (first.0, second.0);
-    let candidates = candidates(first, second, params);
+    let (keys, others) = (first.keys.as_slice(), second.keys.as_slice());
+    let candidates = candidate_pairs(first, second, params);
     if candidates.len() < 3 {
         return Ok(None);
     }
@@ -117,35 +118,37 @@ pub fn consensus(
         }
         tried += 1;
         let triple = [draw(), draw(), draw()];
-        let Some(motion) = motion_of(&triple, keys, others, spread, params) else { continue };
-        let count = agreeing(keys, others, &motion, params.sigmas).len();
+        let Some(motion) = fit_triple(&triple, keys, others, spread, params) else { continue };
+        let count = agreeing_pairs(keys, others, &motion, params.sigmas).len();
         if best.is_none_or(|(_, most)| count > most) {
-            let found = refined(keys, others, motion, count, params);
-            enough = params.tries.min(tries_for(&candidates, keys, others, &found.0, params));
-            best = Some(found);
+            let refined = refine(keys, others, motion, count, params);
+            enough = params.tries.min(required_tries(&candidates, keys, others, &refined.0, params));
+            best = Some(refined);
         }
     }
     let Some((motion, n_agreeing)) = best else { return Ok(None) };
-    let n_by_chance = by_chance(keys, others, &motion, params, &mut random);
+    let n_by_chance = count_by_chance(keys, others, &motion, params, &mut random);
     Ok(Some(Consensus { motion, n_agreeing, n_by_chance }))
 }
 
-/// Triples after which one of three right pairs has come up but for one time in [`MISSED`], were the motion right.
-fn tries_for(
-    candidates: &[(usize, usize)],
+/// Number of triples after which three correct pairs have been drawn, except for one run in [`INVERSE_MISS_RATE`], assuming that
+/// the motion is correct.
+fn required_tries(
+    candidates: &[CandidatePair],
     keys: &[Key],
     others: &[Key],
     motion: &Motion,
     params: &ConsensusParams,
 ) -> usize {
-    let n_right = candidates.iter().filter(|pair| fits(pair, keys, others, motion, params)).count();
+    let n_right = candidates.iter().filter(|pair| is_fitting(pair, keys, others, motion, params)).count();
     let share = (n_right as f64 / candidates.len() as f64).powi(3);
-    // Few of the right triples are wide apart and placed sharply; ten times as many make up for it.
-    LEAST_TRIES.max((10.0 * MISSED.ln() / -(-share).ln_1p()).ceil() as usize)
+    // Only some correct triples are far apart and precise; a factor of ten compensates for this.
+    MIN_TRIES.max((10.0 * INVERSE_MISS_RATE.ln() / -(-share).ln_1p()).ceil() as usize)
 }
 
-/// How many features agree at best with the motion followed by one of [`TURNS`] random turns about the middle of the second shape.
-fn by_chance(
+/// Counts the features that agree by chance: the largest number after [`N_RANDOM_TURNS`] random rotations of the second shape
+/// about its center.
+fn count_by_chance(
     keys: &[Key],
     others: &[Key],
     motion: &Motion,
@@ -162,96 +165,118 @@ fn by_chance(
         let turn = Motion::new(axis.map(|c| c * angle / length), [0.0; 3]);
         let moved = turn.apply(&center);
         let back = Motion::new([0.0; 3], std::array::from_fn(|c| center[c] - moved[c]));
-        agreeing(keys, others, &motion.then(&turn).then(&back), params.sigmas).len()
+        agreeing_pairs(keys, others, &motion.then(&turn).then(&back), params.sigmas).len()
     };
-    (0..TURNS).map(count).max().unwrap_or(0)
+    (0..N_RANDOM_TURNS).map(count).max().unwrap_or(0)
 }
 
-/// For each feature of the first those of the second that look most like it.
-fn candidates(
-    first: (&[Key], &[Descriptor]),
-    second: (&[Key], &[Descriptor]),
+/// Two features that may be the same, by their indices.
+#[derive(Clone, Copy, Debug)]
+struct CandidatePair {
+    first: usize,
+    second: usize,
+}
+
+/// Lists the most similar features of the second shape for each feature of the first.
+fn candidate_pairs(
+    first: &ShapeFeatures,
+    second: &ShapeFeatures,
     params: &ConsensusParams,
-) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    for (a, (key, descriptor)) in first.0.iter().zip(first.1).enumerate() {
+) -> Vec<CandidatePair> {
+    let mut pairs = Vec::new();
+    for (a, (key, descriptor)) in first.keys.iter().zip(&first.descriptors).enumerate() {
         let alike = |b: &usize| {
-            let other = &second.0[*b];
+            let other = &second.keys[*b];
             if params.scaled { key.sign == other.sign } else { key.is_alike(other, 1.0) }
         };
-        let distance =
-            |b: usize| -> f64 { descriptor.iter().zip(&second.1[b]).map(|(x, y)| (x - y) * (x - y)).sum() };
+        let distance = |b: usize| -> f64 {
+            descriptor.iter().zip(&second.descriptors[b]).map(|(x, y)| (x - y) * (x - y)).sum()
+        };
         let mut near: Vec<(f64, usize)> =
-            (0..second.0.len()).filter(alike).map(|b| (distance(b), b)).collect();
+            (0..second.keys.len()).filter(alike).map(|b| (distance(b), b)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.extend(near.iter().take(params.candidates).map(|&(_, b)| (a, b)));
+        let nearest = near.iter().take(params.candidates);
+        pairs.extend(nearest.map(|&(_, b)| CandidatePair { first: a, second: b }));
     }
-    found
+    pairs
 }
 
-/// The motion of three pairs that are wide apart, at the same distances on both shapes.
-fn motion_of(
-    triple: &[(usize, usize); 3],
+/// Fits a motion to three pairs that are far apart and at equal distances on both shapes; `None` otherwise.
+fn fit_triple(
+    triple: &[CandidatePair; 3],
     keys: &[Key],
     others: &[Key],
     spread: f64,
     params: &ConsensusParams,
 ) -> Option<Motion> {
-    let p = triple.map(|(a, _)| keys[a].position);
-    let q = triple.map(|(_, b)| others[b].position);
-    let scale = if params.scaled { others[triple[0].1].sigma / keys[triple[0].0].sigma } else { 1.0 };
+    let p = triple.map(|pair| keys[pair.first].position);
+    let q = triple.map(|pair| others[pair.second].position);
+    let scale =
+        if params.scaled { others[triple[0].second].sigma / keys[triple[0].first].sigma } else { 1.0 };
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let (before, after) = (norm(&subtract(&p[i], &p[j])), norm(&subtract(&q[i], &q[j])));
-        let slack = params.sigmas * (others[triple[i].1].sigma + others[triple[j].1].sigma);
+        let slack = params.sigmas * (others[triple[i].second].sigma + others[triple[j].second].sigma);
         let slack = if params.scaled { slack + 0.5 * after } else { slack };
         if before < 0.15 * spread || (after - scale * before).abs() > slack {
             return None;
         }
     }
     let motion = Motion::fit(&p, &q, &[1.0; 3], params.scaled)?;
-    triple.iter().all(|pair| fits(pair, keys, others, &motion, params)).then_some(motion)
+    triple.iter().all(|pair| is_fitting(pair, keys, others, &motion, params)).then_some(motion)
 }
 
-/// Whether the motion brings the two of a pair together.
-fn fits(
-    &(a, b): &(usize, usize),
+/// Tells if a motion brings the features of a pair together.
+fn is_fitting(
+    pair: &CandidatePair,
     keys: &[Key],
     others: &[Key],
     motion: &Motion,
     params: &ConsensusParams,
 ) -> bool {
-    let off = norm(&subtract(&motion.apply(&keys[a].position), &others[b].position));
-    off <= params.sigmas * others[b].sigma && keys[a].is_alike_after(&others[b], motion)
+    let (key, other) = (&keys[pair.first], &others[pair.second]);
+    let distance = norm(&subtract(&motion.apply(&key.position), &other.position));
+    distance <= params.sigmas * other.sigma && key.is_alike_after(other, motion)
 }
 
-/// The pairs of features that a motion brings together to within `sigmas` of σ, each the nearest of the other that is like it: the index of
-/// the first, rising, that of the second, and how far apart they are in its σ.
-pub(crate) fn agreeing(
+/// Two features that a motion brings together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AgreeingPair {
+    pub(crate) first: usize,
+    pub(crate) second: usize,
+    /// Distance after the motion, in σ of the second feature.
+    pub(crate) sigmas: f64,
+}
+
+/// Lists the mutually nearest similar features within `sigmas` of σ after a motion, by rising index of the first.
+pub(crate) fn agreeing_pairs(
     keys: &[Key],
     others: &[Key],
     motion: &Motion,
     sigmas: f64,
-) -> Vec<(usize, usize, f64)> {
-    let nearest = |(a, key): (usize, &Key)| {
-        let at = motion.apply(&key.position);
-        let off = |other: &Key| norm(&subtract(&at, &other.position)) / other.sigma;
-        let fellows = others.iter().enumerate().map(|(b, other)| (a, b, off(other)));
-        fellows
-            .filter(|&(_, b, off)| off <= sigmas && key.is_alike_after(&others[b], motion))
-            .min_by(|x, y| x.2.total_cmp(&y.2))
+) -> Vec<AgreeingPair> {
+    let nearest = |(first, key): (usize, &Key)| {
+        let moved = motion.apply(&key.position);
+        let distance = |other: &Key| norm(&subtract(&moved, &other.position)) / other.sigma;
+        let pair = |(second, other)| AgreeingPair { first, second, sigmas: distance(other) };
+        others
+            .iter()
+            .enumerate()
+            .map(pair)
+            .filter(|pair| pair.sigmas <= sigmas && key.is_alike_after(&others[pair.second], motion))
+            .min_by(|x, y| x.sigmas.total_cmp(&y.sigmas))
     };
-    let forward: Vec<(usize, usize, f64)> = keys.iter().enumerate().filter_map(nearest).collect();
+    let forward: Vec<AgreeingPair> = keys.iter().enumerate().filter_map(nearest).collect();
     let mut nearest_of = vec![(f64::INFINITY, usize::MAX); others.len()];
-    for &(a, b, off) in &forward {
-        if off < nearest_of[b].0 {
-            nearest_of[b] = (off, a);
+    for pair in &forward {
+        if pair.sigmas < nearest_of[pair.second].0 {
+            nearest_of[pair.second] = (pair.sigmas, pair.first);
         }
     }
-    forward.into_iter().filter(|&(a, b, _)| nearest_of[b].1 == a).collect()
+    forward.into_iter().filter(|pair| nearest_of[pair.second].1 == pair.first).collect()
 }
 
-/// The motion fitted to all features that agree with it, again and again while more do.
-fn refined(
+/// Fits the motion to all features that agree with it, repeatedly while their number grows.
+fn refine(
     keys: &[Key],
     others: &[Key],
     mut motion: Motion,
@@ -259,13 +284,13 @@ fn refined(
     params: &ConsensusParams,
 ) -> (Motion, usize) {
     for _ in 0..10 {
-        let agreeing = agreeing(keys, others, &motion, params.sigmas);
+        let agreeing = agreeing_pairs(keys, others, &motion, params.sigmas);
         let (p, q): (Vec<_>, Vec<_>) =
-            agreeing.iter().map(|&(a, b, _)| (keys[a].position, others[b].position)).unzip();
-        // Fine features are placed more sharply.
-        let weights: Vec<f64> = agreeing.iter().map(|&(_, b, _)| others[b].sigma.powi(-2)).collect();
+            agreeing.iter().map(|pair| (keys[pair.first].position, others[pair.second].position)).unzip();
+        // The positions of fine features are more precise.
+        let weights: Vec<f64> = agreeing.iter().map(|pair| others[pair.second].sigma.powi(-2)).collect();
         let Some(next) = Motion::fit(&p, &q, &weights, params.scaled) else { break };
-        let n = self::agreeing(keys, others, &next, params.sigmas).len();
+        let n = agreeing_pairs(keys, others, &next, params.sigmas).len();
         if n < count {
             break;
         }

@@ -1,34 +1,36 @@
-//! How far one shape lies from another, with a sign.
+//! Signed distances from one shape to another.
 
-use crate::{Closest, Surface};
+use crate::{ClosestPoint, Surface};
 use adwave::vector::{dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Vertices between two looks at whether to stop.
-const VERTICES_AT_A_TIME: usize = 1 << 14;
+/// Number of vertices between checks for cancellation.
+const VERTICES_PER_CHUNK: usize = 1 << 14;
 
-/// Distances from the vertices of a shape to another.
+/// Signed distances from the vertices of a shape to another shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignedDistances {
-    /// One for each point: > 0 where the other shape lies on the side that the normal points to; NaN where there is none.
+    /// Distance of each point in model units: positive if the other shape lies on the side of the normal; NaN if undefined.
     pub values: Vec<f64>,
-    /// The closest points.
-    pub closest: Vec<Closest>,
-    /// Points whose closest lies on the border of the other shape.
+    /// Closest point of each point.
+    pub closest: Vec<ClosestPoint>,
+    /// Number of points whose closest point lies on the border of the other shape.
     pub n_beyond_border: usize,
-    /// Points farther than the limit.
+    /// Number of points beyond the limit.
     pub n_too_far: usize,
 }
 
-/// `‖c − x‖` with the sign of `n·(c − x)` for each point x with unit normal n, c the closest point of `surface`. NaN, which bands take as a
-/// hole, where c lies on a border (what x corresponds to lies beyond it) or farther than `limit`. O(n log m).
+/// Computes `‖c − x‖` with the sign of `n·(c − x)` for each point x with unit normal n and closest point c on `surface`.
+///
+/// The value is NaN, a hole for bands, if c lies on a border (the corresponding point may lie beyond it) or is farther than
+/// `limit`. O(n log m).
 ///
 /// # Errors
-/// [`Cancelled`].
+/// Returns [`Cancelled`] on cancellation.
 ///
 /// # Panics
-/// Unless there is a normal for each point.
+/// Panics if the numbers of points and normals differ.
 pub fn signed_distances(
     points: &[[f64; 3]],
     normals: &[[f64; 3]],
@@ -36,56 +38,56 @@ pub fn signed_distances(
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<SignedDistances, Cancelled> {
-    assert_eq!(points.len(), normals.len(), "a normal for each point");
-    let mut found =
+    assert_eq!(points.len(), normals.len(), "one normal per point");
+    let mut distances =
         SignedDistances { values: Vec::new(), closest: Vec::new(), n_beyond_border: 0, n_too_far: 0 };
-    for chunk in points.chunks(VERTICES_AT_A_TIME) {
+    for chunk in points.chunks(VERTICES_PER_CHUNK) {
         progress.check()?;
-        found.closest.par_extend(chunk.par_iter().map(|p| surface.closest(p)));
+        distances.closest.par_extend(chunk.par_iter().map(|p| surface.closest(p)));
     }
-    for ((p, n), closest) in points.iter().zip(normals).zip(&found.closest) {
-        let away = subtract(&closest.point, p);
-        let (distance, side) = (norm(&away), dot(&away, n));
+    for ((p, n), closest) in points.iter().zip(normals).zip(&distances.closest) {
+        let offset = subtract(&closest.point, p);
+        let (distance, side) = (norm(&offset), dot(&offset, n));
         let value = if closest.is_border {
-            found.n_beyond_border += 1;
+            distances.n_beyond_border += 1;
             f64::NAN
         } else if distance > limit {
-            found.n_too_far += 1;
+            distances.n_too_far += 1;
             f64::NAN
         } else {
             distance.copysign(side)
         };
-        found.values.push(value);
+        distances.values.push(value);
     }
-    Ok(found)
+    Ok(distances)
 }
 
-/// A difference in numbers.
+/// Summary statistics of a difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Root of the mean square length by area; NaN where nothing has a value.
+    /// Area-weighted root mean square length; NaN without values.
     pub rms: f64,
-    /// Mean of the first channel by area.
+    /// Area-weighted mean of the first channel.
     pub mean: f64,
-    /// Greatest length; NaN where nothing has a value.
+    /// Largest length; NaN without values.
     pub greatest: f64,
-    /// Where that is.
+    /// Vertex with the largest length.
     pub vertex: usize,
 }
 
 impl Summary {
-    /// Of vectors or numbers at vertices, `n_channels` each; those with a NaN count for nothing. O(n).
+    /// Summarizes vectors with `n_channels` components at vertices; vertices with a NaN are skipped. O(n).
     ///
     /// ```
     /// use adwave_register::Summary;
-    /// let found = Summary::new(&[1.0, f64::NAN, -3.0], 1, &[3.0, 9.0, 1.0]);
-    /// assert_eq!((found.rms, found.mean, found.greatest, found.vertex), (3.0_f64.sqrt(), 0.0, 3.0, 2));
+    /// let summary = Summary::new(&[1.0, f64::NAN, -3.0], 1, &[3.0, 9.0, 1.0]);
+    /// assert_eq!((summary.rms, summary.mean, summary.greatest, summary.vertex), (3.0_f64.sqrt(), 0.0, 3.0, 2));
     /// ```
     ///
     /// # Panics
-    /// Unless there is an area for each vertex.
+    /// Panics if the number of areas differs from the number of vertices.
     pub fn new(values: &[f64], n_channels: usize, areas: &[f64]) -> Self {
-        assert_eq!(values.len(), n_channels * areas.len(), "an area for each vertex");
+        assert_eq!(values.len(), n_channels * areas.len(), "one area per vertex");
         let (mut total, mut squares, mut sum) = (0.0, 0.0, 0.0);
         let (mut greatest, mut vertex) = (f64::NAN, 0);
         for (x, (row, area)) in values.chunks_exact(n_channels).zip(areas).enumerate() {

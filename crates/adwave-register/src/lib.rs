@@ -1,20 +1,20 @@
-//! Two shapes brought together: the closest points of a surface ([`Surface`]), rigid motions ([`Motion`], [`align`]), features of two
-//! shapes that one motion explains ([`consensus`], [`pairs_under`]), and how far one shape lies from the other ([`signed_distances`]).
+//! Registration of two shapes: closest points of a surface ([`Surface`]), motions ([`Motion`], [`align`]), a motion that
+//! features agree on ([`consensus`], [`pairs_under`]), and signed distances ([`signed_distances`]).
 //!
-//! Everything here is in the units of the shapes. Nothing reads a file.
+//! All lengths are in model units. The crate reads no files.
 
 mod align;
 mod closest;
 mod consensus;
-mod described;
 mod distance;
 mod motion;
 mod pairs;
+mod shape_features;
 
 pub use align::{AlignInfo, AlignParams, align};
-pub use closest::{Closest, Surface};
+pub use closest::{ClosestPoint, Surface};
 pub use consensus::{Consensus, ConsensusParams, Key, consensus};
-pub use described::{DescribeError, Described, common_lengths, described};
 pub use distance::{SignedDistances, Summary, signed_distances};
 pub use motion::Motion;
 pub use pairs::{Pair, PairParams, pairs_under};
+pub use shape_features::{DescribeError, ShapeFeatures, common_lengths, describe_shape};

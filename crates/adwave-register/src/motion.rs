@@ -1,13 +1,13 @@
-//! Rotation, scale and translation, and the ones that fit best.
+//! Similarity transforms and their least-squares fits.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Rounds of weights that leave out what moved otherwise.
-const ROBUST_ROUNDS: usize = 10;
-/// How many medians off a pair counts for nothing.
+/// Number of reweighting rounds of a robust fit.
+const N_ROBUST_ROUNDS: usize = 10;
+/// Distance in medians at which the weight of a pair is 0.
 const TUKEY: f64 = 6.0;
 
-/// `p ↦ s·R·p + t`.
+/// Similarity transform `p ↦ s·R·p + t`; a rigid motion if s = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     rotation: Rotation3<f64>,
@@ -22,7 +22,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// By its parts: a vector whose direction is the axis and whose length is the angle in radians, and a translation.
+    /// Creates a rigid motion from a rotation vector, whose length is the angle in radians, and a translation.
     pub fn new(axis_angle: [f64; 3], translation: [f64; 3]) -> Self {
         Self {
             rotation: Rotation3::new(Vector3::from(axis_angle)),
@@ -31,14 +31,16 @@ impl Motion {
         }
     }
 
-    /// The same, then larger by a factor.
+    /// Appends a scaling by a factor.
     #[must_use]
     pub fn scaled_by(self, factor: f64) -> Self {
         Self { scale: factor * self.scale, translation: factor * self.translation, ..self }
     }
 
-    /// The motion that takes the points `from` to the points `to` with the least weighted sum of squares, `None` with fewer than
-    /// three pairs or where they leave a rotation open (all on one line). With `scaled` it may change the size too. O(pairs).
+    /// Fits the motion that takes the points `from` to `to` with the least weighted sum of squares, in O(pairs).
+    ///
+    /// Returns `None` for fewer than three pairs, and for pairs on one line, which do not determine the rotation. With
+    /// `scaled` the scale is fitted too.
     ///
     /// Source: `umeyama1991`.
     ///
@@ -69,7 +71,7 @@ impl Motion {
         let svd = covariance.try_svd(true, true, f64::EPSILON, 100)?;
         let (u, v_t) = (svd.u?, svd.v_t?);
         let values = svd.singular_values;
-        // One direction only: a turn round it is left open.
+        // All points on a line: the rotation about it is undetermined.
         if values[1].is_nan() || values[1] <= 1e-12 * values[0] {
             return None;
         }
@@ -80,14 +82,14 @@ impl Motion {
         Some(Self { rotation, scale, translation: to_mean - scale * (rotation * from_mean) })
     }
 
-    /// As [`fit`](Self::fit) without a change of size, by weights that leave out what moved otherwise (Tukey's, from the median distance, ten
-    /// rounds), times `areas`.
+    /// Fits a rigid motion robustly: like [`fit`](Self::fit), with `areas` times Tukey's weights from the median distance, in
+    /// ten rounds. Points that moved otherwise are ignored.
     pub fn fit_robust(from: &[[f64; 3]], to: &[[f64; 3]], areas: &[f64]) -> Option<Self> {
         let mut motion = Self::fit(from, to, areas, false)?;
-        for _ in 0..ROBUST_ROUNDS {
-            let off =
+        for _ in 0..N_ROBUST_ROUNDS {
+            let distance =
                 |(p, q): (&[f64; 3], &[f64; 3])| (Vector3::from(motion.apply(p)) - Vector3::from(*q)).norm();
-            let distances: Vec<f64> = from.iter().zip(to).map(off).collect();
+            let distances: Vec<f64> = from.iter().zip(to).map(distance).collect();
             let middle = distances.len() / 2;
             let median = *distances.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
             let weight =
@@ -102,17 +104,17 @@ impl Motion {
         Some(motion)
     }
 
-    /// Where a point goes.
+    /// Transforms a point.
     pub fn apply(&self, point: &[f64; 3]) -> [f64; 3] {
         (self.scale * (self.rotation * Vector3::from(*point)) + self.translation).into()
     }
 
-    /// Where a direction goes; its length stays.
+    /// Rotates a direction; its length is preserved.
     pub fn turn(&self, direction: &[f64; 3]) -> [f64; 3] {
         (self.rotation * Vector3::from(*direction)).into()
     }
 
-    /// First `self`, then `after`.
+    /// Composes two motions: first `self`, then `after`.
     #[must_use]
     pub fn then(&self, after: &Self) -> Self {
         Self {
@@ -122,29 +124,29 @@ impl Motion {
         }
     }
 
-    /// The way back.
+    /// Returns the inverse motion.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let (rotation, scale) = (self.rotation.inverse(), 1.0 / self.scale);
         Self { rotation, scale, translation: -(scale * (rotation * self.translation)) }
     }
 
-    /// The factor s.
+    /// Scale factor s.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// The angle of R in degrees, 0 to 180.
+    /// Rotation angle in degrees, in [0, 180].
     pub fn degrees(&self) -> f64 {
         self.rotation.angle().to_degrees()
     }
 
-    /// t, which is where the origin goes.
+    /// Translation t, the image of the origin.
     pub fn translation(&self) -> [f64; 3] {
         self.translation.into()
     }
 
-    /// The homogeneous matrix, row by row.
+    /// Homogeneous matrix, by rows.
     pub fn matrix(&self) -> [[f64; 4]; 4] {
         let m = self.rotation.matrix();
         std::array::from_fn(|i| {

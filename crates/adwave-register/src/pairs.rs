@@ -1,12 +1,12 @@
-//! Pairs of features that a motion brings together.
+//! Corresponding features under a motion.
 
-use crate::consensus::agreeing;
+use crate::consensus::{AgreeingPair, agreeing_pairs};
 use crate::{Key, Motion};
 
-/// What counts as a pair.
+/// Options of the pairing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairParams {
-    /// How far off the two may be after the motion, in σ of the second.
+    /// Largest distance after the motion, in σ of the second feature.
     pub sigmas: f64,
 }
 
@@ -16,24 +16,24 @@ impl Default for PairParams {
     }
 }
 
-/// Two features that are one place of the surface.
+/// Two features at the same place of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Index among the first features.
     pub first: usize,
     /// Index among the second features.
     pub second: usize,
-    /// How far apart they are after the motion, in σ of the second.
+    /// Distance after the motion, in σ of the second feature.
     pub sigmas: f64,
-    /// How sure it is, in [0, 1].
+    /// Confidence in [0, 1].
     pub confidence: f64,
 }
 
-/// The pairs of features each of which is the nearest like the other after the motion, within [`PairParams::sigmas`] of σ, by rising
-/// index of the first. O(first × second).
+/// Lists the mutually nearest similar features after a motion, within [`PairParams::sigmas`] of σ, by rising index of the
+/// first. O(first × second).
 ///
-/// The confidence is the chance `exp(−m·π·d²/area)` that no feature would lie so near were the m features of the second that are like
-/// it put anywhere on its surface, d the distance and `area` that surface's in squared model units.
+/// The confidence `exp(−m·π·d²/area)` is the probability that none of the m similar features of the second shape would lie
+/// within the distance d if they were placed at random on its surface, whose `area` is in squared model units.
 pub fn pairs_under(
     first: &[Key],
     second: &[Key],
@@ -41,10 +41,10 @@ pub fn pairs_under(
     area: f64,
     params: &PairParams,
 ) -> Vec<Pair> {
-    let pair = |(a, b, sigmas): (usize, usize, f64)| {
-        let like = second.iter().filter(|other| first[a].is_alike_after(other, motion)).count();
-        let disc = std::f64::consts::PI * (sigmas * second[b].sigma).powi(2);
-        Pair { first: a, second: b, sigmas, confidence: (-(like as f64) * disc / area).exp() }
+    let to_pair = |AgreeingPair { first: a, second: b, sigmas }| {
+        let n_similar = second.iter().filter(|other| first[a].is_alike_after(other, motion)).count();
+        let disk = std::f64::consts::PI * (sigmas * second[b].sigma).powi(2);
+        Pair { first: a, second: b, sigmas, confidence: (-(n_similar as f64) * disk / area).exp() }
     };
-    agreeing(first, second, motion, params.sigmas).into_iter().map(pair).collect()
+    agreeing_pairs(first, second, motion, params.sigmas).into_iter().map(to_pair).collect()
 }

@@ -1,12 +1,12 @@
-//! Two meshings of one shape are brought together, and their features are the same ones.
+//! Registration of two meshes of one shape, and correspondence of their features.
 
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
-    AlignParams, ConsensusParams, DescribeError, Described, Motion, PairParams, Surface, align,
-    common_lengths, consensus, described, pairs_under, signed_distances,
+    AlignParams, ConsensusParams, DescribeError, Motion, PairParams, ShapeFeatures, Surface, align,
+    common_lengths, consensus, describe_shape, pairs_under, signed_distances,
 };
 
 fn prepared(shape: &Shape) -> Decomposer {
@@ -14,9 +14,9 @@ fn prepared(shape: &Shape) -> Decomposer {
     Decomposer::with_params(shape, &params, Progress::none()).unwrap()
 }
 
-/// A creature of that many vertices, with noise, moved.
+/// Noisy creature with about n vertices, after a motion.
 fn creature(n_vertices: usize, noise: f64, seed: u64, motion: &Motion) -> Shape {
-    let mut sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let mut sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
     sample.add_noise(NoiseSigma::MeanEdge(noise), seed).unwrap();
     let points = sample.points.iter().map(|p| motion.apply(p)).collect();
     Shape::Mesh(Mesh::new(points, sample.faces).unwrap())
@@ -26,12 +26,12 @@ fn geometry(shape: &Shape) -> PreparedGeometry {
     PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap()
 }
 
-fn both(first: &Shape, second: &Shape) -> [(Decomposer, Described); 2] {
+fn both(first: &Shape, second: &Shape) -> [(Decomposer, ShapeFeatures); 2] {
     let walks = [prepared(first), prepared(second)];
     let lengths = common_lengths(&walks[0], &walks[1]).unwrap();
-    walks.map(|walk| {
-        let found = described(&walk, None, &lengths, 1.0, Progress::none()).unwrap();
-        (walk, found)
+    walks.map(|decomposer| {
+        let found = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        (decomposer, found)
     })
 }
 
@@ -43,19 +43,28 @@ fn off(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let truth = Motion::new([0.3, -2.0, 1.1], [4.0, -1.0, 0.5]);
     let (first, second) = (creature(9000, 0.1, 1, &Motion::default()), creature(14_000, 0.1, 2, &truth));
-    let [(walk, a), (other, b)] = both(&first, &second);
+    let [(decomposer, a), (other, b)] = both(&first, &second);
     assert!(a.is_signed && b.is_signed);
     let params = ConsensusParams::default();
-    let found = consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, Progress::none());
+    let found = consensus(&a, &b, &params, Progress::none());
     let found = found.unwrap().unwrap();
     assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
     let surface = Surface::new(other.geometry()).unwrap();
-    let (motion, info) =
-        align(walk.geometry().points(), &surface, found.motion, &AlignParams::default(), Progress::none())
-            .unwrap();
-    let diagonal = walk.diagonal();
-    let farthest =
-        walk.geometry().points().iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
+    let (motion, info) = align(
+        decomposer.geometry().points(),
+        &surface,
+        found.motion,
+        &AlignParams::default(),
+        Progress::none(),
+    )
+    .unwrap();
+    let diagonal = decomposer.diagonal();
+    let farthest = decomposer
+        .geometry()
+        .points()
+        .iter()
+        .map(|p| off(&motion.apply(p), &truth.apply(p)))
+        .fold(0.0, f64::max);
     assert!(farthest < 0.002 * diagonal && info.overlap > 0.99, "{farthest}, {info:?}");
     let area = surface_area(other.geometry().points(), other.geometry().triangles());
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams::default());
@@ -66,7 +75,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let n_right = pairs.iter().filter(right).count();
     assert!(pairs.len() >= 30 && 10 * n_right >= 8 * pairs.len(), "{n_right} of {}", pairs.len());
     assert!(pairs.iter().all(|p| (0.0..=1.0).contains(&p.confidence)));
-    // Nobody is in two pairs.
+    // No feature is in two pairs.
     let mut seconds: Vec<usize> = pairs.iter().map(|p| p.second).collect();
     seconds.sort_unstable();
     assert!(seconds.windows(2).all(|w| w[0] < w[1]));
@@ -74,13 +83,13 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
 
 #[test]
 fn no_motion_is_clear_between_shapes_that_have_nothing_in_common() {
-    let torus = Sample::by_name("torus", Some(6000)).unwrap();
+    let torus = Sample::from_name("torus", Some(6000)).unwrap();
     let mut torus = torus;
     torus.add_noise(NoiseSigma::MeanEdge(0.3), 3).unwrap();
     let torus = Shape::Mesh(Mesh::new(torus.points, torus.faces).unwrap());
     let [(_, a), (_, b)] = both(&creature(6000, 0.1, 1, &Motion::default()), &torus);
     let params = ConsensusParams { tries: 20_000, ..ConsensusParams::default() };
-    let found = consensus((&a.keys, &a.descriptors), (&b.keys, &b.descriptors), &params, Progress::none());
+    let found = consensus(&a, &b, &params, Progress::none());
     assert!(found.unwrap().is_none_or(|found| !found.is_clear()));
 }
 
@@ -93,7 +102,7 @@ fn a_fit_finds_motion_and_size_and_is_not_tilted_by_what_differs() {
     for scaled in [false, true] {
         let truth = if scaled { truth.scaled_by(1.03) } else { truth };
         let mut points: Vec<[f64; 3]> = target.points().iter().map(|p| truth.inverse().apply(p)).collect();
-        // A tenth of the vertices, all on one side, were moved away.
+        // A tenth of the vertices, all on one side, are displaced.
         let n = points.len();
         for p in points.iter_mut().take(n / 10) {
             p[0] += 0.03 * target.shape().diagonal();
@@ -161,7 +170,7 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
             (0..3).map(|k| found.weights[k] * target.points()[found.corners[k] as usize][c]).sum()
         });
         assert!(off(&mix, &found.point) < 1e-9 * size);
-        // Sampling every triangle finds nothing nearer.
+        // Sampling every triangle finds no nearer point.
         let least = target.triangles().iter().flat_map(|t| {
             let corners = t.map(|v| target.points()[v as usize]);
             (0..=4).flat_map(move |i| {
@@ -180,7 +189,7 @@ fn the_closest_point_of_a_mesh_is_that_of_all_its_triangles() {
 
 #[test]
 fn points_of_a_cloud_stand_for_the_surface_between_them() {
-    let sphere = Sample::by_name("sphere", Some(4000)).unwrap();
+    let sphere = Sample::from_name("sphere", Some(4000)).unwrap();
     let cloud = geometry(&Shape::Cloud(PointCloud::new(sphere.points).unwrap()));
     let surface = Surface::new(&cloud).unwrap();
     for k in 0..100 {
@@ -199,7 +208,7 @@ fn what_has_no_extent_is_refused() {
     let sphere = prepared(&creature(2000, 0.0, 1, &Motion::default()));
     assert!(matches!(common_lengths(&graph, &sphere), Err(DescribeError::NoPositions)));
     assert!(matches!(common_lengths(&sphere, &cloud), Err(DescribeError::NoExtent)));
-    // On one line a turn round it is left open.
+    // Points on a line do not determine the rotation about it.
     let line: Vec<[f64; 3]> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     assert_eq!(Motion::fit(&line, &line, &[1.0; 5], false), None);
     assert!(Surface::new(graph.geometry()).is_none());

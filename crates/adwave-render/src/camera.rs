@@ -1,11 +1,11 @@
-//! From the model to the picture.
+//! Projection from model coordinates to the picture.
 
 use crate::error::RenderError;
 use crate::params::{FARTHEST_FOCUS, Framing, Projection, RenderParams};
 use adwave::Progress;
 use adwave::vector::{Vector, dot, subtract};
 
-/// A part of the picture, pixels.
+/// Rectangle of the picture, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rect {
     pub(crate) left: f64,
@@ -14,50 +14,49 @@ pub(crate) struct Rect {
     pub(crate) height: f64,
 }
 
-/// A point as the picture has it.
+/// Point projected into the picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Projected {
     /// Pixels from the left.
     pub(crate) x: f64,
     /// Pixels from the top.
     pub(crate) y: f64,
-    /// What grows toward the viewer and is linear over a plane in the picture; in (0, 1].
+    /// Nearness to the viewer in (0, 1]: grows toward the viewer and is linear over a plane in the picture.
     pub(crate) near: f64,
 }
 
-/// A camera that frames what it was fitted to.
+/// Camera that frames the balls it was fitted to.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
     axes: [Vector; 3],
-    /// Where lengths are measured from, and the model's length that counts as 1.
+    /// Origin of the camera's coordinates, in the model.
     origin: Vector,
     unit: f64,
-    /// The eye's place across the picture, and its distance (perspective) or 0.
+    /// Position of the eye across the picture and its distance (perspective) or 0.
     eye: [f64; 2],
     distance: f64,
-    /// Pixels to a unit: at depth 1 (perspective) or everywhere (orthographic).
+    /// Pixels per unit: at depth 1 (perspective) or everywhere (orthographic).
     focal: f64,
     center: [f64; 2],
-    /// The range of depths toward the viewer.
+    /// Range of depths toward the viewer.
     depths: [f64; 2],
 }
 
-/// The eye of a perspective keeps this far from the shape, in diagonals of the shape: nearer, it would look distorted.
+/// Smallest distance between the eye of a perspective camera and the shape, in diagonals of the shape; a nearer eye
+/// would distort the shape.
 const MIN_DISTANCE: f64 = 0.5;
 
-/// Balls that are looked at between two looks at whether to go on.
-const BALLS_AT_A_TIME: usize = 1 << 14;
+/// Balls processed between two checks of the progress handle.
+const CHECK_INTERVAL: usize = 1 << 14;
 
-impl Camera {
-    /// The camera from `params.view` that shows all the balls (center and radius) as large as fits into `rect`, or the part of
-    /// that picture that `params.framing` asks for. O(n).
-    pub(crate) fn fit(
-        balls: &[(Vector, f64)],
-        params: &RenderParams,
-        rect: Rect,
-        progress: Progress<'_>,
-    ) -> Result<Self, RenderError> {
-        let axes = params.view.axes(params.up);
+/// Axis-aligned bounding box of balls.
+struct BoundingBox {
+    middle: Vector,
+    diagonal: f64,
+}
+
+impl BoundingBox {
+    fn new(balls: &[(Vector, f64)]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (p, r) in balls {
             for c in 0..3 {
@@ -65,11 +64,38 @@ impl Camera {
                 high[c] = high[c].max(p[c] + r);
             }
         }
-        let origin = [0, 1, 2].map(|c| f64::midpoint(low[c], high[c]));
-        // Scaled before they are squared: coordinates may be as small or large as numbers go.
+        let middle = [0, 1, 2].map(|c| f64::midpoint(low[c], high[c]));
+        // Scaled before squaring, because coordinates may be extremely small or large.
         let side = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
         let square: f64 = (0..3).map(|c| ((high[c] - low[c]) / side).powi(2)).sum();
-        let unit = if side > 0.0 { side * square.sqrt() } else { 1.0 };
+        Self { middle, diagonal: if side > 0.0 { side * square.sqrt() } else { 0.0 } }
+    }
+}
+
+/// Tangents of half the field of view across and up; 0 for parallel rays.
+fn frustum_tangents(projection: Projection, rect: Rect) -> [f64; 2] {
+    match projection {
+        Projection::Orthographic => [0.0; 2],
+        Projection::Perspective { field_of_view } => {
+            let half = (field_of_view.to_radians() / 2.0).tan();
+            let shorter = rect.width.min(rect.height);
+            [half * rect.width / shorter, half * rect.height / shorter]
+        }
+    }
+}
+
+impl Camera {
+    /// Fits a camera for `params.view` that shows all balls (center and radius) as large as possible inside `rect`,
+    /// or the part of that picture selected by `params.framing`. O(n).
+    pub(crate) fn fit(
+        balls: &[(Vector, f64)],
+        params: &RenderParams,
+        rect: Rect,
+        progress: Progress<'_>,
+    ) -> Result<Self, RenderError> {
+        let axes = params.view.axes(params.up);
+        let BoundingBox { middle: origin, diagonal } = BoundingBox::new(balls);
+        let unit = if diagonal > 0.0 { diagonal } else { 1.0 };
         let mut camera = Self {
             axes,
             origin,
@@ -81,21 +107,14 @@ impl Camera {
             depths: [0.0, 1.0],
         };
         let most = |f: &dyn Fn(Vector, f64) -> f64| {
-            let chunks = balls.chunks(BALLS_AT_A_TIME).take_while(|_| !progress.is_cancelled());
-            let spheres = chunks.flatten().map(|(p, r)| (camera.seen(p), r / unit));
+            let chunks = balls.chunks(CHECK_INTERVAL).take_while(|_| !progress.is_cancelled());
+            let spheres = chunks.flatten().map(|(p, r)| (camera.to_view(p), r / unit));
             spheres.map(|(v, r)| f(v, r)).fold(f64::NEG_INFINITY, f64::max)
         };
         let nearest = most(&|v, r| v[2] + r);
         let farthest = -most(&|v, r| r - v[2]);
-        let tangents = match params.projection {
-            Projection::Orthographic => [0.0; 2],
-            Projection::Perspective { field_of_view } => {
-                let half = (field_of_view.to_radians() / 2.0).tan();
-                let shorter = rect.width.min(rect.height);
-                [half * rect.width / shorter, half * rect.height / shorter]
-            }
-        };
-        // Each side of the frustum is pushed against the shape; two opposite sides meet at the eye.
+        let tangents = frustum_tangents(params.projection, rect);
+        // Each side of the frustum is moved against the shape; two opposite sides meet at the eye.
         let bounds = [0, 1].map(|c| {
             let t = tangents[c];
             let slope = (1.0 + t * t).sqrt();
@@ -113,7 +132,8 @@ impl Camera {
                 let needed = [0, 1].map(|c| (bounds[c][0] + bounds[c][1]) / (2.0 * tangents[c]));
                 let needed = needed[0].max(needed[1]);
                 let distance = needed.max(nearest + MIN_DISTANCE);
-                // What is seen from there, as tangents: the lens is as long and shifted as fills the picture with it.
+                // Extent of the shape seen from the eye, as tangents: the lens is scaled and shifted so that the
+                // shape fills the picture.
                 let seen = [0, 1].map(|c| {
                     let tangent =
                         |v: Vector, r: f64, sign: f64| (sign * (v[c] - eye[c]) + r) / (distance - v[2] - r);
@@ -132,19 +152,20 @@ impl Camera {
         camera.distance = distance;
         camera.focal = focal;
         camera.depths = [farthest - 1e-3, nearest];
-        camera.frame(&params.framing, rect)?;
+        camera.apply_framing(&params.framing, rect)?;
         Ok(camera)
     }
 
-    /// Looks at a part of the picture: as through a longer lens from the same distance, so that nothing gets behind the eye.
-    fn frame(&mut self, framing: &Framing, rect: Rect) -> Result<(), RenderError> {
+    /// Zooms to a part of the picture with a longer lens from the same distance, so that no point gets behind the
+    /// eye.
+    fn apply_framing(&mut self, framing: &Framing, rect: Rect) -> Result<(), RenderError> {
         let middle = [rect.left + rect.width / 2.0, rect.top + rect.height / 2.0];
         if let Some(focus) = framing.focus {
-            let seen = self.seen(&focus);
+            let seen = self.to_view(&focus);
             if !seen.iter().all(|c| c.abs() <= FARTHEST_FOCUS) {
                 return Err(RenderError::FarFocus { focus, middle: self.origin });
             }
-            // The eye moves across, and what it looks at straight ahead is in the middle at any depth.
+            // The eye moves sideways; the point straight ahead is in the middle at any depth.
             self.eye = [seen[0], seen[1]];
             self.center = middle;
         }
@@ -153,14 +174,14 @@ impl Camera {
         Ok(())
     }
 
-    /// In the viewer's axes, from the origin, in units.
-    fn seen(&self, p: &Vector) -> Vector {
+    /// Position in the viewer's axes relative to the origin, in units.
+    fn to_view(&self, p: &Vector) -> Vector {
         let d = subtract(p, &self.origin).map(|c| c / self.unit);
         self.axes.map(|axis| dot(&axis, &d))
     }
 
-    /// A direction in the viewer's axes: right, up, toward the viewer.
-    pub(crate) fn turn(&self, d: &Vector) -> Vector {
+    /// Rotates a direction into the viewer's axes: right, up, toward the viewer.
+    pub(crate) fn rotate(&self, d: &Vector) -> Vector {
         self.axes.map(|axis| dot(&axis, d))
     }
 
@@ -169,7 +190,7 @@ impl Camera {
     }
 
     pub(crate) fn project(&self, p: &Vector) -> Projected {
-        let v = self.seen(p);
+        let v = self.to_view(p);
         let scale = self.scale(v[2]);
         Projected {
             x: self.center[0] + (v[0] - self.eye[0]) * scale,
@@ -178,19 +199,20 @@ impl Camera {
         }
     }
 
-    /// A radius at `p` in pixels, and how much nearer its foremost point is.
+    /// Pixels spanned by a radius at `p`, and the difference in nearness between its center and its foremost point.
     pub(crate) fn radius(&self, p: &Vector, radius: f64) -> (f64, f64) {
-        let depth = self.seen(p)[2];
+        let depth = self.to_view(p)[2];
         let r = radius / self.unit;
         (r * self.scale(depth), self.near(depth + r) - self.near(depth))
     }
 
-    /// Pixels to a unit at this depth.
+    /// Pixels per unit at this depth.
     fn scale(&self, depth: f64) -> f64 {
         if self.is_perspective() { self.focal / (self.distance - depth).max(1e-6) } else { self.focal }
     }
 
-    /// Linear over a plane in the picture: depth itself for parallel rays, the inverse distance for rays from an eye.
+    /// Nearness, linear over a plane in the picture: the depth itself for parallel rays, the inverse distance for
+    /// rays from an eye.
     fn near(&self, depth: f64) -> f64 {
         if self.is_perspective() {
             ((self.distance - self.depths[1]) / (self.distance - depth)).max(1e-6)
@@ -199,8 +221,8 @@ impl Camera {
         }
     }
 
-    /// The depth toward the viewer in pixels, from what [`Projected::near`] is: for shading, where pixels across and pixels
-    /// deep are alike.
+    /// Depth toward the viewer in pixels, computed from [`Projected::near`]; shading needs the same unit across and
+    /// along the view.
     pub(crate) fn depth_in_pixels(&self, near: f64) -> f64 {
         let depth = if self.is_perspective() {
             self.distance - (self.distance - self.depths[1]) / near
@@ -210,7 +232,7 @@ impl Camera {
         depth * self.pixels_per_unit()
     }
 
-    /// Pixels to the diagonal of what is framed, at its middle.
+    /// Pixels per diagonal of the framed shape, at its middle.
     pub(crate) fn pixels_per_unit(&self) -> f64 {
         self.scale(0.0)
     }
@@ -221,10 +243,10 @@ mod tests {
     use super::*;
     use crate::view::View;
 
-    /// The part of the picture for the shape in these tests, pixels; its middle is (200, 150).
+    /// Part of the picture used by these tests, in pixels; its middle is (200, 150).
     const RECT: Rect = Rect { left: 0.0, top: 0.0, width: 400.0, height: 300.0 };
 
-    /// Pixels may differ by rounding only.
+    /// Tolerance for pixel coordinates that differ by rounding only.
     const ROUNDING: f64 = 1e-9;
 
     fn cube() -> Vec<(Vector, f64)> {

@@ -1,42 +1,42 @@
-//! The bar that tells which color stands for which number.
+//! Color bar: shows which color stands for which value.
 
 use crate::color_range::ColorScale;
 use crate::picture::Picture;
 use crate::text;
 
-/// The color of words and lines.
+/// Color of text and lines.
 pub(crate) const INK: [u8; 3] = [38, 42, 48];
 
-/// About how many numbers stand beside a bar.
+/// Approximate number of tick labels beside a bar.
 const TICKS: f64 = 5.0;
 
-/// The bar's place in the picture, pixels, and what is written beside it.
+/// Position of the bar in the picture, in pixels, and its labels.
 #[derive(Debug)]
 pub(crate) struct Bar {
-    /// Where its part of the picture begins.
+    /// Left edge of the bar's part of the picture.
     pub(crate) left_edge: f64,
     pub(crate) left: f64,
     pub(crate) top: f64,
     pub(crate) thick: f64,
     pub(crate) tall: f64,
     pub(crate) gap: f64,
-    /// Height of the letters.
+    /// Font size.
     pub(crate) size: f32,
     pub(crate) label: String,
-    /// Numbers as values and as they are written.
+    /// Tick values with their labels.
     pub(crate) marks: Vec<(f64, String)>,
 }
 
-/// Round numbers between `low` and `high`, as values and as they are written: multiples of 1, 2 or 5 of a power of ten.
+/// Round tick values between `low` and `high` with their labels: multiples of 1, 2 or 5 times a power of ten.
 pub(crate) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     let span = high - low;
     let rough = span / TICKS;
     let power = 10.0_f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= 0.999 * rough);
     let Some(step) = step.filter(|s| *s > 0.0 && s.is_finite()) else {
-        return vec![(low, written(low, span)), (high, written(high, span))];
+        return vec![(low, format_tick(low, span)), (high, format_tick(high, span))];
     };
-    // A range far from 0 may be narrower than the numbers there tell apart.
+    // A range far from 0 may be narrower than the spacing of floating-point numbers there.
     let first = (low / step - 1e-9).ceil();
     let marks: Vec<f64> = (0..=10)
         .map(|k| (first + f64::from(k)) * step)
@@ -45,7 +45,7 @@ pub(crate) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
         .collect();
     let mut known = Vec::new();
     for v in marks {
-        let text = written(v, step);
+        let text = format_tick(v, step);
         if known.iter().all(|(_, other)| *other != text) {
             known.push((v, text));
         }
@@ -53,8 +53,8 @@ pub(crate) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     known
 }
 
-/// A number as precise as steps of `step` need.
-fn written(value: f64, step: f64) -> String {
+/// Formats a tick value with the precision that steps of `step` need.
+fn format_tick(value: f64, step: f64) -> String {
     let size = value.abs().max(step.abs());
     let text = if value == 0.0 {
         "0".to_owned()
@@ -68,7 +68,7 @@ fn written(value: f64, step: f64) -> String {
     text.replace('-', "−")
 }
 
-/// Draws the bar: `high` on top; a point at an end says that there are values beyond it.
+/// Draws the bar with `high` at the top; an arrowhead at an end marks values beyond it.
 pub(crate) fn draw(picture: &mut Picture, bar: &Bar, scale: &ColorScale) {
     let (left, top) = (bar.left.round() as i64, bar.top.round() as i64);
     let (thick, tall) = (bar.thick.round().max(1.0) as i64, bar.tall.round().max(2.0) as i64);
@@ -80,7 +80,7 @@ pub(crate) fn draw(picture: &mut Picture, bar: &Bar, scale: &ColorScale) {
     }
     let tip = thick * 3 / 5;
     for k in 1..=tip {
-        // Narrower with each row, smooth at its edges.
+        // Narrower with each row, with smoothed edges.
         let half = thick as f32 / 2.0 * (1.0 - k as f32 / (tip + 1) as f32);
         for x in 0..thick {
             let off = (x as f32 + 0.5 - thick as f32 / 2.0).abs();
@@ -94,7 +94,7 @@ pub(crate) fn draw(picture: &mut Picture, bar: &Bar, scale: &ColorScale) {
         }
     }
     for (value, text) in &bar.marks {
-        let y = bar.top + (1.0 - scale.place(*value)) * (bar.tall - 1.0);
+        let y = bar.top + (1.0 - scale.position(*value)) * (bar.tall - 1.0);
         for x in 0..(bar.gap * 0.5).round() as i64 {
             picture.blend(left + thick + x, y.round() as i64, INK, 0.8);
         }

@@ -1,9 +1,9 @@
-//! Colors for a scalar, by named color maps.
+//! Named color maps from a scalar to a color.
 
 use crate::diverging::coolwarm;
 use colorous::Gradient;
 
-/// Where the colors of a map come from.
+/// Source of the colors of a map.
 #[derive(Clone, Copy)]
 enum Source {
     Library(Gradient),
@@ -17,7 +17,7 @@ impl std::fmt::Debug for Source {
     }
 }
 
-/// The color maps by name: perceptually even ones first, then diverging ones.
+/// Color maps by name: first perceptually uniform ones, then diverging ones.
 const MAPS: [(&str, Source); 12] = [
     ("viridis", Source::Library(colorous::VIRIDIS)),
     ("magma", Source::Library(colorous::MAGMA)),
@@ -33,10 +33,10 @@ const MAPS: [(&str, Source); 12] = [
     ("spectral", Source::Library(colorous::SPECTRAL)),
 ];
 
-/// What has no value.
+/// Color of missing values.
 const MISSING: [u8; 3] = [128, 128, 128];
 
-/// A named color map.
+/// Color map with a name.
 #[derive(Clone, Copy, Debug)]
 pub struct ColorMap {
     name: &'static str,
@@ -50,12 +50,12 @@ impl PartialEq for ColorMap {
 }
 
 impl ColorMap {
-    /// Every name.
+    /// Names of all color maps.
     pub fn names() -> impl Iterator<Item = &'static str> {
         MAPS.iter().map(|m| m.0)
     }
 
-    /// The map of that name.
+    /// Finds a color map by its name; `None` if there is none.
     ///
     /// ```
     /// use adwave_render::ColorMap;
@@ -66,17 +66,17 @@ impl ColorMap {
         MAPS.iter().find(|m| m.0 == name).map(|&(name, source)| Self { name, source })
     }
 
-    /// A map of the list that is always there.
-    pub(crate) fn usual(name: &str) -> Self {
-        Self::from_name(name).expect("a name of the list")
+    /// Color map whose name is known to be in the list.
+    pub(crate) fn built_in(name: &str) -> Self {
+        Self::from_name(name).expect("the name is in the list")
     }
 
-    /// Its name.
+    /// Name of the map.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Red, green and blue at `t`, which is taken to [0, 1]; gray for NaN.
+    /// Red, green and blue at `t`, which is clamped to [0, 1]; gray for NaN.
     pub fn color(&self, t: f64) -> [u8; 3] {
         if t.is_nan() {
             return MISSING;
@@ -89,15 +89,16 @@ impl ColorMap {
         }
     }
 
-    /// A color for each value, `low` and below at one end, `high` and above at the other.
+    /// Maps each value to a color; values at or below `low` get one end of the map, values at or above `high` the
+    /// other.
     pub fn colors(&self, values: &[f64], low: f64, high: f64) -> Vec<u8> {
         let span = if high > low { high - low } else { 1.0 };
         values.iter().flat_map(|v| self.color((v - low) / span)).collect()
     }
 }
 
-/// The values below which `low` and `high` (in [0, 1]) of the finite values lie: a range for colors that a few extreme
-/// values do not spoil. (0, 1) without finite values. O(n log n).
+/// Quantiles of the finite values at the fractions `low` and `high` (in [0, 1]): a color range that is robust against
+/// a few extreme values. Returns (0, 1) if no value is finite. O(n log n).
 ///
 /// ```
 /// use adwave_render::value_range;

@@ -1,22 +1,24 @@
-//! Which values the ends of a color map stand for.
+//! Value range of a color map.
 
 use crate::color_map::{ColorMap, value_range};
 use crate::error::RenderError;
 use crate::surface::FieldPaint;
 
-/// How many of the values may lie outside an automatic range, at each end.
+/// Fraction of the values that may lie outside an automatic range at each end.
 const TAIL: f64 = 0.01;
 
-/// A field whose smaller side reaches this part of its larger side has both signs; below it the crossing of 0 is noise.
+/// Ratio of a field's smaller to its larger side from which it counts as having both signs; below it the crossing of
+/// 0 is noise.
 const BOTH_SIGNS: f64 = 0.1;
 
-/// Which values the ends of the color map stand for.
+/// Values at the ends of the color map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ValueRange {
-    /// The 1st and the 99th percentile, or all where few values differ; symmetric about 0 for a field of both signs.
+    /// The 1st and the 99th percentile, or all values if few of them differ; symmetric about 0 for a field of both
+    /// signs.
     #[default]
     Auto,
-    /// These two.
+    /// These two values.
     Fixed(f64, f64),
 }
 
@@ -31,21 +33,21 @@ impl ValueRange {
     }
 }
 
-/// A color map with the values of its ends.
+/// Color map with the values at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColorScale {
     pub(crate) map: ColorMap,
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// Whether there are values below `low`.
+    /// True if there are values below `low`.
     pub(crate) below: bool,
-    /// Whether there are values above `high`.
+    /// True if there are values above `high`.
     pub(crate) above: bool,
 }
 
 impl ColorScale {
-    /// The scale that the fields share: one range for all of their values together.
-    pub(crate) fn of(fields: &[&FieldPaint]) -> Self {
+    /// Color scale shared by several fields: one range for all their values.
+    pub(crate) fn from_fields(fields: &[&FieldPaint]) -> Self {
         let values: Vec<f64> = fields.iter().flat_map(|f| f.values.iter().copied()).collect();
         let (least, most) = value_range(&values, 0.0, 1.0);
         let fixed = fields.iter().find_map(|f| match f.range {
@@ -55,17 +57,17 @@ impl ColorScale {
         let (low, high) = fixed.unwrap_or_else(|| automatic(&values));
         let chosen = fields.iter().find_map(|f| f.color_map);
         let usual = if both_signs(low, high) { "coolwarm" } else { "viridis" };
-        let map = chosen.unwrap_or_else(|| ColorMap::usual(usual));
+        let map = chosen.unwrap_or_else(|| ColorMap::built_in(usual));
         Self { map, low, high, below: least < low, above: most > high }
     }
 
-    /// Whether one bar serves both.
-    pub(crate) fn stands_for_the_same(&self, other: &Self) -> bool {
+    /// True if one color bar is valid for both scales.
+    pub(crate) fn has_same_range_as(&self, other: &Self) -> bool {
         (self.map, self.low, self.high) == (other.map, other.low, other.high)
     }
 
-    /// Where a value lies between the ends, 0 to 1 inside.
-    pub(crate) fn place(&self, value: f64) -> f64 {
+    /// Relative position of a value between the ends: 0 to 1 inside.
+    pub(crate) fn position(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 }
@@ -74,19 +76,19 @@ fn both_signs(low: f64, high: f64) -> bool {
     low < 0.0 && high > 0.0 && -low > BOTH_SIGNS * high && high > BOTH_SIGNS * -low
 }
 
-/// The range that a few extreme values do not spoil.
+/// Range that is robust against a few extreme values.
 fn automatic(values: &[f64]) -> (f64, f64) {
     let (least, most) = value_range(values, 0.0, 1.0);
     let (mut low, mut high) = value_range(values, TAIL, 1.0 - TAIL);
     if low >= high {
-        // Nearly all are equal: what differs is what there is to see.
+        // Nearly all values are equal, so the few that differ are worth showing.
         (low, high) = (least, most);
     }
     if both_signs(low, high) {
         let size = high.max(-low);
         (low, high) = (-size, size);
     }
-    // A range of more than the largest number has no width to divide by.
+    // A range wider than the largest number has no finite width to divide by.
     let largest = f64::MAX / 4.0;
     (low, high) = (low.clamp(-largest, largest), high.clamp(-largest, largest));
     if low < high {

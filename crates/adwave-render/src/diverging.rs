@@ -1,36 +1,36 @@
-//! The diverging color map from blue by white to red that is known as "cool to warm".
+//! Diverging color map from blue through white to red, known as "cool to warm".
 
 use std::f64::consts::FRAC_PI_3;
 use std::sync::LazyLock;
 
-/// The ends, sRGB in [0, 1].
+/// Ends of the map, sRGB in [0, 1].
 const COOL: [f64; 3] = [0.230, 0.299, 0.754];
 const WARM: [f64; 3] = [0.706, 0.016, 0.150];
 
-/// The magnitude of the white in the middle.
+/// Magnitude of the white in the middle.
 const WHITE: f64 = 88.0;
 
 /// CIE XYZ of the white of sRGB (D65).
 const WHITE_XYZ: [f64; 3] = [0.950_47, 1.0, 1.088_83];
 
-/// From linear sRGB to CIE XYZ, IEC 61966-2-1.
+/// Matrix from linear sRGB to CIE XYZ, IEC 61966-2-1.
 const TO_XYZ: [[f64; 3]; 3] = [
     [0.412_456_4, 0.357_576_1, 0.180_437_5],
     [0.212_672_9, 0.715_152_2, 0.072_175_0],
     [0.019_333_9, 0.119_192_0, 0.950_304_1],
 ];
 
-/// Its inverse.
+/// Inverse of [`TO_XYZ`].
 const FROM_XYZ: [[f64; 3]; 3] = [
     [3.240_454_2, -1.537_138_5, -0.498_531_4],
     [-0.969_266_0, 1.876_010_8, 0.041_556_0],
     [0.055_643_4, -0.204_025_9, 1.057_225_2],
 ];
 
-/// How finely the map is tabulated: finer than a byte tells.
+/// Number of table entries, finer than the resolution of a byte.
 const STEPS: usize = 1024;
 
-/// Magnitude, saturation and hue: CIE L*a*b* in polar coordinates about black.
+/// Magnitude, saturation and hue: CIE L*a*b* in polar coordinates around black.
 #[derive(Clone, Copy)]
 struct Msh {
     magnitude: f64,
@@ -40,17 +40,17 @@ struct Msh {
 
 /// The color at `t` in [0, 1]: blue at 0, white at 0.5, red at 1.
 ///
-/// Source: Moreland, "Diverging color maps for scientific visualization", 2009: each half is a straight line in (M, s, h)
-/// from a saturated end to a white whose hue is turned so that the step from color to color is even.
+/// Source: Moreland, "Diverging color maps for scientific visualization", 2009: each half is a straight line in (M,
+/// s, h) from a saturated end to a white whose hue is shifted so that colors change at an even rate.
 pub(crate) fn coolwarm(t: f64) -> [u8; 3] {
     static TABLE: LazyLock<Vec<[u8; 3]>> =
-        LazyLock::new(|| (0..=STEPS).map(|k| between(k as f64 / STEPS as f64)).collect());
+        LazyLock::new(|| (0..=STEPS).map(|k| interpolate(k as f64 / STEPS as f64)).collect());
     TABLE[(t.clamp(0.0, 1.0) * STEPS as f64).round() as usize]
 }
 
-fn between(t: f64) -> [u8; 3] {
+fn interpolate(t: f64) -> [u8; 3] {
     let end = if t < 0.5 { to_msh(COOL) } else { to_msh(WARM) };
-    let white = Msh { magnitude: WHITE, saturation: 0.0, hue: turned_hue(end, WHITE) };
+    let white = Msh { magnitude: WHITE, saturation: 0.0, hue: adjusted_hue(end, WHITE) };
     let s = (2.0 * t - 1.0).abs();
     let mix = |a: f64, b: f64| a + s * (b - a);
     from_msh(Msh {
@@ -60,8 +60,8 @@ fn between(t: f64) -> [u8; 3] {
     })
 }
 
-/// The hue that an unsaturated color of this magnitude gets when it is mixed with `end`.
-fn turned_hue(end: Msh, magnitude: f64) -> f64 {
+/// Hue of an unsaturated color of this magnitude when it is mixed with `end`.
+fn adjusted_hue(end: Msh, magnitude: f64) -> f64 {
     if end.magnitude >= magnitude {
         return end.hue;
     }
@@ -74,7 +74,7 @@ fn turned_hue(end: Msh, magnitude: f64) -> f64 {
 fn to_msh(rgb: [f64; 3]) -> Msh {
     let linear = rgb.map(|c| if c > 0.040_45 { ((c + 0.055) / 1.055).powf(2.4) } else { c / 12.92 });
     let f = |t: f64| if t > 0.008_856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 };
-    let xyz = times(&TO_XYZ, linear);
+    let xyz = multiply(&TO_XYZ, linear);
     let [x, y, z] = [0, 1, 2].map(|k| f(xyz[k] / WHITE_XYZ[k]));
     let [l, a, b] = [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)];
     let magnitude = (l * l + a * a + b * b).sqrt();
@@ -88,13 +88,13 @@ fn from_msh(msh: Msh) -> [u8; 3] {
     let y = (l + 16.0) / 116.0;
     let f = |t: f64| if t > 0.206_893 { t.powi(3) } else { (t - 16.0 / 116.0) / 7.787 };
     let xyz = [f(y + a / 500.0) * WHITE_XYZ[0], f(y) * WHITE_XYZ[1], f(y - b / 200.0) * WHITE_XYZ[2]];
-    times(&FROM_XYZ, xyz).map(|c| {
+    multiply(&FROM_XYZ, xyz).map(|c| {
         let c = if c > 0.003_130_8 { 1.055 * c.powf(1.0 / 2.4) - 0.055 } else { 12.92 * c };
         (c.clamp(0.0, 1.0) * 255.0).round() as u8
     })
 }
 
-fn times(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+fn multiply(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn the_ends_and_the_middle_are_those_published() {
-        // Moreland's own table of the map gives these bytes; one more or less is rounding.
+        // Moreland's own table of the map has these bytes; a difference of one is rounding.
         for (t, expected) in [(0.0, [59, 76, 192]), (0.5, [221, 221, 221]), (1.0, [180, 4, 38])] {
             let found = coolwarm(t);
             for c in 0..3 {

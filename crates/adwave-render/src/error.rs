@@ -1,143 +1,146 @@
-//! What a picture can fail by.
+//! Errors of rendering.
 
 use crate::view::{UpError, ViewError};
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// A picture that cannot be made.
+/// Reasons for which a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RenderError {
-    /// No pixels.
-    #[error("a picture of {width}x{height} pixels has none; give at least 1x1")]
+    /// The picture has no pixels.
+    #[error("the picture must have at least 1x1 pixels, got {width}x{height}")]
     NoPixels {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
-    /// More pixels than is sensible to hold.
-    #[error("a picture of {width}x{height} pixels is too large; at most {most} pixels, and {side} to a side")]
+    /// The picture exceeds the memory limits.
+    #[error("the picture may have at most {most} pixels and {side} pixels per side, got {width}x{height}")]
     TooLarge {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// The most pixels.
+        /// Largest number of pixels.
         most: u64,
-        /// The most pixels of a side.
+        /// Largest number of pixels per side.
         side: u32,
     },
-    /// Nothing to look at.
-    #[error("the shape has no points; there is nothing to see")]
+    /// The shape is empty.
+    #[error("the shape has no points to draw")]
     NoPoints,
-    /// A coordinate that is no position.
-    #[error("vertex {index} is at ({}, {}, {}); coordinates are finite and at most 1e100 in size", point[0], point[1], point[2])]
+    /// A coordinate is not finite or too large.
+    #[error("coordinates must be finite and at most 1e100 in magnitude, but vertex {index} is at ({}, {}, {})", point[0], point[1], point[2])]
     BadPoint {
-        /// The vertex, from 0.
+        /// Index of the vertex, from 0.
         index: usize,
-        /// Where it is.
+        /// Position of the vertex.
         point: [f64; 3],
     },
-    /// A corner that is no vertex.
-    #[error("triangle {triangle} has a corner {corner}, but there are {n_vertices} vertices, counted from 0")]
+    /// A triangle refers to a vertex that does not exist.
+    #[error("triangle {triangle} has the corner {corner}, which must be below {n_vertices} (counted from 0)")]
     BadCorner {
-        /// The triangle, from 0.
+        /// Index of the triangle, from 0.
         triangle: usize,
-        /// The corner's vertex.
+        /// Vertex index of the corner.
         corner: u32,
-        /// How many there are.
+        /// Number of vertices.
         n_vertices: usize,
     },
-    /// A paint that does not fit the shape.
-    #[error("there are {found} {what} for {expected} vertices; give one for each vertex")]
+    /// The number of colors or values differs from the number of vertices.
+    #[error("expected {expected} {what}, one per vertex; got {found}")]
     PaintLength {
-        /// Colors or values.
+        /// `"colors"` or `"values"`.
         what: &'static str,
-        /// How many were given.
+        /// Number of items given.
         found: usize,
-        /// How many vertices there are.
+        /// Number of vertices.
         expected: usize,
     },
-    /// A range without width.
-    #[error("the range of colors is from {low} to {high}; give two finite numbers, the smaller one first")]
+    /// The color range has no positive width.
+    #[error("the color range needs two finite numbers in ascending order, got {low} to {high}")]
     BadRange {
-        /// Its lower end.
+        /// Lower end.
         low: f64,
-        /// Its upper end.
+        /// Upper end.
         high: f64,
     },
-    /// A ball that is none.
-    #[error("ball {index} has the center ({}, {}, {}) and the radius {radius}; all are finite, the radius above 0", center[0], center[1], center[2])]
+    /// A ball has an invalid center or radius.
+    #[error("ball {index} needs a finite center and a finite radius above 0, got ({}, {}, {}) and {radius}", center[0], center[1], center[2])]
     BadBall {
-        /// The ball, from 0.
+        /// Index of the ball, from 0.
         index: usize,
-        /// Its center.
+        /// Center of the ball.
         center: [f64; 3],
-        /// Its radius.
+        /// Radius of the ball.
         radius: f64,
     },
-    /// The call was told to stop.
+    /// The caller cancelled the rendering.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A view that is none.
+    /// The view is invalid.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// A parameter out of range.
-    #[error("{name} is {value}; it is {range}")]
+    /// A parameter is out of range.
+    #[error("{name} must be {range}, got {value}")]
     BadParam {
-        /// Its name.
+        /// Name of the parameter.
         name: &'static str,
-        /// What was given.
+        /// Value of the parameter.
         value: f64,
-        /// What may be given.
+        /// Valid values, as a phrase that follows "must be".
         range: &'static str,
     },
-    /// A zoom out of range.
+    /// The zoom is out of range.
     #[error(
-        "the zoom is {zoom:?}; it is above 0 and at most {most} with pictures of this size, more with smaller ones"
+        "the zoom must be above 0 and at most {most} at this picture size (smaller pictures allow more), \
+        got {zoom:?}"
     )]
     BadZoom {
-        /// What was given.
+        /// Zoom given.
         zoom: f64,
-        /// The largest.
+        /// Largest zoom.
         most: f64,
     },
-    /// A middle of the picture from where nothing of the shape is seen.
+    /// The focus is so far away that the shape is not visible.
     #[error(
-        "the focus ({:?}, {:?}, {:?}) is far off the shape, whose middle is ({:?}, {:?}, {:?}); name a place on it",
+        "the focus ({:?}, {:?}, {:?}) is far from the shape, whose middle is ({:?}, {:?}, {:?}); choose a \
+        point on the shape",
         focus[0], focus[1], focus[2], middle[0], middle[1], middle[2]
     )]
     FarFocus {
-        /// What was given.
+        /// Focus given.
         focus: [f64; 3],
-        /// The middle of the shape's bounding box.
+        /// Middle of the shape's bounding box.
         middle: [f64; 3],
     },
-    /// A sheet without panels.
+    /// The sheet has no panels or no columns.
     #[error("a sheet needs at least one panel and one column")]
     NoPanels,
-    /// Pictures of different sizes where they must agree, or a part that is not inside.
+    /// A region extends beyond the borders of the picture.
     #[error(
-        "a part of {width}x{height} pixels at ({left}, {top}) is not inside a picture of {of_width}x{of_height}"
+        "a region of {width}x{height} pixels at ({left}, {top}) must lie inside the picture of \
+        {of_width}x{of_height} pixels"
     )]
-    BadPart {
-        /// Pixels from the left.
+    BadRegion {
+        /// Left edge of the region, in pixels.
         left: u32,
-        /// Pixels from the top.
+        /// Top edge of the region, in pixels.
         top: u32,
-        /// Pixels.
+        /// Width of the region, in pixels.
         width: u32,
-        /// Pixels.
+        /// Height of the region, in pixels.
         height: u32,
-        /// Pixels of the whole.
+        /// Width of the picture, in pixels.
         of_width: u32,
-        /// Pixels of the whole.
+        /// Height of the picture, in pixels.
         of_height: u32,
     },
     /// The picture could not be encoded.
     #[error("the picture cannot be encoded: {reason}")]
     Encoding {
-        /// The encoder's words.
+        /// Message of the encoder.
         reason: String,
     },
 }
@@ -159,7 +162,7 @@ impl ClassifiedError for RenderError {
             | Self::BadZoom { .. }
             | Self::FarFocus { .. }
             | Self::NoPanels
-            | Self::BadPart { .. } => ErrorKind::Input,
+            | Self::BadRegion { .. } => ErrorKind::Input,
             Self::Encoding { .. } => ErrorKind::Machine,
         }
     }

@@ -1,4 +1,4 @@
-//! Several pictures on one sheet.
+//! Sheets of several pictures.
 
 use crate::camera::Camera;
 use crate::color_bar;
@@ -7,7 +7,7 @@ use crate::error::RenderError;
 use crate::layout::{Layout, MARGIN, bar, caption_height, letter_size};
 use crate::params::{ColorBar, RenderParams, check_size};
 use crate::picture::Picture;
-use crate::render::{Subject, keep_room};
+use crate::render::{PreparedSurface, keep_room};
 use crate::surface::{Ball, FieldPaint, Paint, Surface, check_balls};
 use crate::text;
 use adwave::Progress;
@@ -15,32 +15,33 @@ use adwave::Progress;
 /// One picture of a sheet.
 #[derive(Clone, Debug)]
 pub struct Panel<'a> {
-    /// What is drawn.
+    /// Surface to draw.
     pub surface: Surface<'a>,
-    /// Places that are marked.
+    /// Balls that mark positions.
     pub balls: Vec<Ball>,
-    /// What is written below; nothing where it is empty.
+    /// Text below the picture; no line is reserved if it is empty.
     pub caption: String,
 }
 
-/// Whether the panels of a sheet are seen alike.
+/// Choice of the camera for the panels of a sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SharedCamera {
-    /// One camera frames them all: sizes and places compare.
+    /// One camera frames all panels, so that sizes and positions can be compared.
     #[default]
     Same,
-    /// Each is framed by itself, from the same direction.
+    /// Each panel has its own framing, from the same direction.
     Own,
 }
 
-/// A sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider where one bar serves them all.
+/// Draws a sheet of panels in rows of `columns`, each of the size in `params`; the sheet is wider if all panels share
+/// one color bar.
 ///
-/// Fields with the same name and an automatic range share one range of colors; where all panels show the same one, its bar stands once at the
-/// right. Captions stand below the panels and make the sheet higher.
+/// Fields with the same name and an automatic range share one color range. If all panels share it, a single color bar
+/// is drawn at the right. Captions are drawn below the panels and make the sheet higher.
 ///
 /// # Errors
 ///
-/// As [`crate::render`]; no panels or columns; a sheet of more than [`crate::MAX_PIXELS`].
+/// The errors of [`crate::render`]; no panels or columns; a sheet of more than [`crate::MAX_PIXELS`].
 pub fn grid(
     panels: &[Panel],
     columns: usize,
@@ -65,33 +66,22 @@ pub fn grid(
     let (width, height) = (f64::from(params.width), f64::from(params.height));
     let scales: Vec<Option<ColorScale>> = panels.iter().map(|p| scale_of(p, panels)).collect();
     let labels: Vec<&str> = panels.iter().filter_map(field).map(|f| f.label.as_str()).collect();
-    let shown = params.color_bar == ColorBar::Shown;
-    let drawn: Vec<&ColorScale> = scales.iter().flatten().collect();
-    let one_bar = shown
-        && panels.len() > 1
-        && labels.len() == panels.len()
-        && labels.iter().all(|l| *l == labels[0])
-        && drawn.iter().all(|s| s.stands_for_the_same(drawn[0]));
+    let one_bar = params.color_bar == ColorBar::Shown && all_share_a_range(&labels, &scales, panels.len());
     let sheet_height = height * rows as f64;
     let common = scales.iter().flatten().next().filter(|_| one_bar).and_then(|scale| {
-        // As if it stood in a picture of its own, then as wide as it needs to be.
+        // Laid out as in a picture of its own, then cut to the width it needs.
         bar(scale, labels[0], size, 2.0 * width, sheet_height.min(1.6 * height)).map(|bar| (scale, bar))
     });
     let bar_width = common.as_ref().map_or(0.0, |(_, b)| (2.0 * width - b.left_edge).ceil());
-    let sum = |panels: usize, pixels: u32, more: u32| {
-        u32::try_from(panels)
-            .ok()
-            .and_then(|n| n.checked_mul(pixels))
-            .and_then(|n| n.checked_add(more))
-            .unwrap_or(u32::MAX)
-    };
-    let (sheet_width, sheet_rows) =
-        (sum(columns, params.width, bar_width as u32), sum(rows, params.height, 0));
+    let sheet_width = sheet_side(columns, params.width, bar_width as u32);
+    let sheet_rows = sheet_side(rows, params.height, 0);
     check_size(sheet_width, sheet_rows)?;
-    let mut sheet = Picture::filled(sheet_width, sheet_rows, params.background.pixel())?;
+    let mut sheet = Picture::blank(sheet_width, sheet_rows, params.background.pixel())?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
-    let subjects: Vec<Subject> =
-        panels.iter().map(|p| Subject::new(&p.surface, &p.balls, progress)).collect::<Result<_, _>>()?;
+    let subjects: Vec<PreparedSurface> = panels
+        .iter()
+        .map(|p| PreparedSurface::new(&p.surface, &p.balls, progress))
+        .collect::<Result<_, _>>()?;
     let layouts: Vec<Layout> = panels
         .iter()
         .zip(&scales)
@@ -104,7 +94,7 @@ pub fn grid(
         SharedCamera::Same => subjects.iter().flat_map(|s| s.framed.iter().copied()).collect(),
         SharedCamera::Own => Vec::new(),
     };
-    // The narrowest stage, so that a panel with a bar shows things as large as one without.
+    // The narrowest shape area, so that a panel with a color bar shows shapes as large as one without.
     let narrowest = layouts.iter().map(|l| l.stage).min_by(|a, b| a.width.total_cmp(&b.width));
     for (k, (subject, layout)) in subjects.iter().zip(&layouts).enumerate() {
         let camera = match (shared, narrowest) {
@@ -112,7 +102,7 @@ pub fn grid(
             _ => Camera::fit(&subject.framed, params, layout.stage, progress)?,
         };
         let mut picture = subject.picture(&camera, scales[k].as_ref(), params, progress)?;
-        // Close-ups fill their panels, which would run into each other.
+        // Zoomed shapes fill their panels and would overlap.
         let gap = (MARGIN * width.min(height) / 2.0).ceil() as u32;
         let [right, bottom] = layout.room;
         keep_room(&mut picture, [gap, gap], [right.min(params.width.saturating_sub(gap)), bottom], params);
@@ -132,6 +122,21 @@ pub fn grid(
     Ok(sheet)
 }
 
+/// Pixels along a side of the sheet: `n_panels` times `pixels` and `more`; the largest number on overflow.
+fn sheet_side(n_panels: usize, pixels: u32, more: u32) -> u32 {
+    let panels = u32::try_from(n_panels).ok().and_then(|n| n.checked_mul(pixels));
+    panels.and_then(|n| n.checked_add(more)).unwrap_or(u32::MAX)
+}
+
+/// True if there are several panels and all show fields of one name and one range.
+fn all_share_a_range(labels: &[&str], scales: &[Option<ColorScale>], n_panels: usize) -> bool {
+    let scales: Vec<&ColorScale> = scales.iter().flatten().collect();
+    n_panels > 1
+        && labels.len() == n_panels
+        && labels.iter().all(|l| *l == labels[0])
+        && scales.iter().all(|s| s.has_same_range_as(scales[0]))
+}
+
 fn field<'a>(panel: &'a Panel) -> Option<&'a FieldPaint<'a>> {
     match &panel.surface.paint {
         Paint::Field(field) => Some(field),
@@ -139,12 +144,12 @@ fn field<'a>(panel: &'a Panel) -> Option<&'a FieldPaint<'a>> {
     }
 }
 
-/// The colors of a panel's field: those of its own range, or those that all fields of its name without one share.
+/// Color scale of a panel's field: its own range, or the range shared by all fields of that name without one.
 fn scale_of(panel: &Panel, panels: &[Panel]) -> Option<ColorScale> {
     let own = field(panel)?;
     if own.range != ValueRange::Auto {
-        return Some(ColorScale::of(&[own]));
+        return Some(ColorScale::from_fields(&[own]));
     }
     let alike = |f: &&FieldPaint| f.label == own.label && f.range == ValueRange::Auto;
-    Some(ColorScale::of(&panels.iter().filter_map(field).filter(alike).collect::<Vec<_>>()))
+    Some(ColorScale::from_fields(&panels.iter().filter_map(field).filter(alike).collect::<Vec<_>>()))
 }

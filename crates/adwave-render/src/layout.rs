@@ -1,4 +1,4 @@
-//! Which part of a picture is for what.
+//! Division of a picture into shape, color bar and caption.
 
 use crate::camera::Rect;
 use crate::color_bar::{Bar, ticks};
@@ -6,42 +6,43 @@ use crate::color_range::ColorScale;
 use crate::params::{ColorBar, RenderParams};
 use crate::text;
 
-/// The height of letters in a picture whose shorter side is [`USUAL_SIDE`], pixels.
+/// Font size in a picture whose shorter side is [`USUAL_SIDE`], in pixels.
 const LETTERS: f64 = 22.0;
 const USUAL_SIDE: f64 = 900.0;
 
-/// Letters shrink less than pictures do, lest those of small panels are hard to read.
+/// Exponent with which the font size follows the picture size; text shrinks less than pictures, so that it stays
+/// legible in small panels.
 const SHRINKING: f64 = 0.6;
 const SMALLEST_LETTERS: f64 = 11.0;
 
-/// What the shape keeps off the picture's border, in parts of its shorter side.
+/// Margin between the shape and the border of the picture, as a fraction of the shorter side.
 pub(crate) const MARGIN: f64 = 0.035;
 
-/// The most of a picture's width that a bar may take.
+/// Largest fraction of a picture's width that a color bar may take.
 const MAX_FOR_BAR: f64 = 0.4;
 
-/// The least height in letters that leaves room for words.
+/// Smallest height of a picture with text, in font sizes.
 const MIN_LETTERS: f64 = 7.0;
 
-/// The parts of one picture.
+/// Areas of one picture.
 #[derive(Debug)]
 pub(crate) struct Layout {
-    /// Where the shape is.
+    /// Area of the shape.
     pub(crate) stage: Rect,
-    /// Width and height of what bar and caption leave to the shape, pixels from the left and the top.
+    /// Width and height of the area left of the color bar and above the caption, in pixels.
     pub(crate) room: [u32; 2],
-    /// Where the bar of colors is.
+    /// Color bar.
     pub(crate) bar: Option<Bar>,
-    /// Where the caption is: its line and its place and size.
+    /// Caption: its line, font size and position.
     pub(crate) caption: Option<(String, f32, f32, f32)>,
 }
 
-/// The size of letters for pictures of this size, pixels.
+/// Font size for pictures of this size, in pixels.
 pub(crate) fn letter_size(width: f64, height: f64) -> f64 {
     (LETTERS * (width.min(height) / USUAL_SIDE).powf(SHRINKING)).max(SMALLEST_LETTERS)
 }
 
-/// The room for a caption of letters of this size, pixels.
+/// Height of a caption in this font size, in pixels.
 pub(crate) fn caption_height(size: f64) -> f64 {
     2.0 * size
 }
@@ -67,7 +68,7 @@ impl Layout {
         let beside = |taken: f64| if taken > 0.0 { taken + margin } else { 0.0 };
         let room = [width - beside(taken), height - line].map(|side| side.max(0.0) as u32);
         let caption = caption.filter(|_| roomy).map(|text| {
-            let text = text::shortened(text, size as f32, (width - size) as f32);
+            let text = text::shorten(text, size as f32, (width - size) as f32);
             let left = (width - f64::from(text::width(&text, size as f32))) / 2.0;
             (text, size as f32, left as f32, (height - 1.1 * size) as f32)
         });
@@ -75,14 +76,14 @@ impl Layout {
     }
 }
 
-/// The bar at the right border of `width` × `height` pixels, if it leaves room for the shape.
+/// Color bar at the right border of `width` × `height` pixels; `None` if it would leave no room for the shape.
 pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height: f64) -> Option<Bar> {
     let marks = ticks(scale.low, scale.high);
     let letters = size as f32;
     let numbers = marks.iter().map(|m| f64::from(text::width(&m.1, letters))).fold(0.0, f64::max);
     let (thick, gap) = (0.9 * size, 0.4 * size);
     let most = MAX_FOR_BAR * width;
-    let label = text::shortened(label, letters, (most - size) as f32);
+    let label = text::shorten(label, letters, (most - size) as f32);
     let beside = thick + 2.0 * gap + numbers;
     let needed = beside.max(f64::from(text::width(&label, letters))) + size;
     if needed > most {

@@ -1,9 +1,9 @@
 //! Pictures of shapes and fields, and charts, without a display or a graphics driver.
 //!
-//! [`render`] draws one [`Surface`], [`grid`] several on one sheet. A picture is made in the order of the files: the shape's
-//! corners get normals (`normals`; for a cloud, discs: `splats`), the camera frames them (`camera`), a z-buffer finds what
-//! each sample shows (`raster`), lights and colors make it visible (`scene`, `shade`), depth darkens what is enclosed
-//! (`occlusion`), and bar and words are laid over (`color_bar`, `text`).
+//! [`render`] draws one [`Surface`], [`grid`] draws several on one sheet. The stages of a picture are: normals of the
+//! shape's corners (`normals`) or discs for a cloud (`splats`), framing by the camera (`camera`), a z-buffer that
+//! finds the primitive of each sample (`raster`), lighting and colors (`scene`, `shade`), darkening of enclosed
+//! regions (`occlusion`), and finally color bar and text (`color_bar`, `text`).
 
 mod camera;
 mod color_bar;

@@ -1,26 +1,27 @@
-//! Normals of a mesh for smooth shading, with edges kept sharp.
+//! Vertex normals of a mesh for smooth shading that keeps edges sharp.
 
 use adwave::vector::{Vector, add_scaled, cross, dot, subtract, unit};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A normal for each corner of each triangle, by index.
+/// Indexed normals for the corners of the triangles.
 #[derive(Debug)]
 pub(crate) struct CornerNormals {
-    /// Unit normals in the model's axes, on the side that their triangle's order of corners tells; zero without area.
+    /// Unit normals in the model's axes, oriented by the order of the triangle's corners; zero for triangles without
+    /// area.
     pub(crate) normals: Vec<Vector>,
-    /// For each triangle the normals of its corners.
+    /// Indices into `normals` for the three corners of each triangle.
     pub(crate) of: Vec<[u32; 3]>,
 }
 
-/// Vertices or corners that are looked at between two looks at whether to go on.
-const AT_A_TIME: usize = 1 << 14;
+/// Vertices or corners processed between two checks of the progress handle.
+const CHECK_INTERVAL: usize = 1 << 14;
 
-/// Normals that are means over the faces at a vertex, weighted by their angles there, over those faces only that meet the
-/// corner's own at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
+/// Computes corner normals as angle-weighted means over the faces at a vertex; a mean includes only the faces that
+/// meet the corner's own face at less than `crease_angle` (degrees). O(n), and O(Σ valence²) at creases.
 ///
-/// Vertices at equal positions count as one, so that the seams of files that repeat vertices do not show.
+/// Vertices at equal positions count as one, so that the seams of files with duplicated vertices are invisible.
 ///
 /// Source: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998.
 pub(crate) fn corner_normals(
@@ -36,7 +37,7 @@ pub(crate) fn corner_normals(
     let (first, corners) = corners_at(&class, triangles, progress)?;
     let limit = crease_angle.to_radians().cos();
     let half = (crease_angle / 2.0).to_radians().cos();
-    // (class, normals of its corners): one normal where the vertex is smooth, one a corner at a crease.
+    // (class, normals of its corners): one normal if the vertex is smooth, one per corner at a crease.
     let found: Vec<Vec<Vector>> = (0..first.len() - 1)
         .into_par_iter()
         .with_min_len(1024)
@@ -47,7 +48,7 @@ pub(crate) fn corner_normals(
                 .iter()
                 .map(|&c| (faces[c as usize / 3], corner_angle(points, &triangles[c as usize / 3], c % 3)))
                 .collect();
-            // Both sides are lit alike, so a face that is listed the other way round counts turned over.
+            // Both sides are lit equally, so a face with the opposite orientation counts with a flipped normal.
             let mean = |toward: &Vector, least: f64| {
                 let kept = weighted.iter().filter(|(n, _)| dot(toward, n).abs() >= least);
                 let add =
@@ -65,7 +66,7 @@ pub(crate) fn corner_normals(
     let mut of = vec![[0_u32; 3]; triangles.len()];
     let mut normals = Vec::with_capacity(found.len());
     for (v, list) in found.iter().enumerate() {
-        if v % AT_A_TIME == 0 {
+        if v % CHECK_INTERVAL == 0 {
             progress.check()?;
         }
         let start = normals.len();
@@ -91,7 +92,7 @@ fn largest_extent(points: &[Vector]) -> f64 {
 fn face_normal(points: &[Vector], triangle: &[u32; 3], scale: f64) -> Vector {
     let [a, b, c] = triangle.map(|v| points[v as usize].map(|c| c / scale));
     let (ab, ac) = (subtract(&b, &a), subtract(&c, &a));
-    // Edges of length 1, lest the cross product of tiny ones underflows.
+    // Edges are scaled to length 1, because the cross product of tiny ones would underflow.
     match (unit(&ab), unit(&ac)) {
         (Some(ab), Some(ac)) => unit(&cross(&ab, &ac)).unwrap_or([0.0; 3]),
         _ => [0.0; 3],
@@ -107,22 +108,22 @@ fn corner_angle(points: &[Vector], triangle: &[u32; 3], corner: u32) -> f64 {
     }
 }
 
-/// A number for each vertex, equal for those at equal positions.
+/// Class index for each vertex, equal for vertices at equal positions.
 fn positions(points: &[Vector], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
     let mut numbers: HashMap<[u64; 3], u32> = HashMap::with_capacity(points.len());
     let mut class = Vec::with_capacity(points.len());
-    for chunk in points.chunks(AT_A_TIME) {
+    for chunk in points.chunks(CHECK_INTERVAL) {
         progress.check()?;
         class.extend(chunk.iter().map(|p| {
             let next = numbers.len() as u32;
-            // −0 is where 0 is.
+            // −0 and 0 are the same position.
             *numbers.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(next)
         }));
     }
     Ok(class)
 }
 
-/// The corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
+/// Corners (3 × triangle + corner) at each class of vertices, as offsets and a list.
 fn corners_at(
     class: &[u32],
     triangles: &[[u32; 3]],
@@ -130,7 +131,7 @@ fn corners_at(
 ) -> Result<(Vec<usize>, Vec<u32>), Cancelled> {
     let n = class.iter().max().map_or(0, |m| *m as usize + 1);
     let mut first = vec![0; n + 1];
-    for chunk in triangles.as_flattened().chunks(AT_A_TIME) {
+    for chunk in triangles.as_flattened().chunks(CHECK_INTERVAL) {
         progress.check()?;
         for &v in chunk {
             first[class[v as usize] as usize + 1] += 1;
@@ -142,7 +143,7 @@ fn corners_at(
     let mut next = first.clone();
     let mut corners = vec![0; triangles.len() * 3];
     for (c, &v) in triangles.as_flattened().iter().enumerate() {
-        if c % AT_A_TIME == 0 {
+        if c % CHECK_INTERVAL == 0 {
             progress.check()?;
         }
         let at = &mut next[class[v as usize] as usize];
@@ -172,7 +173,7 @@ mod tests {
             }
         }
         let smooth = corner_normals(&CUBE_CORNER, &THREE_SIDES, 180.0);
-        // Three right angles at the corner: all axes weigh alike.
+        // Three right angles at the corner: all axes have the same weight.
         let n = smooth.normals[smooth.of[0][0] as usize];
         assert!(n.iter().all(|c| (c - 1.0 / 3.0_f64.sqrt()).abs() < 1e-12), "{n:?}");
     }

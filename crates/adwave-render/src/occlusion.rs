@@ -1,50 +1,50 @@
-//! What depth does to light: places that see little of the sky are darker, ridges a little brighter.
+//! Ambient occlusion: points that see little of the sky are darkened, ridges are slightly brightened.
 
 use crate::vector::{Direction, dot_f32};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// The foremost surface of each pixel.
-pub(crate) struct Front {
+/// Foremost surface of each pixel.
+pub(crate) struct DepthBuffer {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Toward the viewer, in pixels; −∞ where there is nothing.
+    /// Depth toward the viewer, in pixels; −∞ if the pixel is empty.
     pub(crate) depth: Vec<f32>,
     pub(crate) normal: Vec<Direction>,
 }
 
-/// What kind of surface it is.
+/// SurfaceKind of surface, which selects the shading of ridges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Smooth: ridges and creases are brought out.
+pub(crate) enum SurfaceKind {
+    /// Smooth surface: ridges and creases are emphasized.
     Mesh,
-    /// Of discs, whose edges are no ridges.
+    /// Surface of discs, whose edges are not ridges.
     Cloud,
 }
 
-/// The pattern of the taps repeats after so many pixels, both ways.
+/// Period of the sampling pattern in pixels, in both directions.
 const PERIOD: usize = 4;
 
-/// How many pixels around are looked at.
+/// Number of sampled pixels around each pixel.
 const TAPS: usize = 20;
 
-/// Turns of the spiral that they lie on; prime to their number, so that no two lie in line.
+/// Turns of the spiral of samples; coprime to [`TAPS`], so that no two samples are collinear with the center.
 const TURNS: f32 = 7.0;
 
-/// How much of the light a closed cavity takes away.
+/// Fraction of the light that a closed cavity removes.
 const STRENGTH: f32 = 1.7;
 
-/// No place gets darker than this.
+/// Smallest light of any pixel.
 const DARKEST: f32 = 0.2;
 
-/// The weights of the smoothing to either side: together one period of the pattern, so that it cancels.
+/// Weights of the blur to either side; together they cover one period of the pattern, so that it cancels.
 const BLUR: [f32; 3] = [1.0, 1.0, 0.5];
 
-/// How much a crease or ridge changes the light.
+/// Strength of the light change at creases and ridges.
 const CAVITY: f32 = 0.5;
 
-impl Front {
-    fn at(&self, x: i32, y: i32) -> Option<(usize, f32)> {
+impl DepthBuffer {
+    fn depth_at(&self, x: i32, y: i32) -> Option<(usize, f32)> {
         if x < 0 || y < 0 || x >= self.width as i32 || y >= self.height as i32 {
             return None;
         }
@@ -52,25 +52,25 @@ impl Front {
         (self.depth[k] > f32::NEG_INFINITY).then(|| (k, self.depth[k]))
     }
 
-    /// The share of the light that reaches each pixel, from surroundings of `radius` pixels.
+    /// Computes the fraction of light that reaches each pixel from surroundings of `radius` pixels.
     ///
-    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 in place of
-    /// random turns, and the depth-aware smoothing over just that pattern.
+    /// Source: McGuire, Mara and Luebke, "Scalable ambient obscurance", 2012, with a fixed pattern of 4 × 4 instead
+    /// of random rotations, and a depth-aware blur over exactly that pattern.
     pub(crate) fn light(
         &self,
         radius: f32,
-        kind: Kind,
+        kind: SurfaceKind,
         progress: Progress<'_>,
     ) -> Result<Vec<f32>, Cancelled> {
         let taps = taps(radius);
-        let raw: Vec<f32> = self.by_rows(progress, |x, y, k| self.openness(x, y, k, radius, &taps))?;
+        let raw: Vec<f32> = self.map_pixels(progress, |x, y, k| self.openness(x, y, k, radius, &taps))?;
         let near = (0.02 * radius).max(1.5);
         let smooth = |values: &[f32], step: [i32; 2]| {
-            self.by_rows(progress, |x, y, k| {
+            self.map_pixels(progress, |x, y, k| {
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for d in 1 - BLUR.len() as i32..BLUR.len() as i32 {
-                    if let Some((other, depth)) = self.at(x + d * step[0], y + d * step[1]) {
-                        // Relative to the slope, lest slanted surfaces keep the pattern.
+                    if let Some((other, depth)) = self.depth_at(x + d * step[0], y + d * step[1]) {
+                        // Relative to the slope; otherwise slanted surfaces would show the pattern.
                         let slant = (1.0 - self.normal[k][2]).max(0.0) * 4.0 + 1.0;
                         let w = BLUR[d.unsigned_abs() as usize]
                             * (1.0 - (depth - self.depth[k]).abs() / (near * slant)).max(0.0);
@@ -83,13 +83,13 @@ impl Front {
         };
         let smoothed = smooth(&smooth(&raw, [1, 0])?, [0, 1])?;
         match kind {
-            Kind::Mesh => self.by_rows(progress, |x, y, k| smoothed[k] * self.ridge(x, y, k)),
-            Kind::Cloud => Ok(smoothed),
+            SurfaceKind::Mesh => self.map_pixels(progress, |x, y, k| smoothed[k] * self.ridge(x, y, k)),
+            SurfaceKind::Cloud => Ok(smoothed),
         }
     }
 
-    /// A value for each pixel that shows something, 1 elsewhere.
-    fn by_rows(
+    /// Computes a value for each covered pixel, and 1 for empty pixels.
+    fn map_pixels(
         &self,
         progress: Progress<'_>,
         value: impl Fn(i32, i32, usize) -> f32 + Sync,
@@ -111,11 +111,11 @@ impl Front {
     fn openness(&self, x: i32, y: i32, k: usize, radius: f32, taps: &[[[i32; 2]; TAPS]]) -> f32 {
         let n = self.normal[k];
         let square = radius * radius;
-        // Flat surfaces that are slanted must not shade themselves.
+        // Flat slanted surfaces must not shade themselves.
         let bias = 0.002 * radius + 0.6;
         let mut sum = 0.0;
         for [dx, dy] in taps[x as usize % PERIOD * PERIOD + y as usize % PERIOD] {
-            if let Some((_, depth)) = self.at(x + dx, y + dy) {
+            if let Some((_, depth)) = self.depth_at(x + dx, y + dy) {
                 let v = [dx as f32, -dy as f32, depth - self.depth[k]];
                 let length = dot_f32(&v, &v);
                 if length < square {
@@ -127,10 +127,10 @@ impl Front {
         (1.0 - 2.0 * STRENGTH * sum / TAPS as f32).clamp(DARKEST, 1.0)
     }
 
-    /// Above 1 on ridges, below in creases: how the normals turn from pixel to pixel.
+    /// Light factor above 1 on ridges and below 1 in creases, from the change of the normals between pixels.
     fn ridge(&self, x: i32, y: i32, k: usize) -> f32 {
         let turn = |dx: i32, dy: i32, axis: usize| {
-            let pair = (self.at(x + dx, y + dy), self.at(x - dx, y - dy));
+            let pair = (self.depth_at(x + dx, y + dy), self.depth_at(x - dx, y - dy));
             match pair {
                 (Some((a, depth_a)), Some((b, depth_b)))
                     if (depth_a - self.depth[k]).abs() < 8.0 && (depth_b - self.depth[k]).abs() < 8.0 =>
@@ -145,10 +145,10 @@ impl Front {
     }
 }
 
-/// Where to look from each pixel of the pattern: a spiral, turned a little from pixel to pixel.
+/// Sample offsets for each pixel of the pattern: a spiral, rotated slightly from pixel to pixel.
 fn taps(radius: f32) -> Vec<[[i32; 2]; TAPS]> {
     let turned = |pixel: usize| {
-        // Steps of 11 of 16, so that neighbors differ much.
+        // Steps of 11 of 16, so that neighboring pixels differ strongly.
         let phase = (pixel * 11 % (PERIOD * PERIOD)) as f32 / (PERIOD * PERIOD) as f32;
         std::array::from_fn(|tap| {
             let share = (tap as f32 + 0.5) / TAPS as f32;

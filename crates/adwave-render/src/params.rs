@@ -1,25 +1,25 @@
-//! How a picture is made.
+//! Parameters of a picture.
 
 use crate::error::RenderError;
 use crate::view::{Up, View};
 
-/// The most pixels of a picture: that of an 8K screen; what is held while drawing is some 40 bytes a pixel.
+/// Largest number of pixels of a picture: an 8K screen. Drawing takes about 40 bytes per pixel.
 pub const MAX_PIXELS: u64 = 7680 * 4320;
 
-/// The most pixels of a picture's side.
+/// Largest number of pixels per side of a picture.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// What stands behind the shape.
+/// Background behind the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
-    /// Nothing: alpha 0.
+    /// Transparent: alpha 0.
     Transparent,
-    /// One color.
+    /// One color: red, green and blue.
     Color([u8; 3]),
 }
 
 impl Background {
-    /// Red, green, blue and alpha where nothing is.
+    /// Red, green, blue and alpha of an empty pixel.
     pub(crate) fn pixel(self) -> [u8; 4] {
         match self {
             Self::Transparent => [0; 4],
@@ -28,77 +28,78 @@ impl Background {
     }
 }
 
-/// How depth shows.
+/// Projection of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Parallel rays: equal lengths are equal wherever they are.
+    /// Parallel rays: equal lengths appear equal at any depth.
     Orthographic,
-    /// Rays from the eye; the field of view of the picture's shorter side in degrees, above 0 and at most 90.
+    /// Rays from the eye; the field of view along the picture's shorter side in degrees, above 0 and at most 90.
     Perspective {
-        /// Degrees.
+        /// Field of view in degrees.
         field_of_view: f64,
     },
 }
 
-/// What of the shape fills the picture.
+/// Part of the shape that fills the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
-    /// How many times as large as the whole shape would fit; 1 shows all of it.
+    /// Magnification relative to the framing of the whole shape; 1 shows all of it.
     pub zoom: f64,
-    /// The place in the middle of the picture, model units; without one the middle is where it is with all of the shape.
+    /// Point in the middle of the picture, in model units; `None` keeps the middle of the whole shape.
     pub focus: Option<[f64; 3]>,
 }
 
 impl Default for Framing {
-    /// All of the shape.
+    /// Shows the whole shape.
     fn default() -> Self {
         Self { zoom: 1.0, focus: None }
     }
 }
 
-/// How far from the middle of a shape a picture may have its own, in diagonals of the shape.
+/// Largest distance between the focus and the middle of the shape, in diagonals of the shape.
 pub(crate) const FARTHEST_FOCUS: f64 = 10.0;
 
-/// The most samples of a picture's longer side times zoom: corners beyond what the rasterizer can count would be misplaced.
+/// Cap on the samples along a picture's longer side times zoom: the rasterizer would misplace corners beyond its
+/// integer range.
 const MAX_ZOOMED_SAMPLES: f64 = 1e6;
 
-/// Whether a field gets a bar of its colors.
+/// Visibility of a field's color bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorBar {
-    /// Beside the shape, where there is room for it.
+    /// Drawn beside the shape if there is room for it.
     #[default]
     Shown,
-    /// None, and the room goes to the shape.
+    /// Not drawn; the shape gets the room.
     Hidden,
 }
 
-/// The parameters of a picture.
+/// Parameters of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderParams {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Where the viewer stands.
+    /// Direction from which the shape is seen.
     pub view: View,
-    /// Which axis of the model points up.
+    /// Axis of the model that points up.
     pub up: Up,
-    /// How depth shows.
+    /// Projection of the camera.
     pub projection: Projection,
-    /// What of the shape fills the picture.
+    /// Part of the shape that fills the picture.
     pub framing: Framing,
-    /// What stands behind the shape.
+    /// Background behind the shape.
     pub background: Background,
-    /// The bar of a field's colors.
+    /// Visibility of a field's color bar.
     pub color_bar: ColorBar,
-    /// Edges whose faces meet at a larger angle are drawn sharp, degrees from 0 (all) to 180 (none).
+    /// Dihedral angle from which edges are drawn sharp, in degrees from 0 (all edges) to 180 (none).
     pub crease_angle: f64,
-    /// Samples a pixel along each axis, 1 to 4; their mean smooths edges.
+    /// Samples per pixel along each axis, 1 to 4; their mean smooths edges.
     pub samples: u32,
 }
 
 impl Default for RenderParams {
-    /// 1200 × 900, three-quarter view with y up in mild perspective, on white.
+    /// 1200 × 900 pixels, three-quarter view with y up, mild perspective, white background.
     fn default() -> Self {
         Self {
             width: 1200,
@@ -116,67 +117,67 @@ impl Default for RenderParams {
 }
 
 impl RenderParams {
-    /// With this size in pixels.
+    /// Sets the size in pixels.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {
         Self { width, height, ..self }
     }
 
-    /// With this view.
+    /// Sets the view.
     #[must_use]
     pub fn with_view(self, view: View) -> Self {
         Self { view, ..self }
     }
 
-    /// With this axis up.
+    /// Sets the axis that points up.
     #[must_use]
     pub fn with_up(self, up: Up) -> Self {
         Self { up, ..self }
     }
 
-    /// With this projection.
+    /// Sets the projection.
     #[must_use]
     pub fn with_projection(self, projection: Projection) -> Self {
         Self { projection, ..self }
     }
 
-    /// With this part of the shape.
+    /// Sets the part of the shape that fills the picture.
     #[must_use]
     pub fn with_framing(self, framing: Framing) -> Self {
         Self { framing, ..self }
     }
 
-    /// With this background.
+    /// Sets the background.
     #[must_use]
     pub fn with_background(self, background: Background) -> Self {
         Self { background, ..self }
     }
 
-    /// With or without a bar of colors.
+    /// Sets the visibility of the color bar.
     #[must_use]
     pub fn with_color_bar(self, color_bar: ColorBar) -> Self {
         Self { color_bar, ..self }
     }
 
-    /// With edges sharp from this angle on, degrees.
+    /// Sets the angle from which edges are sharp, in degrees.
     #[must_use]
     pub fn with_crease_angle(self, crease_angle: f64) -> Self {
         Self { crease_angle, ..self }
     }
 
-    /// With so many samples a pixel along each axis.
+    /// Sets the number of samples per pixel along each axis.
     #[must_use]
     pub fn with_samples(self, samples: u32) -> Self {
         Self { samples, ..self }
     }
 
-    /// The largest zoom of a picture of this size.
+    /// Largest zoom of a picture of this size.
     fn max_zoom(&self) -> f64 {
         let samples = f64::from(self.samples) * f64::from(self.width.max(self.height));
         (MAX_ZOOMED_SAMPLES / samples.max(1.0)).floor().max(1.0)
     }
 
-    /// Refuses what cannot be drawn.
+    /// Checks the ranges of all parameters.
     ///
     /// # Errors
     ///
@@ -195,16 +196,16 @@ impl RenderParams {
             return Err(RenderError::BadZoom { zoom, most: self.max_zoom() });
         }
         if !(0.0..=180.0).contains(&self.crease_angle) {
-            return refused("the crease angle", self.crease_angle, "from 0 to 180 degrees");
+            return refused("the crease angle", self.crease_angle, "in 0..=180 degrees");
         }
         if !(1..=4).contains(&self.samples) {
-            return refused("the number of samples", f64::from(self.samples), "from 1 to 4");
+            return refused("the number of samples", f64::from(self.samples), "in 1..=4");
         }
         Ok(())
     }
 }
 
-/// Refuses pictures that are empty or larger than is sensible.
+/// Checks that a picture is neither empty nor too large.
 pub(crate) fn check_size(width: u32, height: u32) -> Result<(), RenderError> {
     if width == 0 || height == 0 {
         return Err(RenderError::NoPixels { width, height });

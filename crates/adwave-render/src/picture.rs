@@ -1,4 +1,4 @@
-//! A picture in memory, and as a file.
+//! Picture in memory, with PNG and JPEG output.
 
 use crate::error::RenderError;
 use crate::params::check_size;
@@ -6,24 +6,24 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage, imageops};
 
-/// A picture: rows from the top, each pixel red, green, blue and alpha; the colors are not multiplied by alpha.
+/// Picture with rows from the top; each pixel has red, green, blue and alpha, and the colors are not premultiplied.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
     /// 4 × width × height bytes.
     pub rgba: Vec<u8>,
 }
 
 impl Picture {
-    /// A picture of one color, red, green, blue and alpha.
+    /// Creates a picture of one color: red, green, blue and alpha.
     ///
     /// # Errors
     ///
     /// No pixels, or more than [`crate::MAX_PIXELS`].
-    pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Result<Self, RenderError> {
+    pub fn blank(width: u32, height: u32, color: [u8; 4]) -> Result<Self, RenderError> {
         check_size(width, height)?;
         Ok(Self { width, height, rgba: color.repeat(width as usize * height as usize) })
     }
@@ -34,11 +34,11 @@ impl Picture {
         [0, 1, 2, 3].map(|c| self.rgba[at + c])
     }
 
-    /// The bytes of a PNG file, without alpha where all of it is opaque. The same picture gives the same bytes.
+    /// Encodes the picture as PNG, without an alpha channel if it is opaque. Equal pictures give equal bytes.
     ///
     /// # Errors
     ///
-    /// The encoder's, which a picture of the right size does not cause.
+    /// [`RenderError::Encoding`], which cannot occur for a picture of valid size.
     pub fn png(&self) -> Result<Vec<u8>, RenderError> {
         let mut bytes = Vec::new();
         let opaque = self.rgba.chunks_exact(4).all(|p| p[3] == 255);
@@ -53,11 +53,11 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// The bytes of a JPEG file of `quality` 1 to 100; what is transparent becomes white.
+    /// Encodes the picture as JPEG of `quality` 1 to 100; transparent pixels become white.
     ///
     /// # Errors
     ///
-    /// The encoder's.
+    /// [`RenderError::Encoding`].
     pub fn jpeg(&self, quality: u8) -> Result<Vec<u8>, RenderError> {
         let mut bytes = Vec::new();
         JpegEncoder::new_with_quality(&mut bytes, quality.clamp(1, 100))
@@ -66,7 +66,7 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Red, green and blue over a background.
+    /// Red, green and blue, blended over a background.
     pub fn rgb(&self, background: [u8; 3]) -> Vec<u8> {
         let over = |p: &[u8]| {
             let alpha = u32::from(p[3]);
@@ -77,29 +77,29 @@ impl Picture {
         self.rgba.chunks_exact(4).flat_map(over).collect()
     }
 
-    /// The same at another size, smoothed where it gets smaller.
+    /// Resizes the picture, with smoothing if it gets smaller.
     ///
     /// # Errors
     ///
-    /// No pixels, or too many.
-    pub fn resized(&self, width: u32, height: u32) -> Result<Self, RenderError> {
+    /// A size without pixels, or too many.
+    pub fn resize(&self, width: u32, height: u32) -> Result<Self, RenderError> {
         check_size(width, height)?;
         let resized = imageops::resize(&self.image(), width, height, imageops::FilterType::CatmullRom);
         Ok(Self { width, height, rgba: resized.into_raw() })
     }
 
-    /// A part of it.
+    /// Crops the picture to a region.
     ///
     /// # Errors
     ///
-    /// A part that is empty or not inside.
-    pub fn cropped(&self, left: u32, top: u32, width: u32, height: u32) -> Result<Self, RenderError> {
+    /// A region that is empty or extends beyond the picture.
+    pub fn crop(&self, left: u32, top: u32, width: u32, height: u32) -> Result<Self, RenderError> {
         let inside = |from: u32, size: u32, whole: u32| {
             size > 0 && from.checked_add(size).is_some_and(|to| to <= whole)
         };
         if !inside(left, width, self.width) || !inside(top, height, self.height) {
             let (of_width, of_height) = (self.width, self.height);
-            return Err(RenderError::BadPart { left, top, width, height, of_width, of_height });
+            return Err(RenderError::BadRegion { left, top, width, height, of_width, of_height });
         }
         let row = |y: u32| {
             let at = 4 * (y as usize * self.width as usize + left as usize);
@@ -108,9 +108,9 @@ impl Picture {
         Ok(Self { width, height, rgba: (top..top + height).flat_map(row).copied().collect() })
     }
 
-    /// Without the borders that have the color of the upper left corner, but for `margin` pixels of them.
+    /// Crops the borders that have the color of the upper left corner, except for `margin` pixels.
     #[must_use]
-    pub fn trimmed(&self, margin: u32) -> Self {
+    pub fn trim_borders(&self, margin: u32) -> Self {
         let empty = self.pixel(0, 0);
         let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
         for y in 0..self.height {
@@ -124,11 +124,11 @@ impl Picture {
         }
         let low = low.map(|c| c.saturating_sub(margin));
         let high = [(high[0] + margin).min(self.width - 1), (high[1] + margin).min(self.height - 1)];
-        self.cropped(low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1)
-            .expect("a part that is inside")
+        self.crop(low[0], low[1], high[0] - low[0] + 1, high[1] - low[1] + 1)
+            .expect("the region lies inside the picture")
     }
 
-    /// Puts another picture in, its corner at (`left`, `top`); what lies outside is cut off.
+    /// Copies another picture into this one with its corner at (`left`, `top`); pixels outside are clipped.
     pub fn place(&mut self, other: &Self, left: u32, top: u32) {
         if left >= self.width || top >= self.height {
             return;
@@ -141,7 +141,7 @@ impl Picture {
         }
     }
 
-    /// Lays `color` over a pixel with this coverage in [0, 1]; nothing outside.
+    /// Blends `color` into a pixel with this coverage in [0, 1]; positions outside are ignored.
     pub(crate) fn blend(&mut self, x: i64, y: i64, color: [u8; 3], coverage: f32) {
         if x < 0 || y < 0 || x >= i64::from(self.width) || y >= i64::from(self.height) || coverage <= 0.0 {
             return;
@@ -158,6 +158,6 @@ impl Picture {
     }
 
     fn image(&self) -> RgbaImage {
-        RgbaImage::from_raw(self.width, self.height, self.rgba.clone()).expect("4 bytes a pixel")
+        RgbaImage::from_raw(self.width, self.height, self.rgba.clone()).expect("4 bytes per pixel")
     }
 }

@@ -1,11 +1,11 @@
-//! From a surface to a picture.
+//! Rendering of a surface to a picture.
 
 use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::ColorScale;
 use crate::error::RenderError;
 use crate::layout::Layout;
-use crate::occlusion::Front;
+use crate::occlusion::DepthBuffer;
 use crate::params::{Background, Framing, RenderParams};
 use crate::picture::Picture;
 use crate::raster::{Bins, NOTHING, TILE, TileSamples};
@@ -18,20 +18,20 @@ use adwave::vector::Vector;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How far light is kept off, in diagonals of what is seen.
+/// Reach of ambient occlusion, in diagonals of the visible shape.
 const OCCLUSION_REACH: f32 = 0.07;
 
-/// How many triangles or discs are drawn between two looks at whether to go on.
-const PRIMITIVES_AT_A_TIME: usize = 4096;
+/// Triangles or discs drawn between two checks of the progress handle.
+const CHECK_INTERVAL: usize = 4096;
 
-/// A picture of a surface with balls, framed as large as fits, with a bar of colors if it shows a field.
+/// Renders a surface with balls, framed as large as possible, with a color bar if it shows a field.
 ///
-/// O(n + width × height × samples²), in parallel; the same bytes on any number of threads.
+/// O(n + width × height × samples²), in parallel; bit-identical on any number of threads.
 ///
 /// # Errors
 ///
-/// Sizes, views and parameters out of range; no points; coordinates that are not finite; triangles or paint that do not fit
-/// the vertices; [`RenderError::Cancelled`].
+/// Sizes, views and parameters out of range; no points; coordinates that are not finite; triangles or paint that do
+/// not match the vertices; [`RenderError::Cancelled`].
 ///
 /// ```
 /// use adwave::Progress;
@@ -51,7 +51,7 @@ pub fn render(
     params.check()?;
     surface.check()?;
     check_balls(balls)?;
-    let subject = Subject::new(surface, balls, progress)?;
+    let subject = PreparedSurface::new(surface, balls, progress)?;
     let scale = subject.scale();
     let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);
     let camera = Camera::fit(&subject.framed, params, layout.stage, progress)?;
@@ -63,8 +63,8 @@ pub fn render(
     Ok(picture)
 }
 
-/// Empties what is not from `low` (inside) to `high` (outside) and so belongs to bar and caption: a part of a shape goes on beyond
-/// the borders of the picture.
+/// Clears the pixels outside `low` (inclusive) to `high` (exclusive), which belong to color bar and caption; a zoomed
+/// shape extends beyond the borders of the picture.
 pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], params: &RenderParams) {
     if params.framing == Framing::default() {
         return;
@@ -79,16 +79,16 @@ pub(crate) fn keep_room(picture: &mut Picture, low: [u32; 2], high: [u32; 2], pa
     }
 }
 
-/// A surface with what its picture needs before the camera is known.
-pub(crate) struct Subject<'a> {
-    surface: &'a Surface<'a>,
-    balls: &'a [Ball],
-    splats: Option<Splats>,
-    /// What the camera frames: centers and radii.
+/// Surface with the camera-independent data of its picture.
+pub(crate) struct PreparedSurface<'a> {
+    pub(crate) surface: &'a Surface<'a>,
+    pub(crate) balls: &'a [Ball],
+    pub(crate) splats: Option<Splats>,
+    /// Balls that the camera frames: centers and radii.
     pub(crate) framed: Vec<(Vector, f64)>,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> PreparedSurface<'a> {
     pub(crate) fn new(
         surface: &'a Surface<'a>,
         balls: &'a [Ball],
@@ -103,7 +103,7 @@ impl<'a> Subject<'a> {
         for &v in surface.triangles.iter().filter(seen).flatten() {
             used[v as usize] = true;
         }
-        // A mesh whose triangles have all shrunk to nothing is still seen by its vertices.
+        // A mesh whose triangles all have no area is still visible by its vertices.
         let splats = (!used.contains(&true)).then(|| Splats::new(points, progress)).transpose()?;
         let mut framed: Vec<(Vector, f64)> = match &splats {
             Some(splats) => points.iter().copied().zip(splats.radii.iter().copied()).collect(),
@@ -114,15 +114,15 @@ impl<'a> Subject<'a> {
         Ok(Self { surface, balls, splats, framed })
     }
 
-    /// The colors of its field.
+    /// Color scale of its field.
     pub(crate) fn scale(&self) -> Option<ColorScale> {
         match &self.surface.paint {
-            Paint::Field(field) => Some(ColorScale::of(&[field])),
+            Paint::Field(field) => Some(ColorScale::from_fields(&[field])),
             _ => None,
         }
     }
 
-    /// The name of its field.
+    /// Name of its field.
     pub(crate) fn label(&self) -> Option<&str> {
         match &self.surface.paint {
             Paint::Field(field) => Some(&field.label),
@@ -130,7 +130,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// The picture without bar and words. `params` has been checked.
+    /// Draws the picture without color bar and text. `params` has been checked.
     pub(crate) fn picture(
         &self,
         camera: &Camera,
@@ -138,12 +138,11 @@ impl<'a> Subject<'a> {
         params: &RenderParams,
         progress: Progress<'_>,
     ) -> Result<Picture, Cancelled> {
-        let scene =
-            Scene::new(self.surface, self.balls, self.splats.as_ref(), camera, scale, params, progress)?;
+        let scene = Scene::new(self, camera, scale, params, progress)?;
         let pixels = draw(&scene, camera, params, progress)?;
-        // Of the whole shape; a part that is seen enlarged is shaded as a shape of its own.
+        // Relative to the whole shape; an enlarged part is shaded like a shape of its own.
         let reach = OCCLUSION_REACH * (camera.pixels_per_unit() / params.framing.zoom.max(1.0)) as f32;
-        let front = Front {
+        let front = DepthBuffer {
             width: params.width as usize,
             height: params.height as usize,
             depth: pixels.iter().map(|p| p.depth).collect(),
@@ -159,10 +158,10 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// What is known of a pixel.
+/// Color and depth of a pixel.
 #[derive(Clone, Copy)]
 struct Pixel {
-    /// Linear, the sum over its samples by their number.
+    /// Linear color, averaged over the samples.
     color: [f32; 3],
     coverage: f32,
     depth: f32,
@@ -184,11 +183,11 @@ fn draw(
     let tiles: Vec<Vec<Pixel>> = (0..n_tiles[0] * n_tiles[1])
         .into_par_iter()
         .map(|t| {
-            if bins.of(t).is_empty() {
+            if bins.primitives(t).is_empty() {
                 return Ok(Vec::new());
             }
             let mut tile = TileSamples::new(t % n_tiles[0], t / n_tiles[0], samples);
-            for chunk in bins.of(t).chunks(PRIMITIVES_AT_A_TIME) {
+            for chunk in bins.primitives(t).chunks(CHECK_INTERVAL) {
                 progress.check()?;
                 for &k in chunk {
                     scene.draw(k, &mut tile);
@@ -210,7 +209,7 @@ fn draw(
     Ok(pixels)
 }
 
-/// The mean over a pixel's samples; those that show the same primitive are shaded once, in their middle.
+/// Mean over a pixel's samples; samples of the same primitive are shaded once, at their middle.
 fn pixel(scene: &Scene, camera: &Camera, tile: &TileSamples, samples: usize, x: usize, y: usize) -> Pixel {
     let mut ids = [NOTHING; 16];
     let mut middle = [(0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32); 16];
@@ -245,7 +244,7 @@ fn pixel(scene: &Scene, camera: &Camera, tile: &TileSamples, samples: usize, x: 
             found.color[c] += shaded.color[c] * m.2 / total;
         }
         found.coverage += m.2 / total;
-        // The foremost surface only: a mean with what lies behind would float between.
+        // Only the foremost surface counts: a mean with the surface behind would float between the two.
         let own = depth_of(m);
         if own > depth - 3.0 {
             weight += m.2;
@@ -268,7 +267,8 @@ fn resolve(pixel: &Pixel, light: f32, background: Background) -> [u8; 4] {
             if pixel.coverage <= 0.0 {
                 return [color[0], color[1], color[2], 255];
             }
-            // Each part is made a byte's color before it is mixed, so that a bright surface does not bleed over its edge.
+            // Each color is converted to byte range before blending, so that a bright surface does not bleed over its
+            // edge.
             let mix = |c: usize| {
                 let front = to_linear([to_byte(covered[c] / pixel.coverage); 3])[0];
                 let light = pixel.coverage * front + (1.0 - pixel.coverage) * behind[c];

@@ -1,29 +1,30 @@
-//! A shape made ready for one picture: projected, with normals and colors.
+//! Shape prepared for one picture: projected, with normals and colors.
 
 use crate::camera::Camera;
 use crate::color_range::ColorScale;
 use crate::normals::corner_normals;
-use crate::occlusion::Kind;
+use crate::occlusion::SurfaceKind;
 use crate::params::RenderParams;
 use crate::raster::{Corner, Disc, PixelBox, TileSamples, Triangle};
-use crate::shade::{CLAY, GLOSSY, Gloss, MATTE, lit, to_linear};
-use crate::splats::Splats;
-use crate::surface::{Ball, Paint, Surface};
+use crate::render::PreparedSurface;
+use crate::shade::{CLAY, GLOSSY, Gloss, MATTE, reflect, to_linear};
+use crate::surface::Paint;
 use crate::vector::Direction;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How many colors a map is tabulated by.
+/// Number of tabulated colors of a map.
 const MAP_STEPS: usize = 2048;
 
-/// Values further than this from the range, in ranges, are taken as being there: interpolation must not overflow.
+/// Largest distance from the range, in widths of the range; values beyond it are clamped, so that interpolation does
+/// not overflow.
 const FAR_OUT: f64 = 1e4;
 
-/// The color of each place of the surface, linear.
+/// Linear color at each point of the surface.
 enum Pigment {
     Plain([f32; 3]),
     Colors(Vec<[f32; 3]>),
-    /// Places in the color map, and its colors; the last is that of what has no value.
+    /// Positions in the color map, and its colors; the last one stands for missing values.
     Field(Vec<f32>, Vec<[f32; 3]>),
 }
 
@@ -31,7 +32,7 @@ impl Pigment {
     fn new(paint: &Paint, scale: Option<&ColorScale>) -> Self {
         match (paint, scale) {
             (Paint::Field(field), Some(scale)) => {
-                let place = |v: &f64| scale.place(*v).clamp(-FAR_OUT, FAR_OUT) as f32;
+                let place = |v: &f64| scale.position(*v).clamp(-FAR_OUT, FAR_OUT) as f32;
                 let map = (0..=MAP_STEPS).map(|k| scale.map.color(k as f64 / MAP_STEPS as f64));
                 let table = map.chain([scale.map.color(f64::NAN)]).map(to_linear).collect();
                 Self::Field(field.values.iter().map(place).collect(), table)
@@ -42,7 +43,7 @@ impl Pigment {
         }
     }
 
-    fn at(&self, vertices: [u32; 3], weights: [f32; 3]) -> [f32; 3] {
+    fn color(&self, vertices: [u32; 3], weights: [f32; 3]) -> [f32; 3] {
         match self {
             Self::Plain(color) => *color,
             Self::Colors(colors) => {
@@ -52,7 +53,7 @@ impl Pigment {
             Self::Field(places, table) => {
                 let t = vertices.map(|v| places[v as usize]);
                 let mixed = weights[0] * t[0] + weights[1] * t[1] + weights[2] * t[2];
-                // A vertex without a value makes its own third of the triangle gray, not all of it.
+                // A vertex without a value turns only its own third of the triangle gray.
                 let place = if mixed.is_nan() { t[heaviest(weights)] } else { mixed };
                 table[if place.is_nan() {
                     MAP_STEPS + 1
@@ -74,9 +75,9 @@ fn heaviest(w: [f32; 3]) -> usize {
     }
 }
 
-/// What a sample shows.
-pub(crate) struct Shaded {
-    /// Linear.
+/// Appearance of a sample.
+pub(crate) struct ShadedSample {
+    /// Linear color.
     pub(crate) color: [f32; 3],
     pub(crate) normal: Direction,
 }
@@ -91,7 +92,7 @@ enum Body<'a> {
     Cloud(Vec<Disc>),
 }
 
-/// Primitives that are numbered: those of the surface, then the balls.
+/// Numbered primitives: those of the surface, then the balls.
 pub(crate) struct Scene<'a> {
     body: Body<'a>,
     pigment: Pigment,
@@ -103,16 +104,15 @@ pub(crate) struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     pub(crate) fn new(
-        surface: &Surface<'a>,
-        balls: &[Ball],
-        splats: Option<&Splats>,
+        prepared: &PreparedSurface<'a>,
         camera: &Camera,
         scale: Option<&ColorScale>,
         params: &RenderParams,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
+        let PreparedSurface { surface, balls, splats, .. } = prepared;
         let samples = f64::from(params.samples);
-        let direction = |n: &[f64; 3]| camera.turn(n).map(|c| c as f32);
+        let direction = |n: &[f64; 3]| camera.rotate(n).map(|c| c as f32);
         let disc = |center: &[f64; 3], radius: f64, normal| {
             let p = camera.project(center);
             let (radius, near_per_radius) = camera.radius(center, radius);
@@ -161,10 +161,10 @@ impl<'a> Scene<'a> {
         self.n_of_body() + self.balls.len()
     }
 
-    pub(crate) fn kind(&self) -> Kind {
+    pub(crate) fn kind(&self) -> SurfaceKind {
         match self.body {
-            Body::Mesh { .. } => Kind::Mesh,
-            Body::Cloud(_) => Kind::Cloud,
+            Body::Mesh { .. } => SurfaceKind::Mesh,
+            Body::Cloud(_) => SurfaceKind::Cloud,
         }
     }
 
@@ -189,8 +189,8 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// What primitive `k` looks like at a place in samples.
-    pub(crate) fn shade(&self, k: u32, x: f32, y: f32) -> Shaded {
+    /// Shades primitive `k` at a sample position.
+    pub(crate) fn shade(&self, k: u32, x: f32, y: f32) -> ShadedSample {
         let (color, normal, gloss) = match (&self.body, (k as usize).checked_sub(self.n_of_body())) {
             (_, Some(ball)) => {
                 let (disc, color) = &self.balls[ball];
@@ -203,14 +203,14 @@ impl<'a> Scene<'a> {
                 let [a, b, c] = normals_of[k as usize].map(|n| normals[n as usize]);
                 let sign = if shape.faces_viewer() { 1.0 } else { -1.0 };
                 let mix = |i: usize| sign * (weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]);
-                (self.pigment.at(vertices, weights), [0, 1, 2].map(mix), self.gloss)
+                (self.pigment.color(vertices, weights), [0, 1, 2].map(mix), self.gloss)
             }
             (Body::Cloud(discs), None) => {
-                (self.pigment.at([k; 3], [1.0, 0.0, 0.0]), discs[k as usize].normal_at(x, y), self.gloss)
+                (self.pigment.color([k; 3], [1.0, 0.0, 0.0]), discs[k as usize].normal_at(x, y), self.gloss)
             }
         };
         let normal = crate::vector::facing_unit(&normal);
-        Shaded { color: lit(normal, color, gloss), normal }
+        ShadedSample { color: reflect(normal, color, gloss), normal }
     }
 }
 

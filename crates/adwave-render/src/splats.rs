@@ -1,4 +1,4 @@
-//! The discs that stand for the points of a cloud.
+//! Discs that represent the points of a cloud.
 
 use adwave::shape::{Neighborhoods, diagonal, nearest_neighbors};
 use adwave::signal::cloud_normals;
@@ -6,29 +6,30 @@ use adwave::vector::{Vector, add_scaled, dot, unit};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// How many neighbors tell the size and the direction of a disc.
+/// Number of neighbors that determine the size and the direction of a disc.
 const NEIGHBORS: usize = 12;
 
-/// A disc's radius in distances to the neighbors' middle one: wide enough that discs of an even sampling leave no gaps.
+/// Radius of a disc as a multiple of the distance to the median neighbor: wide enough that evenly sampled discs leave
+/// no gaps.
 const OVERLAP: f64 = 0.95;
 
-/// The largest disc, in medians of all: a lone point must not hide the others.
+/// Largest radius as a multiple of the median radius: an isolated point must not hide the others.
 const LARGEST: f64 = 3.0;
 
-/// The radius of a disc where there is nothing to compare with, in diagonals of the shape.
+/// Radius of a single disc, in diagonals of the shape.
 const LONE: f64 = 0.02;
 
-/// A disc for each point.
+/// One disc per point.
 #[derive(Debug)]
 pub(crate) struct Splats {
-    /// Model units.
+    /// Radii in model units.
     pub(crate) radii: Vec<f64>,
-    /// Unit vectors of either sign; zero where the neighbors tell no plane.
+    /// Unit vectors of either sign; zero if the neighbors determine no plane.
     pub(crate) normals: Vec<Vector>,
 }
 
 impl Splats {
-    /// Discs as wide as the cloud is sparse, in the planes of the points' neighbors. O(n log n).
+    /// Computes discs as wide as the local spacing, in the tangent planes of the points' neighbors. O(n log n).
     pub(crate) fn new(points: &[Vector], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = points.len();
         let diagonal = diagonal(points);
@@ -42,28 +43,29 @@ impl Splats {
         let mut sorted: Vec<f64> = own.iter().copied().filter(|r| *r > 0.0).collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(lone).min(lone);
-        // The k-th of k neighbors in a plane is √k spacings wide about; a disc of the spacing itself is enough.
+        // The k-th of k neighbors in a plane is about √k spacings away; a disc of one spacing is enough.
         let spread = (NEIGHBORS as f64 / std::f64::consts::PI).sqrt();
         let radii =
             own.iter().map(|r| r.clamp(median / LARGEST, median * LARGEST).min(lone * LARGEST) / spread);
         let radii = radii.collect();
         let normals = cloud_normals(points, &near);
         progress.check()?;
-        let normals = smoothed(&normals, &near);
+        let normals = smooth_normals(&normals, &near);
         progress.check()?;
         Ok(Self { radii, normals })
     }
 }
 
-/// The means over each point and its neighbors, signs made alike: noise in the planes would show as glitter.
-fn smoothed(normals: &[Vector], near: &Neighborhoods) -> Vec<Vector> {
+/// Averages each normal over the point and its neighbors with matching signs; otherwise noise in the planes would
+/// appear as glitter.
+fn smooth_normals(normals: &[Vector], near: &Neighborhoods) -> Vec<Vector> {
     let mean = |x: usize| {
         let own = &normals[x];
         let add = |sum: Vector, &y: &u32| {
             let other = &normals[y as usize];
             add_scaled(&sum, if dot(own, other) < 0.0 { -1.0 } else { 1.0 }, other)
         };
-        unit(&near.adjacency.of(x).iter().fold(*own, add)).unwrap_or(*own)
+        unit(&near.adjacency.row(x).iter().fold(*own, add)).unwrap_or(*own)
     };
     (0..normals.len()).into_par_iter().with_min_len(1024).map(mean).collect()
 }

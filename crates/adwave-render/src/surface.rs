@@ -1,67 +1,68 @@
-//! What is drawn: a shape, its paint, and balls that mark places.
+//! Scene contents: a shape, its paint, and balls that mark positions.
 
 use crate::color_map::ColorMap;
 use crate::color_range::ValueRange;
 use crate::error::RenderError;
 use adwave::shape::MAX_COORDINATE;
 
-/// A mesh, or without triangles a cloud, which is drawn as discs of the size that its spacing asks for.
+/// Mesh, or cloud if there are no triangles; a cloud is drawn as discs sized by its spacing.
 #[derive(Clone, Debug)]
 pub struct Surface<'a> {
-    /// Positions, model units.
+    /// Positions in model units.
     pub points: &'a [[f64; 3]],
-    /// Three vertices each; either orientation, seen from both sides.
+    /// Three vertices each, in either orientation; both sides are visible.
     pub triangles: &'a [[u32; 3]],
-    /// Its colors.
+    /// Colors of the surface.
     pub paint: Paint<'a>,
 }
 
-/// The colors of a surface.
+/// Colors of a surface.
 #[derive(Clone, Debug)]
 pub enum Paint<'a> {
     /// One color, red, green and blue.
     Plain([u8; 3]),
     /// A color for each vertex.
     Colors(&'a [[u8; 3]]),
-    /// A number for each vertex, and the colors that stand for numbers.
+    /// One value per vertex with a color map.
     Field(FieldPaint<'a>),
 }
 
 impl Paint<'_> {
-    /// The color of a surface that nothing is known of: a light clay, on which relief shows best.
+    /// Default color of a surface: a light clay that shows relief best.
     pub const CLAY: Paint<'static> = Paint::Plain([204, 196, 184]);
 }
 
-/// A field, shown by a color map with a bar beside it.
+/// Field shown by a color map with a color bar.
 #[derive(Clone, Debug)]
 pub struct FieldPaint<'a> {
-    /// One value per vertex; where it is NaN the surface is gray.
+    /// One value per vertex; the surface is gray where it is NaN.
     pub values: &'a [f64],
-    /// Its name and unit, for the bar.
+    /// Name and unit, for the color bar.
     pub label: String,
-    /// The colors; without a choice a diverging map centered on 0 for a field of both signs, else viridis.
+    /// Color map; `None` selects a diverging map centered on 0 for a field of both signs, else viridis.
     pub color_map: Option<ColorMap>,
-    /// Which values the ends of the map stand for.
+    /// Values at the ends of the map.
     pub range: ValueRange,
 }
 
-/// A ball that marks a place, such as a feature.
+/// Ball that marks a position, such as a feature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its center, model units.
+    /// Center in model units.
     pub center: [f64; 3],
-    /// Its radius, model units.
+    /// Radius in model units.
     pub radius: f64,
     /// Red, green and blue.
     pub color: [u8; 3],
 }
 
 impl Surface<'_> {
-    /// Refuses what cannot be drawn. O(n).
+    /// Checks that the surface can be drawn. O(n).
     ///
     /// # Errors
     ///
-    /// No points, coordinates that are not finite, triangles of vertices that are not there, paint of another length.
+    /// No points, coordinates that are not finite, triangles with vertices that do not exist, paint of another
+    /// length.
     pub fn check(&self) -> Result<(), RenderError> {
         let n = self.points.len();
         if n == 0 {
@@ -90,7 +91,7 @@ impl Surface<'_> {
     }
 }
 
-/// Refuses balls that cannot be drawn.
+/// Checks that the balls can be drawn.
 pub(crate) fn check_balls(balls: &[Ball]) -> Result<(), RenderError> {
     let bad = |b: &Ball| {
         !(b.center.iter().all(|c| c.abs() <= MAX_COORDINATE) && b.radius > 0.0 && b.radius <= MAX_COORDINATE)

@@ -3,11 +3,11 @@ use adwave::sample::Sample;
 use adwave::{Cancelled, Progress};
 use std::f64::consts::PI;
 
-/// The edge of a silhouette in pixels may lie a fraction of a pixel off, so its area by this part of its border.
+/// Tolerance of a silhouette's edge in pixels; the area may differ by this times the length of its border.
 const BORDER_PIXELS: f64 = 0.5;
 
 fn sphere() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let sample = Sample::by_name("sphere", Some(4000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(4000)).unwrap();
     (sample.points, sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect())
 }
 
@@ -74,7 +74,7 @@ fn a_ball_in_a_close_up_has_its_radius_in_either_projection() {
         let [small, large] = [0.05, 0.1].map(area);
         assert!(small > 200.0 && (large / small - 4.0).abs() < 0.3, "{projection:?}: {small} {large}");
         if projection == Projection::Orthographic {
-            // The whole sphere, of radius 1, would be 4 times as wide as what the margins leave.
+            // The whole sphere, of radius 1, would be 4 times as wide as the area inside the margins.
             let radius = 0.1 * 4.0 * (1.0 - 2.0 * layout::MARGIN) * 150.0;
             assert!((large - PI * radius * radius).abs() < BORDER_PIXELS * 2.0 * PI * radius, "{large}");
         }
@@ -162,7 +162,10 @@ fn what_cannot_be_drawn_is_refused_by_name() {
     assert!(error(&clay(&points[..2], &[[0, 1, 2]]), &small()).contains("corner 2"));
     assert!(error(&clay(&[], &[]), &small()).contains("no points"));
     assert!(error(&clay(&points[..2], &[]), &small().with_size(0, 9)).contains("0x9"));
-    assert!(error(&clay(&points[..2], &[]), &small().with_size(60_000, 9)).contains("too large"));
+    assert!(
+        error(&clay(&points[..2], &[]), &small().with_size(60_000, 9))
+            .contains("pixels per side, got 60000x9")
+    );
     let ball = Ball { center: [0.0; 3], radius: 0.0, color: [0; 3] };
     assert!(
         render(&clay(&points[..2], &[]), &[ball], &small(), Progress::none())
@@ -214,7 +217,7 @@ fn a_sheet_has_room_for_its_panels_and_captions() {
 
 #[test]
 fn triangles_that_meet_leave_nothing_out() {
-    // A square of uneven slivers, turned so that no edge lies along the pixels.
+    // A square of uneven slivers, rotated so that no edge is aligned with the pixels.
     let n = 40_u32;
     let at = |k: u32| (f64::from(k) / f64::from(n)).powi(2);
     let points: Vec<_> =
@@ -250,7 +253,7 @@ fn every_view_and_projection_frames_the_shape_fully() {
             let border =
                 (0..120).any(|x| seen(x, 0) || seen(x, 89)) || (0..90).any(|y| seen(0, y) || seen(119, y));
             assert!(!border, "{view:?} {projection:?} touches the border");
-            let trimmed = picture.trimmed(0);
+            let trimmed = picture.trim_borders(0);
             assert!(trimmed.width > 100 || trimmed.height > 70, "{view:?} {projection:?} leaves room");
         }
     }
@@ -275,7 +278,7 @@ fn a_call_that_is_told_to_stop_gives_no_picture() {
 fn a_million_vertices_are_let_go_of_within_50_ms() {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
-    let sample = Sample::by_name("sphere", Some(1_000_000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(1_000_000)).unwrap();
     let triangles: Vec<[u32; 3]> = sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect();
     let surface = Surface { points: &sample.points, triangles: &triangles, paint: Paint::CLAY };
     let start = Instant::now();

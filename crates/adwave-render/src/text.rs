@@ -1,22 +1,22 @@
-//! Words in pictures.
+//! Text in pictures.
 
 use crate::picture::Picture;
 use ab_glyph::{Font, FontRef, PxScale, ScaleFont, point};
 use std::sync::LazyLock;
 
-/// A plain sans-serif with Greek letters, and one that has nearly every other sign.
+/// A plain sans-serif with Greek letters, and a fallback with nearly all other characters.
 static FONTS: LazyLock<[FontRef<'static>; 2]> = LazyLock::new(|| {
     [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR]
-        .map(|bytes| FontRef::try_from_slice(bytes).expect("the font that is built in"))
+        .map(|bytes| FontRef::try_from_slice(bytes).expect("the built-in font is valid"))
 });
 
-/// The font that has the letter, the plain one if none has.
+/// Font that contains the letter, or the plain one if none does.
 fn font_of(letter: char) -> &'static FontRef<'static> {
     FONTS.iter().find(|f| f.glyph_id(letter).0 != 0).unwrap_or(&FONTS[0])
 }
 
-/// Each letter of a line with the place where it starts, and the line's width, pixels.
-fn places(text: &str, size: f32) -> (Vec<(char, f32)>, f32) {
+/// Letters of a line with their start positions, and the width of the line, in pixels.
+fn letter_positions(text: &str, size: f32) -> (Vec<(char, f32)>, f32) {
     let mut x = 0.0;
     let mut letters = Vec::new();
     let mut last: Option<(char, &FontRef)> = None;
@@ -35,13 +35,13 @@ fn places(text: &str, size: f32) -> (Vec<(char, f32)>, f32) {
     (letters, x)
 }
 
-/// How wide a line is, pixels.
+/// Width of a line, in pixels.
 pub(crate) fn width(text: &str, size: f32) -> f32 {
-    places(text, size).1
+    letter_positions(text, size).1
 }
 
-/// The line, shortened at its end where it is wider than `most` pixels.
-pub(crate) fn shortened(text: &str, size: f32, most: f32) -> String {
+/// Shortens the line at its end if it is wider than `most` pixels.
+pub(crate) fn shorten(text: &str, size: f32, most: f32) -> String {
     // No line of a picture has more letters than the widest picture has pixels.
     let mut letters: Vec<char> = text.chars().take(crate::params::MAX_SIDE as usize).collect();
     if letters.len() == text.chars().count() && width(text, size) <= most {
@@ -58,17 +58,17 @@ pub(crate) fn shortened(text: &str, size: f32, most: f32) -> String {
     String::new()
 }
 
-/// Draws a line from (`left`, `middle`): the height of its small letters is centered there.
+/// Draws a line of text from (`left`, `middle`), with the height of its lowercase letters centered there.
 pub(crate) fn draw(picture: &mut Picture, text: &str, size: f32, left: f32, middle: f32, color: [u8; 3]) {
     let baseline = (middle + 0.26 * size).round();
-    for (letter, x) in places(text, size).0 {
+    for (letter, x) in letter_positions(text, size).0 {
         let font = font_of(letter);
         let glyph =
             font.glyph_id(letter).with_scale_and_position(PxScale::from(size), point(left + x, baseline));
         let Some(outline) = font.outline_glyph(glyph) else { continue };
         let corner = outline.px_bounds().min;
         outline.draw(|dx, dy, coverage| {
-            // A light face on a light ground reads better a little heavier.
+            // A light font on a light background is more legible when drawn slightly heavier.
             let coverage = coverage.powf(0.7);
             picture.blend(corner.x as i64 + i64::from(dx), corner.y as i64 + i64::from(dy), color, coverage);
         });
@@ -89,9 +89,9 @@ mod tests {
     #[test]
     fn long_lines_are_cut_to_the_room() {
         let long = "mean curvature ".repeat(40);
-        let cut = shortened(&long, 20.0, 200.0);
+        let cut = shorten(&long, 20.0, 200.0);
         assert!(cut.ends_with('…') && width(&cut, 20.0) <= 200.0 && width(&cut, 20.0) > 150.0, "{cut}");
-        assert_eq!(shortened("σ", 20.0, 200.0), "σ");
-        assert_eq!(shortened("wide", 20.0, 1.0), "");
+        assert_eq!(shorten("σ", 20.0, 200.0), "σ");
+        assert_eq!(shorten("wide", 20.0, 1.0), "");
     }
 }

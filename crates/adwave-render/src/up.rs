@@ -1,19 +1,21 @@
-//! The axis that points up, if nobody names one.
+//! Guess of the axis that points up.
 
 use crate::view::Up;
 use adwave::Progress;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode, health, one_ring};
 use adwave::vector::Axis;
 
-/// A shape lower than this part of its width and depth may be land.
+/// Height relative to width and depth below which a shape may be terrain.
 const LOW: f64 = 0.25;
 
-/// A shape lower than this part of its width and depth is a drawing: it has no heights, and is seen from above.
+/// Height relative to width and depth below which a shape is a flat drawing: it has no heights and is seen from
+/// above.
 const FLAT: f64 = 1e-3;
 
 impl Up {
-    /// z of what looks like a scan of land: a border or no faces at all (`is_open`), and an extent along z of less than a quarter of
-    /// those along x and y, but of some size. Else y, as most models have it. O(n).
+    /// Guesses z for a scan of terrain: it has a border or no faces (`is_open`), and its extent along z is less than
+    /// a quarter of those along x and y, but not negligible. Otherwise guesses y, the convention of most models.
+    /// O(n).
     ///
     /// ```
     /// use adwave_render::Up;
@@ -103,7 +105,7 @@ fn is_open(shape: &Shape) -> bool {
 mod tests {
     use super::*;
 
-    /// A grid of 10 × 10 with heights from 0 to `height`, turned so that heights are along `axis`.
+    /// Grid of 10 × 10 points with heights from 0 to `height` along `axis`.
     fn land(height: f64, axis: usize) -> Vec<[f64; 3]> {
         let point = |i: u32| {
             let mut p = [f64::from(i % 10), f64::from(i / 10), height * f64::from(i % 2)];

@@ -1,10 +1,10 @@
-//! Where the viewer stands.
+//! Direction from which a shape is seen.
 
 use adwave::vector::{Vector, add_scaled, cross};
 use std::str::FromStr;
 use thiserror::Error;
 
-/// The direction from which a shape is seen, relative to its up axis.
+/// Direction from which a shape is seen, relative to its up axis.
 ///
 /// ```
 /// use adwave_render::View;
@@ -14,13 +14,13 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// How far the viewer has walked round the shape, counterclockwise as seen from above, degrees; 0 is the front.
+    /// Azimuth of the viewer around the shape, counterclockwise as seen from above, in degrees; 0 is the front.
     pub azimuth: f64,
-    /// How far the viewer is above the horizon, degrees from −90 to 90.
+    /// Elevation of the viewer above the horizon, in degrees from −90 to 90.
     pub elevation: f64,
 }
 
-/// The views that have names: name, azimuth, elevation.
+/// Named views: name, azimuth, elevation.
 const NAMED: [(&str, f64, f64); 7] = [
     ("front", 0.0, 0.0),
     ("back", 180.0, 0.0),
@@ -32,23 +32,23 @@ const NAMED: [(&str, f64, f64); 7] = [
 ];
 
 impl View {
-    /// From the right of the front and a little above: what shows most of most shapes.
+    /// From the right of the front and slightly above, which shows most of most shapes.
     pub const THREE_QUARTER: Self = Self { azimuth: 30.0, elevation: 15.0 };
 
-    /// Straight from the front.
+    /// From the front.
     pub const FRONT: Self = Self { azimuth: 0.0, elevation: 0.0 };
 
-    /// The names that parse.
+    /// Names that can be parsed.
     pub fn names() -> impl Iterator<Item = &'static str> {
         NAMED.iter().map(|n| n.0)
     }
 
-    /// The direction that points to the right in the picture, of length 1.
+    /// Unit vector that points to the right in the picture.
     pub fn right(self, up: Up) -> Vector {
         self.axes(up)[0]
     }
 
-    /// The picture's right, its up, and the direction toward the viewer: orthonormal, right-handed.
+    /// Right and up in the picture, and the direction toward the viewer: orthonormal, right-handed.
     pub(crate) fn axes(self, up: Up) -> [Vector; 3] {
         let [right, up, front] = up.axes();
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
@@ -85,44 +85,45 @@ impl FromStr for View {
     }
 }
 
-/// A view that cannot be used.
+/// Reasons for which a view is invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ViewError {
-    /// Neither a name nor two numbers.
+    /// The text is neither a name nor two numbers.
     #[error(
-        "'{text}' is no view; it is front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in \
-         degrees such as 30,15"
+        "the view must be front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in \
+        degrees such as 30,15; got '{text}'"
     )]
     Unknown {
-        /// What was given.
+        /// Text given.
         text: String,
     },
-    /// Angles that are none.
+    /// An angle is out of range.
     #[error(
-        "a view of azimuth {azimuth} and elevation {elevation}: the elevation is from -90 to 90 degrees, both finite"
+        "azimuth and elevation must be finite and the elevation in -90..=90 degrees, got {azimuth} and \
+        {elevation}"
     )]
     OutOfRange {
-        /// Degrees.
+        /// Azimuth in degrees.
         azimuth: f64,
-        /// Degrees.
+        /// Elevation in degrees.
         elevation: f64,
     },
 }
 
-/// Which axis of the model points up in the picture.
+/// Axis of the model that points up in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
     /// x up; the front is seen from −z.
     X,
-    /// y up, as most models have it; the front is seen from +z.
+    /// y up, the convention of most models; the front is seen from +z.
     #[default]
     Y,
-    /// z up, as maps and scans of the ground have it; the front is seen from −y.
+    /// z up, the convention of maps and terrain scans; the front is seen from −y.
     Z,
 }
 
 impl Up {
-    /// Right, up and the direction toward the viewer of the front view.
+    /// Right, up and the direction toward the viewer in the front view.
     fn axes(self) -> [Vector; 3] {
         match self {
             Self::X => [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]],
@@ -145,10 +146,10 @@ impl FromStr for Up {
     }
 }
 
-/// An axis that is none.
+/// The text does not name an axis.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("'{text}' is no axis; it is x, y or z")]
+#[error("the axis must be x, y or z, got '{text}'")]
 pub struct UpError {
-    /// What was given.
+    /// Text given.
     pub text: String,
 }

@@ -1,4 +1,4 @@
-//! Saliency and features of bands that are there in the order of the shape.
+//! Saliency and features from bands in the order of the shape.
 
 use adwave::bands::{Bands, Wavelets};
 use adwave::features::{self, Feature, FeatureError, FeatureParams, Response};
@@ -10,7 +10,7 @@ fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
     bands.to_wavelets(decomposer.geometry().vertex_map())
 }
 
-/// [`saliency::saliency`] of all channels together.
+/// The map of [`saliency::saliency`] over all channels together.
 pub(crate) fn saliency(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -19,16 +19,17 @@ pub(crate) fn saliency(
     saliency::saliency(decomposer, &wavelets(decomposer, bands).into_norms(), params, Progress::none())
 }
 
-/// A signed map, and how the outside of the shape was found where the signal is the shape.
+/// A saliency map that is signed if possible.
 pub(crate) struct SignedMap {
     pub(crate) map: Vec<f64>,
-    /// Whether + and − are different sides.
+    /// True if the sign of the map has a meaning.
     pub(crate) is_signed: bool,
+    /// Orientation of the normals, if the signal is the shape itself.
     pub(crate) outward: Option<OutwardInfo>,
 }
 
-/// The map by [`SaliencyParams::default`]: of coordinates (`normals`: of the file, where it has some) with + where the shape is
-/// convex, of a scalar signal with its own sign, of other vectors without.
+/// The map with the default parameters. For coordinates it is positive where the shape is convex; `normals` are those of the file, if it
+/// has any. For a scalar signal it has the sign of the signal, and for other vectors it is unsigned.
 pub(crate) fn signed_saliency(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -46,7 +47,7 @@ pub(crate) fn signed_saliency(
     Ok(SignedMap { map, is_signed, outward: outward.map(|o| o.info) })
 }
 
-/// [`saliency::saliency_per_level`] of all channels together.
+/// The maps of [`saliency::saliency_per_level`] over all channels together.
 pub(crate) fn saliency_per_level(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -56,7 +57,7 @@ pub(crate) fn saliency_per_level(
     saliency::saliency_per_level(decomposer, &norms, params, Progress::none())
 }
 
-/// [`features::features`] of all channels together, or of each by itself where the response says so.
+/// The features of [`features::features`] over all channels together, or of each channel if the response is by channel.
 pub(crate) fn features(
     decomposer: &Decomposer,
     bands: &Bands,

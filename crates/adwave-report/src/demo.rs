@@ -1,10 +1,10 @@
-//! The page of the demo: one shape before and after each edit, its saliency map, its features, and what to do next.
+//! The page of the demo: a shape before and after each edit, its saliency map, its features, and commands to try next.
 
 use crate::analysis::features as find;
 use crate::analysis::signed_saliency;
 use crate::page::{Block, Figure, Link, Page, Section};
-use crate::shape_report::drawing::{Frame, Studio};
-use crate::shape_report::presets::words;
+use crate::shape_report::drawing::{PictureSpec, Studio};
+use crate::shape_report::presets::describe_preset;
 use crate::shape_report::{Subject, Viewpoint, features, saliency};
 use crate::table::{Table, grouped};
 use adwave::features::FeatureParams;
@@ -15,62 +15,62 @@ use adwave_render::{
     ValueRange, grid, render, value_range,
 };
 
-/// What marks a feature in the picture of all of them.
+/// Color of the balls that mark features.
 const GREEN: [u8; 3] = [52, 168, 83];
-/// The part of the vertices that share the last color of the map.
+/// Share of the vertices that have the last color of the map.
 const TOP: f64 = 0.05;
-/// Parts of the work, for progress.
+/// Number of steps, for progress.
 const N_PARTS: u64 = 4;
 
-/// An edit that is shown.
+/// An edit that the page shows.
 #[derive(Clone, Debug)]
-pub struct ShownEdit<'a> {
-    /// The name of its file without the ending; a preset's name, or another.
+pub struct DemoEdit<'a> {
+    /// Name of its file without the extension: the name of a preset, or another name.
     pub name: &'a str,
-    /// What it does, in words that go on after the name; empty for a preset.
+    /// Description that continues a sentence after the name; empty for a preset.
     pub words: &'a str,
-    /// The shape's vertices after it.
+    /// Positions of the vertices after the edit.
     pub points: Vec<[f64; 3]>,
-    /// By how much vertices moved, root of the mean square, in % of the diagonal.
+    /// Root mean square of the distances that the vertices moved, in % of the diagonal.
     pub rms_percent: f64,
 }
 
-/// What the page tells beside its pictures.
+/// Text and tables of the page.
 #[derive(Clone, Debug)]
 pub struct DemoText {
-    /// One row for each band.
+    /// One row per band.
     pub bands: Table,
-    /// One row for each edit.
+    /// One row per edit.
     pub edits: Table,
-    /// The files beside the page.
+    /// Files in the folder of the page.
     pub files: Vec<Link>,
-    /// What to type next: a command and what it does.
+    /// Commands to try next, with their descriptions.
     pub next: Vec<(String, String)>,
 }
 
-/// The page, and pictures that go beside it.
+/// The page, and the pictures that are files of their own.
 #[derive(Clone, Debug)]
 pub struct Demo {
-    /// With its pictures inside.
+    /// The page with its pictures embedded.
     pub page: Page,
-    /// The shape before and after each edit, on one sheet.
+    /// One sheet with the shape before and after each edit.
     pub sheet: Picture,
-    /// Where the shape stands out.
+    /// The saliency map.
     pub saliency: Picture,
-    /// A ball for each feature.
+    /// The features as balls.
     pub features: Picture,
 }
 
-/// The names of the files that the pictures go to.
+/// File names of the pictures.
 pub const PICTURES: [&str; 3] = ["sheet.png", "saliency.png", "features.png"];
 
-/// Draws the demo's pictures and puts its page together. O(vertices + pixels) for each picture.
+/// Draws the pictures of the demo and assembles its page. O(vertices + pixels) for each picture.
 ///
 /// # Errors
 /// [`DemoError`].
 pub fn demo(
     subject: &Subject<'_>,
-    edits: &[ShownEdit<'_>],
+    edits: &[DemoEdit<'_>],
     text: DemoText,
     progress: Progress<'_>,
 ) -> Result<Demo, DemoError> {
@@ -87,20 +87,20 @@ pub fn demo(
     let mut studio = Studio::new(subject.shape, Viewpoint::default(), progress)?;
     let edits_section = edits_section(subject, edits, text.edits, &mut studio);
     progress.step(3, N_PARTS)?;
-    let mut bands = Section::new("bands", "The bands that were edited");
+    let mut bands = Section::new("bands", "The edited bands");
     bands.say(
-        "Band j, W_j, holds the details that are about σ_j wide, from fine to coarse. Smoothing drops them, a preset weighs \
-         them, a local edit does so in a part of the shape; what is left when all are dropped is the smooth body.",
+        "Band W_j contains the details of width about σ_j. Bands are numbered from fine to coarse. Smoothing removes bands, a \
+         preset multiplies them by gains, and a local edit does so in a region. The smooth body remains when all bands are removed.",
     );
     bands.push(Block::Table(text.bands));
     let (mut map, _) = saliency::section(subject, &mut studio);
-    "Where the shape stands out".clone_into(&mut map.title);
+    "Saliency: where the shape stands out".clone_into(&mut map.title);
     link(&mut map, PICTURES[1]);
     let (mut balls, _) = features::section(subject, &mut studio);
     link(&mut balls, PICTURES[2]);
-    let mut files = Section::new("files", "Files beside this page");
+    let mut files = Section::new("files", "Files in this folder");
     files.push(Block::Files(text.files));
-    let mut next = Section::new("next", "Next, on a shape of your own");
+    let mut next = Section::new("next", "Next: try your own shape");
     for (command, what) in text.next {
         next.say(format!("`{command}`: {what}."));
     }
@@ -114,10 +114,10 @@ pub fn demo(
     Ok(Demo { page, sheet, saliency: saliency_picture, features: features_picture })
 }
 
-/// Why there is no page.
+/// Error of the demo.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
-    /// The call was told to stop.
+    /// The caller cancelled the call.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A picture cannot be drawn.
@@ -137,44 +137,44 @@ impl adwave::ClassifiedError for DemoError {
 fn introduction(subject: &Subject<'_>) -> Vec<String> {
     vec![
         format!(
-            "A built-in creature of {} vertices was split into {} bands, from fine to coarse, and put together again in five \
+            "A built-in creature of {} vertices was decomposed into {} bands, from fine to coarse, and reconstructed in five \
              ways.",
             grouped(subject.shape.n_vertices()),
             subject.bands.n_levels()
         ),
-        "Choose a picture to see it in full size.".to_owned(),
+        "Click a picture to see it in full size.".to_owned(),
     ]
 }
 
 fn edits_section(
     subject: &Subject<'_>,
-    edits: &[ShownEdit<'_>],
+    edits: &[DemoEdit<'_>],
     table: Table,
     studio: &mut Studio<'_>,
 ) -> Section {
     let mut section = Section::new("edits", "Before and after");
-    let mut frames = vec![Frame::plain(
-        format!("The {} as it is", subject.name),
-        "The creature as it is: `creature.ply`.",
+    let mut specs = vec![PictureSpec::plain(
+        format!("The original {}", subject.name),
+        "The original creature: `creature.ply`.",
     )];
-    frames.extend(edits.iter().map(|edit| {
-        let said = if edit.words.is_empty() { words(edit.name) } else { edit.words };
-        Frame::plain(
+    specs.extend(edits.iter().map(|edit| {
+        let description = if edit.words.is_empty() { describe_preset(edit.name) } else { edit.words };
+        PictureSpec::plain(
             format!("The {} after {}", subject.name, edit.name),
             format!(
-                "`{}` {said}. Vertices move by {:.2} % of the diagonal (rms).",
+                "`{}` {description}. Vertices move by {:.2} % of the diagonal (rms).",
                 edit.name, edit.rms_percent
             ),
         )
-        .at(edit.points.clone())
+        .with_positions(edit.points.clone())
     }));
-    section.gallery(studio.draw(&frames));
+    section.gallery(studio.draw(&specs));
     link(&mut section, PICTURES[0]);
     section.push(Block::Table(table));
     section
 }
 
-/// Lets the pictures of a section lead to a file beside the page.
+/// Links the pictures of a section to a file in the folder of the page.
 fn link(section: &mut Section, file: &str) {
     let figures = section.blocks.iter_mut().filter_map(|block| match block {
         Block::Gallery(figures) => Some(figures),
@@ -185,7 +185,7 @@ fn link(section: &mut Section, file: &str) {
 
 fn sheet(
     subject: &Subject<'_>,
-    edits: &[ShownEdit<'_>],
+    edits: &[DemoEdit<'_>],
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
@@ -204,7 +204,7 @@ fn saliency_picture(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
-    let map = signed_saliency(subject.walk, subject.bands, true, None).map(|s| s.map);
+    let map = signed_saliency(subject.decomposer, subject.bands, true, None).map(|s| s.map);
     let points = subject.shape.points().unwrap_or_default();
     let map = map.unwrap_or_else(|_| vec![0.0; points.len()]);
     let sizes: Vec<f64> = map.iter().map(|v| v.abs()).collect();
@@ -224,7 +224,7 @@ fn features_picture(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Picture, RenderError> {
-    let found = find(subject.walk, subject.bands, &FeatureParams::default()).unwrap_or_default();
+    let found = find(subject.decomposer, subject.bands, &FeatureParams::default()).unwrap_or_default();
     let balls: Vec<Ball> = found
         .iter()
         .filter_map(|f| Some(Ball { center: f.position?, radius: f.sigma, color: GREEN }))

@@ -1,22 +1,22 @@
-//! What is lost of a shape when its fine bands are dropped.
+//! The loss when fine bands of a shape are dropped.
 
 use adwave::bands::Bands;
 
-/// What is lost when everything finer than a level is dropped: ‖f − S_f(j)‖ over the vertices, in units of the signal.
+/// The loss when the bands up to a level are dropped: ‖f − S_f(j)‖ over the vertices, in units of the signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailLoss {
     /// j, from 1: the bands 1 … j are dropped.
     pub level: usize,
     /// Width σ_j in model units.
     pub sigma: f64,
-    /// The greatest of a vertex.
+    /// Largest loss of a vertex.
     pub greatest: f64,
     /// `√(Σ_x μ(x)‖f(x) − S_f(j, x)‖² / Σ_x μ(x))` under the weights μ.
     pub rms: f64,
 }
 
-/// The loss of each level j = 1 … J of bands, fine to coarse: `f − S_f(j) = W_f(1) + … + W_f(j)` (eq. 15). `weights` is the area of
-/// each vertex; where all are 0, every vertex counts alike. Vertices without a value (NaN) do not count. O(J·n).
+/// The loss of each level j = 1 … J of bands, fine to coarse: `f − S_f(j) = W_f(1) + … + W_f(j)` (eq. 15). `weights` are the
+/// areas of the vertices; if all are 0, the vertices have equal weights. Vertices without a value (NaN) are ignored. O(J·n).
 ///
 /// ```
 /// use adwave::bands::Schedule;
@@ -25,13 +25,13 @@ pub struct DetailLoss {
 /// use adwave_report::detail_loss;
 /// let pair = Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?);
 /// let bands = Decomposer::new(&pair).decompose(&[1.0, 3.0], 1, &Schedule::dyadic(2)?)?;
-/// let loss = detail_loss(&bands, &[1.0, 1.0]); // both become 2 at once
+/// let loss = detail_loss(&bands, &[1.0, 1.0]); // both become 2 in the first step
 /// assert_eq!((loss[0].greatest, loss[0].rms), (1.0, 1.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Panics
-/// When there is not one weight per vertex.
+/// If the number of weights differs from the number of vertices.
 pub fn detail_loss(bands: &Bands, weights: &[f64]) -> Vec<DetailLoss> {
     assert_eq!(weights.len(), bands.n_vertices, "one weight per vertex");
     let all_alike = weights.iter().sum::<f64>() <= 0.0;
@@ -55,8 +55,8 @@ pub fn detail_loss(bands: &Bands, weights: &[f64]) -> Vec<DetailLoss> {
         .collect()
 }
 
-/// The widest level whose loss and all finer ones' losses, by this measure, are at most `error`; none where the finest loses
-/// more.
+/// The widest level such that its loss and the losses of all finer levels are at most `error` by `measure`; `None` if the finest level
+/// loses more.
 pub fn widest_within(
     losses: &[DetailLoss],
     error: f64,
@@ -65,7 +65,7 @@ pub fn widest_within(
     losses.iter().take_while(|loss| measure(loss) <= error).last()
 }
 
-/// The length of a row, in a unit that keeps its square from vanishing or overflowing.
+/// Euclidean norm, scaled so that squares neither underflow nor overflow.
 fn norm(row: &[f64]) -> f64 {
     let largest = row.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::NAN } else { m.max(v.abs()) });
     if largest == 0.0 || !largest.is_finite() {
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_loss_is_the_distance_to_the_scaling_coefficients() {
-        let sample = Sample::by_name("creature", Some(2000)).unwrap();
+        let sample = Sample::from_name("creature", Some(2000)).unwrap();
         let shape = adwave::shape::Shape::Mesh(
             adwave::shape::Mesh::new(sample.points.clone(), sample.faces).unwrap(),
         );

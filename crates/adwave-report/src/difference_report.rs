@@ -1,37 +1,37 @@
-//! The page of two versions of a shape: where and at which scale they differ.
+//! The page that compares two versions of a shape by place and scale.
 
 use crate::page::{Block, Fact, Page, Section};
-use crate::shape_report::drawing::{FieldLook, Frame, Scale, Studio};
+use crate::shape_report::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::shape_report::{BandSummary, Subject, Viewpoint, band_section};
 use adwave::shape::Shape;
 use adwave::{Cancelled, Progress};
 
-/// What is beside the difference.
+/// The other version of the shape, and how it was compared.
 #[derive(Clone, Debug)]
 pub struct Versions<'a> {
     /// The name of the other shape.
     pub other: &'a str,
     /// The other shape, moved as it was compared.
     pub shape: &'a Shape,
-    /// What is known of the difference: name, value, meaning.
+    /// Statistics of the difference.
     pub facts: Vec<Fact>,
-    /// How the two were compared, in sentences.
+    /// Description of the comparison, in sentences.
     pub how: Vec<String>,
 }
 
-/// A page.
+/// The page of a comparison.
 #[derive(Clone, Debug)]
 pub struct DifferenceReport {
-    /// The page.
+    /// The HTML page.
     pub page: Page,
-    /// One a level.
+    /// One entry per level.
     pub bands: Vec<BandSummary>,
-    /// How many pictures of the shapes are on the page.
+    /// Number of pictures of the shapes on the page.
     pub n_pictures: usize,
 }
 
-/// The page of `subject`, whose signal is the difference between two versions of its shape. O(vertices × levels), and for each of about
-/// ten pictures O(vertices + pixels).
+/// Makes the page of `subject`, whose signal is the difference between two versions of its shape. O(vertices × levels), and O(vertices +
+/// pixels) for each of about ten pictures.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -55,13 +55,13 @@ pub fn difference_report(
             Scale::from_zero(&values, 0.99)
         };
         let look = FieldLook::new(values, format!("{name}, model units"), scale);
-        let first = Frame::plain(subject.name, format!("{}.", subject.name));
-        let map = Frame::plain(
+        let first = PictureSpec::plain(subject.name, format!("{}.", subject.name));
+        let map = PictureSpec::plain(
             format!("The difference on {}", subject.name),
-            "The difference, up to its 99th percentile; gray where there is none.",
+            "The difference, up to its 99th percentile. Gray: no difference.",
         )
         .field(look);
-        let second = Frame::plain(versions.other, format!("{}.", versions.other));
+        let second = PictureSpec::plain(versions.other, format!("{}.", versions.other));
         let drawn = studio.draw(&[first, map]).and_then(|mut figures| {
             figures.extend(other.draw(&[second])?);
             Ok(figures)
@@ -71,10 +71,10 @@ pub fn difference_report(
     progress.check()?;
     let (bands_section, bands) = band_section(subject, &mut studio);
     let page = Page {
-        title: format!("{} against {}", versions.other, subject.name),
+        title: format!("{} compared with {}", versions.other, subject.name),
         introduction: vec![format!(
-            "How {} differs from {}, and at which scale: the difference is split into bands W_j, the parts of it that are about σ_j wide, \
-             and the rest S_J that is wider; together they are the difference.",
+            "Where {} differs from {}, and at which scale. The difference is decomposed into bands W_j, its parts of width about σ_j, \
+             and the rest S_J, which is wider; their sum is the difference.",
             versions.other, subject.name
         )],
         sections: vec![section, bands_section],

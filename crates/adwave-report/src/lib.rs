@@ -1,4 +1,4 @@
-//! Pages of pictures and numbers: the report of one shape, and every figure and table of the paper reproduced.
+//! Pages of pictures and numbers: the report of one shape, the comparison of two versions, and the figures and tables of the paper.
 
 mod analysis;
 pub mod demo;

@@ -1,20 +1,20 @@
-//! Tables of numbers: rows of a page, and CSV files.
+//! Tables of numbers, for pages and CSV files.
 
 use std::fmt::Write as _;
 
-/// The cell of a value that there is none of.
+/// Cell of a missing value.
 pub const NONE: &str = "–";
 
-/// Numbers in rows, as a page shows them and as a file holds them.
+/// A table, as a page shows it and a CSV file stores it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
-    /// The name of its file, with the ending `.csv`; unique within the page or figure.
+    /// File name with the extension `.csv`, unique within the page or figure.
     pub name: String,
-    /// What the numbers are.
+    /// Description of the numbers.
     pub caption: String,
     /// Names of the columns, with units.
     pub head: Vec<String>,
-    /// One cell a column.
+    /// Cells, one per column.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -28,15 +28,15 @@ impl Table {
     /// Adds a row.
     ///
     /// # Panics
-    /// Unless there is one cell a column.
+    /// If the number of cells differs from the number of columns.
     pub fn push<const N: usize>(&mut self, row: [String; N]) {
         assert_eq!(N, self.head.len(), "one cell a column of {}", self.name);
         self.rows.push(row.into());
     }
 
-    /// Without the columns of which no row has a value: those with nothing but `–`.
+    /// Removes the columns that have no value in any row.
     #[must_use]
-    pub fn without_empty_columns(mut self) -> Self {
+    pub fn drop_empty_columns(mut self) -> Self {
         let kept: Vec<bool> = (0..self.head.len())
             .map(|k| self.rows.is_empty() || self.rows.iter().any(|row| row[k] != NONE))
             .collect();
@@ -50,7 +50,7 @@ impl Table {
         self
     }
 
-    /// The table as RFC 4180 has it: cells with commas, quotes or line breaks in quotes.
+    /// The table as CSV (RFC 4180): cells with commas, quotes or line breaks are quoted.
     ///
     /// ```
     /// use adwave_report::Table;
@@ -75,9 +75,8 @@ impl Table {
     }
 }
 
-/// The values of a column with the same number of decimals, so that they can be compared at a glance: three significant
-/// digits of the smallest that is not 0, or all in scientific notation where that takes more than seven decimals. What is
-/// not finite is [`NONE`].
+/// Formats a column with the same number of decimals in every cell: three significant digits of the smallest nonzero value, or scientific
+/// notation if that takes more than seven decimals. A value that is not finite becomes [`NONE`].
 ///
 /// ```
 /// use adwave_report::column;
@@ -100,7 +99,7 @@ pub fn column(values: &[f64]) -> Vec<String> {
     values.iter().map(cell).collect()
 }
 
-/// Four significant digits, in scientific notation where the number is very large or small.
+/// Formats a number with four significant digits, in scientific notation if it is very large or small.
 ///
 /// ```
 /// use adwave_report::digits;
@@ -114,7 +113,7 @@ pub fn digits(value: f64) -> String {
     } else if !value.is_finite() {
         String::new()
     } else if (1e-3..1e6).contains(&size) {
-        // The place of the first digit after rounding, which may be one up from that of the value.
+        // Exponent of the first digit after rounding, which may be larger than that of the value.
         let place = format!("{size:.3e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
         let decimals = (3 - place).clamp(0, 6) as usize;
         format!("{value:.decimals$}")
@@ -123,7 +122,7 @@ pub fn digits(value: f64) -> String {
     }
 }
 
-/// Three significant digits without zeros at the end, for where there is little room.
+/// Formats a number with three significant digits and without trailing zeros, for little space.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     let text = if value == 0.0 {
@@ -138,7 +137,7 @@ pub(crate) fn short(value: f64) -> String {
     text.replacen('-', "−", usize::from(value < 0.0))
 }
 
-/// A count in groups of three digits, narrow blanks between them.
+/// Formats a count in groups of three digits, separated by narrow spaces.
 pub(crate) fn grouped(count: usize) -> String {
     let text = count.to_string();
     let mut out = String::new();
@@ -174,8 +173,8 @@ mod tests {
         let mut table = Table::new("a.csv", "", &["x", "y", "z"]);
         table.push(["1".to_owned(), NONE.to_owned(), NONE.to_owned()]);
         table.push(["2".to_owned(), NONE.to_owned(), "3".to_owned()]);
-        assert_eq!(table.without_empty_columns().csv(), "x,z\n1,–\n2,3\n");
-        assert_eq!(Table::new("a.csv", "", &["x"]).without_empty_columns().head, ["x"]);
+        assert_eq!(table.drop_empty_columns().csv(), "x,z\n1,–\n2,3\n");
+        assert_eq!(Table::new("a.csv", "", &["x"]).drop_empty_columns().head, ["x"]);
     }
 
     #[test]

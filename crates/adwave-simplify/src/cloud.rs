@@ -1,45 +1,45 @@
-//! Clouds: a Poisson disk sample of the points.
+//! Thinning of clouds: a Poisson disk sample of the points.
 
-use crate::wedges::{in_unit_box, length, minus};
+use crate::wedges::{length, minus, scale_to_unit_box};
 use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::PointCloud;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// What to aim at.
+/// Target of thinning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CloudTarget {
-    /// No two points are nearer than this, in model units, and every dropped one has a kept one within it.
+    /// Smallest distance between kept points, in model units; every dropped point has a kept one within it.
     Spacing(f64),
-    /// So many points, by a search for that spacing.
+    /// Number of points, reached by a search for the spacing.
     Points(usize),
-    /// This share of the points.
+    /// Share of the points, in (0, 1].
     Ratio(f64),
 }
 
 /// A cloud with fewer points.
 #[derive(Clone, Debug)]
 pub struct ThinnedCloud {
-    /// Which points are kept, increasing.
+    /// Indices of the kept points, increasing.
     pub kept: Vec<u32>,
-    /// No two are nearer, in model units.
+    /// Smallest allowed distance of two kept points, in model units.
     pub spacing: f64,
-    /// From the points to the kept ones, each with the same area; nothing is measured the other way, as kept points are points
-    /// of the original.
+    /// Distances from the original points to the kept ones, with equal areas. The opposite direction is 0, because kept
+    /// points are points of the original.
     pub deviation: Deviation,
 }
 
-/// Fewer points, evenly: greedy dart throwing (`cook1986`) among the points themselves.
+/// Thins a cloud evenly by greedy dart throwing (`cook1986`) among its points.
 ///
-/// Points are taken in an order that looks like chance and depends on their positions alone, and each is kept unless a kept one
-/// is nearer than the spacing r. So no two kept points are nearer than r, every dropped one has a kept one within r, and of
-/// points at one position the first stays. The order of the points in the file changes nothing but which of equal ones that is.
+/// Points are visited in a pseudorandom order that depends on their positions only. Each is kept unless a kept point is
+/// nearer than the spacing r. Hence no two kept points are nearer than r, every dropped point has a kept one within r, and
+/// the first of several points at one position is kept. The order of the points in the file matters only for this choice.
 ///
-/// O(n log n) for each spacing that is tried: one for [`CloudTarget::Spacing`], at most 12 for a number, which come within 1 %
-/// where the points are not on a grid. The same input gives the same bits on any number of threads.
+/// Costs O(n log n) for each spacing that is tried: one for [`CloudTarget::Spacing`], at most 12 for a number of points,
+/// which come within 1 % if the points are not on a grid. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`SimplifyError`]: a target that cannot be, or a stop.
+/// Returns a [`SimplifyError`] for an invalid target and on cancellation.
 ///
 /// ```
 /// use adwave::Progress;
@@ -57,57 +57,57 @@ pub fn simplify_cloud(
     progress: Progress<'_>,
 ) -> Result<ThinnedCloud, SimplifyError> {
     let n = cloud.points().len();
-    let order = order(cloud.points(), progress)?;
-    let (points, unit) = in_unit_box(cloud.points());
+    let order = hash_order(cloud.points(), progress)?;
+    let (points, unit) = scale_to_unit_box(cloud.points());
     let thin = |spacing: f64| Thinning::new(&points, spacing, &order, progress.quiet());
-    let wanted = match target {
+    let target_count = match target {
         CloudTarget::Spacing(r) if !(r.is_finite() && r >= 0.0) => return Err(SimplifyError::Length(r)),
-        CloudTarget::Spacing(0.0) => return Ok(all(n)),
-        CloudTarget::Spacing(r) => return finish(&thin((r / unit).max(LEAST_SPACING))?, r, unit, progress),
+        CloudTarget::Spacing(0.0) => return Ok(keep_all(n)),
+        CloudTarget::Spacing(r) => return finish(&thin((r / unit).max(MIN_SPACING))?, r, unit, progress),
         CloudTarget::Points(0) => return Err(SimplifyError::NoVertices),
-        CloudTarget::Points(wanted) => wanted,
+        CloudTarget::Points(n_points) => n_points,
         CloudTarget::Ratio(ratio) if !(ratio > 0.0 && ratio <= 1.0) => {
             return Err(SimplifyError::Ratio(ratio));
         }
         CloudTarget::Ratio(ratio) => ((n as f64 * ratio).round() as usize).max(1),
     };
-    if wanted >= n {
-        return Ok(all(n));
+    if target_count >= n {
+        return Ok(keep_all(n));
     }
-    let (spacing, thinning) = of_number(wanted, progress, &thin)?;
+    let (spacing, thinning) = thin_to_count(target_count, progress, &thin)?;
     finish(&thinning, unit * spacing, unit, progress)
 }
 
-/// Every point kept.
-fn all(n: usize) -> ThinnedCloud {
+/// Returns the result that keeps every point.
+fn keep_all(n: usize) -> ThinnedCloud {
     ThinnedCloud { kept: (0..n as u32).collect(), spacing: 0.0, deviation: Deviation::default() }
 }
 
-/// Spacings that are tried for one number.
-const TRIES: u64 = 12;
+/// Largest number of spacings that are tried for a number of points.
+const MAX_TRIES: u64 = 12;
 
-/// A number that differs by less than this share is near enough.
-const NEAR_ENOUGH: f64 = 0.01;
+/// Accepted relative difference of the number of points.
+const COUNT_TOLERANCE: f64 = 0.01;
 
-/// The least spacing, as a share of the longest side, which is rounding: cells are counted in whole numbers.
-const LEAST_SPACING: f64 = 1e-12;
+/// Smallest spacing relative to the longest side; below it, cell numbers would be dominated by rounding.
+const MIN_SPACING: f64 = 1e-12;
 
-/// The spacing that leaves about so many points: by the power law between the two nearest tries, kept between them.
-fn of_number<'a>(
-    wanted: usize,
+/// Searches for the spacing that keeps about `target_count` points, by a power law within the bracket of earlier tries.
+fn thin_to_count<'a>(
+    target_count: usize,
     progress: Progress<'_>,
     thin: &dyn Fn(f64) -> Result<Thinning<'a>, Cancelled>,
 ) -> Result<(f64, Thinning<'a>), Cancelled> {
-    // On a square of side 1, n points as far apart as they can be are about 1/√n apart.
-    let mut spacing = 0.8 / (wanted as f64).sqrt();
+    // On a square of side 1, n evenly spread points are about 1/√n apart.
+    let mut spacing = 0.8 / (target_count as f64).sqrt();
     let (mut low, mut high) = (0.0, f64::INFINITY);
     let mut best: Option<(usize, f64, Thinning<'a>)> = None;
-    for try_ in 0..TRIES {
-        progress.step(try_, TRIES)?;
+    for try_ in 0..MAX_TRIES {
+        progress.step(try_, MAX_TRIES)?;
         let thinning = thin(spacing)?;
         let count = thinning.n_kept();
-        let off = count.abs_diff(wanted);
-        if count > wanted {
+        let off = count.abs_diff(target_count);
+        if count > target_count {
             low = spacing;
         } else {
             high = spacing;
@@ -115,10 +115,10 @@ fn of_number<'a>(
         if best.as_ref().is_none_or(|b| off < b.0) {
             best = Some((off, spacing, thinning));
         }
-        if off as f64 <= NEAR_ENOUGH * wanted as f64 {
+        if off as f64 <= COUNT_TOLERANCE * target_count as f64 {
             break;
         }
-        let by_power = spacing * (count as f64 / wanted as f64).sqrt();
+        let by_power = spacing * (count as f64 / target_count as f64).sqrt();
         spacing = if by_power > low && by_power < high {
             by_power
         } else if high.is_finite() {
@@ -126,7 +126,7 @@ fn of_number<'a>(
         } else {
             2.0 * spacing
         };
-        if spacing <= LEAST_SPACING || spacing > 4.0 {
+        if spacing <= MIN_SPACING || spacing > 4.0 {
             break;
         }
     }
@@ -134,7 +134,7 @@ fn of_number<'a>(
     Ok((spacing, thinning))
 }
 
-/// Measures what was dropped.
+/// Collects the kept points and measures the distances of the dropped ones.
 fn finish(
     thinning: &Thinning<'_>,
     spacing: f64,
@@ -144,18 +144,18 @@ fn finish(
     let kept: Vec<u32> = (0..thinning.points.len() as u32).filter(|&x| thinning.is_kept(x)).collect();
     let of_original = thinning.distances(progress)?;
     let deviation = Deviation { of_original, of_simplified: OneSided::default() };
-    Ok(ThinnedCloud { kept, spacing, deviation: deviation.times(unit) })
+    Ok(ThinnedCloud { kept, spacing, deviation: deviation.scaled_by(unit) })
 }
 
-/// The points in the order of a hash of their positions (the finalizer of SplitMix64), those at one position by index.
-fn order(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
+/// Sorts the points by a hash of their positions (the finalizer of SplitMix64); equal positions by index.
+fn hash_order(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     };
     let hash = |p: &[f64; 3]| {
-        // 0 and −0 are one position.
+        // 0 and −0 are the same position.
         p.iter().fold(0x9e37_79b9_7f4a_7c15_u64, |h, x| mix(h.wrapping_add((x + 0.0).to_bits())))
     };
     let mut keyed: Vec<(u64, u32)> =
@@ -165,23 +165,24 @@ fn order(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<u32>, Cancel
     Ok(keyed.into_iter().map(|(_, x)| x).collect())
 }
 
-/// No point or cell.
+/// Marker for a missing point or cell.
 const NONE: u32 = u32::MAX;
 
-/// Points in cubes of the spacing: what is nearer than the spacing lies in the 27 cells round a point.
+/// Points in cubic cells of the spacing; neighbors within the spacing lie in the 27 cells around a point.
 struct Thinning<'a> {
     points: &'a [[f64; 3]],
     spacing: f64,
-    /// The cell of each point.
+    /// Cell of each point.
     cell: Vec<u32>,
-    /// The cells round each cell that hold points, itself among them.
+    /// Nonempty cells around each cell, including itself.
     around: Vec<[u32; 27]>,
-    /// The kept point last found in each cell, and the one before each kept point.
+    /// Last kept point of each cell, the head of a linked list.
     head: Vec<u32>,
+    /// Previous kept point of the same cell, or `DROPPED`.
     before: Vec<u32>,
 }
 
-/// A point that is not kept.
+/// Marker for a point that is not kept.
 const DROPPED: u32 = u32::MAX - 1;
 
 impl<'a> Thinning<'a> {
@@ -215,7 +216,7 @@ impl<'a> Thinning<'a> {
         self.before.iter().filter(|&&before| before != DROPPED).count()
     }
 
-    /// The kept points in the cells round a point.
+    /// Iterates over the kept points in the cells around a point.
     fn near(&self, x: u32) -> impl Iterator<Item = u32> + '_ {
         let around = &self.around[self.cell[x as usize] as usize];
         around.iter().take_while(|&&cell| cell != NONE).flat_map(move |&cell| {
@@ -232,11 +233,11 @@ impl<'a> Thinning<'a> {
         self.near(x).any(|y| self.distance(x, y) < self.spacing)
     }
 
-    /// From each point to the nearest that is kept.
+    /// Measures the distance from each dropped point to the nearest kept one.
     fn distances(&self, progress: Progress<'_>) -> Result<OneSided, Cancelled> {
         let chunk = |c: usize| {
             progress.check()?;
-            let range = c * AT_A_TIME..((c + 1) * AT_A_TIME).min(self.points.len());
+            let range = c * POINTS_PER_CHUNK..((c + 1) * POINTS_PER_CHUNK).min(self.points.len());
             let (mut greatest, mut squares) = (0.0_f64, 0.0);
             for x in range.map(|x| x as u32).filter(|&x| !self.is_kept(x)) {
                 let nearest = self.near(x).map(|y| self.distance(x, y)).fold(f64::INFINITY, f64::min);
@@ -247,45 +248,45 @@ impl<'a> Thinning<'a> {
         };
         let n = self.points.len();
         let chunks: Vec<_> =
-            (0..n.div_ceil(AT_A_TIME)).into_par_iter().map(chunk).collect::<Result<_, Cancelled>>()?;
+            (0..n.div_ceil(POINTS_PER_CHUNK)).into_par_iter().map(chunk).collect::<Result<_, Cancelled>>()?;
         let (greatest, squares) =
             chunks.into_iter().fold((0.0_f64, 0.0), |sum, c| (sum.0.max(c.0), sum.1 + c.1));
         Ok(OneSided { greatest, rms: (squares / n as f64).sqrt() })
     }
 }
 
-/// Points that a thread looks at in one go.
-const AT_A_TIME: usize = 1 << 12;
+/// Points that a thread processes at a time.
+const POINTS_PER_CHUNK: usize = 1 << 12;
 
-/// The cell of each point, numbered in the order of their coordinates, and those round each.
+/// Computes the cell of each point, numbered by coordinates, and the nonempty cells around each cell.
 fn cells(
     points: &[[f64; 3]],
     spacing: f64,
     progress: Progress<'_>,
 ) -> Result<(Vec<u32>, Vec<[u32; 27]>), Cancelled> {
-    let place = |p: &[f64; 3]| -> [i64; 3] { std::array::from_fn(|c| (p[c] / spacing).floor() as i64) };
-    let places: Vec<[i64; 3]> = points.par_iter().map(place).collect();
-    let mut cells = places.clone();
+    let coordinates = |p: &[f64; 3]| -> [i64; 3] { std::array::from_fn(|c| (p[c] / spacing).floor() as i64) };
+    let coordinates: Vec<[i64; 3]> = points.par_iter().map(coordinates).collect();
+    let mut cells = coordinates.clone();
     cells.par_sort_unstable();
     cells.dedup();
     progress.check()?;
-    let find = |place: &[i64; 3]| cells.partition_point(|cell| cell < place);
-    let cell = places.par_iter().map(|place| find(place) as u32).collect();
+    let find = |key: &[i64; 3]| cells.partition_point(|cell| cell < key);
+    let cell = coordinates.par_iter().map(|key| find(key) as u32).collect();
     progress.check()?;
     let around = cells.par_iter().map(|&[x, y, z]| {
-        let (mut found, mut n) = ([NONE; 27], 0);
+        let (mut neighbors, mut n) = ([NONE; 27], 0);
         for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
-            // Those above one another follow each other.
+            // Cells that differ in z only are consecutive.
             let column = [x + dx, y + dy];
             let first = find(&[column[0], column[1], z - 1]);
             for (k, cell) in cells.iter().enumerate().skip(first).take(3) {
                 if cell[..2] == column && cell[2] <= z + 1 {
-                    found[n] = k as u32;
+                    neighbors[n] = k as u32;
                     n += 1;
                 }
             }
         }
-        found
+        neighbors
     });
     Ok((cell, around.collect()))
 }

@@ -1,32 +1,33 @@
-//! Why a shape is not simplified.
+//! Errors of simplification.
 
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why a shape is not simplified.
+/// Failure of a simplification.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SimplifyError {
-    /// A distance that cannot be aimed at.
-    #[error("the error {0:?} is no length; it must be finite and not negative")]
+    /// The target distance is negative or not finite.
+    #[error("the target distance must be finite and not negative, got {0:?}")]
     Length(f64),
-    /// No vertices cannot be aimed at.
-    #[error("0 vertices are no shape; ask for 1 or more")]
+    /// The target is 0 vertices.
+    #[error("the number of vertices must be at least 1, got 0")]
     NoVertices,
-    /// A share that is none.
-    #[error("the ratio {0:?} is no share of the vertices; it must be above 0 and at most 1")]
+    /// The target ratio is outside (0, 1].
+    #[error("the ratio must be above 0 and at most 1, got {0:?}")]
     Ratio(f64),
-    /// Labels are not one per corner.
-    #[error("there are {found} labels for {n_corners} corners of faces; give one for each")]
+    /// The number of labels differs from the number of corners.
+    #[error("one label per corner of the faces is needed, got {found} labels for {n_corners} corners")]
     Labels {
-        /// How many labels were given.
+        /// Number of labels.
         found: usize,
-        /// How many corners the faces have.
+        /// Number of corners of the faces.
         n_corners: usize,
     },
-    /// There is no surface to measure on.
-    #[error("no face has an area, so there is no surface to simplify; take the shape as a cloud")]
+    /// No face has a positive area.
+    #[error("no face has a positive area; simplify the shape as a cloud")]
     NoSurface,
-    /// Told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

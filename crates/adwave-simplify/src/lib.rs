@@ -1,20 +1,19 @@
-//! Shapes with fewer vertices, and how far they are from what they were, measured.
+//! Simplification of meshes and clouds, with measured deviation.
 //!
-//! [`simplify_mesh`] collapses edges in the order of the quadric error (`garland1997`) and keeps a subset of the vertices, so
-//! that what vertices carry is kept without interpolation. [`simplify_cloud`] thins a cloud to a Poisson disk sample
-//! (`cook1986`): no two points nearer than a radius, and every dropped one within that radius of a kept one. Both aim at a
-//! distance or at a number of vertices. Whatever estimate steered the work, the distance that is reported is measured
-//! afterwards, from surface to surface or from point to point, in double precision.
+//! [`simplify_mesh`] collapses edges in the order of the quadric error (`garland1997`). It keeps a subset of the vertices, so
+//! that vertex attributes need no interpolation. [`simplify_cloud`] thins a cloud to a Poisson disk sample (`cook1986`): no two
+//! points are nearer than a radius, and every dropped point is within that radius of a kept one. The target is a distance
+//! or a number of vertices. The reported deviation is measured on the result in double precision, not estimated.
 //!
-//! | where | what |
+//! | module | content |
 //! |---|---|
-//! | `mesh` | the search for the fewest vertices within a distance, or for a number of vertices |
-//! | `wedges` | a mesh made ready: welded, cut into triangles, split along seams, in the unit box |
-//! | `collapse` | one run of the collapses |
-//! | `deviation` | how far two surfaces are apart |
-//! | `provenance` | which corner and face of the original each new one continues |
-//! | `cloud` | thinning of points |
-//! | `resample` | another mesh of the same surface, to try what should not depend on the mesh |
+//! | `mesh` | search for the fewest vertices within a distance, or for a number of vertices |
+//! | `wedges` | preparation of a mesh: welding, triangulation, seams, unit box |
+//! | `collapse` | one run of edge collapses |
+//! | `deviation` | distances between two surfaces |
+//! | `provenance` | corners and faces of the original that new ones continue |
+//! | `cloud` | thinning of clouds |
+//! | `resample` | remeshing, to test independence of the mesh |
 
 mod cloud;
 mod collapse;

@@ -1,12 +1,12 @@
-//! Which corner and which face of the original each new one continues.
+//! Corners and faces of the original that new ones continue.
 
 use crate::deviation::{Surface, center};
 use crate::wedges::{Wedges, doubled_normal, length};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// For each corner of the triangles the corner of the original at the same wedge whose face is turned most alike: where a
-/// vertex has several normals, that is the one on the right side of the crease. O(corners).
+/// Finds, for each corner of the triangles, the corner of the original at the same wedge whose face has the most similar
+/// orientation. At a vertex with several normals this is the one on the correct side of the crease. O(corners).
 pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut starts = vec![0_u32; wedges.points.len() + 1];
     for &wedge in wedges.triangles.as_flattened() {
@@ -28,28 +28,28 @@ pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
         let norm = length(n).max(f64::MIN_POSITIVE);
         n.map(|x| x / norm)
     };
-    let best = |own: &[f64; 3], wedge: u32| {
+    let best = |facing: &[f64; 3], wedge: u32| {
         let range = starts[wedge as usize] as usize..starts[wedge as usize + 1] as usize;
-        let likeness = |t: u32| -> f64 {
-            normal(wedges.triangles[t as usize]).iter().zip(own).map(|(a, b)| a * b).sum()
+        let similarity = |t: u32| -> f64 {
+            normal(wedges.triangles[t as usize]).iter().zip(facing).map(|(a, b)| a * b).sum()
         };
         let first = at_wedge[range.start];
         at_wedge[range]
             .iter()
             .fold((first.1, f64::NEG_INFINITY), |best, &(t, corner)| {
-                let like = likeness(t);
-                if like > best.1 { (corner, like) } else { best }
+                let value = similarity(t);
+                if value > best.1 { (corner, value) } else { best }
             })
             .0
     };
-    let of_triangle = |triangle: &[u32; 3]| {
-        let own = normal(*triangle);
-        triangle.map(|wedge| best(&own, wedge))
+    let match_corners = |triangle: &[u32; 3]| {
+        let facing = normal(*triangle);
+        triangle.map(|wedge| best(&facing, wedge))
     };
-    triangles.par_iter().map(of_triangle).collect()
+    triangles.par_iter().map(match_corners).collect()
 }
 
-/// For each triangle the triangle of the original that is nearest to its center. O(triangles log triangles).
+/// Finds the triangle of the original nearest to the center of each triangle. O(triangles log triangles).
 pub(crate) fn nearest_triangles(
     wedges: &Wedges,
     triangles: &[[u32; 3]],

@@ -1,4 +1,4 @@
-//! Another mesh of the same surface.
+//! Remeshing: another mesh of the same surface.
 
 use crate::{MeshParams, MeshTarget, SimplifyError, simplify_mesh};
 use adwave::Progress;
@@ -7,25 +7,26 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use std::collections::HashMap;
 
-/// Where an edge is cut: between this share of it and the rest.
-const NEAREST_CUT: f64 = 0.3;
-/// How far an old vertex moves into a triangle beside it at least and at most, as a share of the way along each side.
-const MOVES: (f64, f64) = (0.05, 0.3);
+/// Smallest distance of a cut from an end of its edge, relative to the edge.
+const MIN_CUT: f64 = 0.3;
+/// Bounds of the move of a vertex into an adjacent triangle, as a share of each side.
+const MOVE_RANGE: std::ops::Range<f64> = 0.05..0.3;
 
-/// A mesh of about as many vertices on the same surface, none of them where one was, and triangles that are not even: what another scan
-/// of the same thing would give. Every edge is cut at a random place, every old vertex that is not on a border moves into a
-/// triangle beside it, and edges are collapsed until there are as many vertices as before ([`simplify_mesh`]). The same seed gives
-/// the same mesh. O(n log n).
+/// Remeshes a surface with about the same number of vertices, all at new positions, and irregular triangles, like another
+/// scan of the same object.
+///
+/// Every edge is split at a random point, every inner vertex moves into an adjacent triangle, and edges are collapsed to
+/// the former number of vertices ([`simplify_mesh`]). The same seed gives the same mesh. O(n log n).
 ///
 /// # Errors
-/// [`SimplifyError`] as for [`simplify_mesh`].
+/// Returns a [`SimplifyError`] as for [`simplify_mesh`].
 ///
 /// ```
 /// use adwave::Progress;
 /// use adwave::sample::Sample;
 /// use adwave::shape::Mesh;
 /// use adwave_simplify::resample_mesh;
-/// let sphere = Sample::by_name("sphere", Some(2000))?;
+/// let sphere = Sample::from_name("sphere", Some(2000))?;
 /// let mesh = Mesh::new(sphere.points.clone(), sphere.faces)?;
 /// let again = resample_mesh(&mesh, 1, Progress::none())?;
 /// assert!((again.points().len() as f64 / 2000.0 - 1.0).abs() < 0.05);
@@ -35,34 +36,35 @@ const MOVES: (f64, f64) = (0.05, 0.3);
 pub fn resample_mesh(mesh: &Mesh, seed: u64, progress: Progress<'_>) -> Result<Mesh, SimplifyError> {
     let geometry = PreparedGeometry::new(&Shape::Mesh(mesh.clone()), WeldMode::EqualPositions, progress)?;
     let n = geometry.n_vertices();
-    let cut = cut(&geometry, &mut Pcg64Mcg::seed_from_u64(seed));
-    let fine = Mesh::new(cut.points, Polygons::from_triangles(&cut.triangles))
+    let split = split_triangles(&geometry, &mut Pcg64Mcg::seed_from_u64(seed));
+    let fine = Mesh::new(split.points, Polygons::from_triangles(&split.triangles))
         .map_err(|_| SimplifyError::NoSurface)?;
-    let found = simplify_mesh(&fine, None, &MeshParams::new(MeshTarget::Vertices(n)), progress)?;
-    let points = found.kept.iter().map(|&v| fine.points()[v as usize]).collect();
-    Mesh::new(points, Polygons::from_triangles(&found.triangles)).map_err(|_| SimplifyError::NoSurface)
+    let simplified = simplify_mesh(&fine, None, &MeshParams::new(MeshTarget::Vertices(n)), progress)?;
+    let points = simplified.kept.iter().map(|&v| fine.points()[v as usize]).collect();
+    Mesh::new(points, Polygons::from_triangles(&simplified.triangles)).map_err(|_| SimplifyError::NoSurface)
 }
 
-struct Cut {
+/// Refined mesh.
+struct SplitMesh {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
 }
 
-/// Every triangle in four, at random places of its edges, the old vertices moved.
-fn cut(geometry: &PreparedGeometry, random: &mut Pcg64Mcg) -> Cut {
+/// Splits every triangle into four at random points of its edges, and moves the old vertices.
+fn split_triangles(geometry: &PreparedGeometry, random: &mut Pcg64Mcg) -> SplitMesh {
     let old = geometry.points();
     let mut points = old.to_vec();
     let mut number = |low: f64, high: f64| low + (high - low) * (random.next_u64() as f64 / u64::MAX as f64);
-    // The vertex on each edge, and how many triangles the edge has.
+    // The new vertex of each edge, and its number of triangles.
     let mut on_edge: HashMap<(u32, u32), (u32, u32)> = HashMap::new();
     let mut triangles = Vec::with_capacity(4 * geometry.triangles().len());
-    // For each old vertex the cuts of its two edges in one of its triangles.
-    let mut beside = vec![None; old.len()];
+    // The new vertices on two edges of each old vertex, in one of its triangles.
+    let mut adjacent_cuts = vec![None; old.len()];
     for &[a, b, c] in geometry.triangles() {
         let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
             let entry = on_edge.entry((p.min(q), p.max(q))).or_insert_with(|| {
                 let (from, to) = (old[p.min(q) as usize], old[p.max(q) as usize]);
-                let t = number(NEAREST_CUT, 1.0 - NEAREST_CUT);
+                let t = number(MIN_CUT, 1.0 - MIN_CUT);
                 points.push(std::array::from_fn(|k| (1.0 - t) * from[k] + t * to[k]));
                 (points.len() as u32 - 1, 0)
             });
@@ -71,7 +73,7 @@ fn cut(geometry: &PreparedGeometry, random: &mut Pcg64Mcg) -> Cut {
         });
         triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
         for (v, first, second) in [(a, ab, ca), (b, bc, ab), (c, ca, bc)] {
-            beside[v as usize] = Some((first, second));
+            adjacent_cuts[v as usize] = Some((first, second));
         }
     }
     let mut is_border = vec![false; old.len()];
@@ -82,10 +84,10 @@ fn cut(geometry: &PreparedGeometry, random: &mut Pcg64Mcg) -> Cut {
         }
     }
     for v in 0..old.len() {
-        let (Some((first, second)), false) = (beside[v], is_border[v]) else { continue };
-        let (s, t) = (number(MOVES.0, MOVES.1), number(MOVES.0, MOVES.1));
+        let (Some((first, second)), false) = (adjacent_cuts[v], is_border[v]) else { continue };
+        let (s, t) = (number(MOVE_RANGE.start, MOVE_RANGE.end), number(MOVE_RANGE.start, MOVE_RANGE.end));
         let (p, q) = (points[first as usize], points[second as usize]);
         points[v] = std::array::from_fn(|k| old[v][k] + s * (p[k] - old[v][k]) + t * (q[k] - old[v][k]));
     }
-    Cut { points, triangles }
+    SplitMesh { points, triangles }
 }

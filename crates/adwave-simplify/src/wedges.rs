@@ -1,29 +1,29 @@
-//! A mesh made ready for collapses: welded, cut into triangles, split along seams, in the unit box.
+//! Preparation of a mesh for collapses: welded, triangulated, split along seams, scaled to the unit box.
 
 use crate::SimplifyError;
 use adwave::shape::{Mesh, Polygons, VertexMap, WeldMode, bounding_box, triangulate};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// Triangles over wedges. A wedge is what the corners at one position have in common: all of them where no labels are given,
-/// else those of one label. Where two labels meet there are two wedges at a position, which is a seam.
+/// Triangles over wedges. A wedge is the set of corners at one position with the same label. Two wedges at one position
+/// form a seam; without labels there is one wedge per position.
 pub(crate) struct Wedges {
-    /// The position of each wedge in the unit box, longest side 1.
+    /// Position of each wedge in the unit box, whose longest side is 1.
     pub(crate) points: Vec<[f64; 3]>,
-    /// The first vertex of the mesh at each wedge.
+    /// First vertex of the mesh at each wedge.
     pub(crate) vertex: Vec<u32>,
-    /// The triangles that have an area, each once.
+    /// Triangles with a positive area, without repetitions.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Which corners of the mesh's faces each triangle has.
+    /// Corners of the mesh's faces at each triangle.
     pub(crate) corners: Vec<[u32; 3]>,
-    /// Model units in a side of the unit box.
+    /// Length of the unit in model units.
     pub(crate) unit: f64,
-    /// How many faces were left out: without area, or the same as another.
+    /// Number of degenerate or repeated triangles that were removed.
     pub(crate) n_left_out: usize,
 }
 
 impl Wedges {
-    /// Prepares a mesh; `labels` are one per corner of its faces or none at all. O(corners log corners).
+    /// Prepares a mesh; `labels`, if given, has one value per corner of its faces. O(corners log corners).
     pub(crate) fn new(
         mesh: &Mesh,
         labels: Option<&[u32]>,
@@ -37,17 +37,17 @@ impl Wedges {
         progress.check()?;
         let (wedge_of, vertex) = wedges(mesh, &vertex_map, labels);
         progress.check()?;
-        let own: Vec<[f64; 3]> = vertex.iter().map(|&x| mesh.points()[x as usize]).collect();
-        let (points, unit) = in_unit_box(&own);
-        let cut = corner_triangles(mesh);
-        let (triangles, corners) = with_area(&cut, &wedge_of, &points, progress)?;
-        let n_left_out = cut.len() - triangles.len();
+        let positions: Vec<[f64; 3]> = vertex.iter().map(|&x| mesh.points()[x as usize]).collect();
+        let (points, unit) = scale_to_unit_box(&positions);
+        let faces = corner_triangles(mesh);
+        let (triangles, corners) = select_nondegenerate(&faces, &wedge_of, &points, progress)?;
+        let n_left_out = faces.len() - triangles.len();
         let mut wedges = Self { points, vertex, triangles, corners, unit, n_left_out };
         wedges.drop_unused();
         if wedges.triangles.is_empty() { Err(SimplifyError::NoSurface) } else { Ok(wedges) }
     }
 
-    /// How many vertices of the mesh these triangles have.
+    /// Counts the vertices of the mesh that triangles use.
     pub(crate) fn n_vertices(&self, triangles: &[[u32; 3]]) -> usize {
         let mut vertices: Vec<u32> =
             triangles.as_flattened().iter().map(|&wedge| self.vertex[wedge as usize]).collect();
@@ -56,15 +56,15 @@ impl Wedges {
         vertices.len()
     }
 
-    /// Takes away wedges that only faces without area had.
+    /// Removes wedges that only degenerate faces used.
     fn drop_unused(&mut self) {
-        let mut place = vec![u32::MAX; self.points.len()];
+        let mut index = vec![u32::MAX; self.points.len()];
         for &wedge in self.triangles.as_flattened() {
-            place[wedge as usize] = 0;
+            index[wedge as usize] = 0;
         }
         let mut n = 0;
-        for (wedge, place) in place.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
-            *place = n as u32;
+        for (wedge, index) in index.iter_mut().enumerate().filter(|(_, index)| **index == 0) {
+            *index = n as u32;
             self.points[n] = self.points[wedge];
             self.vertex[n] = self.vertex[wedge];
             n += 1;
@@ -72,12 +72,12 @@ impl Wedges {
         self.points.truncate(n);
         self.vertex.truncate(n);
         for wedge in self.triangles.as_flattened_mut() {
-            *wedge = place[*wedge as usize];
+            *wedge = index[*wedge as usize];
         }
     }
 }
 
-/// The wedge of every corner, and the first vertex of every wedge.
+/// Assigns a wedge to every corner, and lists the first vertex of every wedge.
 fn wedges(mesh: &Mesh, vertex_map: &VertexMap, labels: Option<&[u32]>) -> (Vec<u32>, Vec<u32>) {
     let corners = mesh.faces().corners();
     let key = |k: usize| {
@@ -98,17 +98,17 @@ fn wedges(mesh: &Mesh, vertex_map: &VertexMap, labels: Option<&[u32]>) -> (Vec<u
     (wedge_of, vertex)
 }
 
-/// Positions in the box whose longest side is 1, and the length of that side; 1 where all are one.
-pub(crate) fn in_unit_box(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
+/// Scales positions to the box whose longest side is 1; returns the length of that side, 1 if all positions are equal.
+pub(crate) fn scale_to_unit_box(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
     let (lo, hi) = bounding_box(points).unwrap_or_default();
     let side = (0..3).map(|c| hi[c] - lo[c]).fold(0.0, f64::max);
     let unit = if side > 0.0 { side } else { 1.0 };
-    // Divided, not multiplied by a reciprocal, which is infinite for the smallest sides.
+    // A reciprocal would be infinite for the smallest sides.
     let inside = points.par_iter().map(|p| std::array::from_fn(|c| (p[c] - lo[c]) / unit)).collect();
     (inside, unit)
 }
 
-/// Triangles whose corners are corners of the mesh's faces.
+/// Triangulates the faces; triangles are triples of corners of the faces.
 fn corner_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
     let faces = mesh.faces();
     let n = faces.corners().len() as u32;
@@ -116,52 +116,52 @@ fn corner_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
         return (0..n / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     }
     let points: Vec<[f64; 3]> = faces.corners().iter().map(|&x| mesh.points()[x as usize]).collect();
-    let mut own = Polygons::with_capacity(faces.len(), n as usize);
+    let mut corner_faces = Polygons::with_capacity(faces.len(), n as usize);
     let mut first = 0;
     for face in faces.iter() {
         let next = first + face.len() as u32;
-        own.push(&(first..next).collect::<Vec<_>>());
+        corner_faces.push(&(first..next).collect::<Vec<_>>());
         first = next;
     }
-    triangulate(&points, &own)
+    triangulate(&points, &corner_faces)
 }
 
-/// The triangles over wedges that have an area, each once, and the corners of each.
+/// Selects the triangles over wedges with a positive area, without repetitions, and their corners.
 #[expect(clippy::type_complexity, reason = "two lists of the same triangles")]
-fn with_area(
-    cut: &[[u32; 3]],
+fn select_nondegenerate(
+    faces: &[[u32; 3]],
     wedge_of: &[u32],
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<(Vec<[u32; 3]>, Vec<[u32; 3]>), Cancelled> {
-    let mut named: Vec<([u32; 3], u32)> = cut
+    let mut named: Vec<([u32; 3], u32)> = faces
         .par_iter()
         .enumerate()
         .map(|(t, corners)| (corners.map(|k| wedge_of[k as usize]), t as u32))
         .filter(|(triangle, _)| has_area(triangle.map(|w| points[w as usize])))
-        .map(|(triangle, t)| (smallest_first(triangle), t))
+        .map(|(triangle, t)| (rotate_to_smallest(triangle), t))
         .collect();
     progress.check()?;
     named.par_sort_unstable();
     named.dedup_by_key(|(triangle, _)| *triangle);
     named.par_sort_unstable_by_key(|&(_, t)| t);
     progress.check()?;
-    let corners: Vec<[u32; 3]> = named.iter().map(|&(_, t)| cut[t as usize]).collect();
+    let corners: Vec<[u32; 3]> = named.iter().map(|&(_, t)| faces[t as usize]).collect();
     let triangles = corners.iter().map(|corners| corners.map(|k| wedge_of[k as usize])).collect();
     Ok((triangles, corners))
 }
 
-/// Triangles thinner than rounding leaves them have no normal and no nearest place: this times the longest side squared.
-const LEAST_AREA: f64 = 1e-14;
+/// Smallest doubled area relative to the squared longest side; thinner triangles have no reliable normal.
+const MIN_RELATIVE_AREA: f64 = 1e-14;
 
 fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
     let (u, v) = (minus(b, a), minus(c, a));
     let longest = length(u).max(length(v)).max(length(minus(c, b)));
-    doubled_area([a, b, c]) > LEAST_AREA * longest * longest
+    doubled_area([a, b, c]) > MIN_RELATIVE_AREA * longest * longest
 }
 
-/// The same triangle, run through the same way round, from its smallest wedge.
-pub(crate) fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+/// Rotates a triangle to begin at its smallest wedge, with the same orientation.
+pub(crate) fn rotate_to_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }
 
@@ -173,7 +173,7 @@ pub(crate) fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// `(b − a) × (c − a)`, twice the area long.
+/// `(b − a) × (c − a)`, whose length is twice the area.
 pub(crate) fn doubled_normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
     let (u, v) = (minus(b, a), minus(c, a));
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]

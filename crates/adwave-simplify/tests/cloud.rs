@@ -1,4 +1,4 @@
-//! What thinned clouds promise, by brute force.
+//! Guarantees of thinned clouds, checked by brute force.
 
 use adwave::Progress;
 use adwave::sample::Sample;
@@ -7,14 +7,14 @@ use adwave_simplify::{CloudTarget, SimplifyError, simplify_cloud};
 use proptest::prelude::*;
 
 fn cloud(n: usize) -> PointCloud {
-    PointCloud::new(Sample::by_name("creature", Some(n)).unwrap().points).unwrap()
+    PointCloud::new(Sample::from_name("creature", Some(n)).unwrap().points).unwrap()
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The least distance between kept points, and the greatest and mean square from any point to the nearest kept one.
+/// Smallest distance between kept points, and largest and mean squared distance from any point to the nearest kept one.
 fn by_brute_force(points: &[[f64; 3]], kept: &[u32]) -> (f64, f64, f64) {
     let at = |k: &u32| points[*k as usize];
     let mut least = f64::INFINITY;
@@ -79,7 +79,7 @@ fn clouds_as_odd_as_they_come() {
     assert_eq!(thin(vec![[1.0; 3]], CloudTarget::Spacing(1.0)), Ok(1));
     assert_eq!(thin(vec![[1.0; 3]; 50_000], CloudTarget::Spacing(1e-300)), Ok(1));
     assert_eq!(thin(vec![[1.0; 3]; 50_000], CloudTarget::Points(7)), Ok(1));
-    // Nothing nearer than 0: all are kept, those at one position too.
+    // Spacing 0 keeps all points, including those at equal positions.
     assert_eq!(thin(vec![[1.0; 3]; 50_000], CloudTarget::Spacing(0.0)), Ok(50_000));
     assert_eq!(thin(vec![[0.0; 3], [1e90, 0.0, 0.0]], CloudTarget::Spacing(1e-90)), Ok(2));
     assert_eq!(thin(vec![[0.0; 3], [1e-200, 0.0, 0.0]], CloudTarget::Spacing(1e-199)), Ok(1));
@@ -89,7 +89,7 @@ fn clouds_as_odd_as_they_come() {
         thin(vec![[0.0; 3]], CloudTarget::Spacing(f64::INFINITY)),
         Err(SimplifyError::Length(f64::INFINITY))
     );
-    // A grid, where the numbers that are left make leaps.
+    // On a grid the number of kept points changes in jumps.
     let grid: Vec<[f64; 3]> = (0..2500).map(|k| [f64::from(k % 50), f64::from(k / 50), 0.0]).collect();
     let n = thin(grid, CloudTarget::Points(2000)).unwrap();
     assert!(n > 0 && n <= 2500, "{n}");

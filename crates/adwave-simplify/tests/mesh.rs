@@ -1,4 +1,4 @@
-//! What simplified meshes keep, and that what is measured is so.
+//! Guarantees of simplified meshes, and their measured deviation.
 
 use adwave::Progress;
 use adwave::sample::Sample;
@@ -7,11 +7,11 @@ use adwave_simplify::{Border, MeshParams, MeshTarget, SimplifiedMesh, SimplifyEr
 use std::collections::HashMap;
 use std::sync::atomic::AtomicBool;
 
-/// Distances of the unit-sized shapes here that rounding makes.
+/// Distances caused by rounding on shapes of unit size.
 const ROUNDING: f64 = 1e-9;
 
 fn sample(name: &str, n_vertices: usize) -> Mesh {
-    let sample = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let sample = Sample::from_name(name, Some(n_vertices)).unwrap();
     Mesh::new(sample.points, sample.faces).unwrap()
 }
 
@@ -19,7 +19,7 @@ fn simplify(mesh: &Mesh, target: MeshTarget) -> SimplifiedMesh {
     simplify_mesh(mesh, None, &MeshParams::new(target), Progress::none()).unwrap()
 }
 
-/// A flat square of n × n squares, each of two triangles, and the height of each vertex.
+/// Square of n × n cells with two triangles each, with a height per vertex.
 fn grid(n: u32, height: impl Fn(u32, u32) -> f64) -> Mesh {
     let side = n + 1;
     let points =
@@ -34,7 +34,7 @@ fn points_of(mesh: &Mesh, simplified: &SimplifiedMesh) -> Vec<[f64; 3]> {
     simplified.kept.iter().map(|&x| mesh.points()[x as usize]).collect()
 }
 
-/// The distance of a point from a triangle, by the seven regions of Ericson, "Real-Time Collision Detection", 5.1.5.
+/// Distance of a point from a triangle, by the seven regions of Ericson, "Real-Time Collision Detection", 5.1.5.
 fn distance(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     let minus = |u: [f64; 3], v: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| u[k] - v[k]) };
     let dot = |u: [f64; 3], v: [f64; 3]| -> f64 { u.iter().zip(v).map(|(u, v)| u * v).sum() };
@@ -89,7 +89,7 @@ fn the_measured_error_is_at_most_the_one_asked_for_and_less_error_keeps_more() {
         let measured = simplified.deviation.greatest();
         assert!(measured <= error + ROUNDING, "{measured} is beyond {error}");
         assert!(simplified.kept.len() < last, "{} at {share}", simplified.kept.len());
-        // As few as are found: most of the error is used.
+        // Few vertices: most of the allowed error is used.
         assert!(measured > 0.5 * error, "{measured} of {error}");
         last = simplified.kept.len();
     }
@@ -104,7 +104,7 @@ fn numbers_of_vertices_are_met_and_positions_are_exact() {
         assert!(found.abs_diff(n) <= n / 50, "{found} in place of {n}");
         assert_eq!(simplified.why, Why::Reached);
         assert!(simplified.kept.is_sorted_by(|a, b| a < b));
-        // A closed surface stays closed: every edge has two triangles, or four where two folds touch.
+        // A closed surface stays closed: every edge has two triangles, or four if two folds touch.
         let mut edges = HashMap::new();
         for [a, b, c] in &simplified.triangles {
             for (x, y) in [(a, b), (b, c), (c, a)] {
@@ -253,13 +253,10 @@ fn shapes_as_small_as_they_can_be_and_targets_that_cannot_be() {
         simplify_mesh(mesh, None, &MeshParams::new(target), Progress::none()).unwrap_err()
     };
     for (target, said) in [
-        (MeshTarget::Error(f64::NAN), "the error NaN is no length; it must be finite and not negative"),
-        (MeshTarget::Error(-1.0), "the error -1.0 is no length; it must be finite and not negative"),
-        (MeshTarget::Vertices(0), "0 vertices are no shape; ask for 1 or more"),
-        (
-            MeshTarget::Ratio(1.5),
-            "the ratio 1.5 is no share of the vertices; it must be above 0 and at most 1",
-        ),
+        (MeshTarget::Error(f64::NAN), "the target distance must be finite and not negative, got NaN"),
+        (MeshTarget::Error(-1.0), "the target distance must be finite and not negative, got -1.0"),
+        (MeshTarget::Vertices(0), "the number of vertices must be at least 1, got 0"),
+        (MeshTarget::Ratio(1.5), "the ratio must be above 0 and at most 1, got 1.5"),
     ] {
         assert_eq!(refused(&triangle, target).to_string(), said);
     }

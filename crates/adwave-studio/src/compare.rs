@@ -1,10 +1,10 @@
-//! The shape after another method, as smooth as the edit makes it.
+//! Comparison of the edit with another smoothing method of equal roughness.
 //!
-//! Smoothness is the root mean square of `|f(x) − mean of f over the neighbors of x|` with the walk's weights, in model units: small for a smooth
-//! surface, and falling with the strength of every low-pass filter. The strength of the other method is searched for until it is that
-//! of the edit.
+//! Roughness is the root mean square of `|f(x) − mean of f over the neighbors of x|` with the weights of the walk
+//! operator, in model units. It is small for a smooth surface and falls with the strength of every low-pass filter. The
+//! strength of the other method is found by bisection, so that its roughness equals that of the edit.
 
-use crate::answer::{Answer, Refused, bytes_with, points_bytes};
+use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_points};
 use crate::session::Session;
 use adwave::Decomposer;
 use adwave::filter::displacement;
@@ -16,135 +16,153 @@ use adwave_baselines::taubin::WindowedSinc;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// The other method.
+/// Smoothing method that the edit is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Method {
-    /// Taubin's windowed sinc, with the gain ½ at the frequency that is searched for.
+    /// Taubin's windowed sinc filter; the search varies the frequency at which its gain is ½.
     Taubin,
-    /// Manifold harmonics with the gain e^(−λt) of heat, t searched for.
+    /// Manifold harmonics with the heat kernel e^(−λt) as gain; the search varies t.
     Harmonics,
 }
 
-/// What is asked for.
+/// Body of `POST compare`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct CompareAsked {
+pub(crate) struct CompareRequest {
     pub(crate) method: Method,
 }
 
-/// Harmonics that are computed.
+/// Number of harmonics.
 const N_HARMONICS: usize = 200;
-/// Vertices up to which they are: their cost grows with n^1.5.
-const MOST_HARMONICS: usize = 50_000;
-/// Vertices up to which Taubin's filter is searched for: some 15 filters of up to 400 products.
-const MOST_TAUBIN: usize = 500_000;
-/// Halvings of the range of the strength.
-const HALVINGS: usize = 16;
-/// Products of a filter at the most.
-const MOST_PRODUCTS: f64 = 400.0;
+/// Largest number of vertices for manifold harmonics, whose cost grows with n^1.5.
+const MAX_VERTICES_HARMONICS: usize = 50_000;
+/// Largest number of vertices for Taubin's filter: the search applies 16 filters of up to 400 sparse products.
+const MAX_VERTICES_TAUBIN: usize = 500_000;
+/// Bisection steps over the range of strengths.
+const N_BISECTIONS: usize = 16;
+/// Largest degree of a filter, in sparse products.
+const MAX_DEGREE: f64 = 400.0;
 
-/// The positions of the other method, and how both compare.
+/// Computes the positions of the other method and the figures of the comparison.
 pub(crate) fn compare(
     session: &Session,
     method: Method,
     edited: &[[f64; 3]],
     decomposer: &Decomposer,
-) -> Answer {
+) -> ApiResult {
     let n = session.points().len();
-    let (name, most) = match method {
-        Method::Taubin => ("Taubin's filter", MOST_TAUBIN),
-        Method::Harmonics => ("manifold harmonics", MOST_HARMONICS),
+    let (name, max_vertices) = match method {
+        Method::Taubin => ("comparison with Taubin's filter", MAX_VERTICES_TAUBIN),
+        Method::Harmonics => ("comparison with manifold harmonics", MAX_VERTICES_HARMONICS),
     };
-    if n > most {
-        let told = "`adwave simplify` makes a shape of fewer";
-        return Err(Refused::wrong(format!(
-            "{n} vertices are more than the {most} that {name} are computed for here; {told}"
+    if n > max_vertices {
+        return Err(ApiError::bad_request(format!(
+            "{name} supports up to {max_vertices} vertices here, got {n}; reduce the shape with `adwave simplify`"
         )));
     }
     let original = session.points();
-    let walk = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
-    let roughness = |points: &[[f64; 3]]| -> Result<f64, Refused> {
-        let away = walk.coordinates(points.as_flattened(), 3).map_err(|e| Refused::of(&e))?;
-        Ok((away.iter().map(|c| c * c).sum::<f64>() / n.max(1) as f64).sqrt())
+    let differential =
+        Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let roughness = |points: &[[f64; 3]]| -> Result<f64, ApiError> {
+        let offsets =
+            differential.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;
+        Ok((offsets.iter().map(|c| c * c).sum::<f64>() / n.max(1) as f64).sqrt())
     };
-    let (before, wanted) = (roughness(original)?, roughness(edited)?);
-    if wanted >= before || before == 0.0 {
-        return Err(Refused::wrong(format!(
-            "the edit does not smooth the shape: a vertex is {} from the mean of its neighbors after it, {} before, and {name} can only smooth; \
-             lower some sliders first",
-            digits(wanted),
-            digits(before)
+    let (before, target) = (roughness(original)?, roughness(edited)?);
+    if target >= before || before == 0.0 {
+        return Err(ApiError::bad_request(format!(
+            "the edit must be smoother than the original to be compared: its roughness is {}, that of the original {}; \
+             lower some gains below 1",
+            format_length(target),
+            format_length(before)
         )));
     }
     let signal = original.as_flattened();
-    let found = match method {
-        Method::Taubin => search((1e-5, 1.9), wanted, roughness, |frequency| {
-            let narrow = (1.0 - frequency / 2.0).acos();
-            let degree = (8.0 / narrow).ceil().clamp(10.0, MOST_PRODUCTS) as usize;
-            let filter = WindowedSinc::half_gain(frequency, degree).map_err(|e| Refused::of(&e))?;
-            let filtered = filter.apply(&walk, signal, 3).map_err(|e| Refused::of(&e))?;
-            Ok((filtered, json!({"degree": degree, "frequency": frequency})))
-        })?,
+    let matched = match method {
+        Method::Taubin => {
+            match_roughness(StrengthRange { low: 1e-5, high: 1.9 }, target, roughness, |frequency| {
+                let narrow = (1.0 - frequency / 2.0).acos();
+                let degree = (8.0 / narrow).ceil().clamp(10.0, MAX_DEGREE) as usize;
+                let filter =
+                    WindowedSinc::half_gain(frequency, degree).map_err(|e| ApiError::from_classified(&e))?;
+                let filtered =
+                    filter.apply(&differential, signal, 3).map_err(|e| ApiError::from_classified(&e))?;
+                Ok((filtered, json!({"degree": degree, "frequency": frequency})))
+            })?
+        }
         Method::Harmonics => {
-            let laplacian = Laplacian::new(&session.opened.shape, &LaplacianParams::default());
-            let laplacian = laplacian.map_err(|e| Refused::of(&e))?;
-            let made = Harmonics::new(&laplacian, N_HARMONICS, &EigenParams::default(), session.progress());
-            let harmonics = made.map_err(|e| Refused::of(&e))?;
+            let laplacian = Laplacian::new(&session.input.shape, &LaplacianParams::default());
+            let laplacian = laplacian.map_err(|e| ApiError::from_classified(&e))?;
+            let harmonics =
+                Harmonics::new(&laplacian, N_HARMONICS, &EigenParams::default(), session.progress());
+            let harmonics = harmonics.map_err(|e| ApiError::from_classified(&e))?;
             let unit = decomposer.mean_length().powi(2);
             let n_harmonics = harmonics.len();
-            // Rising strength is falling roughness: the search is by 1/t.
-            search((1e-6, 1e4), wanted, roughness, |inverse| {
+            // Roughness must rise with the searched value, hence 1/t instead of t.
+            match_roughness(StrengthRange { low: 1e-6, high: 1e4 }, target, roughness, |inverse| {
                 let t = unit / inverse;
                 let heat = |frequency: f64| (-frequency * frequency * t).exp();
                 let filtered = harmonics.filter(signal, 3, heat, Remainder::LastGain);
-                Ok((filtered.map_err(|e| Refused::of(&e))?, json!({"harmonics": n_harmonics, "t": t})))
+                Ok((
+                    filtered.map_err(|e| ApiError::from_classified(&e))?,
+                    json!({"harmonics": n_harmonics, "t": t}),
+                ))
             })?
         }
     };
-    let Found { points, how, roughness } = found;
-    let moved = |points: &[[f64; 3]]| displacement(original, points).rms;
-    let about = json!({
-        "how": how,
-        "roughness": {"before": before, "edit": wanted, "other": roughness},
-        "rms": {"edit": moved(edited), "other": moved(&points)},
+    let MatchedSmoothing { points, strength, roughness } = matched;
+    let rms = |points: &[[f64; 3]]| displacement(original, points).rms;
+    let summary = json!({
+        "how": strength,
+        "roughness": {"before": before, "edit": target, "other": roughness},
+        "rms": {"edit": rms(edited), "other": rms(&points)},
     });
-    Ok(bytes_with(points_bytes(&points, session.center), "x-compare", &about.to_string()))
+    Ok(bytes_response_with_header(encode_points(&points, session.center), "x-compare", &summary.to_string()))
 }
 
-struct Found {
+/// Bounds of the searched parameter of the other method.
+struct StrengthRange {
+    low: f64,
+    high: f64,
+}
+
+/// Positions of the other method at the strength whose roughness is nearest to the target.
+struct MatchedSmoothing {
     points: Vec<[f64; 3]>,
-    /// The strength that was found.
-    how: Value,
+    /// Parameters of the method, for display.
+    strength: Value,
+    /// Roughness in model units.
     roughness: f64,
 }
 
-/// Halves a range of strengths on a logarithmic scale; the roughness rises with the strength.
-fn search(
-    (mut low, mut high): (f64, f64),
-    wanted: f64,
-    roughness: impl Fn(&[[f64; 3]]) -> Result<f64, Refused>,
-    apply: impl Fn(f64) -> Result<(Vec<f64>, Value), Refused>,
-) -> Result<Found, Refused> {
-    let mut best: Option<Found> = None;
-    for _ in 0..HALVINGS {
+/// Bisects a range on a logarithmic scale until the roughness is `target`; the roughness must rise over the range.
+fn match_roughness(
+    range: StrengthRange,
+    target: f64,
+    roughness: impl Fn(&[[f64; 3]]) -> Result<f64, ApiError>,
+    apply: impl Fn(f64) -> Result<(Vec<f64>, Value), ApiError>,
+) -> Result<MatchedSmoothing, ApiError> {
+    let StrengthRange { mut low, mut high } = range;
+    let mut best: Option<MatchedSmoothing> = None;
+    for _ in 0..N_BISECTIONS {
         let middle = (low * high).sqrt();
-        let (values, how) = apply(middle)?;
+        let (values, strength) = apply(middle)?;
         let points: Vec<[f64; 3]> = values.as_chunks().0.to_vec();
-        let found = roughness(&points)?;
-        if found > wanted {
+        let reached = roughness(&points)?;
+        if reached > target {
             high = middle;
         } else {
             low = middle;
         }
-        let is_nearer = |best: &Found| (found - wanted).abs() < (best.roughness - wanted).abs();
+        let is_nearer = |best: &MatchedSmoothing| (reached - target).abs() < (best.roughness - target).abs();
         if best.as_ref().is_none_or(is_nearer) {
-            best = Some(Found { points, how, roughness: found });
+            best = Some(MatchedSmoothing { points, strength, roughness: reached });
         }
     }
-    best.ok_or_else(|| Refused::wrong("no strength was tried"))
+    best.ok_or_else(|| ApiError::bad_request("no strength was tried"))
 }
 
-fn digits(value: f64) -> String {
+fn format_length(value: f64) -> String {
     adwave_report::digits(value)
 }

@@ -1,33 +1,33 @@
-//! The edit of a shape as the page keeps it, and as the recipe that it is.
+//! The edit of a shape, in the form of the page and as a recipe.
 
-use crate::answer::Refused;
+use crate::response::ApiError;
 use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
-use adwave::positions::{Along, Borders, PositionParams, Volume};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
 use adwave::LevelSpec;
 use adwave_io::Recipe;
 use serde::{Deserialize, Serialize};
 
-/// The most layers of an edit.
+/// Largest number of layers of an edit.
 const MAX_LAYERS: usize = 1000;
 
-/// An edit: layers that multiply, and what is asked of new positions.
+/// An edit: layers, whose gains multiply, and constraints on the new positions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Document {
-    /// Counted up by the page with every change.
+    /// Revision number, increased by the page with every change.
     pub revision: u64,
-    /// What is changed where.
+    /// Layers of the edit; their order does not matter.
     #[serde(default)]
     pub layers: Vec<DocumentLayer>,
-    /// In which directions vertices move.
+    /// Directions in which vertices may move; the default of the shape if `None`.
     #[serde(default)]
-    pub along: Option<Along>,
-    /// What becomes of open borders.
+    pub along: Option<MoveDirection>,
+    /// Treatment of open borders.
     #[serde(default)]
     pub border: Borders,
-    /// Whether a closed surface keeps its volume.
+    /// Treatment of the volume of a closed surface.
     #[serde(default)]
     pub volume: Volume,
 }
@@ -36,89 +36,102 @@ pub struct Document {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DocumentLayer {
-    /// What it is called.
+    /// Display name.
     pub name: String,
-    /// Whether it does anything.
+    /// Switch; a layer that is off has no effect.
     pub on: bool,
-    /// In [0, 1].
+    /// Opacity in [0, 1].
     pub opacity: f64,
-    /// g_1 … g_J, fine to coarse.
+    /// Gains g_1 … g_J, fine to coarse.
     pub gains: Vec<f64>,
-    /// Where; everywhere where there is none.
+    /// Region of the layer; the whole shape if `None`.
     #[serde(default)]
     pub region: Option<Region>,
 }
 
 impl DocumentLayer {
-    /// The layer of a recipe that does the same.
-    fn layer(&self) -> Layer {
+    /// Converts to the layer of a recipe with the same effect.
+    fn to_recipe_layer(&self) -> Layer {
         let gains = self.gains.iter().map(|g| 1.0 + self.opacity * (g - 1.0)).collect();
         Layer { gains: Gains::Gains(gains), region: self.region.clone().unwrap_or(Region::Everywhere {}) }
     }
 }
 
 impl Document {
-    /// Checks what does not need the shape.
-    pub(crate) fn check(&self, n_levels: usize) -> Result<(), Refused> {
+    /// Checks the rules that do not depend on the shape.
+    pub(crate) fn check(&self, n_levels: usize) -> Result<(), ApiError> {
         if self.layers.len() > MAX_LAYERS {
             let n = self.layers.len();
-            return Err(Refused::wrong(format!("{n} layers are more than {MAX_LAYERS}; join some")));
+            return Err(ApiError::bad_request(format!(
+                "an edit has at most {MAX_LAYERS} layers, got {n}; merge some"
+            )));
         }
         for (k, layer) in self.layers.iter().enumerate() {
-            let at = || format!("layer {} ('{}')", k + 1, layer.name);
+            let label = || format!("layer {} ('{}')", k + 1, layer.name);
             if !(0.0..=1.0).contains(&layer.opacity) {
-                return Err(Refused::wrong(format!("{}: opacity {} is not in [0, 1]", at(), layer.opacity)));
+                return Err(ApiError::bad_request(format!(
+                    "{}: opacity must be in [0, 1], got {}",
+                    label(),
+                    layer.opacity
+                )));
             }
             if layer.gains.len() != n_levels {
                 let n = layer.gains.len();
-                return Err(Refused::wrong(format!("{}: {n} gains for {n_levels} levels", at())));
+                return Err(ApiError::bad_request(format!(
+                    "{}: one gain per level is needed, got {n} gains for {n_levels} levels",
+                    label()
+                )));
             }
         }
         Ok(())
     }
 
-    /// The layers that do something.
-    pub(crate) fn layers(&self) -> Vec<Layer> {
-        self.layers.iter().filter(|layer| layer.on).map(DocumentLayer::layer).collect()
+    /// Returns the layers that are on.
+    pub(crate) fn active_layers(&self) -> Vec<Layer> {
+        self.layers.iter().filter(|layer| layer.on).map(DocumentLayer::to_recipe_layer).collect()
     }
 
-    pub(crate) fn positions(&self) -> PositionParams {
+    pub(crate) fn position_params(&self) -> PositionParams {
         PositionParams { along: self.along, borders: self.border, volume: self.volume }
     }
 
-    /// Whether more is asked of new positions than that bands are summed; a cloud moves along its normals unasked.
-    pub(crate) fn has_rules(&self, is_cloud: bool) -> bool {
-        let is_free = self.along.map_or(!is_cloud, |along| along == Along::Free);
+    /// Tells whether new positions are more than a sum of bands; by default a cloud moves along its normals.
+    pub(crate) fn has_constraints(&self, is_cloud: bool) -> bool {
+        let is_free = self.along.map_or(!is_cloud, |along| along == MoveDirection::Free);
         !(is_free && self.border == Borders::default() && self.volume == Volume::default())
     }
 
-    /// The edit as a recipe, which the command and the Python package replay to the same bits.
-    pub(crate) fn recipe(&self, levels: &LevelSpec, operator: OperatorKind) -> Recipe {
+    /// Converts to a recipe, which the command and the Python package replay bit-identically.
+    pub(crate) fn to_recipe(&self, levels: &LevelSpec, operator: OperatorKind) -> Recipe {
         Recipe {
             levels: levels.clone(),
             operator: Some(operator),
-            positions: self.positions(),
-            layers: self.layers(),
+            positions: self.position_params(),
+            layers: self.active_layers(),
             ..Recipe::default()
         }
     }
 
-    /// A recipe as an edit for so many levels.
-    pub(crate) fn of_recipe(recipe: &Recipe, n_levels: usize, revision: u64) -> Result<Self, Refused> {
+    /// Converts a recipe to an edit of `n_levels` levels.
+    pub(crate) fn from_recipe(recipe: &Recipe, n_levels: usize, revision: u64) -> Result<Self, ApiError> {
         if recipe.field != "coords" {
-            let told = "the studio edits coordinates; apply this recipe with the command or the Python package";
-            return Err(Refused::wrong(format!("the recipe is of the field '{}': {told}", recipe.field)));
+            let hint = "the studio edits coordinates only; apply it with `adwave filter --recipe`";
+            return Err(ApiError::bad_request(format!(
+                "the recipe filters the field '{}': {hint}",
+                recipe.field
+            )));
         }
         if recipe.density_invariant || recipe.keep_creases {
-            let told = "the studio has neither density_invariant nor keep_creases; apply this recipe with the command or the Python package";
-            return Err(Refused::wrong(told));
+            let message = "the studio does not support density_invariant and keep_creases; \
+                           apply the recipe with `adwave filter --recipe`";
+            return Err(ApiError::bad_request(message));
         }
         let layer = |(k, layer): (usize, &Layer)| {
-            let gains = layer.gains.resolve(n_levels).map_err(|e| Refused::of(&e))?;
+            let gains = layer.gains.resolve(n_levels).map_err(|e| ApiError::from_classified(&e))?;
             let region = Some(layer.region.clone()).filter(|region| *region != Region::Everywhere {});
             Ok(DocumentLayer { name: format!("layer {}", k + 1), on: true, opacity: 1.0, gains, region })
         };
-        let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, Refused>>()?;
+        let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, ApiError>>()?;
         let PositionParams { along, borders, volume } = recipe.positions;
         Ok(Self { revision, layers, along, border: borders, volume })
     }

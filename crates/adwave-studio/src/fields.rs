@@ -1,31 +1,31 @@
-//! Numbers at the vertices that the page shows as colors.
+//! Scalar fields at the vertices, shown as colors.
 
-use crate::answer::{Answer, Refused, bytes_with, f32_bytes, json};
-use crate::prepared::Prepared;
+use crate::prepared_shape::PreparedShape;
+use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f32, json_response};
 use crate::session::Session;
 use adwave::Progress;
 use adwave::features::{FeatureParams, features};
-use adwave::saliency::drawn_saliency;
+use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{SignalSource, named_signal, region_field};
 use serde::Serialize;
 use serde_json::json;
 
-/// A field as the page is told of it.
+/// Description of a field for the page.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct FieldInfo {
     name: String,
     label: String,
     unit: String,
-    /// Whether it changes with the edit.
+    /// True for fields of the edited shape.
     edited: bool,
     #[serde(skip)]
     diverging: bool,
 }
 
-/// All that can be shown of a shape.
-pub(crate) fn list(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
+/// Lists the fields of a shape.
+pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
     let field = |name: &str, label: &str, unit: &str, edited: bool, diverging: bool| FieldInfo {
         name: name.to_owned(),
         label: label.to_owned(),
@@ -33,110 +33,129 @@ pub(crate) fn list(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
         edited,
         diverging,
     };
-    let mut all = vec![
-        field("change", "distance moved", "model units", true, false),
-        field("saliency", "saliency", "", true, true),
+    let mut fields = vec![
+        field("change", "Displacement", "model units", true, false),
+        field("saliency", "Saliency", "", true, true),
     ];
     for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature, SurfaceSignal::ShapeIndex] {
-        let label = kind.name().replace('-', " ");
-        all.push(field(kind.name(), &label, kind.unit().unwrap_or(""), true, true));
+        let label = sentence_case(kind.name());
+        fields.push(field(kind.name(), &label, kind.unit().unwrap_or(""), true, true));
     }
-    if matches!(session.opened.shape, Shape::Cloud(_)) {
+    if matches!(session.input.shape, Shape::Cloud(_)) {
         let unit = SurfaceSignal::Density.unit().unwrap_or("");
-        all.push(field("density", "density", unit, true, false));
+        fields.push(field("density", "Density", unit, true, false));
     }
     for level in 1..=n_levels {
-        all.push(field(&format!("band-{level}"), &format!("|W{level}|"), "model units", false, false));
+        fields.push(field(
+            &format!("band-{level}"),
+            &format!("Size of band {level}"),
+            "model units",
+            false,
+            false,
+        ));
     }
-    for own in session.opened.file.vertex_fields().iter().filter(|own| own.n_channels == 1) {
-        if !all.iter().any(|known| known.name == own.name) {
-            all.push(field(&own.name, &own.name, "", false, false));
+    for stored in session.input.file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
+        if !fields.iter().any(|known| known.name == stored.name) {
+            fields.push(field(&stored.name, &stored.name, "", false, false));
         }
     }
-    all
+    fields
 }
 
-/// The values of a field.
-pub(crate) fn values(session: &Session, name: &str) -> Answer {
-    let prepared = session.prepared()?;
-    let known = list(session, prepared.n_levels());
+/// Converts a name such as `mean-curvature` to a label such as `Mean curvature`.
+fn sentence_case(name: &str) -> String {
+    let label = name.replace('-', " ");
+    let mut letters = label.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Responds with the values of a field, `f32 × n`, and its description in the header `X-Field`.
+pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
+    let prepared = session.lock_prepared()?;
+    let known = list_fields(session, prepared.n_levels());
     let Some(info) = known.iter().find(|field| field.name == name) else {
-        return Err(Refused::wrong(format!("there is no field '{name}'")));
+        return Err(ApiError::bad_request(format!(
+            "the shape has no field '{name}'; see `fields` of the shape"
+        )));
     };
     let n = session.points().len();
     let band = name.strip_prefix("band-").and_then(|level| level.parse::<usize>().ok());
     let content = if name == "change" {
         let (before, after) = (session.points(), &prepared.points);
-        f32_bytes(n, |x| length((0..3).map(|c| after[x][c] - before[x][c])))
+        encode_f32(n, |x| norm((0..3).map(|c| after[x][c] - before[x][c])))
     } else if let Some(level) = band.filter(|&j| (1..=prepared.n_levels()).contains(&j)) {
         let map = prepared.decomposer.geometry().vertex_map();
         let rows: &[[f64; 3]] = prepared.editor.wavelets().levels[level - 1].as_chunks().0;
-        f32_bytes(n, |x| length(rows[map.welded(x)].into_iter()))
+        encode_f32(n, |x| norm(rows[map.welded(x)].into_iter()))
     } else if name == "saliency" {
-        let map = salient(session, &prepared)?;
-        f32_bytes(n, |x| map[x])
+        let saliency = compute_saliency(session, &prepared)?;
+        encode_f32(n, |x| saliency[x])
     } else {
-        let file = if info.edited { session.edited_file(&prepared)? } else { session.opened.file.clone() };
+        let file = if info.edited { session.edited_file(&prepared)? } else { session.input.file.clone() };
         drop(prepared);
-        let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
-        let source = SignalSource { file: &file, shape: &shape, name: &session.opened.name };
-        let signal = named_signal(source, name, None).map_err(|e| Refused::of(&e))?;
-        f32_bytes(n, |x| signal.values[x] as f32)
+        let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
+        let source = SignalSource { file: &file, shape: &shape, name: &session.input.name };
+        let signal = named_signal(source, name, None).map_err(|e| ApiError::from_classified(&e))?;
+        encode_f32(n, |x| signal.values[x] as f32)
     };
-    let about = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
-    Ok(bytes_with(content, "x-field", &about.to_string()))
+    let description = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
+    Ok(bytes_response_with_header(content, "x-field", &description.to_string()))
 }
 
-/// The same as a region sees it: of the shape as it was opened, with levels of its own.
-pub(crate) fn as_region(session: &Session, name: &str) -> Answer {
-    let prepared = session.prepared()?;
-    let known = list(session, prepared.n_levels());
-    let found = region_field(&session.opened.file, &prepared.decomposer, name);
-    let (Some(info), Some((1, values))) = (known.iter().find(|field| field.name == name), found) else {
-        return Err(Refused::wrong(format!("there is no field '{name}' with one number a vertex")));
+/// Responds with a field as regions use it: computed on the original shape, with its own dyadic levels.
+pub(crate) fn region_field_response(session: &Session, name: &str) -> ApiResult {
+    let prepared = session.lock_prepared()?;
+    let known = list_fields(session, prepared.n_levels());
+    let field = region_field(&session.input.file, &prepared.decomposer, name);
+    let (Some(info), Some((1, values))) = (known.iter().find(|field| field.name == name), field) else {
+        return Err(ApiError::bad_request(format!(
+            "the shape has no field '{name}' with one value per vertex"
+        )));
     };
-    let content = f32_bytes(values.len(), |x| values[x] as f32);
-    let about = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
-    Ok(bytes_with(content, "x-field", &about.to_string()))
+    let content = encode_f32(values.len(), |x| values[x] as f32);
+    let description = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
+    Ok(bytes_response_with_header(content, "x-field", &description.to_string()))
 }
 
-fn length(parts: impl Iterator<Item = f64>) -> f32 {
-    parts.map(|c| c * c).sum::<f64>().sqrt() as f32
+fn norm(components: impl Iterator<Item = f64>) -> f32 {
+    components.map(|c| c * c).sum::<f64>().sqrt() as f32
 }
 
-/// Relative error of each band whose saliency is shown, at most: a map is then off by less than a step of its colors, of which there are
-/// 256, and of the built-in creature by a tenth of one, at 50 000 and at a million vertices.
-const SHOWN: f64 = 3e-3;
+/// Largest relative error of the bands behind a saliency map. The map is then off by less than one of its 256 color
+/// steps; for the built-in creature by a tenth of one, at 50 000 and at a million vertices.
+const COLOR_ACCURACY: f64 = 3e-3;
 
-/// The saliency of the edited positions, by the diffusion of the shape as it was opened, as exact as colors show it.
-fn salient(session: &Session, prepared: &Prepared) -> Result<Vec<f32>, Refused> {
+/// Computes the saliency of the edited positions with the diffusion of the original shape, at the accuracy of colors.
+fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f32>, ApiError> {
     let decomposer = &prepared.decomposer;
-    let request = decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(SHOWN);
-    let found = prepared.outward(&session.opened.file)?;
-    let has_outside = found.info.has_outside();
-    let wavelets = if has_outside { request.along_at_once(&found.normals) } else { request.norms() };
-    let wavelets = wavelets.map_err(|e| Refused::of(&e))?;
-    drawn_saliency(decomposer, &wavelets, Progress::none()).map_err(|e| Refused::of(&e))
+    let request =
+        decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(COLOR_ACCURACY);
+    let outward = prepared.outward_normals(&session.input.file)?;
+    let has_outside = outward.info.has_outside();
+    let wavelets =
+        if has_outside { request.normal_components_in_one_pass(&outward.normals) } else { request.norms() };
+    let wavelets = wavelets.map_err(|e| ApiError::from_classified(&e))?;
+    saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }
 
-/// The features of the edited positions.
-pub(crate) fn feature_list(session: &Session, theta: f64) -> Answer {
-    let prepared = session.prepared()?;
+/// Responds with the features of the edited positions.
+pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
+    let prepared = session.lock_prepared()?;
     let params = FeatureParams { theta, ..FeatureParams::default() };
-    params.check().map_err(|e| Refused::of(&e))?;
+    params.check().map_err(|e| ApiError::from_classified(&e))?;
     let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
-    let norms = request.norms().map_err(|e| Refused::of(&e))?;
-    let found =
-        features(&prepared.decomposer, &norms, &params, Progress::none()).map_err(|e| Refused::of(&e))?;
+    let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
+    let list = features(&prepared.decomposer, &norms, &params, Progress::none())
+        .map_err(|e| ApiError::from_classified(&e))?;
     let center = session.center;
-    let rows: Vec<_> = found
+    let rows: Vec<_> = list
         .iter()
         .map(|f| {
-            let at = prepared.points[f.vertex];
-            let position: [f64; 3] = std::array::from_fn(|c| at[c] - center[c]);
+            let point = prepared.points[f.vertex];
+            let position: [f64; 3] = std::array::from_fn(|c| point[c] - center[c]);
             json!({"vertex": f.vertex, "position": position, "level": f.level, "sigma": f.sigma,
                 "strength": f.strength, "sign": f.sign()})
         })
         .collect();
-    json(&rows)
+    json_response(&rows)
 }

@@ -1,11 +1,11 @@
-//! Who may ask: only the page of this server, opened by who started it.
+//! Access control: only the page of this server, opened through its link, may send requests.
 //!
-//! The server listens on the loopback, where any program of this machine and any page in any browser on it can reach it. So: the name that
-//! it was asked by is one of its own (a name that was rebound to the loopback is not), a request from a page comes from this page, and all
-//! that gives or takes anything needs a token that only the address that was opened has. No cookies, which other ports would share, and
-//! no permission for other origins at all.
+//! The server listens on the loopback interface, which any local program and any web page in a local browser can reach.
+//! Three rules protect it. The `Host` header must be one of its own names, so that a DNS name rebound to the loopback is
+//! rejected. A request sent by a page must come from this page. All requests below `/api` need a token that only the
+//! printed link contains. There are no cookies, which other ports would share, and no permissions for other origins.
 
-use crate::answer::Refused;
+use crate::response::ApiError;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
@@ -14,15 +14,15 @@ use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use std::sync::Arc;
 
-/// What requests are held against.
+/// Token and host names that requests are checked against.
 #[derive(Debug)]
 pub(crate) struct Guard {
     token: String,
-    /// `NAME:PORT` that this server is.
+    /// Accepted `Host` headers, `NAME:PORT`.
     hosts: Vec<String>,
 }
 
-/// Sent with every answer.
+/// Headers of every response.
 const HEADERS: &[(&str, &str)] = &[
     (
         "content-security-policy",
@@ -37,20 +37,20 @@ const HEADERS: &[(&str, &str)] = &[
     ("cross-origin-resource-policy", "same-origin"),
 ];
 
-/// Random bytes of a token: 192 bits.
-const TOKEN_BYTES: usize = 24;
+/// Random bytes of a token, 192 bits.
+const N_TOKEN_BYTES: usize = 24;
 
-/// A word of 192 random bits, which nobody guesses.
-pub(crate) fn random_word() -> std::io::Result<String> {
-    let mut random = [0; TOKEN_BYTES];
+/// Generates an unguessable token of 192 random bits, in URL-safe Base64.
+pub(crate) fn generate_token() -> std::io::Result<String> {
+    let mut random = [0; N_TOKEN_BYTES];
     getrandom::fill(&mut random).map_err(|e| std::io::Error::other(e.to_string()))?;
     Ok(URL_SAFE_NO_PAD.encode(random))
 }
 
 impl Guard {
-    /// A fresh token for a server on that port, which is also known by `host` where one is named.
+    /// Creates the guard of a server on `port`, with a new token; `host` is an additional name of the server.
     pub(crate) fn new(port: u16, host: Option<&str>) -> std::io::Result<Self> {
-        let token = random_word()?;
+        let token = generate_token()?;
         let names = ["127.0.0.1", "localhost", "[::1]"].into_iter().chain(host);
         Ok(Self { token, hosts: names.map(|name| format!("{name}:{port}")).collect() })
     }
@@ -59,53 +59,58 @@ impl Guard {
         &self.token
     }
 
-    fn refusal(&self, request: &Request) -> Option<Refused> {
+    /// Returns the error of a request that breaks a rule.
+    fn check(&self, request: &Request) -> Option<ApiError> {
         let headers = request.headers();
         let text = |name: &HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
         let host = text(&header::HOST).unwrap_or("");
-        if !self.hosts.iter().any(|own| own == host) {
-            let told = format!("this server is not '{host}'; open the address that it printed");
-            return Some(Refused::new(StatusCode::MISDIRECTED_REQUEST, told));
+        if !self.hosts.iter().any(|known| known == host) {
+            let message =
+                format!("'{host}' is not a name of this server; open the link printed in the terminal");
+            return Some(ApiError::new(StatusCode::MISDIRECTED_REQUEST, message));
         }
-        let elsewhere = |why: &str| {
-            let told = format!("{why}; open the address that the studio printed in a tab of its own");
-            Some(Refused::new(StatusCode::FORBIDDEN, told))
+        let foreign = |reason: &str| {
+            let message = format!("{reason}; open the link printed in the terminal in a new tab");
+            Some(ApiError::new(StatusCode::FORBIDDEN, message))
         };
         if let Some(origin) = text(&header::ORIGIN) {
             let is_own = origin.strip_prefix("http://").is_some_and(|origin| origin == host);
             if !is_own {
-                return elsewhere(&format!("the request comes from '{origin}'"));
+                return foreign(&format!("the request comes from '{origin}'"));
             }
         }
         let site = text(&HeaderName::from_static("sec-fetch-site")).unwrap_or("none");
         if !matches!(site, "none" | "same-origin") {
-            return elsewhere("the request comes from another page");
+            return foreign("the request comes from another page");
         }
         let needs_token = request.uri().path().starts_with("/api");
         (needs_token && !self.has_token(headers)).then(|| {
-            let told = "the token is missing or that of an earlier run; open the address that the studio printed, with all that follows the #";
-            Refused::new(StatusCode::UNAUTHORIZED, told)
+            let message = "This link is no longer valid. Open the latest link printed in the terminal.";
+            ApiError::new(StatusCode::UNAUTHORIZED, message)
         })
     }
 
-    /// Compared in a time that does not tell how much of it is right.
+    /// Compares the token in constant time.
     fn has_token(&self, headers: &HeaderMap) -> bool {
-        let given = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
-        let Some(given) = given.and_then(|value| value.strip_prefix("Bearer ")) else { return false };
-        let differs = given.bytes().zip(self.token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
-        given.len() == self.token.len() && differs == 0
+        let header = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
+        let Some(token) = header.and_then(|value| value.strip_prefix("Bearer ")) else { return false };
+        let differs = token.bytes().zip(self.token.bytes()).fold(0, |bits, (a, b)| bits | (a ^ b));
+        token.len() == self.token.len() && differs == 0
     }
 }
 
-/// Refuses what is not from this page, and says in every answer what the page may do.
-pub(crate) async fn guarded(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
-    let mut answer = match guard.refusal(&request) {
-        Some(refused) => refused.into_response(),
+/// Middleware: rejects requests that break a rule, and adds the security headers to every response.
+pub(crate) async fn check_request(State(guard): State<Arc<Guard>>, request: Request, next: Next) -> Response {
+    let mut response = match guard.check(&request) {
+        Some(error) => error.into_response(),
         None => next.run(request).await,
     };
     for &(name, value) in HEADERS {
-        // A report has a policy of its own.
-        answer.headers_mut().entry(HeaderName::from_static(name)).or_insert(HeaderValue::from_static(value));
+        // A report brings its own policy.
+        response
+            .headers_mut()
+            .entry(HeaderName::from_static(name))
+            .or_insert(HeaderValue::from_static(value));
     }
-    answer
+    response
 }

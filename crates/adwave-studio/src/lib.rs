@@ -1,71 +1,72 @@
 //! The studio: an equalizer for shapes in the browser.
 //!
-//! [`serve`] opens a server on the loopback that keeps the bands of a shape and the edit that is made of it, and gives the page in `web`
-//! what it draws; what both say to each other is in `PROTOCOL.md`. `guard` says who may ask, `session` is one shape, `document` its edit,
-//! `assets` the page itself.
+//! [`serve`] starts a server on the loopback interface that holds the bands of a shape and its edit, and sends the page in
+//! `web` the data that it draws. `PROTOCOL.md` describes the requests. `guard` is the access control, `session` an open
+//! shape, `document` its edit, `assets` the files of the page.
 //!
-//! The page computes what it shows while a slider is dragged. What is saved is computed here, in double precision, by the object that
-//! the command's `filter` uses, so that a saved shape has the bits of the recipe replayed.
+//! While a slider is dragged, the page computes the preview itself. Saved shapes are computed here in double precision, with
+//! the same objects as the command `adwave filter`: a saved file is bit-identical to a replay of its recipe.
 
-mod answer;
 mod assets;
 mod autosave;
 mod compare;
 mod document;
+mod export_page;
 mod fields;
 mod guard;
-mod page;
-mod prepared;
+mod prepared_shape;
 mod report;
+mod response;
 mod routes;
 mod save;
 mod server;
 mod session;
-mod work;
+mod tasks;
 
 pub use document::Document;
-pub use server::{Finished, Served, StudioParams, serve};
-pub use session::Opened;
+pub use server::{StudioAddress, StudioOutcome, StudioParams, serve};
+pub use session::StudioInput;
 
 use adwave::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why there is no studio, or not any more.
+/// Failure to start or run the studio.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StudioError {
-    /// The shape has no positions that could be shown.
+    /// The shape has no positions to display.
     #[error(
-        "{0}: a graph has no positions to show; give a mesh or a cloud, or its bands as numbers to `adwave transform`"
+        "{0}: the studio needs positions, and a graph has none; open a mesh or a point cloud, or use `adwave transform`"
     )]
     NoPositions(String),
-    /// More vertices than a browser can keep.
+    /// The shape has more vertices than a browser can hold.
     #[error(
-        "{name}: {n} vertices are more than the {most} that a browser keeps; `adwave simplify` makes a shape of fewer"
+        "{name}: the studio supports up to {max} vertices, got {n}; reduce the shape with `adwave simplify`"
     )]
     TooLarge {
-        /// The shape.
+        /// Name of the shape.
         name: String,
-        /// Vertices that it has.
+        /// Number of vertices.
         n: usize,
-        /// Vertices that are shown at the most.
-        most: usize,
+        /// Largest supported number of vertices.
+        max: usize,
     },
-    /// Something of the method.
+    /// An error of the method or of a file.
     #[error("{text}")]
-    Of {
-        /// Who can do something about it.
+    Method {
+        /// Class of the error.
         kind: ErrorKind,
-        /// What is wrong.
+        /// Message.
         text: String,
     },
-    /// No port, no thread, no random numbers.
+    /// No port, thread or random numbers were available.
     #[error("the studio cannot start: {0}")]
     Machine(#[from] std::io::Error),
 }
 
 impl StudioError {
-    pub(crate) fn of(error: &impl ClassifiedError) -> Self {
-        Self::Of { kind: error.kind(), text: error.to_string() }
+    pub(crate) fn from_classified(error: &impl ClassifiedError) -> Self {
+        Self::Method { kind: error.kind(), text: error.to_string() }
     }
 }
 
@@ -73,7 +74,7 @@ impl ClassifiedError for StudioError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::NoPositions(_) | Self::TooLarge { .. } => ErrorKind::Input,
-            Self::Of { kind, .. } => *kind,
+            Self::Method { kind, .. } => *kind,
             Self::Machine(_) => ErrorKind::Machine,
         }
     }

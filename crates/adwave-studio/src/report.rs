@@ -1,7 +1,7 @@
-//! The report of the edited shape, at an address of its own.
+//! Reports of edited shapes, each at its own address.
 
-use crate::answer::{Answer, Refused, json};
-use crate::guard::random_word;
+use crate::guard::generate_token;
+use crate::response::{ApiError, ApiResult, json_response};
 use crate::server::Studio;
 use crate::session::Session;
 use adwave::Decomposer;
@@ -14,74 +14,74 @@ use serde_json::json;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Reports that are kept, the last ones.
-const KEPT: usize = 4;
-/// What a report may do: nothing but show what it has within itself.
+/// Number of reports that stay available.
+const MAX_REPORTS: usize = 4;
+/// Content security policy: a report loads nothing.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-/// Reports by the random word in their address: a browser sends no token when a page is opened.
+/// Reports by the random token in their address, because a browser sends no header when a link is opened.
 #[derive(Debug, Default)]
 pub(crate) struct Reports(Mutex<VecDeque<(String, Arc<str>)>>);
 
 impl Reports {
-    /// Keeps a report, and says where it is.
-    fn keep(&self, html: &str) -> Result<String, Refused> {
-        let told = |e: std::io::Error| Refused::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string());
-        let word = random_word().map_err(told)?;
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.push_back((word.clone(), html.into()));
-        if kept.len() > KEPT {
-            kept.pop_front();
+    /// Stores a report and returns its path.
+    fn store(&self, html: &str) -> Result<String, ApiError> {
+        let to_error = |e: std::io::Error| ApiError::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string());
+        let token = generate_token().map_err(to_error)?;
+        let mut reports = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        reports.push_back((token.clone(), html.into()));
+        if reports.len() > MAX_REPORTS {
+            reports.pop_front();
         }
-        Ok(format!("report/{word}"))
+        Ok(format!("report/{token}"))
     }
 
-    /// The report of an address.
-    pub(crate) fn page(&self, word: &str) -> Response {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        match kept.iter().find(|(known, _)| known == word) {
+    /// Responds with the report of a token.
+    pub(crate) fn page_response(&self, token: &str) -> Response {
+        let reports = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match reports.iter().find(|(known, _)| known == token) {
             Some((_, html)) => {
-                let kind = (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
+                let content_type =
+                    (header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
                 let policy = HeaderName::from_static("content-security-policy");
-                ([kind, (policy, HeaderValue::from_static(POLICY))], html.to_string()).into_response()
+                ([content_type, (policy, HeaderValue::from_static(POLICY))], html.to_string()).into_response()
             }
-            None => {
-                (StatusCode::NOT_FOUND, "this report is not kept any more; make it again\n").into_response()
-            }
+            None => (StatusCode::NOT_FOUND, "this report has expired; create it again in the studio\n")
+                .into_response(),
         }
     }
 }
 
-/// Makes the report of the shape after an edit.
-pub(crate) fn report(studio: &Studio, session: &Session, file: &ShapeFile) -> Answer {
-    let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
+/// Builds the report of an edited shape and responds with its path.
+pub(crate) fn build_report(studio: &Studio, session: &Session, file: &ShapeFile) -> ApiResult {
+    let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
     let points = shape.points().unwrap_or_default();
-    let walk = Decomposer::new(&shape);
-    let (n_levels, why) = walk.default_levels();
-    let schedule = Schedule::dyadic(n_levels).map_err(|e| Refused::of(&e))?;
+    let decomposer = Decomposer::new(&shape);
+    let (n_levels, levels_reason) = decomposer.default_levels();
+    let schedule = Schedule::dyadic(n_levels).map_err(|e| ApiError::from_classified(&e))?;
     let progress = session.progress();
-    let bands = walk.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
-    let bands = bands.map_err(|e| Refused::of(&e))?;
+    let bands = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress).bands();
+    let bands = bands.map_err(|e| ApiError::from_classified(&e))?;
     let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
     let normals = file_normals(file);
     let format = file.format().map_or_else(|| "built-in".to_owned(), |format| format.to_string());
     let subject = Subject {
-        name: &session.opened.name,
+        name: &session.input.name,
         format: &format,
         fields: &names,
         shape: &shape,
-        walk: &walk,
+        decomposer: &decomposer,
         signal: COORDS,
         values: points.as_flattened(),
         normals: normals.as_deref(),
         bands: &bands,
-        levels_reason: &why,
+        levels_reason: &levels_reason,
         command: "adwave studio",
         seconds: &[],
     };
-    let made = shape_report(&subject, Viewpoint::default(), progress);
-    let stopped = |_| Refused::new(StatusCode::SERVICE_UNAVAILABLE, "the studio ends");
-    let path = studio.reports.keep(&made.map_err(stopped)?.page.html())?;
-    json(&json!({"path": path}))
+    let report = shape_report(&subject, Viewpoint::default(), progress);
+    let to_error = |_| ApiError::new(StatusCode::SERVICE_UNAVAILABLE, "the studio is shutting down");
+    let path = studio.reports.store(&report.map_err(to_error)?.page.html())?;
+    json_response(&json!({"path": path}))
 }

@@ -1,19 +1,19 @@
-//! What each request does; see `PROTOCOL.md`.
+//! Handlers of the requests; see `PROTOCOL.md`.
 
-use crate::answer::{Refused, bytes, json, points_bytes, rows};
-use crate::compare::CompareAsked;
+use crate::compare::CompareRequest;
 use crate::document::Document;
-use crate::prepared::{LevelsAsked, Prepared};
-use crate::save::SaveAsked;
+use crate::prepared_shape::{LevelsRequest, PreparedShape};
+use crate::response::{ApiError, bytes_response, encode_points, encode_rows, json_response};
+use crate::save::SaveRequest;
 use crate::server::Studio;
-use crate::session::{Opened, Session};
-use crate::work::{at_once, beside, of_shape, working};
-use crate::{assets, compare, fields, page, report, save};
+use crate::session::{Session, StudioInput};
+use crate::tasks::{run_blocking, run_inline, spawn_blocking_task, with_shape};
+use crate::{assets, compare, export_page, fields, report, save};
 use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
 use adwave::shape::PreparedGeometry;
-use adwave_io::{ReadLimits, parse_recipe, read_bytes, recipe_to_text};
+use adwave_io::{Format, ReadError, ReadLimits, parse_recipe, read_bytes, recipe_to_text};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
@@ -26,94 +26,110 @@ use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Bytes of an edit or a region at the most: thousands of strokes.
+/// Largest body of an edit or a region in bytes; holds thousands of strokes.
 const MAX_BODY: usize = 64 << 20;
-/// Bytes of a shape that is dropped on the page at the most.
+/// Largest uploaded file in bytes.
 const MAX_UPLOAD: usize = 2 << 30;
 
-type Shared = State<Arc<Studio>>;
-type Asked = Query<HashMap<String, String>>;
+type StudioState = State<Arc<Studio>>;
+type QueryParams = Query<HashMap<String, String>>;
 
 pub(crate) fn router(studio: Arc<Studio>) -> Router {
     let shape = Router::new()
-        .route("/", get(info).merge(delete(close)))
-        .route("/positions", get(positions))
-        .route("/triangles", get(triangles))
-        .route("/surface", get(surface))
-        .route("/levels", put(levels))
-        .route("/bands", get(bands))
-        .route("/edit", get(edit).merge(put(change)))
-        .route("/exact", get(exact))
-        .route("/weights", post(weights))
-        .route("/field", get(field))
-        .route("/features", get(features))
-        .route("/recipe", get(recipe).merge(put(open_recipe)))
-        .route("/save", post(save_as))
-        .route("/download", get(download))
-        .route("/page", get(page))
-        .route("/report", post(make_report))
-        .route("/compare", post(compared))
-        .route("/denoise", post(denoised));
-    let upload = post(upload).layer(DefaultBodyLimit::max(MAX_UPLOAD));
+        .route("/", get(describe_shape).merge(delete(close_shape)))
+        .route("/positions", get(send_positions))
+        .route("/triangles", get(send_triangles))
+        .route("/surface", get(send_surface))
+        .route("/levels", put(set_levels))
+        .route("/bands", get(stream_bands))
+        .route("/edit", get(send_edit).merge(put(apply_edit)))
+        .route("/exact", get(send_edited_positions))
+        .route("/weights", post(compute_weights))
+        .route("/field", get(send_field))
+        .route("/features", get(send_features))
+        .route("/recipe", get(send_recipe).merge(put(apply_recipe)))
+        .route("/save", post(save_file))
+        .route("/download", get(download_file))
+        .route("/page", get(download_page))
+        .route("/report", post(create_report))
+        .route("/compare", post(compare_methods))
+        .route("/denoise", post(denoise_shape));
+    let upload = post(upload_shape).layer(DefaultBodyLimit::max(MAX_UPLOAD));
     Router::new()
-        .route("/api/shapes", get(shapes).merge(upload))
+        .route("/api/shapes", get(list_shapes).merge(upload))
         .nest("/api/shapes/{id}", shape)
-        .route("/api/done", post(done))
-        .route("/report/{word}", get(show_report))
-        .fallback(own_page)
+        .route("/api/done", post(end_studio))
+        .route("/report/{token}", get(show_report))
+        .fallback(send_asset)
         .layer(DefaultBodyLimit::max(MAX_BODY))
         .with_state(studio)
 }
 
-fn parsed<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, Refused> {
-    serde_json::from_slice(body).map_err(|e| Refused::wrong(format!("this is no {what}: {e}")))
+/// Parses the JSON body of a request; `what` names its content in the error.
+fn parse_body<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, ApiError> {
+    serde_json::from_slice(body).map_err(|e| ApiError::bad_request(format!("invalid {what}: {e}")))
 }
 
-async fn own_page(uri: Uri) -> Response {
+async fn send_asset(uri: Uri) -> Response {
     if uri.path().starts_with("/api") {
-        return Refused::new(StatusCode::NOT_FOUND, format!("there is no {}", uri.path())).into_response();
+        return ApiError::new(StatusCode::NOT_FOUND, format!("not found: {}", uri.path())).into_response();
     }
-    assets::file(uri.path())
+    assets::asset_response(uri.path())
 }
 
-async fn shapes(State(studio): Shared) -> Response {
-    let list: Vec<_> = studio.sessions().iter().map(|s| json!({"id": s.id, "name": s.opened.name})).collect();
-    json(&json!({"version": env!("CARGO_PKG_VERSION"), "shapes": list})).into_response()
+async fn list_shapes(State(studio): StudioState) -> Response {
+    let list: Vec<_> = studio.sessions().iter().map(|s| json!({"id": s.id, "name": s.input.name})).collect();
+    json_response(&json!({"version": env!("CARGO_PKG_VERSION"), "shapes": list})).into_response()
 }
 
-async fn upload(State(studio): Shared, Query(asked): Asked, body: Bytes) -> Response {
+async fn upload_shape(State(studio): StudioState, Query(query): QueryParams, body: Bytes) -> Response {
     let read = move |studio: &Studio| {
-        let name = asked.get("name").map_or("shape", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
+        let name = query.get("name").map_or("shape", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
         let file = read_bytes(body.into(), Some(name), &ReadLimits::default())
-            .map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
-        let shape = file.to_shape().map_err(|e| Refused::wrong(format!("{name}: {e}")))?;
-        let session = studio.open(Opened { name: name.to_owned(), path: None, file, shape })?;
-        json(&json!({"id": session.id, "name": session.opened.name}))
+            .map_err(|e| upload_error(name, &e))?;
+        let shape = file.to_shape().map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?;
+        let session = studio.open(StudioInput { name: name.to_owned(), path: None, file, shape })?;
+        json_response(&json!({"id": session.id, "name": session.input.name}))
     };
-    working(studio, move |studio| studio.pool.install(|| read(studio))).await
+    run_blocking(studio, move |studio| studio.pool.install(|| read(studio))).await
 }
 
-async fn close(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    working(studio, move |studio| {
+/// Converts the error of an uploaded file; for an unknown format the page links to the list of supported ones.
+fn upload_error(name: &str, error: &ReadError) -> ApiError {
+    if !matches!(error, ReadError::UnknownFormat { .. }) {
+        return ApiError::bad_request(format!("{name}: {error}"));
+    }
+    let describe = |format: Format| {
+        let extensions: Vec<String> = format.endings().iter().map(|e| format!(".{e}")).collect();
+        json!({"title": format.title(), "extensions": extensions})
+    };
+    let formats: Vec<_> = Format::all().filter(|format| format.can_read()).map(describe).collect();
+    ApiError::bad_request(format!("{name} is not a shape adwave can read"))
+        .with_fields(json!({"readable_formats": formats}))
+}
+
+async fn close_shape(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    run_blocking(studio, move |studio| {
         studio.session(id)?;
         studio.close(id);
-        json(&json!({}))
+        json_response(&json!({}))
     })
     .await
 }
 
-async fn info(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| json(&session.info()?)).await
+async fn describe_shape(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| json_response(&session.describe()?)).await
 }
 
-async fn positions(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    at_once(studio, id, |session| Ok(bytes(points_bytes(session.points(), session.center)))).await
+async fn send_positions(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    run_inline(studio, id, |session| Ok(bytes_response(encode_points(session.points(), session.center))))
+        .await
 }
 
-async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    at_once(studio, id, |session| {
+async fn send_triangles(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    run_inline(studio, id, |session| {
         let triangles = &session.triangles;
-        Ok(bytes(rows(triangles.len(), 12, |t, row| {
+        Ok(bytes_response(encode_rows(triangles.len(), 12, |t, row| {
             for c in 0..3 {
                 row[4 * c..][..4].copy_from_slice(&triangles[t][c].to_le_bytes());
             }
@@ -122,251 +138,280 @@ async fn triangles(State(studio): Shared, Path(id): Path<u64>) -> Response {
     .await
 }
 
-/// What distances along the surface are measured by: positions in double precision, and the place of each vertex.
-async fn surface(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| {
+/// Sends the input of distances along the surface: positions in double precision, and the index of the welded point of
+/// each vertex.
+async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| {
         let points = session.points();
-        let places = session.walk()?.geometry().vertex_map().as_slice();
-        let mut content = rows(points.len(), 24, |x, row| {
+        let welded = session.walk_decomposer()?.geometry().vertex_map().as_slice();
+        let mut content = encode_rows(points.len(), 24, |x, row| {
             for c in 0..3 {
                 row[8 * c..][..8].copy_from_slice(&points[x][c].to_le_bytes());
             }
         });
-        content.extend(rows(places.len(), 4, |x, row| row.copy_from_slice(&places[x].to_le_bytes())));
-        Ok(bytes(content))
+        content.extend(encode_rows(welded.len(), 4, |x, row| row.copy_from_slice(&welded[x].to_le_bytes())));
+        Ok(bytes_response(content))
     })
     .await
 }
 
-async fn levels(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(studio, id, move |session| {
-        let asked: LevelsAsked = parsed(&body, "choice of levels")?;
-        let mut fresh = Prepared::asked(&session.opened.shape, session.walk()?, &asked, session.progress())?;
-        let mut prepared = session.prepared()?;
-        // Gains are those of levels: of as many they are kept.
+async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    with_shape(studio, id, move |session| {
+        let request: LevelsRequest = parse_body(&body, "choice of levels")?;
+        let (shape, walk) = (&session.input.shape, session.walk_decomposer()?);
+        let mut next = PreparedShape::with_requested_levels(shape, walk, &request, session.progress())?;
+        let mut prepared = session.lock_prepared()?;
+        // There is one gain per level: the gains stay valid only if the number of levels does not change.
         let mut document = prepared.document.clone();
-        if fresh.n_levels() != prepared.n_levels() {
+        if next.n_levels() != prepared.n_levels() {
             document.layers.clear();
         }
-        fresh.edit(document, &session.opened.file)?;
-        *prepared = fresh;
-        session.keep(&prepared)?;
-        json(&json!({"levels": prepared.level_list(), "edit": prepared.document}))
+        next.apply_edit(document, &session.input.file)?;
+        *prepared = next;
+        session.store_edit(&prepared)?;
+        json_response(&json!({"levels": prepared.level_infos(), "edit": prepared.document}))
     })
     .await
 }
 
-/// Bands one by one, coarse to fine, each sent when it is there.
-async fn bands(State(studio): Shared, Path(id): Path<u64>) -> Response {
+/// Streams the bands from coarse to fine.
+async fn stream_bands(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     let session = match studio.session(id) {
         Ok(session) => session,
-        Err(refused) => return refused.into_response(),
+        Err(error) => return error.into_response(),
     };
     let (send, mut receive) = tokio::sync::mpsc::channel::<Result<Bytes, std::io::Error>>(2);
-    let (own, pool) = (Arc::clone(&session), Arc::clone(&studio));
+    let (shape, server) = (Arc::clone(&session), Arc::clone(&studio));
     let ready = tokio::task::spawn_blocking(move || {
-        let _turn = own.turn();
-        pool.pool.install(|| own.prepared().map(|prepared| (prepared.levels.clone(), prepared.n_levels())))
+        let _turn = shape.wait_turn();
+        server
+            .pool
+            .install(|| shape.lock_prepared().map(|prepared| (prepared.levels.clone(), prepared.n_levels())))
     });
     let (levels, n_levels) = match ready.await {
         Ok(Ok(levels)) => levels,
-        Ok(Err(refused)) => return refused.into_response(),
-        Err(_) => return Refused::new(StatusCode::INTERNAL_SERVER_ERROR, "no bands").into_response(),
+        Ok(Err(error)) => return error.into_response(),
+        Err(_) => {
+            return ApiError::new(
+                StatusCode::INTERNAL_SERVER_ERROR,
+                "internal error: the bands could not be computed; please report it",
+            )
+            .into_response();
+        }
     };
     tokio::task::spawn_blocking(move || {
         for level in (1..=n_levels).rev() {
-            let turn = session.turn();
-            let Ok(prepared) = session.prepared() else { return };
+            let turn = session.wait_turn();
+            let Ok(prepared) = session.lock_prepared() else { return };
             if prepared.levels != levels {
-                return; // others have been asked for
+                return; // the levels were replaced meanwhile
             }
-            let (scale, values) = studio.pool.install(|| prepared.band(level));
+            let (scale, values) = studio.pool.install(|| prepared.encode_band(level));
             drop(prepared);
             drop(turn);
             let head = [(level as u32).to_le_bytes(), scale.to_le_bytes()].concat();
             let sent = send.blocking_send(Ok(Bytes::from(head)));
             if sent.is_err() || send.blocking_send(Ok(Bytes::from(values))).is_err() {
-                return; // the page is gone
+                return; // the page was closed
             }
         }
     });
-    bytes(Body::from_stream(futures_util::stream::poll_fn(move |context| receive.poll_recv(context))))
+    bytes_response(Body::from_stream(futures_util::stream::poll_fn(move |context| {
+        receive.poll_recv(context)
+    })))
 }
 
-async fn edit(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| json(&session.prepared()?.document)).await
+async fn send_edit(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| json_response(&session.lock_prepared()?.document)).await
 }
 
-async fn change(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(studio, id, move |session| {
-        let document: Document = parsed(&body, "edit")?;
-        let mut prepared = session.prepared()?;
-        let kept = &prepared.document;
-        if document.revision <= kept.revision && document != *kept {
-            let told = format!(
-                "revision {} is not after {}, which is kept; was the shape edited in another tab?",
-                document.revision, kept.revision
+async fn apply_edit(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    with_shape(studio, id, move |session| {
+        let document: Document = parse_body(&body, "edit")?;
+        let mut prepared = session.lock_prepared()?;
+        let current = &prepared.document;
+        if document.revision <= current.revision && document != *current {
+            let message = format!(
+                "the edit must be newer than revision {}, got revision {}; the shape was edited in another tab",
+                current.revision, document.revision
             );
-            return Err(Refused::new(StatusCode::CONFLICT, told).with(json!({"edit": kept})));
+            return Err(ApiError::new(StatusCode::CONFLICT, message).with_fields(json!({"edit": current})));
         }
-        let moved = prepared.edit(document, &session.opened.file)?;
-        session.keep(&prepared)?;
-        json(&moved)
+        let summary = prepared.apply_edit(document, &session.input.file)?;
+        session.store_edit(&prepared)?;
+        json_response(&summary)
     })
     .await
 }
 
-async fn exact(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| {
-        let points = Arc::clone(&session.prepared()?.points);
-        Ok(bytes(points_bytes(&points, session.center)))
+async fn send_edited_positions(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| {
+        let points = Arc::clone(&session.lock_prepared()?.points);
+        Ok(bytes_response(encode_points(&points, session.center)))
     })
     .await
 }
 
-async fn weights(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(studio, id, move |session| {
-        let region: Region = parsed(&body, "region")?;
-        let mut prepared = session.prepared()?;
-        let weights = prepared.weights(&region, &session.opened.file).map_err(|e| Refused::of(&e))?;
+async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    with_shape(studio, id, move |session| {
+        let region: Region = parse_body(&body, "region")?;
+        let mut prepared = session.lock_prepared()?;
+        let weights = prepared
+            .region_weights(&region, &session.input.file)
+            .map_err(|e| ApiError::from_classified(&e))?;
         let weights = weights.to_vertices(prepared.decomposer.geometry().vertex_map());
-        Ok(bytes(rows(weights.len(), 1, |x, byte| byte[0] = (255.0 * weights[x]).round() as u8)))
+        Ok(bytes_response(encode_rows(weights.len(), 1, |x, byte| {
+            byte[0] = (255.0 * weights[x]).round() as u8
+        })))
     })
     .await
 }
 
-async fn field(State(studio): Shared, Path(id): Path<u64>, Query(asked): Asked) -> Response {
-    of_shape(studio, id, move |session| {
-        let name = asked.get("name").ok_or_else(|| Refused::wrong("give the name of a field: ?name=…"))?;
-        match asked.get("of").map(String::as_str) {
-            Some("region") => fields::as_region(session, name),
-            _ => fields::values(session, name),
+async fn send_field(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
+    with_shape(studio, id, move |session| {
+        let name = query
+            .get("name")
+            .ok_or_else(|| ApiError::bad_request("the name of a field is missing; add ?name=NAME"))?;
+        match query.get("of").map(String::as_str) {
+            Some("region") => fields::region_field_response(session, name),
+            _ => fields::field_response(session, name),
         }
     })
     .await
 }
 
-async fn features(State(studio): Shared, Path(id): Path<u64>, Query(asked): Asked) -> Response {
-    of_shape(studio, id, move |session| {
+async fn send_features(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+) -> Response {
+    with_shape(studio, id, move |session| {
         let default = adwave::features::FeatureParams::default().theta;
-        let theta = asked.get("theta").map_or(Ok(default), |theta| theta.parse());
-        let theta = theta.map_err(|_| Refused::wrong("theta is no number"))?;
-        fields::feature_list(session, theta)
+        let theta = query.get("theta").map_or(Ok(default), |theta| theta.parse());
+        let theta = theta.map_err(|_| ApiError::bad_request("theta must be a number"))?;
+        fields::feature_response(session, theta)
     })
     .await
 }
 
-async fn recipe(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| {
-        let prepared = session.prepared()?;
-        let recipe = prepared.document.recipe(&prepared.levels, prepared.decomposer.operator_kind());
-        Ok(bytes(recipe_to_text(&recipe)))
+async fn send_recipe(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| {
+        let prepared = session.lock_prepared()?;
+        let recipe = prepared.document.to_recipe(&prepared.levels, prepared.decomposer.operator_kind());
+        Ok(bytes_response(recipe_to_text(&recipe)))
     })
     .await
 }
 
-async fn open_recipe(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(studio, id, move |session| {
-        let text = std::str::from_utf8(&body).map_err(|_| Refused::wrong("the recipe is no text"))?;
-        let recipe = parse_recipe(text).map_err(|e| Refused::of(&e))?;
-        let walk = session.walk()?;
+async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    with_shape(studio, id, move |session| {
+        let text = std::str::from_utf8(&body).map_err(|_| ApiError::bad_request("the recipe must be UTF-8 text"))?;
+        let recipe = parse_recipe(text).map_err(|e| ApiError::from_classified(&e))?;
+        let walk = session.walk_decomposer()?;
         let levels = recipe.levels.clone();
-        let mut fresh = Prepared::new(&session.opened.shape, walk, levels, session.progress())?;
-        if recipe.operator.is_some_and(|kind| kind != fresh.decomposer.operator_kind()) {
-            let told = "the studio takes the surface operator for levels by width and the walk for others; apply this recipe with the command or the Python package";
-            return Err(Refused::wrong(told));
+        let mut next = PreparedShape::new(&session.input.shape, walk, levels, session.progress())?;
+        if recipe.operator.is_some_and(|kind| kind != next.decomposer.operator_kind()) {
+            let message = "the studio uses the surface operator for levels given by width, and the walk operator otherwise; \
+                           apply this recipe with `adwave filter --recipe`";
+            return Err(ApiError::bad_request(message));
         }
-        let mut prepared = session.prepared()?;
+        let mut prepared = session.lock_prepared()?;
         let revision = prepared.document.revision + 1;
-        let document = Document::of_recipe(&recipe, fresh.n_levels(), revision)?;
-        fresh.edit(document, &session.opened.file)?;
-        *prepared = fresh;
-        session.keep(&prepared)?;
-        json(&json!({"levels": prepared.level_list(), "edit": prepared.document}))
+        let document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
+        next.apply_edit(document, &session.input.file)?;
+        *prepared = next;
+        session.store_edit(&prepared)?;
+        json_response(&json!({"levels": prepared.level_infos(), "edit": prepared.document}))
     })
     .await
 }
 
-async fn save_as(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    of_shape(studio, id, move |session| {
-        let asked: SaveAsked =
-            if body.is_empty() { SaveAsked::default() } else { parsed(&body, "name to save under")? };
-        save::save(session, &asked)
+async fn save_file(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    with_shape(studio, id, move |session| {
+        let request: SaveRequest =
+            if body.is_empty() { SaveRequest::default() } else { parse_body(&body, "file name")? };
+        save::save(session, &request)
     })
     .await
 }
 
-async fn download(State(studio): Shared, Path(id): Path<u64>, Query(asked): Asked) -> Response {
-    of_shape(studio, id, move |session| {
-        save::download(session, asked.get("format").map_or("ply", String::as_str))
+async fn download_file(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+) -> Response {
+    with_shape(studio, id, move |session| {
+        save::download(session, query.get("format").map_or("ply", String::as_str))
     })
     .await
 }
 
-async fn page(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    of_shape(studio, id, |session| page::page(session)).await
+async fn download_page(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    with_shape(studio, id, |session| export_page::export_page(session)).await
 }
 
-async fn make_report(State(studio): Shared, Path(id): Path<u64>) -> Response {
-    beside(
+async fn create_report(State(studio): StudioState, Path(id): Path<u64>) -> Response {
+    spawn_blocking_task(
         studio,
         id,
-        |session| session.edited_file(&*session.prepared()?),
-        |studio, session, file| report::report(studio, session, &file),
+        |session| session.edited_file(&*session.lock_prepared()?),
+        |studio, session, file| report::build_report(studio, session, &file),
     )
     .await
 }
 
-async fn show_report(State(studio): Shared, Path(word): Path<String>) -> Response {
-    studio.reports.page(&word)
+async fn show_report(State(studio): StudioState, Path(token): Path<String>) -> Response {
+    studio.reports.page_response(&token)
 }
 
-async fn compared(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    let taken = move |session: &Session| {
-        let asked: CompareAsked = parsed(&body, "choice of a method")?;
-        let prepared = session.prepared()?;
-        Ok((asked.method, Arc::clone(&prepared.points), prepared.decomposer.clone()))
+async fn compare_methods(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    let snapshot = move |session: &Session| {
+        let request: CompareRequest = parse_body(&body, "comparison")?;
+        let prepared = session.lock_prepared()?;
+        Ok((request.method, Arc::clone(&prepared.points), prepared.decomposer.clone()))
     };
-    beside(studio, id, taken, |_, session, (method, edited, decomposer)| {
+    spawn_blocking_task(studio, id, snapshot, |_, session, (method, edited, decomposer)| {
         compare::compare(session, method, &edited, &decomposer)
     })
     .await
 }
 
-/// How thoroughly.
+/// Body of `POST denoise`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct DenoiseAsked {
-    #[serde(default = "one")]
+struct DenoiseRequest {
+    /// Factor on the estimated noise level; 1 by default.
+    #[serde(default = "default_strength")]
     strength: f64,
 }
 
-fn one() -> f64 {
+fn default_strength() -> f64 {
     1.0
 }
 
-async fn denoised(State(studio): Shared, Path(id): Path<u64>, body: Bytes) -> Response {
-    let taken = |session: &Session| session.edited_file(&*session.prepared()?);
-    beside(studio, id, taken, move |studio, session, file| {
-        let asked: DenoiseAsked = parsed(&body, "choice of a strength")?;
-        let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
+async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    let snapshot = |session: &Session| session.edited_file(&*session.lock_prepared()?);
+    spawn_blocking_task(studio, id, snapshot, move |studio, session, file| {
+        let request: DenoiseRequest = parse_body(&body, "denoising strength")?;
+        let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let geometry = PreparedGeometry::new(&shape, OperatorParams::default().weld, session.progress())
-            .map_err(|e| Refused::of(&e))?;
-        let params = DenoiseParams::default().with_strength(asked.strength);
-        let clean = denoise(&geometry, &params, session.progress()).map_err(|e| Refused::of(&e))?;
+            .map_err(|e| ApiError::from_classified(&e))?;
+        let params = DenoiseParams::default().with_strength(request.strength);
+        let clean =
+            denoise(&geometry, &params, session.progress()).map_err(|e| ApiError::from_classified(&e))?;
         let mut file = file;
-        file.set_points(clean.points).map_err(|e| Refused::wrong(e.to_string()))?;
-        let shape = file.to_shape_as(file.kind()).map_err(|e| Refused::wrong(e.to_string()))?;
-        let (stem, ending) = session.opened.name.rsplit_once('.').unwrap_or((&session.opened.name, "ply"));
-        let name = format!("{stem}-denoised.{ending}");
-        // Beside the same file, but with edits of its own.
-        let session = studio.open(Opened { name, path: None, file, shape })?;
-        json(&json!({"id": session.id, "name": session.opened.name, "noise": clean.info.noise}))
+        file.set_points(clean.points).map_err(|e| ApiError::bad_request(e.to_string()))?;
+        let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
+        let (stem, extension) = session.input.name.rsplit_once('.').unwrap_or((&session.input.name, "ply"));
+        let name = format!("{stem}-denoised.{extension}");
+        // Saved in the same folder, with an edit of its own.
+        let session = studio.open(StudioInput { name, path: None, file, shape })?;
+        json_response(&json!({"id": session.id, "name": session.input.name, "noise": clean.info.noise}))
     })
     .await
 }
 
-async fn done(State(studio): Shared) -> Response {
+async fn end_studio(State(studio): StudioState) -> Response {
     studio.finish();
-    json(&json!({})).into_response()
+    json_response(&json!({})).into_response()
 }

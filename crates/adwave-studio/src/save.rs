@@ -1,6 +1,6 @@
-//! The edited shape as a file, beside the one that was opened or as bytes.
+//! Writing the edited shape: next to the opened file, or as a download.
 
-use crate::answer::{Answer, Refused, bytes, json};
+use crate::response::{ApiError, ApiResult, bytes_response, json_response};
 use crate::session::Session;
 use adwave::Progress;
 use adwave_io::{Format, write_bytes_with, write_path};
@@ -9,82 +9,93 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
 
-/// Where to.
+/// Body of `POST save`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct SaveAsked {
+pub(crate) struct SaveRequest {
+    /// File name without folders; `NAME-edited.EXT` if `None`.
     name: Option<String>,
-    /// Whether a file that is there already is replaced.
+    /// Permission to replace an existing file.
     #[serde(default)]
     replace: bool,
 }
 
-/// Writes the shape after the edit that is kept, with all that its file had.
-pub(crate) fn save(session: &Session, asked: &SaveAsked) -> Answer {
-    let path = place(session, asked)?;
-    let prepared = session.prepared()?;
+/// Writes the edited shape with all other content of its file, and responds with the path.
+pub(crate) fn save(session: &Session, request: &SaveRequest) -> ApiResult {
+    let path = target_path(session, request)?;
+    let prepared = session.lock_prepared()?;
     let file = session.edited_file(&prepared)?;
     drop(prepared);
-    let report = write_path(&file, &path, None).map_err(|e| Refused::of(&e))?;
+    let report = write_path(&file, &path, None).map_err(|e| ApiError::from_classified(&e))?;
     session.written.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
-    json(&serde_json::json!({"path": path.display().to_string(), "notes": notes(&report.not_written)}))
+    json_response(
+        &serde_json::json!({"path": path.display().to_string(), "notes": format_losses(&report.not_written)}),
+    )
 }
 
-fn notes(not_written: &[String]) -> Vec<String> {
-    not_written.iter().map(|what| format!("{what} is not in the file: its format cannot hold it")).collect()
+/// Formats the content that the target format cannot store, as sentences.
+fn format_losses(not_written: &[String]) -> Vec<String> {
+    not_written
+        .iter()
+        .map(|what| format!("Not written, because the format cannot store it: {what}."))
+        .collect()
 }
 
-/// The path of a name beside the file that was opened.
-fn place(session: &Session, asked: &SaveAsked) -> Result<PathBuf, Refused> {
-    let opened = session.opened.path.as_deref();
-    let name = match &asked.name {
+/// Resolves and checks the path of the file to write.
+fn target_path(session: &Session, request: &SaveRequest) -> Result<PathBuf, ApiError> {
+    let opened = session.input.path.as_deref();
+    let name = match &request.name {
         Some(name) => name.clone(),
         None => default_name(session),
     };
     let path = Path::new(&name);
     let is_plain = path.file_name().is_some_and(|only| only == path.as_os_str());
     if !is_plain || name.starts_with('.') || name.contains(['/', '\\', ':', '\0']) {
-        let told = "give a name without folders; the file is written beside the one that was opened";
-        return Err(Refused::wrong(format!("'{name}': {told}")));
+        let message = "the file is written next to the opened one; give a name without folders";
+        return Err(ApiError::bad_request(format!("{message}, got '{name}'")));
     }
     if Format::from_path(path).is_none() {
-        return Err(Refused::wrong(format!(
-            "'{name}' has no ending of a known format, such as .ply or .obj"
+        return Err(ApiError::bad_request(format!(
+            "the file name must end in the extension of a known format, such as .ply or .obj, got '{name}'"
         )));
     }
     let path = session.folder.join(path);
-    if opened.is_some_and(|own| same(own, &path)) {
-        return Err(Refused::wrong(format!("'{name}' is the file that was opened; take another name")));
+    if opened.is_some_and(|opened| is_same_file(opened, &path)) {
+        return Err(ApiError::bad_request(format!(
+            "'{name}' is the file that was opened; choose another name"
+        )));
     }
-    let is_ours = session.written.lock().unwrap_or_else(PoisonError::into_inner).contains(&path);
-    if path.exists() && !is_ours && !asked.replace {
-        let told = "is there already; take another name, or say that it is to be replaced";
-        return Err(Refused::new(StatusCode::CONFLICT, format!("{} {told}", path.display()))
-            .with(serde_json::json!({"exists": true})));
+    let is_from_studio = session.written.lock().unwrap_or_else(PoisonError::into_inner).contains(&path);
+    if path.exists() && !is_from_studio && !request.replace {
+        let message = "already exists; choose another name or allow replacing it";
+        return Err(ApiError::new(StatusCode::CONFLICT, format!("{} {message}", path.display()))
+            .with_fields(serde_json::json!({"exists": true})));
     }
     Ok(path)
 }
 
-fn same(a: &Path, b: &Path) -> bool {
+fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// `NAME-edited.EXT`; PLY where the format is not written.
+/// Default file name: `NAME-edited.EXT`, or `.ply` if the format of the shape cannot be written.
 fn default_name(session: &Session) -> String {
-    let name = Path::new(&session.opened.name);
+    let name = Path::new(&session.input.name);
     let stem = name.file_stem().and_then(|s| s.to_str()).unwrap_or("shape").replace([':', '.'], "-");
-    let own = name.extension().and_then(|e| e.to_str()).filter(|_| Format::from_path(name).is_some());
-    format!("{stem}-edited.{}", own.unwrap_or("ply"))
+    let extension = name.extension().and_then(|e| e.to_str()).filter(|_| Format::from_path(name).is_some());
+    format!("{stem}-edited.{}", extension.unwrap_or("ply"))
 }
 
-/// The same as bytes.
-pub(crate) fn download(session: &Session, format: &str) -> Answer {
-    let format = Format::from_name(format)
-        .ok_or_else(|| Refused::wrong(format!("'{format}' is no format that is written")))?;
-    let prepared = session.prepared()?;
+/// Responds with the edited shape in `format`.
+pub(crate) fn download(session: &Session, format: &str) -> ApiResult {
+    let format = Format::from_name(format).ok_or_else(|| {
+        ApiError::bad_request(format!("cannot write the format '{format}'; see `formats` of the shape"))
+    })?;
+    let prepared = session.lock_prepared()?;
     let file = session.edited_file(&prepared)?;
     drop(prepared);
     let mut content = Vec::new();
-    write_bytes_with(&file, format, &mut content, Progress::none()).map_err(|e| Refused::of(&e))?;
-    Ok(bytes(content))
+    write_bytes_with(&file, format, &mut content, Progress::none())
+        .map_err(|e| ApiError::from_classified(&e))?;
+    Ok(bytes_response(content))
 }

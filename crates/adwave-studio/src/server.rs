@@ -1,11 +1,11 @@
-//! The server: from a shape to an address, until it is told to end.
+//! Start, state and shutdown of the server.
 
 use crate::StudioError;
-use crate::answer::Refused;
-use crate::guard::{Guard, guarded};
+use crate::guard::{Guard, check_request};
 use crate::report::Reports;
+use crate::response::ApiError;
 use crate::routes::router;
-use crate::session::{Opened, Session};
+use crate::session::{Session, StudioInput};
 use adwave::Progress;
 use adwave_io::{Recipe, recipe_to_text};
 use axum::http::StatusCode;
@@ -16,81 +16,83 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 
-/// How the studio is served.
+/// Options of the server.
 #[derive(Clone, Debug, Default)]
 pub struct StudioParams {
-    /// The port; 0 for any that is free.
+    /// Port; 0 chooses a free one.
     pub port: u16,
-    /// An address other than the loopback, which others on the network reach.
+    /// Address to listen on instead of the loopback interface; other machines may reach it.
     pub host: Option<IpAddr>,
-    /// The folder in which edits are kept between visits; the user's own place for such things where none is given.
-    pub kept_in: Option<PathBuf>,
-    /// Threads that compute; those of the caller's pool where none are given.
+    /// Folder that stores edits between sessions; the state folder of the user if `None`.
+    pub autosave_folder: Option<PathBuf>,
+    /// Number of compute threads; that of the caller's thread pool if `None`.
     pub n_threads: Option<usize>,
 }
 
-/// A studio that answers.
+/// Address of a running studio.
 #[derive(Clone, Debug)]
-pub struct Served {
-    /// Its address with the token: who has it can read and write what the studio can.
-    pub address: String,
+pub struct StudioAddress {
+    /// Link with the access token. Anyone who has it can use the studio.
+    pub url: String,
 }
 
-/// What came of it.
+/// Result of a studio session.
 #[derive(Clone, Debug)]
-pub struct Finished {
-    /// The edit as a recipe.
+pub struct StudioOutcome {
+    /// Edit as a recipe in TOML.
     pub recipe: String,
-    /// The positions after it.
+    /// Edited positions, in the order of the vertices of the shape.
     pub points: Vec<[f64; 3]>,
-    /// Whether the page said that it is done; else the server was stopped.
-    pub done: bool,
+    /// True if the user ended the studio in the page, false if it was cancelled.
+    pub is_done: bool,
 }
 
-/// The shapes that are open.
+/// State of the server: its open shapes and its compute threads.
 pub(crate) struct Studio {
     sessions: RwLock<Vec<Arc<Session>>>,
     next_id: AtomicU64,
-    kept_in: Option<PathBuf>,
-    /// Beside the first shape: what is dropped on the page comes from nowhere that the server knows.
+    autosave_folder: Option<PathBuf>,
+    /// Folder of the first shape, where uploaded shapes are saved too.
     folder: PathBuf,
-    /// Its own, so that it has as many threads as were asked for, and works in a forked process.
+    /// Own thread pool, with the requested number of threads; it also works in a forked process.
     pub(crate) pool: Arc<rayon::ThreadPool>,
     pub(crate) reports: Reports,
     is_done: AtomicBool,
     stop: Arc<AtomicBool>,
 }
 
-/// Between two looks at whether to end.
-const LOOK: Duration = Duration::from_millis(20);
-/// How long answers that are under way may take when the server ends.
-const PATIENCE: Duration = Duration::from_millis(500);
+/// Interval at which the end of the studio is checked.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+/// Time that pending responses get at shutdown.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(500);
 
 impl Studio {
     pub(crate) fn sessions(&self) -> Vec<Arc<Session>> {
         self.sessions.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    pub(crate) fn session(&self, id: u64) -> Result<Arc<Session>, Refused> {
-        let found = self.sessions().into_iter().find(|session| session.id == id);
-        found.ok_or_else(|| Refused::new(StatusCode::NOT_FOUND, format!("shape {id} is not open")))
+    pub(crate) fn session(&self, id: u64) -> Result<Arc<Session>, ApiError> {
+        let session = self.sessions().into_iter().find(|session| session.id == id);
+        session.ok_or_else(|| {
+            ApiError::new(StatusCode::NOT_FOUND, format!("shape {id} is not open; reload the page"))
+        })
     }
 
-    /// Opens a shape; its bands are made at once, by the pool.
-    pub(crate) fn open(&self, opened: Opened) -> Result<Arc<Session>, StudioError> {
+    /// Opens a shape and starts computing its bands in the background.
+    pub(crate) fn open(&self, input: StudioInput) -> Result<Arc<Session>, StudioError> {
         let id = self.next_id.fetch_add(1, Ordering::Relaxed);
         let session = Arc::new(Session::new(
             id,
-            opened,
+            input,
             self.folder.clone(),
-            self.kept_in.as_deref(),
+            self.autosave_folder.as_deref(),
             Arc::clone(&self.stop),
         )?);
         self.sessions.write().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&session));
-        let (early, pool) = (Arc::clone(&session), Arc::clone(&self.pool));
+        let (background, pool) = (Arc::clone(&session), Arc::clone(&self.pool));
         std::thread::spawn(move || {
-            let _turn = early.turn();
-            pool.install(|| drop(early.prepared().map(|_| ())));
+            let _turn = background.wait_turn();
+            pool.install(|| drop(background.lock_prepared().map(|_| ())));
         });
         Ok(session)
     }
@@ -104,16 +106,16 @@ impl Studio {
     }
 }
 
-/// Serves the studio on a shape until the page is done or `progress` is cancelled; `ready` is called with the address.
+/// Runs the studio on a shape until the user ends it or `progress` is cancelled; `ready` is called once with the address.
 ///
 /// # Errors
-/// [`StudioError`] for a shape without positions or too large, and when there is no port.
+/// Returns a [`StudioError`] if the shape has no positions or is too large, or if no port is available.
 pub fn serve(
-    opened: Opened,
+    input: StudioInput,
     params: &StudioParams,
     progress: Progress<'_>,
-    ready: impl FnOnce(&Served),
-) -> Result<Finished, StudioError> {
+    ready: impl FnOnce(&StudioAddress),
+) -> Result<StudioOutcome, StudioError> {
     let host = params.host.unwrap_or(IpAddr::V4(Ipv4Addr::LOCALHOST));
     let listener = std::net::TcpListener::bind(SocketAddr::new(host, params.port))?;
     listener.set_nonblocking(true)?;
@@ -129,51 +131,53 @@ pub fn serve(
     let studio = Arc::new(Studio {
         sessions: RwLock::new(Vec::new()),
         next_id: AtomicU64::new(1),
-        kept_in: params.kept_in.clone().or_else(crate::autosave::folder),
-        folder: opened.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf),
+        autosave_folder: params.autosave_folder.clone().or_else(crate::autosave::default_folder),
+        folder: input.path.as_deref().and_then(Path::parent).map_or_else(PathBuf::new, Path::to_path_buf),
         pool: Arc::new(pool.map_err(std::io::Error::other)?),
         reports: Reports::default(),
         is_done: AtomicBool::new(false),
         stop: Arc::default(),
     });
-    let first = studio.open(opened)?;
+    let first = studio.open(input)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-    let app = router(Arc::clone(&studio)).layer(middleware::from_fn_with_state(Arc::clone(&guard), guarded));
+    let app =
+        router(Arc::clone(&studio)).layer(middleware::from_fn_with_state(Arc::clone(&guard), check_request));
     let outcome = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        let shown = name.as_deref().unwrap_or("127.0.0.1");
-        ready(&Served { address: format!("http://{shown}:{}/#{}", address.port(), guard.token()) });
+        let host = name.as_deref().unwrap_or("127.0.0.1");
+        ready(&StudioAddress { url: format!("http://{host}:{}/#{}", address.port(), guard.token()) });
         tokio::select! {
             served = axum::serve(listener, app) => served,
-            () = ended(&studio, progress) => Ok(()),
+            () = wait_for_end(&studio, progress) => Ok(()),
         }
     });
-    // What is being made is not waited for.
+    // Running computations are cancelled.
     let is_done = studio.is_done.load(Ordering::Relaxed);
     studio.stop.store(!is_done, Ordering::Relaxed);
-    runtime.shutdown_timeout(PATIENCE);
+    runtime.shutdown_timeout(SHUTDOWN_TIMEOUT);
     outcome?;
-    Ok(finished(&first, is_done))
+    Ok(collect_outcome(&first, is_done))
 }
 
-async fn ended(studio: &Studio, progress: Progress<'_>) {
+/// Returns when the user has ended the studio or `progress` is cancelled.
+async fn wait_for_end(studio: &Studio, progress: Progress<'_>) {
     while !progress.is_cancelled() {
-        tokio::time::sleep(LOOK).await;
+        tokio::time::sleep(POLL_INTERVAL).await;
         if studio.is_done.load(Ordering::Relaxed) {
-            // The answer that says so is still to be sent.
-            tokio::time::sleep(LOOK).await;
+            // Leaves time to send the response of the request that ended the studio.
+            tokio::time::sleep(POLL_INTERVAL).await;
             return;
         }
     }
 }
 
-/// The edit and what it gives; nothing edited where the bands were not there yet.
-fn finished(session: &Session, done: bool) -> Finished {
-    if let Ok(prepared) = session.prepared() {
-        let recipe = prepared.document.recipe(&prepared.levels, prepared.decomposer.operator_kind());
-        Finished { recipe: recipe_to_text(&recipe), points: prepared.points.to_vec(), done }
+/// Collects the edit and the edited positions; the original ones if the bands were not ready.
+fn collect_outcome(session: &Session, is_done: bool) -> StudioOutcome {
+    if let Ok(prepared) = session.lock_prepared() {
+        let recipe = prepared.document.to_recipe(&prepared.levels, prepared.decomposer.operator_kind());
+        StudioOutcome { recipe: recipe_to_text(&recipe), points: prepared.points.to_vec(), is_done }
     } else {
         let recipe = recipe_to_text(&Recipe::default());
-        Finished { recipe, points: session.points().to_vec(), done }
+        StudioOutcome { recipe, points: session.points().to_vec(), is_done }
     }
 }

@@ -1,18 +1,20 @@
-//! Tests on real files, which lie in `../shared/data` beside the repository or in the folder that `ADWAVE_DATA` names.
+//! Tests on real files, which lie in `../shared/data` beside the repository or in the folder that `ADWAVE_DATA`
+//! names.
 //!
-//! Rust's test harness cannot skip a test while it runs. So the folder is looked for when the tests are built, and where it
-//! is missing they are marked `#[ignore]`: the summary counts them, and a run without the files does not look like one with
-//! them. Once the folder is there, set `ADWAVE_DATA`, or touch this crate's `build.rs`: a missing folder is not watched.
+//! Rust's test harness cannot skip a test at run time. Therefore the folder is located when the tests are built; if
+//! it is missing, they are marked `#[ignore]`, so that the summary counts them as ignored. Once the folder is there,
+//! set `ADWAVE_DATA`, or touch this crate's `build.rs`: a missing folder is not watched.
 
 use proc_macro::{Literal, TokenStream, TokenTree};
 
-/// The folder of test files.
+/// Folder of test files.
 const FOLDER: &str = env!("ADWAVE_TEST_DATA");
 
-/// Whether it was there when this was built.
+/// True if the folder existed at build time.
 const IS_THERE: bool = option_env!("ADWAVE_TEST_DATA_MISSING").is_none();
 
-/// `#[test]` for a test that reads files of [`folder!`]: ignored, with the reason, where the folder is missing.
+/// Marks a test that reads files of [`folder!`] as `#[test]`; the test is ignored, with the reason, if the folder is
+/// missing.
 ///
 /// ```
 /// #[adwave_test_data::data_test]
@@ -29,7 +31,7 @@ pub fn data_test(_: TokenStream, function: TokenStream) -> TokenStream {
     test
 }
 
-/// The absolute path of the folder of test files, a string literal, whether it is there or not.
+/// Absolute path of the folder of test files as a string literal, also if the folder is missing.
 #[proc_macro]
 pub fn folder(_: TokenStream) -> TokenStream {
     TokenTree::from(Literal::string(FOLDER)).into()

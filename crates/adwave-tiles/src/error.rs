@@ -1,4 +1,4 @@
-//! Why tiles cannot be made.
+//! Errors of a tiling job.
 
 use std::path::Path;
 
@@ -7,30 +7,31 @@ use adwave::denoise::DenoiseError;
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use adwave_io::{ReadError, WriteError};
 
-/// Why tiles cannot be made. Every message is one line.
+/// Error of a tiling job. Every message is one line.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TilesError {
-    /// What was asked for cannot be.
+    /// The inputs or the parameters are invalid.
     #[error("{0}")]
     Input(String),
-    /// The work would take more memory than it may.
+    /// The job needs more memory than it may use.
     #[error("{0}")]
     Memory(String),
     /// A file of the work folder cannot be read or written.
     #[error("{path}: {source}")]
     Io {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file of the work folder is not what was written there.
-    #[error("{path} is broken ({what}); delete the folder and begin anew")]
+    /// A file of the work folder is damaged or belongs to another job.
+    #[error("{path} is broken ({reason}); delete the work folder and start again")]
     Broken {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What is wrong with it.
-        what: String,
+        /// Description of the damage.
+        reason: String,
     },
     /// An input cannot be read.
     #[error(transparent)]
@@ -38,27 +39,28 @@ pub enum TilesError {
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// The levels are none.
+    /// The number of levels is invalid.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
     /// The bands cannot be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
-    /// The noise cannot be taken off.
+    /// The positions cannot be denoised.
     #[error(transparent)]
     Denoise(#[from] DenoiseError),
-    /// The call was told to stop.
+    /// The caller cancelled the job.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
 impl TilesError {
+    /// Adapter for `map_err` that adds the path.
     pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
         move |source| Self::Io { path: path.display().to_string(), source }
     }
 
-    pub(crate) fn broken(path: &Path, what: impl Into<String>) -> Self {
-        Self::Broken { path: path.display().to_string(), what: what.into() }
+    pub(crate) fn broken(path: &Path, reason: impl Into<String>) -> Self {
+        Self::Broken { path: path.display().to_string(), reason: reason.into() }
     }
 }
 

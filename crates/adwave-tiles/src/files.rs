@@ -1,20 +1,22 @@
-//! Files of the work folder: read at an offset, written under another name and renamed when whole.
+//! Files of the work folder: random access for reading, atomic replacement for writing.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::TilesError;
+use serde::{Deserialize, Serialize};
 
-/// A file that is read at any offset, by several threads.
+use crate::error::TilesError;
+
+/// A file that several threads read at any offset.
 #[derive(Debug)]
-pub(crate) struct At {
+pub(crate) struct RandomAccessFile {
     file: File,
-    path: std::path::PathBuf,
+    path: PathBuf,
     len: u64,
 }
 
-impl At {
+impl RandomAccessFile {
     pub(crate) fn open(path: &Path) -> Result<Self, TilesError> {
         let file = File::open(path).map_err(TilesError::io(path))?;
         let len = file.metadata().map_err(TilesError::io(path))?.len();
@@ -25,14 +27,15 @@ impl At {
         &self.path
     }
 
+    /// Length of the file in bytes.
     pub(crate) fn len(&self) -> u64 {
         self.len
     }
 
-    /// `len` bytes from `offset` on.
+    /// Reads `len` bytes from byte `offset` on.
     pub(crate) fn read(&self, offset: u64, len: usize) -> Result<Vec<u8>, TilesError> {
         if offset.checked_add(len as u64).is_none_or(|end| end > self.len) {
-            return Err(TilesError::broken(&self.path, "it is too short"));
+            return Err(TilesError::broken(&self.path, "the file is too short"));
         }
         let mut bytes = vec![0; len];
         self.fill(offset, &mut bytes).map_err(TilesError::io(&self.path))?;
@@ -58,19 +61,24 @@ impl At {
     }
 }
 
-/// Bytes that a writer gathers before it asks the system.
-const GATHERED: usize = 1 << 20;
+/// Bytes of a writer's buffer.
+const BUFFER_BYTES: usize = 1 << 20;
 
-/// How names of files that are being written begin and end.
-pub(crate) const TEMPORARY: (&str, &str) = (".adwave-", ".tmp");
+const TEMPORARY_PREFIX: &str = ".adwave-";
+const TEMPORARY_SUFFIX: &str = ".tmp";
 
-/// Writes a file under another name, flushes it to the disk and renames it: it is whole where it is.
-pub(crate) fn write_whole<T>(
+/// Returns true for the name of a file that is being written, or was left behind by a process that was killed.
+pub(crate) fn is_temporary(name: &str) -> bool {
+    name.starts_with(TEMPORARY_PREFIX) && name.ends_with(TEMPORARY_SUFFIX)
+}
+
+/// Writes a file under a temporary name, syncs it to the disk and renames it, so that `path` is either absent or complete.
+pub(crate) fn write_atomic<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T, TilesError>,
 ) -> Result<T, TilesError> {
-    let mut temporary = temporary(path).map_err(TilesError::io(path))?;
-    let mut writer = BufWriter::with_capacity(GATHERED, temporary.as_file_mut());
+    let mut temporary = create_temporary(path).map_err(TilesError::io(path))?;
+    let mut writer = BufWriter::with_capacity(BUFFER_BYTES, temporary.as_file_mut());
     let result = write(&mut writer)?;
     writer.flush().map_err(TilesError::io(path))?;
     drop(writer);
@@ -81,68 +89,54 @@ pub(crate) fn write_whole<T>(
     Ok(result)
 }
 
-/// The same without waiting for the disk: where the machine fails, the file may be there and not be whole.
-pub(crate) fn write_unflushed(
+/// Writes a file as [`write_atomic`] does, but without syncing it: after a power failure the file may exist and be incomplete.
+pub(crate) fn write_unsynced(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
 ) -> Result<(), TilesError> {
-    let written = || {
-        let mut temporary = temporary(path)?;
-        let mut writer = BufWriter::with_capacity(GATHERED, temporary.as_file_mut());
+    let replace = || {
+        let mut temporary = create_temporary(path)?;
+        let mut writer = BufWriter::with_capacity(BUFFER_BYTES, temporary.as_file_mut());
         write(&mut writer)?;
         writer.flush()?;
         drop(writer);
         temporary.persist(path).map_err(|e| e.error)?;
         Ok(())
     };
-    written().map_err(TilesError::io(path))
+    replace().map_err(TilesError::io(path))
 }
 
-fn temporary(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+fn create_temporary(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     let folder = path.parent().unwrap_or_else(|| Path::new("."));
-    tempfile::Builder::new().prefix(TEMPORARY.0).suffix(TEMPORARY.1).tempfile_in(folder)
+    tempfile::Builder::new().prefix(TEMPORARY_PREFIX).suffix(TEMPORARY_SUFFIX).tempfile_in(folder)
 }
 
-/// Numbers of fixed size, one after the other.
-pub(crate) struct Cursor<'a> {
-    pub(crate) bytes: &'a [u8],
+pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), TilesError> {
+    let json = serde_json::to_vec(value).map_err(std::io::Error::from).map_err(TilesError::io(path))?;
+    write_atomic(path, |out| out.write_all(&json).map_err(TilesError::io(path)))
 }
 
-impl Cursor<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (head, rest) = self.bytes.split_first_chunk::<N>()?;
-        self.bytes = rest;
-        Some(*head)
-    }
-
-    pub(crate) fn u64(&mut self) -> Option<u64> {
-        self.take().map(u64::from_le_bytes)
-    }
-
-    pub(crate) fn f64(&mut self) -> Option<f64> {
-        self.take().map(f64::from_le_bytes)
-    }
-
-    /// A number of at most 64 bits, seven of them to a byte, the lowest first.
-    pub(crate) fn varint(&mut self) -> Option<u64> {
-        let mut value = 0;
-        for shift in (0..64).step_by(7) {
-            let (&byte, rest) = self.bytes.split_first()?;
-            self.bytes = rest;
-            value |= u64::from(byte & 0x7f) << shift;
-            if byte < 0x80 {
-                return Some(value);
-            }
-        }
-        None
-    }
+pub(crate) fn read_json<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, TilesError> {
+    let json = std::fs::read(path).map_err(TilesError::io(path))?;
+    serde_json::from_slice(&json).map_err(|e| TilesError::broken(path, e.to_string()))
 }
 
-/// What [`Cursor::varint`] reads.
-pub(crate) fn push_varint(bytes: &mut Vec<u8>, mut value: u64) {
-    while value >= 0x80 {
-        bytes.push(value as u8 | 0x80);
-        value >>= 7;
+/// File names that differ in a number alone, such as `near-00012.bin`.
+pub(crate) struct NumberedName {
+    pub(crate) prefix: &'static str,
+    /// Digits that the number is padded to.
+    pub(crate) n_digits: usize,
+    pub(crate) suffix: &'static str,
+}
+
+impl NumberedName {
+    pub(crate) fn path(&self, folder: &Path, number: u64) -> PathBuf {
+        let Self { prefix, n_digits, suffix } = *self;
+        folder.join(format!("{prefix}{number:0n_digits$}{suffix}"))
     }
-    bytes.push(value as u8);
+
+    pub(crate) fn matches(&self, name: &str) -> bool {
+        let number = name.strip_prefix(self.prefix).and_then(|rest| rest.strip_suffix(self.suffix));
+        number.is_some_and(|n| !n.is_empty() && n.bytes().all(|c| c.is_ascii_digit()))
+    }
 }

@@ -1,60 +1,50 @@
-//! Bands of point clouds and meshes that are larger than memory, tile by tile, with the bits of the whole.
+//! Bands of point clouds and meshes that are larger than memory, tile by tile, bit-identical to a computation in one piece.
 //!
-//! 1. **Sort** (`sort`): all points along a Hilbert curve, in runs that fit into memory and are merged. Points at one position are
-//!    one vertex; every [`VERTICES_IN_A_BLOCK`] vertices are a block with a bounding box. A tile is a range of blocks.
-//! 2. **Neighbors** (`neighbors`): the nearest neighbors of each tile's vertices, exact across its border: a vertex whose k-th
-//!    neighbor is as far as another tile's box is compared with that tile's points too. E, the mean distance to a neighbor, is summed
-//!    block by block, in an order that no tile decides.
-//! 3. **Bands** (`bands`): a polynomial of degree d of Φ₁ sees d rings of neighbors. From a tile a breadth-first search over the
-//!    stored neighborhoods goes as many rings as the polynomial sees, over as many blocks as these need; nothing is guessed in meters.
+//! A tile is an *interior*, a range of the sorted vertices, plus a *halo*: the rings of neighbors around it that its result depends on.
+//! The stages of a job, in order:
 //!
-//! 4. **Maps** (`maps`): what the numbers of whole levels decide, where it is asked for: the saliency map, and features.
+//! 1. **Sort**: all points are sorted along a Hilbert curve, in runs that fit into memory and are then merged. Points at one position
+//!    are one vertex. Every [`VERTICES_IN_A_BLOCK`] vertices form a block with a bounding box, and a tile is a range of blocks. The faces
+//!    of a mesh are distributed to the tiles of their corners.
+//! 2. **Neighbors**: the nearest neighbors of each vertex of a cloud, exact across the borders of tiles, or the one-ring of each vertex
+//!    of a mesh. E, the mean distance between neighbors, is summed block by block.
+//! 3. **Orientation**, only to denoise a cloud: the normals are oriented along a spanning tree over all tiles.
+//! 4. **Bands**: a polynomial of degree d of Φ₁ depends on d rings of neighbors. A breadth-first search over the stored neighbor lists
+//!    collects this halo. A job that denoises moves the positions instead; its weights are chosen on a sample of the whole shape.
+//! 5. **Maps**, only for saliency and features: these depend on statistics of whole levels.
+//! 6. **Join**: the tiles in one file.
 //!
-//! Noise is taken off positions (`denoise`) in place of bands where that is asked for: its weights are decided on a sample of the whole,
-//! and the sides of a cloud's normals by a spanning tree over all tiles (`sides`).
+//! A row of T (eq. 1) depends on a vertex, its neighbors in the order of the curve, their areas and E, and a step of the recurrence
+//! depends on its row. Neither depends on the tile, so that every division into tiles gives the same bytes.
 //!
-//! A row of T (eq. 1) is made of a vertex, its neighbors in the order of the curve, their areas and E; a step of the recurrence of
-//! its row. Neither depends on the tile, so that all ways to cut a shape into tiles give the same bytes.
-//!
-//! A mesh (`mesh`) goes the same way: its faces are dealt out to the tiles that their corners lie in, neighbors and areas are those of the
-//! faces, and the results are put back into the order of its file, of which everything else stays.
-//!
-//! Stages are files in a folder, each written under another name and renamed when it is whole: a run that was ended at any moment goes
-//! on where it was.
+//! Each task writes one file under a temporary name and renames it when it is complete. A job that was interrupted continues where it
+//! stopped.
 
-mod bands;
-mod blocks;
-mod box_tree;
-mod buckets;
-mod cloud;
-mod denoise;
+mod bounds;
+mod bytes;
 mod error;
 mod files;
+mod halo;
+mod index;
+mod job;
 mod layout;
-mod made;
-mod maps;
-mod mesh;
-mod names;
-mod near_file;
-mod neighbors;
-mod outputs;
-mod part;
-mod plan;
+mod params;
 mod run;
-mod sides;
-mod sort;
-mod stretches;
+mod sources;
+mod stages;
 mod terrain;
 #[cfg(test)]
 mod tests;
-mod totals;
-mod work;
+mod vector;
 
-pub use blocks::VERTICES_IN_A_BLOCK;
 pub use error::TilesError;
-pub use mesh::is_mesh;
-pub use plan::{Forecast, MapKind, MapWeights, Params};
-pub use run::{Summary, join, run, run_job};
+pub use index::blocks::VERTICES_IN_A_BLOCK;
+pub use job::begin::forecast;
+pub use job::forecast::Forecast;
+pub use job::status::{Status, Task};
+pub use job::tiling_job::TilingJob;
+pub use params::{MapKind, MapWeights, Params};
+pub use run::{Summary, join, run, run_task};
+pub use sources::mesh::is_mesh;
+pub use stages::totals::LevelSummary;
 pub use terrain::Terrain;
-pub use totals::LevelSummary;
-pub use work::{Job, Status, Work, forecast};

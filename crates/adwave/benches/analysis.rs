@@ -12,19 +12,20 @@ use adwave::{Decomposer, Progress};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn analysis(criterion: &mut Criterion) {
-    let sample = Sample::by_name("creature", Some(50_000)).expect("a sample");
+    let sample = Sample::from_name("creature", Some(50_000)).expect("a sample");
     let cloud = Shape::Cloud(PointCloud::new(sample.points.clone()).expect("finite points"));
     let mesh = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a mesh"));
     let schedule = Schedule::dyadic(8).expect("a valid number of levels");
     let mut group = criterion.benchmark_group("creature of 50000 vertices");
     group.sample_size(20);
     for (kind, shape) in [("mesh", &mesh), ("cloud", &cloud)] {
-        let walk = Decomposer::new(shape);
+        let decomposer = Decomposer::new(shape);
         let points = shape.points().expect("a shape with points").as_flattened();
-        let bands = walk.request(points, 3, &schedule).wavelets().expect("a valid request");
+        let bands = decomposer.request(points, 3, &schedule).wavelets().expect("a valid request");
         group.bench_function(format!("{kind}: saliency, 6 levels"), |b| {
             b.iter(|| {
-                saliency(&walk, &bands, &SaliencyParams::paper(), Progress::none()).expect("a valid request")
+                saliency(&decomposer, &bands, &SaliencyParams::paper(), Progress::none())
+                    .expect("a valid request")
             });
         });
         let default = FeatureParams::default();
@@ -34,12 +35,12 @@ fn analysis(criterion: &mut Criterion) {
             ("features, refined", default.with_refinement(Refinement::Quadratic).with_max_edge_ratio(10.0)),
         ] {
             group.bench_function(format!("{kind}: {name}"), |b| {
-                b.iter(|| features(&walk, &bands, &params, Progress::none()).expect("a valid request"));
+                b.iter(|| features(&decomposer, &bands, &params, Progress::none()).expect("a valid request"));
             });
         }
-        let found = features(&walk, &bands, &default, Progress::none()).expect("a valid request");
+        let found = features(&decomposer, &bands, &default, Progress::none()).expect("a valid request");
         group.bench_function(format!("{kind}: {} descriptors", found.len()), |b| {
-            b.iter(|| describe(&walk, &bands, &found));
+            b.iter(|| describe(&decomposer, &bands, &found));
         });
         let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap();
         group.bench_function(format!("{kind}: mean curvature"), |b| {

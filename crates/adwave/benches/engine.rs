@@ -13,7 +13,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::sync::Arc;
 
 fn engine(criterion: &mut Criterion) {
-    let sphere = Sample::by_name("sphere", Some(262_146)).expect("a sample");
+    let sphere = Sample::from_name("sphere", Some(262_146)).expect("a sample");
     let params = OperatorParams::default();
     let shape = Shape::Mesh(Mesh::new(sphere.points, sphere.faces).expect("a mesh"));
     let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");

@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let points = match std::env::args().nth(1) {
         Some(path) => read_path(Path::new(&path), &ReadLimits::default())?.into_parts().points,
         // Drawn evenly by area, as a scanner might; the seed makes it the same each time.
-        None => Sample::by_name("creature", Some(10_000))?.draw_cloud(6000, 1)?.points,
+        None => Sample::from_name("creature", Some(10_000))?.draw_cloud(6000, 1)?.points,
     };
     let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone())?));
     // Features are larger than what a filter takes away: more levels than by default.

@@ -4,10 +4,10 @@
 
 use adwave::bands::Schedule;
 use adwave::filter::{Preset, WeightedLayer, displacement};
-use adwave::region::{Length, Place, Region};
+use adwave::region::{Length, Location, Region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape};
-use adwave::{Decomposer, Progress, Touched};
+use adwave::{ChangedVertices, Decomposer, Progress};
 use adwave_io::{ReadLimits, read_path};
 use std::error::Error;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shape = if let Some(path) = std::env::args().nth(1) {
         read_path(Path::new(&path), &ReadLimits::default())?.into_shape()?
     } else {
-        let knot = Sample::by_name("knot", Some(5000))?;
+        let knot = Sample::from_name("knot", Some(5000))?;
         Shape::Mesh(Mesh::new(knot.points, knot.faces)?)
     };
     let points = shape.points().ok_or("a graph has no coordinates to edit")?;
@@ -26,10 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // A ball along the surface round vertex 0; its weights fall softly to 0.
     let ball =
-        Region::Ball { center: Place::Vertex(0), radius: Length::PercentOfDiagonal(10.0), falloff: None };
+        Region::Ball { center: Location::Vertex(0), radius: Length::PercentOfDiagonal(10.0), falloff: None };
     let weights = ball.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
     let touched = editor.push_layer(WeightedLayer { gains: Preset::Suppress.gains(8), weights })?;
-    if let Touched::Some(touched) = &touched {
+    if let ChangedVertices::Listed(touched) = &touched {
         println!("the ball holds {} vertices of {}", touched.len(), points.len());
     }
     let moved = |edited: &[f64]| displacement(points, edited.as_chunks().0).max;

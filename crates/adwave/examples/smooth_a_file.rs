@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut file = if let Some(path) = arguments.first() {
         read_path(Path::new(path), &ReadLimits::default())?
     } else {
-        let creature = Sample::by_name("creature", Some(5000))?;
+        let creature = Sample::from_name("creature", Some(5000))?;
         ShapeFile::from_mesh(creature.points, creature.faces)
     };
     // Prepared once: vertices at one place joined, the diffusion operator built.

@@ -1,25 +1,27 @@
-//! Edit after edit of one signal: the bands are kept, and an edit costs what it changes.
+//! Repeated edits of one signal: the bands are kept, and an edit costs as much as it changes.
 
 use crate::bands::{BandsError, Wavelets, check_buffer};
-use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
+use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer};
 use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::region::RegionWeights;
 use crate::{BandsRequest, Decomposer, Progress};
 
-/// Which welded vertices an edit changed.
+/// The welded vertices that an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Touched {
-    /// All may have changed.
+pub enum ChangedVertices {
+    /// All vertices may have changed.
     All,
-    /// Only these, by rising index in the analysis order; [`Editor::members`] gives their vertices.
-    Some(Vec<u32>),
+    /// Only these vertices, in ascending analysis order; [`Editor::members`] gives their vertices of the shape.
+    Listed(Vec<u32>),
 }
 
-/// A signal with its bands, edited layer by layer: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), always up to date.
+/// A signal with its bands, edited layer by layer: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), always up to
+/// date.
 ///
-/// Whatever way led to its layers, the result has the same bits. An edit of all vertices reads the bands that it changes
-/// once; an edit of a region costs what the old and the new region cover. Memory: (J + 3)·n·d values.
+/// The result depends only on the current layers, to the bit, not on the edits that led to them. An edit of all
+/// vertices reads each band that it changes once; an edit of a region costs what the old and the new region cover.
+/// Memory: (J + 3)·n·d values.
 ///
 /// ```
 /// use adwave::{Decomposer, bands::Schedule, filter::WeightedLayer, region::RegionWeights, shape::{Graph, Shape}};
@@ -38,7 +40,7 @@ pub struct Editor {
     wavelets: Wavelets,
     mean: Vec<f64>,
     layers: Vec<LayerSlot>,
-    /// The vertices of each welded vertex, and where those of each begin.
+    /// Members of each welded vertex, and the start of each list.
     first_member: Vec<usize>,
     members: Vec<u32>,
     edited: Vec<f64>,
@@ -46,20 +48,21 @@ pub struct Editor {
 }
 
 impl BandsRequest<'_> {
-    /// An object that keeps the bands, for edit after edit of this signal.
+    /// Creates an editor that keeps the bands, for repeated edits of this signal.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     pub fn editor(&self) -> Result<Editor, BandsError> {
-        let wavelets = self.whole_wavelets(&self.filled()?)?;
-        self.editor_of(wavelets)
+        let wavelets = self.unmasked_wavelets(&self.filled()?)?;
+        self.editor_from_wavelets(wavelets)
     }
 
-    /// The same of wavelets that were asked for before, of this signal; they are not compared with it.
+    /// Creates an editor from wavelets of this signal that were computed before. They are not compared with the
+    /// signal.
     ///
     /// # Errors
-    /// [`BandsError`] when the wavelets have another size than the signal or the levels.
-    pub fn editor_of(&self, wavelets: Wavelets) -> Result<Editor, BandsError> {
+    /// [`BandsError`] if the size of the wavelets does not match the signal or the levels.
+    pub fn editor_from_wavelets(&self, wavelets: Wavelets) -> Result<Editor, BandsError> {
         let (filled, vertex_map) = (self.filled()?, self.vertex_map());
         let expected = vertex_map.n_welded() * self.n_channels();
         check_buffer(wavelets.n_levels() * expected, self.schedule().n_levels() * expected)?;
@@ -86,17 +89,17 @@ impl Editor {
         &self.edited
     }
 
-    /// [`edited`](Self::edited), given away.
+    /// The values of [`edited`](Self::edited), without copying them.
     pub fn into_edited(self) -> Vec<f64> {
         self.edited
     }
 
-    /// The signal that is edited.
+    /// The original signal.
     pub fn signal(&self) -> &[f64] {
         &self.signal
     }
 
-    /// Its wavelet coefficients in the analysis order; 0 at masked vertices.
+    /// Wavelet coefficients of the signal in the analysis order; 0 at masked vertices.
     pub fn wavelets(&self) -> &Wavelets {
         &self.wavelets
     }
@@ -111,16 +114,16 @@ impl Editor {
         self.layers.len()
     }
 
-    /// The vertices of the shape that are welded vertex `x`.
+    /// Members of welded vertex `x`, as vertices of the shape.
     pub fn members(&self, x: usize) -> &[u32] {
         &self.members[self.first_member[x]..self.first_member[x + 1]]
     }
 
-    /// Replaces all layers by those of an edit. To be able to stop it take [`Edit::resolve`] and then
+    /// Replaces all layers by those of an edit. To make it cancellable, call [`Edit::resolve`] and then
     /// [`set_layers`](Self::set_layers).
     ///
     /// # Errors
-    /// [`FilterError`] when gains or regions do not fit; then nothing has changed.
+    /// [`FilterError`] if gains or regions do not match; then nothing changes.
     pub fn set_edit(&mut self, edit: &Edit<'_>) -> Result<(), FilterError> {
         let layers = edit.resolve(self.wavelets.n_levels(), self.decomposer.metric(), Progress::none())?;
         self.set_layers(layers)
@@ -136,15 +139,15 @@ impl Editor {
             layer.check(k + 1, self.wavelets.n_levels(), vertex_map)?;
         }
         self.layers = layers.into_iter().map(|layer| LayerSlot::new(layer, vertex_map)).collect();
-        self.update(Touched::All);
+        self.update(ChangedVertices::All);
         Ok(())
     }
 
-    /// Adds a layer after the others, and gives what it changed.
+    /// Adds a layer after the others, and returns the changed vertices.
     ///
     /// # Errors
     /// As for [`set_edit`](Self::set_edit).
-    pub fn push_layer(&mut self, layer: WeightedLayer) -> Result<Touched, FilterError> {
+    pub fn push_layer(&mut self, layer: WeightedLayer) -> Result<ChangedVertices, FilterError> {
         let vertex_map = self.decomposer.geometry().vertex_map();
         layer.check(self.layers.len() + 1, self.wavelets.n_levels(), vertex_map)?;
         let slot = LayerSlot::new(layer, vertex_map);
@@ -153,21 +156,21 @@ impl Editor {
         Ok(self.update(touched))
     }
 
-    /// Takes layer `layer` (from 1) away, and gives what that changed.
+    /// Removes layer `layer` (from 1), and returns the changed vertices.
     ///
     /// # Errors
-    /// [`FilterError::NoSuchLayer`].
-    pub fn remove_layer(&mut self, layer: usize) -> Result<Touched, FilterError> {
+    /// [`FilterError::NoSuchLayer`] if the layer does not exist.
+    pub fn remove_layer(&mut self, layer: usize) -> Result<ChangedVertices, FilterError> {
         let touched = support(self.slot(layer)?);
         self.layers.remove(layer - 1);
         Ok(self.update(touched))
     }
 
-    /// Replaces the gains of layer `layer` (from 1), and gives what that changed: what the layer's region covers.
+    /// Replaces the gains of layer `layer` (from 1), and returns the changed vertices: those in the layer's region.
     ///
     /// # Errors
-    /// [`FilterError`] when there is no such layer or the gains do not fit; then nothing has changed.
-    pub fn set_gains(&mut self, layer: usize, gains: &[f64]) -> Result<Touched, FilterError> {
+    /// [`FilterError`] if the layer does not exist or the gains do not match; then nothing changes.
+    pub fn set_gains(&mut self, layer: usize, gains: &[f64]) -> Result<ChangedVertices, FilterError> {
         crate::filter::check_gains(gains, self.wavelets.n_levels())?;
         let slot = self.slot(layer)?;
         slot.set_gains(gains);
@@ -175,16 +178,21 @@ impl Editor {
         Ok(self.update(touched))
     }
 
-    /// Replaces the weights of layer `layer` (from 1), and gives what that changed: what the old and the new ones cover.
+    /// Replaces the weights of layer `layer` (from 1), and returns the changed vertices: those covered by the old
+    /// or the new weights.
     ///
     /// # Errors
-    /// [`FilterError`] when there is no such layer or the weights do not fit; then nothing has changed.
-    pub fn set_weights(&mut self, layer: usize, weights: RegionWeights) -> Result<Touched, FilterError> {
+    /// [`FilterError`] if the layer does not exist or the weights do not match; then nothing changes.
+    pub fn set_weights(
+        &mut self,
+        layer: usize,
+        weights: RegionWeights,
+    ) -> Result<ChangedVertices, FilterError> {
         let decomposer = self.decomposer.clone();
         let vertex_map = decomposer.geometry().vertex_map();
         weights.check(vertex_map).map_err(|source| FilterError::Region { layer, source })?;
         let touched = self.slot(layer)?.set_weights(weights, vertex_map);
-        Ok(self.update(touched.map_or(Touched::All, Touched::Some)))
+        Ok(self.update(touched.map_or(ChangedVertices::All, ChangedVertices::Listed)))
     }
 
     fn slot(&mut self, layer: usize) -> Result<&mut LayerSlot, FilterError> {
@@ -193,9 +201,9 @@ impl Editor {
         slot.ok_or(FilterError::NoSuchLayer { layer, n_layers })
     }
 
-    /// Computes anew what was touched.
-    fn update(&mut self, touched: Touched) -> Touched {
-        let source = Source {
+    /// Recomputes the changed vertices.
+    fn update(&mut self, touched: ChangedVertices) -> ChangedVertices {
+        let source = FilterInput {
             signal: &self.signal,
             wavelets: &self.wavelets,
             mean: &self.mean,
@@ -203,8 +211,8 @@ impl Editor {
             masked: self.decomposer.mask().map(Mask::vertices),
         };
         match &touched {
-            Touched::All => source.apply(&self.layers, &mut self.change, &mut self.edited),
-            Touched::Some(touched) => {
+            ChangedVertices::All => source.apply(&self.layers, &mut self.change, &mut self.edited),
+            ChangedVertices::Listed(touched) => {
                 source.apply_at(&self.layers, touched, (&self.first_member, &self.members), &mut self.edited);
             }
         }
@@ -212,6 +220,6 @@ impl Editor {
     }
 }
 
-fn support(slot: &LayerSlot) -> Touched {
-    slot.support().map_or(Touched::All, |support| Touched::Some(support.to_vec()))
+fn support(slot: &LayerSlot) -> ChangedVertices {
+    slot.support().map_or(ChangedVertices::All, |support| ChangedVertices::Listed(support.to_vec()))
 }

@@ -1,22 +1,22 @@
-//! What all errors have in common: a kind that says who can do something about them.
+//! Classification of errors by who can fix them.
 
-/// Who can do something about an error.
+/// Category of an error by who can fix it.
 ///
-/// A command turns it into an exit code, a binding into a type of exception: `Input` is a `ValueError`, `Memory` a
+/// A command turns it into an exit code, a binding into an exception type: `Input` is a `ValueError`, `Memory` a
 /// `MemoryError`, `Cancelled` a `KeyboardInterrupt`, `Machine` an `OSError`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ErrorKind {
-    /// What was given is wrong: a shape, a signal, a number, a file's content. The caller mends it.
+    /// Invalid input: a shape, a signal, a number, the content of a file. The caller can correct it.
     Input,
-    /// The call would take more memory than it may or than there is. The caller asks for less or allows more.
+    /// The call would need more memory than allowed or available. The caller can request less or allow more.
     Memory,
-    /// The call was told to stop.
+    /// The call was cancelled.
     Cancelled,
-    /// The machine failed: a disk is full, a file cannot be opened, a thread cannot be started.
+    /// The system failed: the disk is full, a file cannot be opened, a thread cannot be started.
     Machine,
 }
 
-/// An error of one of this project's crates.
+/// An error of one of the crates of this project.
 ///
 /// ```
 /// use adwave::bands::Schedule;
@@ -24,6 +24,6 @@ pub enum ErrorKind {
 /// assert_eq!(Schedule::dyadic(0).unwrap_err().kind(), ErrorKind::Input);
 /// ```
 pub trait ClassifiedError: std::error::Error {
-    /// Who can do something about it. Of an error that has another one inside, the kind of that one.
+    /// Category of the error; for an error that wraps another one, the category of that one.
     fn kind(&self) -> ErrorKind;
 }

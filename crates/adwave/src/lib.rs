@@ -1,25 +1,30 @@
-//! Wavelets for shapes: split the geometry of a mesh, a point cloud or a graph, or any signal on it, into bands from fine to
-//! coarse, each local in space and in frequency; measure and edit the bands; put the shape back together without loss.
-//! The method is that of Hou & Qin, *Admissible Diffusion Wavelets* (`houqin2013`); equation numbers are the paper's.
+//! Wavelets for shapes. The crate splits the geometry of a mesh, a point cloud or a graph, or any signal on it,
+//! into bands from fine to coarse, each local in space and in frequency. The bands can be measured and edited, and
+//! their sum is the shape again without loss. The method is that of Hou & Qin, *Admissible Diffusion Wavelets*
+//! (`houqin2013`); equation numbers refer to the paper.
 //!
-//! | idea | where | equation |
+//! | concept | module or type | equation |
 //! |---|---|---|
-//! | a shape, welded, triangulated and numbered for the analysis | [`shape`]: [`Shape`](shape::Shape), [`PreparedGeometry`](shape::PreparedGeometry) | |
-//! | how much neighbors have to do with each other: the local operator T | [`operator::local_operator`] | (eq. 1) (eq. 2) |
-//! | one step of diffusion, Φ₁ = \[T\]_r, and its stationary distribution | [`operator::Diffusion`] | (eq. 4) (eq. 5) (eq. 10) |
-//! | heat on the surface in the place of that walk, for bands that do not see the mesh | [`operator::surface_diffusion`], [`laplacian`] | |
-//! | n steps as √n products with Φ₁ | [`sparse`], [`bands::Transform`] | |
-//! | levels: how many steps each stands for | [`bands::Schedule`] | |
+//! | shape, welded, triangulated and numbered for the analysis | [`shape`]: [`Shape`](shape::Shape),
+//! [`PreparedGeometry`](shape::PreparedGeometry) | |
+//! | affinity of neighbors: the local operator T | [`operator::local_operator`] | (eq. 1) (eq. 2) |
+//! | one diffusion step, Φ₁ = \[T\]_r, and its stationary distribution | [`operator::Diffusion`] | (eq. 4) (eq. 5)
+//! (eq. 10) |
+//! | heat on the surface instead of that walk, for bands independent of the mesh | [`operator::surface_diffusion`],
+//! [`laplacian`] | |
+//! | n steps by √n products with Φ₁ | [`sparse`], [`bands::Transform`] | |
+//! | levels and their numbers of steps | [`bands::Schedule`] | |
 //! | scaling functions and wavelets as matrices, Φ_j and Ψ_j | [`basis`](mod@basis) | (eq. 3) (eq. 6) to (eq. 9), Algorithm 1 |
-//! | bands of a signal, W_f(j) = S_f(j−1) − S_f(j), and the signal again | [`bands`], [`BandsRequest`] | (eq. 11) (eq. 15) |
-//! | bands changed by gains, here and not there | [`filter`], [`region`], [`Editor`] | (eq. 18) |
+//! | bands of a signal, W_f(j) = S_f(j−1) − S_f(j), and reconstruction | [`bands`], [`BandsRequest`] | (eq. 11)
+//! (eq. 15) |
+//! | filters: gains per band and region | [`filter`], [`region`], [`Editor`] | (eq. 18) |
 //! | positions after a filter: borders and volume kept | [`positions`] | |
-//! | noise taken off a shape or a signal, by the least estimated risk | [`denoise`](mod@denoise) | |
-//! | where a signal stands out: a map, and places with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
-//! | signals that the shape gives itself; vertices without a value | [`signal`], [`mask`] | |
+//! | denoising of a shape or a signal by the least estimated risk | [`denoise`](mod@denoise) | |
+//! | saliency maps, and features with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
+//! | signals derived from the shape; vertices without a value | [`signal`], [`mask`] | |
 //!
-//! [`Decomposer`] is a shape prepared once, to be asked often; [`Decomposer::request`] says what is wanted. From file to file, with
-//! the crate `adwave-io`:
+//! A [`Decomposer`] is a shape prepared for repeated use; [`Decomposer::request`] starts a request. From file to
+//! file, with the crate `adwave-io`:
 //!
 //! ```
 //! use adwave::bands::Schedule;
@@ -43,8 +48,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Long calls take a [`Progress`] that reports and stops them. Every error has an [`ErrorKind`]. The same input gives the same
-//! bits on any number of threads, and the library prints nothing.
+//! Long calls take a [`Progress`] that reports and cancels them. Every error has an [`ErrorKind`]. The same input
+//! gives the same bits on any number of threads, and the library prints nothing.
 
 pub mod bands;
 pub mod basis;
@@ -73,15 +78,8 @@ pub mod signal;
 pub mod sparse;
 pub mod vector;
 
-pub use decomposer::{
-    BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions,
-};
-pub use editor::{Editor, Touched};
+pub use decomposer::{BandsRequest, Decomposer, VertexFunctions, LevelSpec, LevelSpecError, ResolvedLevels};
+pub use editor::{ChangedVertices, Editor};
 pub use error::{ClassifiedError, ErrorKind};
 pub use named::{NamedEntry, NamedValue, UnknownName};
 pub use progress::{Cancelled, Progress, ProgressCounter};
-
-/// The examples of the README, which are run as tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

@@ -1,25 +1,25 @@
-//! Masked vertices: a signal is not known there, and the diffusion goes round them.
+//! Masked vertices, where a signal is unknown: the diffusion goes around them.
 
 use crate::bands::BandsError;
 use crate::shape::VertexMap;
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why vertices cannot be masked.
+/// Error of masking vertices.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum MaskError {
-    /// The flags do not belong to this shape.
+    /// The number of flags does not match the shape.
     #[error("there are {n_flags} flags for {n_vertices} vertices")]
     WrongLength {
-        /// Flags given.
+        /// Number of flags given.
         n_flags: usize,
-        /// Vertices of the shape.
+        /// Number of vertices of the shape.
         n_vertices: usize,
     },
-    /// Nothing is left.
+    /// All vertices are masked.
     #[error("the field is NaN at all {n_vertices} vertices; give one that has values")]
     NothingLeft {
-        /// Vertices of the shape.
+        /// Number of vertices of the shape.
         n_vertices: usize,
     },
 }
@@ -30,7 +30,8 @@ impl ClassifiedError for MaskError {
     }
 }
 
-/// Flags the vertices where a channel of the signal (n_vertices × n_channels, row-major) is NaN; `None` where none is.
+/// Flags the vertices where a channel of the signal (n_vertices × n_channels, row-major) is NaN; `None` if there
+/// are none.
 ///
 /// ```
 /// use adwave::mask::missing;
@@ -39,7 +40,7 @@ impl ClassifiedError for MaskError {
 /// ```
 ///
 /// # Panics
-/// When `n_channels` is 0.
+/// If `n_channels` is 0.
 pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
     signal
         .iter()
@@ -47,7 +48,7 @@ pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
         .then(|| signal.chunks(n_channels).map(|row| row.iter().any(|v| v.is_nan())).collect())
 }
 
-/// Which vertices are masked, in the order of the shape and in the analysis order.
+/// Mask in the order of the shape and in the analysis order.
 #[derive(Clone, Debug)]
 pub(crate) struct Mask {
     vertices: Vec<bool>,
@@ -80,8 +81,8 @@ impl Mask {
         &self.welded
     }
 
-    /// The signal with a value everywhere: 0 at masked vertices, and what the other members of a welded vertex have on
-    /// average at one that is masked by itself.
+    /// The signal with a value at every vertex: 0 at masked welded vertices, and the mean of the other members at a
+    /// masked member of a welded vertex that is not masked.
     pub(crate) fn fill(
         &self,
         signal: &[f64],
@@ -108,14 +109,14 @@ impl Mask {
         Ok(filled)
     }
 
-    /// Makes a result NaN at masked vertices.
+    /// Sets a result to NaN at masked vertices.
     pub(crate) fn clear(&self, values: &mut [f64], n_channels: usize) {
         for (row, _) in values.chunks_exact_mut(n_channels).zip(&self.vertices).filter(|(_, out)| **out) {
             row.fill(f64::NAN);
         }
     }
 
-    /// Gives masked vertices the values that they had.
+    /// Restores the original values at masked vertices.
     pub(crate) fn restore(&self, signal: &[f64], n_channels: usize, values: &mut [f64]) {
         let rows = values.chunks_exact_mut(n_channels).zip(signal.chunks_exact(n_channels));
         for ((row, before), _) in rows.zip(&self.vertices).filter(|(_, out)| **out) {

@@ -115,7 +115,7 @@ mod tests {
     use crate::features::Response;
     use crate::filter::{KeepVolume, Preset};
     use crate::operator::OperatorKind;
-    use crate::positions::{Along, Borders, Volume};
+    use crate::positions::{MoveDirection, Borders, Volume};
     use crate::saliency::MapWeighting;
     use crate::shape::{CloudArea, MeshArea};
 
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn every_name_reads_back_to_its_value() {
-        check::<Along>();
+        check::<MoveDirection>();
         check::<Borders>();
         check::<CloudArea>();
         check::<Creases>();
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn recipes_use_the_same_names() {
-        check_serde::<Along>();
+        check_serde::<MoveDirection>();
         check_serde::<Borders>();
         check_serde::<Creases>();
         check_serde::<OperatorKind>();

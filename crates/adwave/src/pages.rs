@@ -1,8 +1,9 @@
-//! Large vectors in large pages, and memory back to the system.
+//! Large vectors in large pages, and return of freed memory to the system.
 #![allow(unsafe_code)]
 
-/// `len` zeros. Where the system has them, in pages of 2 MiB: the first touch of a gigabyte in pages of 4 KiB costs more
-/// time than all products of a transform, and looking such pages up takes as long as reading what is in them.
+/// A vector of `len` zeros, in pages of 2 MiB if the system supports them. The first touch of a gigabyte in pages
+/// of 4 KiB takes longer than all products of a transform, and address translation for such pages takes as long as
+/// reading them.
 ///
 /// ```
 /// assert_eq!(adwave::pages::zeros::<f64>(3), [0.0; 3]);
@@ -13,17 +14,18 @@ pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
     vector
 }
 
-/// Gives memory that was freed back to the system, where the C library keeps it for later: after work that frees gigabytes in small
-/// pieces and before work that wants as much in large ones. Takes milliseconds a gigabyte; nothing on other systems than Linux with glibc.
+/// Returns freed memory to the system if the C library keeps it, after work that frees gigabytes in small pieces
+/// and before work that needs as much in large pieces. Takes milliseconds per gigabyte; does nothing except on
+/// Linux with glibc.
 pub fn release_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: it takes no pointer, and touches no memory that is in use.
+    // SAFETY: the function takes no pointer and touches no memory in use.
     unsafe {
         libc::malloc_trim(0);
     }
 }
 
-/// Below this there is nothing to gain.
+/// Size in bytes below which large pages have no advantage.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;
 
@@ -35,8 +37,9 @@ fn prefer_large_pages(start: *const u8, bytes: usize) {
     }
     let skip = start.align_offset(PAGE);
     let len = (bytes - skip) / PAGE * PAGE;
-    // SAFETY: the callers own the `bytes` from `start`, and `skip` is less than PAGE and so than LARGE ≤ bytes: the range
-    // lies within them. The advice changes no byte of it, and a system that cannot follow it says so in a result that does not matter.
+    // SAFETY: the callers own the `bytes` from `start`, and `skip` is less than PAGE and so less than LARGE ≤
+    // bytes: the range lies within them. The advice changes no byte of it, and a system that cannot follow it
+    // reports that in a result that can be ignored.
     unsafe {
         libc::madvise(start.add(skip).cast_mut().cast(), len, libc::MADV_HUGEPAGE);
     }

@@ -1,44 +1,48 @@
-//! Loops over the vertices of a shape: by all threads of the pool on a large one, by the calling thread alone on a small one.
+//! Loops over the vertices of a shape: by all threads of the pool on a large shape, by the calling thread alone on
+//! a small one.
 //!
-//! All results are the same bits on any number of threads: work is cut into chunks whose size does not depend on their
-//! number, and partial results are put together in the order of the chunks. Up to [`SERIAL`] rows no thread pool is asked or
-//! started. Every loop asks its [`Progress`] before each chunk, so that a call stops within the time of one.
+//! All results have the same bits on any number of threads: work is cut into chunks whose size does not depend on
+//! the number of threads, and partial results are combined in the order of the chunks. Up to [`SERIAL`] rows no
+//! thread pool is used or started. Every loop checks its [`Progress`] before each chunk, so a call stops within the
+//! time of one chunk.
 //!
-//! Work on a chunk is called through a pointer: the loops are compiled once for each type of value, not for each caller.
+//! Work on a chunk is called through a pointer, so the loops are compiled once per type of value instead of once
+//! per caller.
 
 use crate::pages::zeros;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Up to this many rows the calling thread does the work itself: handing it over would take longer, and a process that only
-/// ever treats small shapes starts no threads.
+/// Number of rows up to which the calling thread works alone: handing the work over would take longer, and a
+/// process that only handles small shapes starts no threads.
 pub(crate) const SERIAL: usize = 4096;
 
-/// Up to this many values the calling thread sorts itself: a mesh of [`SERIAL`] vertices has six times as many edges.
+/// Number of values up to which the calling thread sorts alone: a mesh of [`SERIAL`] vertices has six times as many
+/// edges.
 const SORTED_SERIALLY: usize = 8 * SERIAL;
 
-/// Terms that one thread sums before partial sums are added in order.
+/// Number of terms that a thread sums before partial sums are added in order.
 const TERMS_AT_A_TIME: usize = 8192;
 
-/// Σ term(i) for i in `0..n`, the same bits on any number of threads.
+/// Sum of term(i) for i in `0..n`, with the same bits on any number of threads.
 pub(crate) fn sum(n: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let chunk = |range: Range<usize>| range.map(&term).sum::<f64>();
     map_chunks(n, TERMS_AT_A_TIME, chunk).into_iter().sum()
 }
 
-/// The largest term(i) for i in `0..n`, or `floor` where no term is larger.
+/// Largest term(i) for i in `0..n`, or `floor` if no term is larger.
 pub(crate) fn max(n: usize, floor: f64, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let chunk = |range: Range<usize>| range.map(&term).fold(floor, f64::max);
     map_chunks(n, TERMS_AT_A_TIME, chunk).into_iter().fold(floor, f64::max)
 }
 
-/// The chunk of `0..n` of that number.
+/// Range of the given chunk of `0..n`.
 fn nth(n: usize, at_a_time: usize, chunk: usize) -> Range<usize> {
     chunk * at_a_time..((chunk + 1) * at_a_time).min(n)
 }
 
-/// `work(rows)` for each chunk of the rows `0..n`, in their order.
+/// Results of `work(rows)` for each chunk of the rows `0..n`, in order.
 pub(crate) fn map_chunks<R: Send>(
     n: usize,
     at_a_time: usize,
@@ -48,7 +52,7 @@ pub(crate) fn map_chunks<R: Send>(
     map_items(n, n.div_ceil(at_a_time), |chunk| work(nth(n, at_a_time, chunk)))
 }
 
-/// [`map_chunks`] with scratch that each thread makes once, stopped when the call is.
+/// [`map_chunks`] with scratch data created once per thread; stops if the call is cancelled.
 pub(crate) fn try_map_chunks<S, R: Send>(
     n: usize,
     at_a_time: usize,
@@ -64,7 +68,7 @@ pub(crate) fn try_map_chunks<S, R: Send>(
     ask_chunks(n, at_a_time, progress, &with_scratch)
 }
 
-/// Work on chunks with scratch of its own.
+/// Work on chunks with its own scratch data.
 type Worker<'a, R> = Box<dyn FnMut(Range<usize>) -> R + 'a>;
 
 fn ask_chunks<'a, R: Send>(
@@ -83,19 +87,19 @@ fn ask_chunks<'a, R: Send>(
     chunks.map_init(worker, asked).collect()
 }
 
-/// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long.
-pub(crate) fn for_rows<T: Send>(
+/// Calls `work(first row, rows)` for each chunk of the rows of `values`, with `width` values per row.
+pub(crate) fn visit_rows<T: Send>(
     values: &mut [T],
     width: usize,
     at_a_time: usize,
     work: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
-    let done = try_for_rows(values, width, at_a_time, Progress::none(), work);
+    let done = try_visit_rows(values, width, at_a_time, Progress::none(), work);
     debug_assert!(done.is_ok(), "nobody can stop this");
 }
 
-/// [`for_rows`], stopped when the call is.
-pub(crate) fn try_for_rows<T: Send>(
+/// [`visit_rows`]; stops if the call is cancelled.
+pub(crate) fn try_visit_rows<T: Send>(
     values: &mut [T],
     width: usize,
     at_a_time: usize,
@@ -105,8 +109,8 @@ pub(crate) fn try_for_rows<T: Send>(
     try_map_rows(values, width, at_a_time, progress, work).map(|_: Vec<()>| ())
 }
 
-/// `work(first row, rows)` for each chunk of the rows of `values`, each row `width` values long: what it says, in the order
-/// of the chunks.
+/// Results of `work(first row, rows)` for each chunk of the rows of `values`, with `width` values per row, in the
+/// order of the chunks.
 pub(crate) fn try_map_rows<T: Send, R: Send>(
     values: &mut [T],
     width: usize,
@@ -121,7 +125,7 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     })
 }
 
-/// What a chunk of rows gives, by its number, or that the call is to stop.
+/// Result of a chunk of rows, by its number, or cancellation.
 type AskedOfRows<'a, T, R> = dyn Fn(usize, &mut [T]) -> Result<R, Cancelled> + Sync + 'a;
 
 fn ask_rows<T: Send, R: Send>(
@@ -136,13 +140,13 @@ fn ask_rows<T: Send, R: Send>(
     values.par_chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect()
 }
 
-/// The values of `0..n`, by chunks of rows.
+/// Values at `0..n`, computed by chunks of rows.
 pub(crate) fn collect<T: Clone + Default + Send>(
     n: usize,
     value: impl Fn(usize) -> T + Sync + Send,
 ) -> Vec<T> {
     let mut values = zeros(n);
-    for_rows(&mut values, 1, SERIAL, |first, rows| {
+    visit_rows(&mut values, 1, SERIAL, |first, rows| {
         for (x, slot) in (first..).zip(rows) {
             *slot = value(x);
         }
@@ -150,7 +154,7 @@ pub(crate) fn collect<T: Clone + Default + Send>(
     values
 }
 
-/// `work(i)` for a few items `i` that each cost about as much as a look at all of `n_rows` rows, in their order.
+/// Results of `work(i)` for a few items `i` that each cost about as much as reading `n_rows` rows, in order.
 pub(crate) fn map_items<R: Send>(
     n_rows: usize,
     n_items: usize,
@@ -163,14 +167,14 @@ pub(crate) fn map_items<R: Send>(
     (0..n_items).into_par_iter().map(work).collect()
 }
 
-/// The values of `0..n`, by chunks of rows; stopped when the call is.
+/// Values at `0..n`, computed by chunks of rows; stops if the call is cancelled.
 pub(crate) fn try_collect<T: Clone + Default + Send>(
     n: usize,
     progress: Progress<'_>,
     value: impl Fn(usize) -> T + Sync + Send,
 ) -> Result<Vec<T>, Cancelled> {
     let mut values = zeros(n);
-    try_for_rows(&mut values, 1, SERIAL, progress, |first, rows| {
+    try_visit_rows(&mut values, 1, SERIAL, progress, |first, rows| {
         for (x, slot) in (first..).zip(rows) {
             *slot = value(x);
         }
@@ -178,7 +182,7 @@ pub(crate) fn try_collect<T: Clone + Default + Send>(
     Ok(values)
 }
 
-/// [`sum`], stopped when the call is.
+/// [`sum`]; stops if the call is cancelled.
 pub(crate) fn try_sum(
     n: usize,
     progress: Progress<'_>,
@@ -188,7 +192,7 @@ pub(crate) fn try_sum(
     Ok(try_map_chunks(n, TERMS_AT_A_TIME, progress, || (), chunk)?.into_iter().sum())
 }
 
-/// `work(item)` for each of some items, which are parts of `n_rows` rows.
+/// Calls `work(item)` for each of some items, which are parts of `n_rows` rows.
 pub(crate) fn try_each<T: Send>(
     items: Vec<T>,
     n_rows: usize,
@@ -203,15 +207,15 @@ pub(crate) fn try_each<T: Send>(
     items.into_par_iter().with_max_len(1).try_for_each(asked)
 }
 
-/// The result of a call that was given [`Progress::none`].
-pub(crate) fn unstopped<T>(result: Result<T, Cancelled>) -> T {
+/// Result of a call with [`Progress::none`], which nothing can cancel.
+pub(crate) fn expect_not_cancelled<T>(result: Result<T, Cancelled>) -> T {
     match result {
         Ok(value) => value,
         Err(Cancelled) => unreachable!("nobody can stop a call that was given Progress::none()"),
     }
 }
 
-/// Sorts by an order without ties that matter; a call that is told to stop leaves any order.
+/// Sorts by an order whose ties do not matter. A cancelled call leaves the values in any order.
 pub(crate) fn sort_unstable_by<T: Send>(
     values: &mut [T],
     progress: Progress<'_>,
@@ -220,7 +224,7 @@ pub(crate) fn sort_unstable_by<T: Send>(
     if values.len() <= SORTED_SERIALLY {
         values.sort_unstable_by(compare);
     } else {
-        // Once the call is to stop all count as equal, which ends any sort in one more look at each.
+        // Once the call is cancelled all values compare equal, which ends any sort in one more pass.
         let compare =
             |a: &T, b: &T| if progress.is_cancelled() { std::cmp::Ordering::Equal } else { compare(a, b) };
         values.par_sort_unstable_by(compare);
@@ -228,7 +232,7 @@ pub(crate) fn sort_unstable_by<T: Send>(
     progress.check()
 }
 
-/// A stable sort: what counts as equal stays in its order. A call that is told to stop leaves any order.
+/// Sorts stably: equal values keep their order. A cancelled call leaves the values in any order.
 pub(crate) fn sort_by<T: Send>(
     values: &mut [T],
     progress: Progress<'_>,
@@ -257,7 +261,7 @@ mod tests {
             assert_eq!(collect(n, |x| 2 * x), (0..n).map(|x| 2 * x).collect::<Vec<_>>());
             assert_eq!(map_chunks(n, 1000, |range| range).concat_len(), n);
             let mut pairs = vec![0_usize; 2 * n];
-            for_rows(&mut pairs, 2, 777, |first, rows| {
+            visit_rows(&mut pairs, 2, 777, |first, rows| {
                 for (x, row) in (first..).zip(rows.chunks_exact_mut(2)) {
                     row.copy_from_slice(&[x, x + 1]);
                 }
@@ -289,7 +293,7 @@ mod tests {
         let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
         let progress = Progress::none().with_cancel(&stop);
         let mut values = vec![0_u8; 1_000_000];
-        let stopped = try_for_rows(&mut values, 1, 1000, progress, |_, _| {
+        let stopped = try_visit_rows(&mut values, 1, 1000, progress, |_, _| {
             done.fetch_add(1, Ordering::Relaxed);
             stop.store(true, Ordering::Relaxed);
         });

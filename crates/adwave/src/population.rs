@@ -3,8 +3,8 @@
 use crate::operator::Semigroup;
 use crate::{Decomposer, parallel};
 
-/// The welded vertices of a shape but for the masked ones: each as one where diffusion is a walk over them, by its area where
-/// diffusion is that of the surface.
+/// The welded vertices of a shape without the masked ones, with weight 1 each for a walk, and weighted by area for
+/// heat on the surface.
 pub(crate) struct Population<'a> {
     masked: Option<&'a [bool]>,
     areas: Option<&'a [f64]>,
@@ -16,7 +16,7 @@ impl<'a> Population<'a> {
         let masked = decomposer.mask_flags();
         let n_welded = decomposer.geometry().n_vertices();
         let n = masked.map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
-        // The areas of masked vertices are 0. Without any area all count alike.
+        // The areas of masked vertices are 0. If no vertex has an area, all have the same weight.
         let total = parallel::sum(n_welded, |x| decomposer.welded_areas()[x]);
         if decomposer.diffusion().semigroup() == Semigroup::Steps || total <= 0.0 {
             return Self { masked, areas: None, total: n as f64 };
@@ -24,12 +24,12 @@ impl<'a> Population<'a> {
         Self { masked, areas: Some(decomposer.welded_areas()), total }
     }
 
-    /// Whether all vertices count alike.
+    /// True if all vertices have the same weight.
     pub(crate) fn is_even(&self) -> bool {
         self.masked.is_none() && self.areas.is_none()
     }
 
-    /// How much a vertex counts.
+    /// Weight of a vertex.
     pub(crate) fn weight(&self, x: usize) -> f64 {
         self.areas.map_or(1.0, |areas| areas[x])
     }
@@ -38,13 +38,13 @@ impl<'a> Population<'a> {
         self.masked.is_some_and(|masked| masked[x])
     }
 
-    /// Mean of |value|.
+    /// Weighted mean of |value|.
     pub(crate) fn mean(&self, values: &[f64]) -> f64 {
-        self.mean_of(values.len(), |x| values[x])
+        self.mean_over(values.len(), |x| values[x])
     }
 
-    /// Mean of |value(x)| over all `n` welded vertices `x` that are not masked.
-    pub(crate) fn mean_of(&self, n: usize, value: impl Fn(usize) -> f64 + Sync) -> f64 {
+    /// Weighted mean of |value(x)| over all `n` welded vertices `x` that are not masked.
+    pub(crate) fn mean_over(&self, n: usize, value: impl Fn(usize) -> f64 + Sync) -> f64 {
         let term = |x: usize| if self.is_masked(x) { 0.0 } else { self.weight(x) * value(x).abs() };
         parallel::sum(n, term) / self.total
     }

@@ -1,10 +1,10 @@
-//! How long calls say how far they are, and how they are told to stop.
+//! Progress reports and cancellation of long calls.
 
 use crate::{ClassifiedError, ErrorKind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use thiserror::Error;
 
-/// A call was told to stop and did; nothing of its result exists.
+/// The call was cancelled; it has no result.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("stopped on request")]
 pub struct Cancelled;
@@ -15,10 +15,10 @@ impl ClassifiedError for Cancelled {
     }
 }
 
-/// How far a call is, for another thread to look at whenever it likes.
+/// Progress of a call, for another thread to poll.
 ///
-/// A program that must not be called from the library's threads (an interpreter, a window) polls this in place of taking
-/// reports.
+/// A program that must not be called from the library's threads (an interpreter, a window) polls this instead of
+/// receiving reports.
 #[derive(Debug, Default)]
 pub struct ProgressCounter {
     done: AtomicU64,
@@ -26,13 +26,14 @@ pub struct ProgressCounter {
 }
 
 impl ProgressCounter {
-    /// Parts done and parts in total; the total is 0 before the first report, and both start anew with each stage of a call.
+    /// Finished parts and total parts; the total is 0 before the first report, and both restart with each stage of
+    /// a call.
     pub fn get(&self) -> (u64, u64) {
         (self.done.load(Ordering::Relaxed), self.total.load(Ordering::Relaxed))
     }
 }
 
-/// Handle that a long call reports to and asks whether to go on. The library itself prints nothing.
+/// Handle through which a long call reports progress and learns of cancellation. The library itself prints nothing.
 ///
 /// ```
 /// use adwave::{Cancelled, Progress, ProgressCounter};
@@ -51,54 +52,54 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Reports nowhere and is never cancelled.
+    /// A handle that reports nowhere and is never cancelled.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// Calls `report(done, total)` now and then, from the thread that runs the call.
+    /// Calls `report(done, total)` from time to time, on the thread that runs the call.
     #[must_use]
     pub fn with_report(self, report: &'a (dyn Fn(u64, u64) + Sync)) -> Self {
         Self { report: Some(report), ..self }
     }
 
-    /// Keeps `counter` up to date with what is reported, for another thread to poll.
+    /// Updates `counter` with every report, for another thread to poll.
     #[must_use]
     pub fn with_counter(self, counter: &'a ProgressCounter) -> Self {
         Self { counter: Some(counter), ..self }
     }
 
-    /// Stops the call soon after `cancel` becomes true: within some milliseconds, whatever the size of the shape.
+    /// Cancels the call soon after `cancel` becomes true, within milliseconds whatever the size of the shape.
     #[must_use]
     pub fn with_cancel(self, cancel: &'a AtomicBool) -> Self {
         Self { cancel: Some(cancel), ..self }
     }
 
-    /// The same handle without reports: for a stage inside a call that reports its own.
+    /// This handle without reports, for a stage inside a call that reports its own progress.
     #[must_use]
     pub fn quiet(self) -> Self {
         Self { report: None, counter: None, ..self }
     }
 
-    /// Whether the call is to stop; for threads that do not report.
+    /// True if the call is cancelled; for threads that do not report.
     #[inline]
     pub fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
     }
 
-    /// Asks whether to go on, without a report.
+    /// Checks for cancellation without a report.
     ///
     /// # Errors
-    /// [`Cancelled`] when the call is to stop.
+    /// [`Cancelled`] if the call is cancelled.
     #[inline]
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// Reports that `done` of `total` parts are done.
+    /// Reports that `done` of `total` parts are finished.
     ///
     /// # Errors
-    /// [`Cancelled`] when the call is to stop.
+    /// [`Cancelled`] if the call is cancelled.
     pub fn step(&self, done: u64, total: u64) -> Result<(), Cancelled> {
         if let Some(report) = self.report {
             report(done, total);

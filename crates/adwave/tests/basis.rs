@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 const ROUNDING: f64 = 1e-13;
 /// Rounding of single precision in some hundred sums of numbers up to 1.
 const SINGLE_ROUNDING: f64 = 1e-6;
-/// What the Chebyshev sum of one vertex may err by, times √(π(y)/π(x)) ≤ 30 on the graphs here.
+/// Error of the Chebyshev sum of one vertex, times √(π(y)/π(x)) ≤ 30 on the graphs here.
 const ONE_VERTEX_ERROR: f64 = 1e-9;
-/// How far the two methods may differ in a value, and in the number of entries.
+/// Largest difference of the two methods in a value, and in the number of entries.
 const METHODS_DIFFER: f64 = 1e-5;
 const COUNTS_DIFFER: f64 = 0.02;
 
@@ -32,7 +32,7 @@ fn diffusion_of(shape: &Shape) -> Diffusion {
 fn walk_on_graph(n_nodes: usize, edges: &[(u32, u32, f64)]) -> Diffusion {
     let graph = Graph::new(n_nodes, edges).unwrap();
     // In the order of the nodes, so that tests can name them.
-    let geometry = PreparedGeometry::of_ordered_graph(graph);
+    let geometry = PreparedGeometry::from_ordered_graph(graph);
     Diffusion::new(
         local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
         Progress::none(),
@@ -438,7 +438,7 @@ fn the_shape_order_is_a_permutation_or_refused() {
     )
     .unwrap();
     let inner = basis(&walk, &params(3), Progress::none()).unwrap();
-    let outer = inner.in_shape_order(geometry.vertex_map()).unwrap();
+    let outer = inner.to_shape_order(geometry.vertex_map()).unwrap();
     assert_ne!(inner.scaling, outer.scaling, "the numbering of the shape is another");
     for x in 0..shape.n_vertices() {
         for y in 0..shape.n_vertices() {
@@ -449,7 +449,7 @@ fn the_shape_order_is_a_permutation_or_refused() {
     assert_well_formed(&outer.scaling[2], SINGLE_ROUNDING);
     let welded = VertexMap::new(&[[0.0; 3], [1.0; 3], [0.0; 3]], WeldMode::EqualPositions);
     let two: Basis = basis(&walk_on_graph(2, &[(0, 1, 1.0)]), &params(1), Progress::none()).unwrap();
-    assert_eq!(two.in_shape_order(&welded).unwrap_err(), BasisError::Welded { n_vertices: 3, n_welded: 2 });
+    assert_eq!(two.to_shape_order(&welded).unwrap_err(), BasisError::Welded { n_vertices: 3, n_welded: 2 });
 }
 
 #[test]

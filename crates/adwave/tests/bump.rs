@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 const WIDTH: f64 = 0.12;
 /// Squares along a side, and levels up to the same σ: the mesh, 4 times and 16 times as fine.
 const MESHES: [(u32, usize); 3] = [(60, 9), (120, 11), (240, 13)];
-/// How far the size may be off what the bump's width asks for, and change when the mesh is refined.
+/// Largest error of the size relative to the bump's width, and change when the mesh is refined.
 const SIZE: f64 = 0.15;
 /// The plane's border and the size of its triangles, where a closed form has neither.
 const CLOSED_FORM: f64 = 0.03;
@@ -35,7 +35,7 @@ fn relief(p: &[f64; 3]) -> f64 {
 }
 
 struct Ground {
-    walk: Decomposer,
+    decomposer: Decomposer,
     bands: Wavelets,
 }
 
@@ -43,16 +43,16 @@ impl Ground {
     fn new(n: u32, levels: usize, height: &dyn Fn(&[f64; 3]) -> f64) -> Self {
         let (points, faces) = common::plane(n);
         let shape = Shape::Mesh(Mesh::new(points, faces).unwrap());
-        let walk = Decomposer::new(&shape);
+        let decomposer = Decomposer::new(&shape);
         let height: Vec<f64> = shape.points().unwrap().iter().map(height).collect();
         let schedule = Schedule::dyadic(levels).unwrap();
-        let bands = walk.request(&height, 1, &schedule).wavelets().unwrap();
-        Self { walk, bands }
+        let bands = decomposer.request(&height, 1, &schedule).wavelets().unwrap();
+        Self { decomposer, bands }
     }
 
     fn features(&self, response: Response) -> Vec<Feature> {
         let params = FeatureParams::default().with_response(response).with_refinement(Refinement::Quadratic);
-        features(&self.walk, &self.bands, &params, Progress::none()).unwrap()
+        features(&self.decomposer, &self.bands, &params, Progress::none()).unwrap()
     }
 
     fn strongest(&self, response: Response) -> Feature {
@@ -96,7 +96,7 @@ fn the_normalized_response_of_a_lone_bump_has_no_size() {
     // q = b/a, which falls with σ.
     for (n, levels) in MESHES {
         let ground = Ground::new(n, levels, &|p| bump(p, [0.0, 0.0]));
-        let top = ground.walk.geometry().vertex_map().welded((n / 2 * (n + 1) + n / 2) as usize);
+        let top = ground.decomposer.geometry().vertex_map().welded((n / 2 * (n + 1) + n / 2) as usize);
         let mut before = f64::INFINITY;
         for j in 1..=levels {
             let (w, sigma) = (ground.bands.wavelet(j), ground.bands.sigma[j]);

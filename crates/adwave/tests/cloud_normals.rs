@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The share of normals that point outwards.
 const OUTWARD: f64 = 0.99;
 
-/// Where signs fall short: clouds with many points whose plane fit is not that of the surface, on thin or crumpled parts. What is
+/// Known wrong signs: clouds with many points whose plane fit is not that of the surface, on thin or crumpled parts. What is
 /// reached there is .926 (`dragon`, `michael8`), .942 (`octopus`), .726 (`james`) and .955 (`gcn`).
 const HARD: [(&str, f64); 5] = [
     ("dragon.ply", 0.9),

@@ -73,7 +73,7 @@ fn cloud(points: Vec<[f64; 3]>) -> Shape {
     Shape::Cloud(PointCloud::new(points).unwrap())
 }
 
-/// How far the eigenvalues of one list are from those of another, at most.
+/// Largest relative distance between two lists of eigenvalues.
 fn apart(found: &[f64], expected: &[f64]) -> f64 {
     found.iter().zip(expected).map(|(f, e)| (f / e - 1.0).abs()).fold(0.0, f64::max)
 }
@@ -205,7 +205,7 @@ fn steps_that_keep_creases_do_not_cross_them() {
         assert!(bands.unwrap().coarsest().iter().all(|v| v.is_finite()));
         turned / n
     };
-    let bracket = Sample::by_name("bracket", Some(4000)).unwrap();
+    let bracket = Sample::from_name("bracket", Some(4000)).unwrap();
     for kind in [OperatorKind::Walk, OperatorKind::Surface] {
         let plain = OperatorParams::default().with_kind(kind);
         let keeping = plain.with_keep_creases(true);

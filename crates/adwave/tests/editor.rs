@@ -5,7 +5,7 @@ use adwave::filter::{FilterError, Gains, Layer, Preset, WeightedLayer, filter_ba
 use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape};
-use adwave::{BandsRequest, Decomposer, Editor, Progress, Touched, filter::Edit};
+use adwave::{BandsRequest, ChangedVertices, Decomposer, Editor, Progress, filter::Edit};
 
 /// Bands are accurate to 1e-10 of themselves, and a one-off filter of one layer sums them in another way.
 const ACCURACY: f64 = 1e-9;
@@ -42,7 +42,7 @@ impl Fixture {
 
 /// A mesh, a cloud, and triangles that share positions and no vertices.
 fn shapes() -> Vec<(&'static str, Shape)> {
-    let sample = Sample::by_name("torus", Some(6000)).unwrap();
+    let sample = Sample::from_name("torus", Some(6000)).unwrap();
     let (points, faces) = (sample.points.clone(), sample.faces.clone());
     let corners: Vec<[f64; 3]> = faces.corners().iter().map(|&c| points[c as usize]).collect();
     let soup: Vec<[u32; 3]> = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
@@ -119,11 +119,11 @@ fn any_way_to_the_same_layers_gives_the_same_bits() {
         assert_eq!(editor.edited(), f.points.as_flattened());
         let ball = f.layer(3.0, small);
         let everywhere = f.layer(0.7, "all");
-        assert_eq!(editor.push_layer(everywhere.clone()).unwrap(), Touched::All);
-        assert!(matches!(editor.push_layer(ball.clone()).unwrap(), Touched::Some(_)));
+        assert_eq!(editor.push_layer(everywhere.clone()).unwrap(), ChangedVertices::All);
+        assert!(matches!(editor.push_layer(ball.clone()).unwrap(), ChangedVertices::Listed(_)));
         assert_eq!(editor.edited(), fresh(&f, &[everywhere.clone(), ball.clone()]), "{name}: pushed");
         let moved = WeightedLayer { weights: f.weights(large), ..ball.clone() };
-        let Touched::Some(touched) = editor.set_weights(2, f.weights(large)).unwrap() else {
+        let ChangedVertices::Listed(touched) = editor.set_weights(2, f.weights(large)).unwrap() else {
             panic!("{name}: a ball that moves touches what it covered and what it covers")
         };
         assert!(touched.is_sorted() && touched.len() < f.points.len() / 5, "{name}: {}", touched.len());

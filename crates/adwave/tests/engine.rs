@@ -54,7 +54,7 @@ fn cycle(n: u32) -> Diffusion {
     let edges: Vec<_> = (0..n).map(|u| (u, (u + 1) % n, 1.0)).collect();
     let graph = Graph::new(n as usize, &edges).expect("a cycle");
     // In the order of the nodes, in which waves are easy to write down.
-    let geometry = PreparedGeometry::of_ordered_graph(graph);
+    let geometry = PreparedGeometry::from_ordered_graph(graph);
     Diffusion::new(
         local_operator(&geometry, &OperatorParams::default(), Progress::none()).unwrap(),
         Progress::none(),

@@ -57,7 +57,7 @@ fn number_after(text: &str, phrase: &str) -> f64 {
 
 /// A file with a built-in shape, rough by noise.
 fn rough(sample: &str, n_vertices: usize, of_test: &str) -> PathBuf {
-    let mut shape = Sample::by_name(sample, Some(n_vertices)).expect("a sample");
+    let mut shape = Sample::from_name(sample, Some(n_vertices)).expect("a sample");
     shape.add_noise(NoiseSigma::MeanEdge(0.1), 1).expect("noise");
     let path = folder(of_test).join("rough.ply");
     write_path(&ShapeFile::from_mesh(shape.points, shape.faces), &path, None).expect("written");

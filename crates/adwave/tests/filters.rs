@@ -2,12 +2,12 @@
 
 use adwave::bands::Schedule;
 use adwave::filter::{Edit, FilterError, Gains, Layer, Preset, displacement};
-use adwave::region::{BrushStroke, Length, Place, Region, RegionError, parse_region};
+use adwave::region::{BrushStroke, Length, Location, Region, RegionError, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Shape, enclosed_volume, triangulate};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 
-/// What the default accuracy allows each of two ways to the same result, on shapes of about unit size.
+/// Allowed difference by the default accuracy of two ways to the same result, on shapes of about unit size.
 const ACCURACY: f64 = 2e-9;
 
 struct Fixture {
@@ -18,7 +18,7 @@ struct Fixture {
 }
 
 fn fixture(name: &str, n_vertices: usize) -> Fixture {
-    let Sample { points, faces } = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let Sample { points, faces } = Sample::from_name(name, Some(n_vertices)).unwrap();
     let triangles = triangulate(&points, &faces);
     let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
     let decomposer = Decomposer::new(&shape);
@@ -84,7 +84,7 @@ fn gains_weigh_their_bands() {
 fn an_edit_ends_where_its_region_ends() {
     let f = fixture("sphere", 4000);
     let region =
-        Region::Ball { center: Place::Vertex(7), radius: Length::PercentOfDiagonal(10.0), falloff: None };
+        Region::Ball { center: Location::Vertex(7), radius: Length::PercentOfDiagonal(10.0), falloff: None };
     let weights = weights(&f.decomposer, &region);
     assert_eq!(weights[7], 1.0);
     let n_touched = weights.iter().filter(|&&r| r > 0.0).count();
@@ -140,7 +140,7 @@ fn a_ball_round_a_vertex_measures_as_the_vertex_itself_does() {
     let f = fixture("creature", 6000);
     for vertex in [7, 1000, 3001] {
         let radius = Length::PercentOfDiagonal(6.0);
-        let ball = Region::Ball { center: Place::Vertex(vertex), radius, falloff: Some(radius) };
+        let ball = Region::Ball { center: Location::Vertex(vertex), radius, falloff: Some(radius) };
         let vertices = Region::Vertices { indices: vec![vertex], radius, falloff: None };
         let (ball, vertices) = (weights(&f.decomposer, &ball), weights(&f.decomposer, &vertices));
         let apart = ball.iter().zip(&vertices).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

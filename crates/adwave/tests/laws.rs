@@ -1,4 +1,4 @@
-//! What must hold for every shape: the walk is a walk, bands sum to the signal, and the way a shape is placed, scaled or
+//! Laws for every shape: the walk is a walk, bands sum to the signal, and the way a shape is placed, scaled or
 //! listed does not matter.
 
 use adwave::bands::Schedule;
@@ -12,17 +12,17 @@ use nalgebra::{Rotation3, Vector3};
 const ROW_SUM: f64 = 1e-14;
 /// A few roundings for each of 128 steps, relative to the signal.
 const CONSTANT: f64 = 1e-13;
-/// What the default accuracy promises of a band, for signals of about unit size.
+/// Default accuracy of a band, for signals of about unit size.
 const ACCURACY: f64 = 1e-10;
 /// Adding up nine bands, relative to the diagonal.
 const RECONSTRUCTION: f64 = 1e-12;
-/// What rotating the coordinates and back rounds, through 128 steps, relative to the diagonal.
+/// Rounding of rotating the coordinates and back, through 128 steps, relative to the diagonal.
 const COMMUTES: f64 = 1e-10;
 
 const LEVELS: usize = 8;
 
 fn sample(name: &str, n_vertices: usize) -> (Vec<[f64; 3]>, Polygons) {
-    let sample = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let sample = Sample::from_name(name, Some(n_vertices)).unwrap();
     (sample.points, sample.faces)
 }
 

@@ -2,7 +2,9 @@
 
 use adwave::bands::Schedule;
 use adwave::filter::{Preset, WeightedLayer};
-use adwave::positions::{Along, Borders, PositionParams, PositionsError, Volume, settle};
+use adwave::positions::{
+    Borders, MoveDirection, PositionParams, PositionsError, Volume, constrain_positions,
+};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape, enclosed_volume};
 use adwave::{Decomposer, Progress};
@@ -25,7 +27,7 @@ fn settled(
     params: PositionParams,
 ) -> Vec<[f64; 3]> {
     let after = filtered(decomposer, points, preset, n_levels);
-    settle(decomposer, points, after, &params, Progress::none()).unwrap()
+    constrain_positions(decomposer, points, after, &params, Progress::none()).unwrap()
 }
 
 fn borders(borders: Borders) -> PositionParams {
@@ -54,7 +56,7 @@ fn a_flat_square_stays_where_it_is_as_a_mesh_and_as_a_cloud() {
                 assert!(farthest(&points, &after) <= 1e-9, "{name}, {kind:?}");
             }
         }
-        let free = PositionParams { along: Some(Along::Free), ..borders(Borders::Free) };
+        let free = PositionParams { along: Some(MoveDirection::Free), ..borders(Borders::Free) };
         let free = settled(shape, &points, Preset::SuppressPaper, 6, free);
         assert!(farthest(&points, &free) > 0.05, "the paper's way draws corners in");
     }
@@ -118,7 +120,7 @@ fn a_bump_next_to_the_border_is_smoothed_like_one_inside() {
 
 #[test]
 fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
-    let sample = Sample::by_name("creature", Some(20_000)).unwrap();
+    let sample = Sample::from_name("creature", Some(20_000)).unwrap();
     let (points, faces) = (sample.points, sample.faces);
     let shape = decomposer(&points, &faces);
     let volume = |points: &[[f64; 3]]| {
@@ -140,7 +142,7 @@ fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
     for (p, old) in half.iter_mut().zip(&points).filter(|(_, old)| old[1] > 0.0) {
         *p = *old;
     }
-    let after = settle(&shape, &points, half, &keep, Progress::none()).unwrap();
+    let after = constrain_positions(&shape, &points, half, &keep, Progress::none()).unwrap();
     assert!(after.iter().zip(&points).all(|(p, old)| old[1] <= 0.0 || p == old) && loss(&after) < 1e-12);
 }
 
@@ -148,7 +150,8 @@ fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
 fn an_open_shape_has_no_volume_to_keep() {
     let (points, faces) = common::plane(4);
     let keep = PositionParams { volume: Volume::Keep, ..PositionParams::default() };
-    let error = settle(&decomposer(&points, &faces), &points, points.clone(), &keep, Progress::none());
+    let error =
+        constrain_positions(&decomposer(&points, &faces), &points, points.clone(), &keep, Progress::none());
     assert_eq!(error, Err(PositionsError::NoVolume));
 }
 
@@ -160,7 +163,7 @@ fn nearest(points: &[[f64; 3]]) -> Vec<f64> {
 #[test]
 fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
     // A sphere with waves, sampled at random: neighbors are at all distances.
-    let mut sample = Sample::by_name("sphere", Some(6000)).unwrap();
+    let mut sample = Sample::from_name("sphere", Some(6000)).unwrap();
     sample.add_noise(adwave::sample::NoiseSigma::MeanEdge(0.3), 5).unwrap();
     let mut seed = 7_u64;
     sample.points.retain(|_| {
@@ -181,8 +184,13 @@ fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
         distances.sort_by(f64::total_cmp);
         distances[distances.len() / 20]
     };
-    let (normal, free, surface) = (after(None), after(Some(Along::Free)), after(Some(Along::Surface)));
-    assert_eq!(normal, after(Some(Along::Normal)), "clouds move along their normals unless told otherwise");
+    let (normal, free, surface) =
+        (after(None), after(Some(MoveDirection::Free)), after(Some(MoveDirection::Surface)));
+    assert_eq!(
+        normal,
+        after(Some(MoveDirection::Normal)),
+        "clouds move along their normals unless told otherwise"
+    );
     assert!(least(&normal) > 0.7 * least(&points), "{} of {}", least(&normal), least(&points));
     assert!(least(&free) < 0.9 * least(&normal), "{} of {}", least(&free), least(&normal));
     assert!(
@@ -192,7 +200,7 @@ fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
         roughness(&points)
     );
     assert!(roughness(&surface) > 0.9 * roughness(&points) && farthest(&surface, &points) > 0.0);
-    for (axis, along) in [Along::X, Along::Y, Along::Z].into_iter().enumerate() {
+    for (axis, along) in [MoveDirection::X, MoveDirection::Y, MoveDirection::Z].into_iter().enumerate() {
         let moved = after(Some(along));
         let stays = |c: usize| moved.iter().zip(&points).all(|(p, q)| p[c] == q[c]);
         assert!((0..3).all(|c| stays(c) == (c != axis)), "{along:?}");

@@ -228,11 +228,11 @@ fn the_bands_of_voices_sum_to_the_bands_of_octaves() {
 #[test]
 fn the_levels_of_any_steps_sum_to_the_signal() {
     let shape = sheet(25, 25);
-    let walk = Decomposer::new(&shape);
+    let decomposer = Decomposer::new(&shape);
     let points = shape.points().unwrap().as_flattened();
     for schedule in [Schedule::voices(9, 4).unwrap(), real(&[0.02, 0.9, 31.9, 32.1, 777.7])] {
         let params = BandsParams::default().with_accuracy(0.1);
-        let bands = walk.request(points, 3, &schedule).params(&params).bands().unwrap();
+        let bands = decomposer.request(points, 3, &schedule).params(&params).bands().unwrap();
         for (sum, f) in bands.reconstruct().iter().zip(points) {
             assert!((sum - f).abs() <= 1e-13, "{sum} for {f}");
         }
@@ -325,15 +325,15 @@ fn vertices_that_are_never_entered_keep_the_error_bounded() {
         triangles.push([a, b, points.len() as u32 - 1]);
     }
     let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles)).expect("finite"));
-    let walk = walk_of(&shape, &OperatorParams::default());
-    assert!(walk.stationary().iter().any(|&p| p < 1e-12), "a vertex that is never entered");
-    let signal = noise(walk.n_vertices(), 8);
+    let decomposer = walk_of(&shape, &OperatorParams::default());
+    assert!(decomposer.stationary().iter().any(|&p| p < 1e-12), "a vertex that is never entered");
+    let signal = noise(decomposer.n_vertices(), 8);
     let params = BandsParams::default();
-    let half = split(&walk, &signal, &real(&[0.5, 1.0, 7.25]), &params);
+    let half = split(&decomposer, &signal, &real(&[0.5, 1.0, 7.25]), &params);
     assert!(half.info.error_bound <= params.accuracy, "{:?}", half.info);
-    let again = split(&walk, &half.scaling(1), &real(&[0.5, 6.75]), &params);
-    let whole = split(&walk, &signal, &Schedule::new(vec![1, 7]).unwrap(), &params);
-    for x in 0..walk.n_vertices() {
+    let again = split(&decomposer, &half.scaling(1), &real(&[0.5, 6.75]), &params);
+    let whole = split(&decomposer, &signal, &Schedule::new(vec![1, 7]).unwrap(), &params);
+    for x in 0..decomposer.n_vertices() {
         assert!((again.scaling(1)[x] - whole.scaling(1)[x]).abs() < 1e-8, "vertex {x}");
         assert!((half.scaling(2)[x] - whole.scaling(1)[x]).abs() < 1e-8, "vertex {x}");
         assert!((again.scaling(2)[x] - half.scaling(3)[x]).abs() < 1e-8, "vertex {x}");
@@ -367,8 +367,8 @@ fn the_strongest_response_to_a_bump_is_at_its_size_whatever_the_octave_is_cut_in
     let Shape::Mesh(mesh) = sheet(n, n) else { unreachable!() };
     let points: Vec<_> = mesh.points().iter().map(|p| [p[0].round(), p[1].round(), 0.0]).collect();
     let shape = Shape::Mesh(Mesh::new(points.clone(), mesh.faces().clone()).expect("finite"));
-    let walk = Decomposer::new(&shape);
-    let step = walk.diffusion().step_length();
+    let decomposer = Decomposer::new(&shape);
+    let step = decomposer.diffusion().step_length();
     let top = (n / 2 * n + n / 2) as usize;
     for width in [4.0, 5.0, 6.3] {
         let bump: Vec<f64> = points
@@ -380,7 +380,7 @@ fn the_strongest_response_to_a_bump_is_at_its_size_whatever_the_octave_is_cut_in
             .collect();
         for voices in [2, 4] {
             let schedule = Schedule::voices(9, voices).unwrap();
-            let bands = walk.decompose(&bump, 1, &schedule).unwrap();
+            let bands = decomposer.decompose(&bump, 1, &schedule).unwrap();
             let at = |j: usize| bands.wavelet(j)[top];
             // Level 1 is not one voice apart from the level before it.
             let best = (2..=bands.n_levels()).max_by(|&i, &j| at(i).total_cmp(&at(j))).unwrap();
@@ -420,8 +420,9 @@ fn what_cannot_be_taken_is_refused() {
     let both_ways = walk_of(&cloud, &OperatorParams::default());
     let (vertex_map, signal) = (VertexMap::identity(81), noise(81, 9));
     let schedule = real(&[1.0, 2.5]);
-    let ask = |walk: &Diffusion, params: &BandsParams| {
-        decompose(walk, &vertex_map, &signal, 1, &schedule, params, Progress::none()).map(|bands| bands.steps)
+    let ask = |decomposer: &Diffusion, params: &BandsParams| {
+        decompose(decomposer, &vertex_map, &signal, 1, &schedule, params, Progress::none())
+            .map(|bands| bands.steps)
     };
     let refused = Err(BandsError::NotWhole { level: 2, steps: 2.5 });
     assert_eq!(ask(&directed, &BandsParams::default()), refused);
@@ -436,8 +437,8 @@ fn what_cannot_be_taken_is_refused() {
     let refused = BasisError::NotWhole { level: 2, steps: 2.5 };
     let all = basis(&both_ways, &BasisParams::new(schedule.clone()), Progress::none());
     assert_eq!(all.unwrap_err(), refused);
-    let walk = Decomposer::new(&cloud);
-    assert_eq!(walk.basis_of_vertex(0, &schedule, Progress::none()).unwrap_err(), refused);
+    let decomposer = Decomposer::new(&cloud);
+    assert_eq!(decomposer.basis_of_vertex(0, &schedule, Progress::none()).unwrap_err(), refused);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use adwave::{Cancelled, Decomposer, Progress};
 const PATHS: f64 = 0.06;
 
 fn sphere(n: usize) -> (Vec<[f64; 3]>, Decomposer) {
-    let Sample { points, faces } = Sample::by_name("sphere", Some(n)).unwrap();
+    let Sample { points, faces } = Sample::from_name("sphere", Some(n)).unwrap();
     let decomposer = Decomposer::new(&Shape::Mesh(Mesh::new(points.clone(), faces).unwrap()));
     (points, decomposer)
 }
@@ -25,7 +25,7 @@ fn weights(decomposer: &Decomposer, region: &str) -> Vec<f64> {
 
 #[test]
 fn facing_is_where_normals_have_a_positive_product() {
-    let Sample { points, faces } = Sample::by_name("torus", Some(2000)).unwrap();
+    let Sample { points, faces } = Sample::from_name("torus", Some(2000)).unwrap();
     let normals = vertex_normals(&points, &triangulate(&points, &faces));
     let decomposer = Decomposer::new(&Shape::Mesh(Mesh::new(points, faces).unwrap()));
     let hard = weights(&decomposer, "facing:direction=0 3 4");
@@ -48,7 +48,7 @@ fn facing_is_where_normals_have_a_positive_product() {
 
 #[test]
 fn a_component_is_all_that_is_joined_to_a_vertex() {
-    let Sample { points, faces } = Sample::by_name("sphere", Some(300)).unwrap();
+    let Sample { points, faces } = Sample::from_name("sphere", Some(300)).unwrap();
     let triangles = triangulate(&points, &faces);
     let n = points.len();
     let two = |k: usize| {
@@ -104,17 +104,18 @@ fn a_blur_is_the_walk_that_it_says() {
     // A literal walk of k = 4 (by/h)² steps on a small mesh.
     let (points, decomposer) = sphere(200);
     let hard = weights(&decomposer, "half-space:point=0 0 0.3,normal=0 0 1,falloff=0");
-    let Sample { faces, .. } = Sample::by_name("sphere", Some(200)).unwrap();
+    let Sample { faces, .. } = Sample::from_name("sphere", Some(200)).unwrap();
     let ring = adwave::shape::one_ring(points.len(), &triangulate(&points, &faces));
     let squared = |x: usize, y: usize| (0..3).map(|c| (points[x][c] - points[y][c]).powi(2)).sum::<f64>();
-    let mean_square =
-        |x: usize| ring.of(x).iter().map(|&y| squared(x, y as usize)).sum::<f64>() / ring.of(x).len() as f64;
+    let mean_square = |x: usize| {
+        ring.row(x).iter().map(|&y| squared(x, y as usize)).sum::<f64>() / ring.row(x).len() as f64
+    };
     let h = ((0..points.len()).map(mean_square).sum::<f64>() / points.len() as f64).sqrt();
     let by = 1.6 * h;
     let mut expected = hard;
     for _ in 0..(4.0_f64 * 1.6 * 1.6).ceil() as usize {
         let mean = |x: usize| {
-            ring.of(x).iter().map(|&y| expected[y as usize]).sum::<f64>() / ring.of(x).len() as f64
+            ring.row(x).iter().map(|&y| expected[y as usize]).sum::<f64>() / ring.row(x).len() as f64
         };
         expected = (0..points.len()).map(|x| 0.5 * (expected[x] + mean(x))).collect();
     }

@@ -1,11 +1,11 @@
-//! What must hold for saliency and features: constants give none, and the way a shape is placed, scaled, listed or refined does not matter.
+//! Laws of saliency and features: constants give none, and the way a shape is placed, scaled, listed or refined does not matter.
 
 mod common;
 
 use adwave::bands::{Bands, Schedule, Wavelets};
 use adwave::features::{
     Feature, FeatureError, FeatureParams, Refinement, Response, ThresholdScope, describe, features,
-    match_features, spread_best,
+    match_features, select_spread,
 };
 use adwave::mask::missing;
 use adwave::measure::{Change, RepeatabilityParams, change, n_right, repeatability, share_by_chance};
@@ -17,7 +17,7 @@ use adwave::{Decomposer, Progress};
 
 /// Sums of a few bands in another order.
 const ROUNDING: f64 = 1e-12;
-/// What rotating or scaling rounds, through the walk, relative to the map's largest value.
+/// Rounding of rotation or scaling, through the walk, relative to the map's largest value.
 const COMMUTES: f64 = 1e-6;
 
 const RESPONSES: [Response; 4] =
@@ -31,7 +31,7 @@ fn mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Shape {
 
 /// A sphere with nine bumps of three widths.
 fn potato(n: usize) -> Sample {
-    let mut sample = Sample::by_name("sphere", Some(n)).unwrap();
+    let mut sample = Sample::from_name("sphere", Some(n)).unwrap();
     let tops: Vec<[f64; 3]> = (0..9).map(|k| sample.points[(2 * k + 1) * n / 18]).collect();
     for p in &mut sample.points {
         let bump = |(k, top): (usize, &[f64; 3])| {
@@ -49,14 +49,14 @@ fn walk(shape: &Shape) -> Decomposer {
     Decomposer::new(shape)
 }
 
-fn bands(walk: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Wavelets {
+fn bands(decomposer: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Wavelets {
     let schedule = Schedule::dyadic(levels).unwrap();
-    walk.request(signal, n_channels, &schedule).wavelets().unwrap()
+    decomposer.request(signal, n_channels, &schedule).wavelets().unwrap()
 }
 
 /// The bands in the order of the shape.
-fn in_shape_order(walk: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Bands {
-    walk.decompose(signal, n_channels, &Schedule::dyadic(levels).unwrap()).unwrap()
+fn to_shape_order(decomposer: &Decomposer, signal: &[f64], n_channels: usize, levels: usize) -> Bands {
+    decomposer.decompose(signal, n_channels, &Schedule::dyadic(levels).unwrap()).unwrap()
 }
 
 fn coordinate_features(shape: &Shape, levels: usize, params: &FeatureParams) -> Vec<Feature> {
@@ -210,30 +210,31 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // A flat plane has nothing but its border. The last level is wider than the plane and has nothing left at all.
     let (plane, faces) = common::plane(60);
     let shape = mesh(plane.clone(), faces);
-    let walk = walk(&shape);
-    let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 14);
+    let decomposer = walk(&shape);
+    let split = bands(&decomposer, shape.points().unwrap().as_flattened(), 3, 14);
     let (with, without) = (
-        saliency(&walk, &split, &faded, Progress::none()).unwrap(),
-        saliency(&walk, &split, &plain, Progress::none()).unwrap(),
+        saliency(&decomposer, &split, &faded, Progress::none()).unwrap(),
+        saliency(&decomposer, &split, &plain, Progress::none()).unwrap(),
     );
     assert!(largest(&with.map) < LEFT * largest(&without.map), "{}", largest(&with.map));
     let last = with.levels.last().unwrap();
     assert!(last.sigma > 1.0 && (last.mean, last.max) == (0.0, 0.0));
     for weighting in WEIGHTINGS {
-        let map = saliency(&walk, &split, &faded.with_weighting(weighting), Progress::none()).unwrap().map;
+        let map =
+            saliency(&decomposer, &split, &faded.with_weighting(weighting), Progress::none()).unwrap().map;
         assert!(map.iter().all(|v| v.is_finite() && *v >= 0.0), "{weighting:?}");
     }
     // S = 0 leaves out the border's own vertices.
-    let map = saliency(&walk, &split, &faded.with_border_sigmas(0.0), Progress::none()).unwrap().map;
+    let map = saliency(&decomposer, &split, &faded.with_border_sigmas(0.0), Progress::none()).unwrap().map;
     for ((p, with), without) in plane.iter().zip(&map).zip(&without.map) {
         let on_border = p[0].abs() == 1.0 || p[1].abs() == 1.0;
         assert_eq!(*with, if on_border { 0.0 } else { *without }, "{p:?}");
     }
     // What is far enough from the border keeps its value to the last bit.
     let wave: Vec<f64> = plane.iter().map(|p| (9.0 * p[0]).sin() * (7.0 * p[1]).cos()).collect();
-    let split = bands(&walk, &wave, 1, 6);
+    let split = bands(&decomposer, &wave, 1, 6);
     let [with, without] =
-        [&faded, &plain].map(|params| saliency(&walk, &split, params, Progress::none()).unwrap().map);
+        [&faded, &plain].map(|params| saliency(&decomposer, &split, params, Progress::none()).unwrap().map);
     let far = 1.0 - 2.0 * split.sigma[6];
     let inside = |p: &[f64; 3]| p[0].abs() < far && p[1].abs() < far;
     assert!(plane.iter().filter(|p| inside(p)).count() > 500);
@@ -243,15 +244,17 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // A closed surface has no border.
     let closed = potato(2000);
     let shape = mesh(closed.points, closed.faces);
-    let walk = Decomposer::new(&shape);
-    let split = bands(&walk, shape.points().unwrap().as_flattened(), 3, 6);
+    let decomposer = Decomposer::new(&shape);
+    let split = bands(&decomposer, shape.points().unwrap().as_flattened(), 3, 6);
     for weighting in WEIGHTINGS {
-        let [with, without] = [&faded, &plain]
-            .map(|p| saliency(&walk, &split, &p.with_weighting(weighting), Progress::none()).unwrap().map);
+        let [with, without] = [&faded, &plain].map(|p| {
+            saliency(&decomposer, &split, &p.with_weighting(weighting), Progress::none()).unwrap().map
+        });
         assert!(with == without, "{weighting:?}");
     }
     for sigmas in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = saliency(&walk, &split, &faded.with_border_sigmas(sigmas), Progress::none()).unwrap_err();
+        let error =
+            saliency(&decomposer, &split, &faded.with_border_sigmas(sigmas), Progress::none()).unwrap_err();
         assert!(error.to_string().contains(&sigmas.to_string()), "{error}");
     }
 }
@@ -270,7 +273,7 @@ fn a_mask_is_left_out_and_not_spread() {
     assert!(flags.iter().any(|&f| f) && !flags.iter().all(|&f| f));
     let masked = whole.masked(&flags).unwrap();
     let split = bands(&masked, &signal, 1, 6);
-    let in_order = in_shape_order(&masked, &signal, 1, 6);
+    let in_order = to_shape_order(&masked, &signal, 1, 6);
     for band in in_order.as_slice().chunks_exact(signal.len()) {
         assert!(band.iter().zip(&flags).all(|(v, &out)| v.is_nan() == out));
     }
@@ -350,7 +353,7 @@ fn options_reject_and_keep_what_they_say() {
         features(&walk, &bump, &default.with_best(1), Progress::none()).unwrap(),
         std::slice::from_ref(strongest)
     );
-    assert_eq!(spread_best(&all, usize::MAX), all);
+    assert_eq!(select_spread(&all, usize::MAX), all);
 }
 
 #[test]

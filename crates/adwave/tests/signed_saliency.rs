@@ -1,8 +1,8 @@
-//! What must hold for saliency with a sign: bumps are above 0, dents below, and neither scale nor the way triangles run matters.
+//! Laws of signed saliency: bumps are above 0, dents below, and neither scale nor the way triangles run matters.
 
 use adwave::bands::Schedule;
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::saliency::{SaliencyParams, Sign, drawn_saliency, saliency};
+use adwave::saliency::{SaliencyParams, Sign, saliency, saliency_f32};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons, Shape, triangulate};
 use adwave::signal::outward_normals;
@@ -14,7 +14,7 @@ const N_LEVELS: usize = 8;
 
 /// A sphere with a bump round the vertex 100 and a dent as deep round the vertex 1900.
 fn bump_and_dent() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let Sample { mut points, faces } = Sample::by_name("sphere", Some(2000)).unwrap();
+    let Sample { mut points, faces } = Sample::from_name("sphere", Some(2000)).unwrap();
     let triangles = triangulate(&points, &faces);
     let (top, pit) = (points[100], points[1900]);
     let hill = |p: &[f64; 3], at: &[f64; 3]| {
@@ -37,7 +37,7 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
     assert!(outward.info.has_outside());
     let schedule = Schedule::dyadic(N_LEVELS).unwrap();
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
-    let along = request.along(&outward.normals).unwrap();
+    let along = request.normal_components(&outward.normals).unwrap();
     // By hand.
     let whole = request.wavelets().unwrap();
     for j in 1..=N_LEVELS {
@@ -52,10 +52,10 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
 
 #[test]
 fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
-    /// What the studio asks for.
+    /// Request of the studio.
     const ACCURACY: f64 = 3e-3;
     const COLORS: f64 = 256.0;
-    let Sample { points, faces } = Sample::by_name("creature", Some(20_000)).unwrap();
+    let Sample { points, faces } = Sample::from_name("creature", Some(20_000)).unwrap();
     let shape = Shape::Mesh(Mesh::new(points.clone(), faces).unwrap());
     for (kind, schedule) in [
         (OperatorKind::Walk, Schedule::dyadic(N_LEVELS).unwrap()),
@@ -74,11 +74,11 @@ fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
         for size in [0.0, 1e-3, 0.02] {
             let edited: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| c + size * noise())).collect();
             let request = decomposer.request(edited.as_flattened(), 3, &schedule);
-            let exact = request.along(&outward.normals).unwrap();
+            let exact = request.normal_components(&outward.normals).unwrap();
             let exact =
                 saliency(&decomposer, &exact, &SaliencyParams::default(), Progress::none()).unwrap().map;
-            let drawn = request.accuracy(ACCURACY).along_at_once(&outward.normals).unwrap();
-            let drawn = drawn_saliency(&decomposer, &drawn, Progress::none()).unwrap();
+            let drawn = request.accuracy(ACCURACY).normal_components_in_one_pass(&outward.normals).unwrap();
+            let drawn = saliency_f32(&decomposer, &drawn, Progress::none()).unwrap();
             let mut sizes: Vec<f64> = exact.iter().map(|v| v.abs()).collect();
             sizes.sort_by(f64::total_cmp);
             let step = 2.0 * sizes[sizes.len() * 24 / 25] / COLORS;

@@ -1,7 +1,7 @@
-"""Wavelets for shapes: split a mesh, a point cloud or a graph, or any signal on it, into bands from fine to coarse.
+"""Wavelets for shapes: split a mesh, a point cloud or a graph, or a signal on it, into bands from fine to coarse.
 
-Each band is local in space and in frequency. Look at the bands (`saliency`, `features`), change them (`filter`, `Bands.apply`,
-`denoise`), and put the shape back together without loss:
+Each band is local in space and in frequency. Look at the bands (`saliency`, `features`), change them (`filter`,
+`Bands.apply`, `denoise`), and reconstruct the shape without loss:
 
 >>> import adwave as aw
 >>> shape = aw.sample("creature", vertices=3000)
@@ -11,124 +11,61 @@ Each band is local in space and in frequency. Look at the bands (`saliency`, `fe
 >>> bool(abs(bands.reconstruct() - shape.points).max() < 1e-12)
 True
 
-A *shape* may be a path, an array of points, a pair ``(points, faces)``, a sparse matrix or an object of trimesh, PyVista, meshio,
-Open3D or networkx. The order and the number of its vertices never change, and nothing is changed in place.
+A *shape* may be a path, an array of points, a pair ``(points, faces)``, a sparse matrix or an object of trimesh,
+PyVista, meshio, Open3D or networkx. The order and the number of its vertices never change, and nothing is changed in
+place.
 
-Nothing but this file is loaded by ``import adwave``; numpy and the rest come with the first name that is used.
+``import adwave`` loads this file only; numpy and the extension are loaded with the first name that is used.
 """
 
 from __future__ import annotations
 
-_PLACES = {
-    "Shape": "_shape",
-    "as_shape": "_shape",
-    "graph": "_shape",
-    "read": "_shape",
-    "read_bytes": "_shape",
-    "sample": "_shape",
-    "Decomposer": "_decomposer",
-    "Bands": "_bands",
-    "Layer": "_bands",
-    "Recipe": "_recipe",
-    "read_recipe": "_recipe",
-    "Denoised": "_edits",
-    "Features": "_measures",
-    "Info": "_info",
-    "Saliency": "_measures",
-    "Changed": "_repeatability",
-    "Repeatability": "_repeatability",
-    "repeatability": "_repeatability",
-    "decompose": "_edits",
-    "denoise": "_edits",
-    "features": "_measures",
-    "filter": "_edits",
-    "gaze_scores": "_measures",
-    "info": "_info",
-    "memory_needed": "_info",
-    "preset_gains": "_info",
-    "region": "_info",
-    "report": "_info",
-    "saliency": "_measures",
-    "signal": "_info",
-    "Distances": "_register",
-    "Matched": "_register",
-    "Simplified": "_register",
-    "distances": "_register",
-    "match": "_register",
-    "simplify": "_register",
-    "Picture": "_picture",
-    "render": "_picture",
-    "Edited": "_studio",
-    "studio": "_studio",
-    "show_versions": "_environment",
-    "threads": "_environment",
-    "InternalError": "_native",
-    "__version__": "_native",
+#: Public names of each private module. This is the only list of them: `__all__`, the attributes of the package, its stub
+#: `__init__.pyi` and the pages of the reference come from it. `python tests/test_exports.py` writes the stub.
+_EXPORTS: dict[str, tuple[str, ...]] = {
+    "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
+    "_decomposer": ("Bands", "Decomposer", "Layer"),
+    "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
+    "_edits": ("DenoiseResult", "decompose", "denoise", "filter"),
+    "_measures": (
+        "FeatureOptions",
+        "Features",
+        "Saliency",
+        "SaliencyOptions",
+        "features",
+        "gaze_scores",
+        "saliency",
+    ),
+    "_repeatability": ("ChangedShape", "Repeatability", "Trials", "repeatability"),
+    "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
+    "_recipe": ("Recipe", "read_recipe"),
+    "_info": ("Info", "info", "memory_needed", "preset_gains", "region", "report", "signal"),
+    "_picture": ("Camera", "ColorScale", "Picture", "render"),
+    "_studio": ("StudioResult", "studio"),
+    "_environment": ("show_versions", "threads"),
+    "_native": ("InternalError", "__version__"),
 }
 
-__all__ = [
-    "Bands",
-    "Changed",
-    "Decomposer",
-    "Denoised",
-    "Distances",
-    "Edited",
-    "Features",
-    "Info",
-    "InternalError",
-    "Layer",
-    "Matched",
-    "Picture",
-    "Recipe",
-    "Repeatability",
-    "Saliency",
-    "Shape",
-    "Simplified",
-    "__version__",
-    "as_shape",
-    "baselines",
-    "decompose",
-    "denoise",
-    "distances",
-    "features",
-    "filter",
-    "gaze_scores",
-    "graph",
-    "info",
-    "match",
-    "memory_needed",
-    "preset_gains",
-    "read",
-    "read_bytes",
-    "read_recipe",
-    "region",
-    "render",
-    "repeatability",
-    "report",
-    "saliency",
-    "sample",
-    "show_versions",
-    "signal",
-    "simplify",
-    "studio",
-    "threads",
-]
-
+#: Public modules that are loaded when they are first used; all but `baselines` need another package.
 _MODULES = ("baselines", "dask", "sklearn", "torch")
+
+_MODULE_OF = {name: module for module, names in _EXPORTS.items() for name in names}
+
+__all__ = sorted([*_MODULE_OF, "baselines"])  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> object:
-    place = name if name in _MODULES else _PLACES.get(name)
-    if place is None:
+    module_name = name if name in _MODULES else _MODULE_OF.get(name)
+    if module_name is None:
         raise AttributeError(f"module 'adwave' has no attribute {name!r}")
-    # Here, since `import adwave` should cost next to nothing.
+    # Imported here, since `import adwave` should cost next to nothing.
     from importlib import import_module
 
-    module = import_module(f"{__name__}.{place}")
+    module = import_module(f"{__name__}.{module_name}")
     value = module if name in _MODULES else getattr(module, name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted(set(__all__) | set(_MODULES))
+    return sorted({*__all__, *_MODULES})

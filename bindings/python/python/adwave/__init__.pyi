@@ -1,122 +1,90 @@
+# Written by `python tests/test_exports.py` from the list in __init__.py.
 from adwave import baselines as baselines
-from adwave._bands import Bands as Bands
-from adwave._bands import Layer as Layer
+from adwave import dask as dask
+from adwave import sklearn as sklearn
+from adwave import torch as torch
+from adwave._shape import Shape as Shape
+from adwave._shape import as_shape as as_shape
+from adwave._shape import graph as graph
+from adwave._shape import read as read
+from adwave._shape import read_bytes as read_bytes
+from adwave._shape import sample as sample
+from adwave._decomposer import Bands as Bands
 from adwave._decomposer import Decomposer as Decomposer
-from adwave._edits import (
-    Denoised as Denoised,
-)
-from adwave._edits import (
-    decompose as decompose,
-)
-from adwave._edits import (
-    denoise as denoise,
-)
-from adwave._edits import (
-    filter as filter,
-)
-from adwave._environment import show_versions as show_versions
-from adwave._environment import threads as threads
-from adwave._info import (
-    Info as Info,
-)
-from adwave._info import (
-    info as info,
-)
-from adwave._info import (
-    memory_needed as memory_needed,
-)
-from adwave._info import (
-    preset_gains as preset_gains,
-)
-from adwave._info import (
-    region as region,
-)
-from adwave._info import (
-    report as report,
-)
-from adwave._info import (
-    signal as signal,
-)
-from adwave._measures import (
-    Features as Features,
-)
-from adwave._measures import (
-    Saliency as Saliency,
-)
-from adwave._measures import (
-    features as features,
-)
-from adwave._measures import (
-    gaze_scores as gaze_scores,
-)
-from adwave._measures import (
-    saliency as saliency,
-)
-from adwave._native import InternalError as InternalError
-from adwave._picture import Picture as Picture
-from adwave._picture import render as render
+from adwave._decomposer import Layer as Layer
+from adwave._options import Constraints as Constraints
+from adwave._options import Octaves as Octaves
+from adwave._options import Operator as Operator
+from adwave._options import Steps as Steps
+from adwave._options import Widths as Widths
+from adwave._edits import DenoiseResult as DenoiseResult
+from adwave._edits import decompose as decompose
+from adwave._edits import denoise as denoise
+from adwave._edits import filter as filter
+from adwave._measures import FeatureOptions as FeatureOptions
+from adwave._measures import Features as Features
+from adwave._measures import Saliency as Saliency
+from adwave._measures import SaliencyOptions as SaliencyOptions
+from adwave._measures import features as features
+from adwave._measures import gaze_scores as gaze_scores
+from adwave._measures import saliency as saliency
+from adwave._repeatability import ChangedShape as ChangedShape
+from adwave._repeatability import Repeatability as Repeatability
+from adwave._repeatability import Trials as Trials
+from adwave._repeatability import repeatability as repeatability
+from adwave._register import Distances as Distances
+from adwave._register import MatchResult as MatchResult
+from adwave._register import SimplifyResult as SimplifyResult
+from adwave._register import distances as distances
+from adwave._register import match as match
+from adwave._register import simplify as simplify
 from adwave._recipe import Recipe as Recipe
 from adwave._recipe import read_recipe as read_recipe
-from adwave._register import (
-    Distances as Distances,
-)
-from adwave._register import (
-    Matched as Matched,
-)
-from adwave._register import (
-    Simplified as Simplified,
-)
-from adwave._register import (
-    distances as distances,
-)
-from adwave._register import (
-    match as match,
-)
-from adwave._register import (
-    simplify as simplify,
-)
-from adwave._repeatability import Changed as Changed
-from adwave._repeatability import Repeatability as Repeatability
-from adwave._repeatability import repeatability as repeatability
-from adwave._shape import (
-    Shape as Shape,
-)
-from adwave._shape import (
-    as_shape as as_shape,
-)
-from adwave._shape import (
-    graph as graph,
-)
-from adwave._shape import (
-    read as read,
-)
-from adwave._shape import (
-    read_bytes as read_bytes,
-)
-from adwave._shape import (
-    sample as sample,
-)
-from adwave._studio import Edited as Edited
+from adwave._info import Info as Info
+from adwave._info import info as info
+from adwave._info import memory_needed as memory_needed
+from adwave._info import preset_gains as preset_gains
+from adwave._info import region as region
+from adwave._info import report as report
+from adwave._info import signal as signal
+from adwave._picture import Camera as Camera
+from adwave._picture import ColorScale as ColorScale
+from adwave._picture import Picture as Picture
+from adwave._picture import render as render
+from adwave._studio import StudioResult as StudioResult
 from adwave._studio import studio as studio
+from adwave._environment import show_versions as show_versions
+from adwave._environment import threads as threads
+from adwave._native import InternalError as InternalError
 
 __all__ = [
     "Bands",
-    "Changed",
+    "Camera",
+    "ChangedShape",
+    "ColorScale",
+    "Constraints",
     "Decomposer",
-    "Denoised",
+    "DenoiseResult",
     "Distances",
-    "Edited",
+    "FeatureOptions",
     "Features",
     "Info",
     "InternalError",
     "Layer",
-    "Matched",
+    "MatchResult",
+    "Octaves",
+    "Operator",
     "Picture",
     "Recipe",
     "Repeatability",
     "Saliency",
+    "SaliencyOptions",
     "Shape",
-    "Simplified",
+    "SimplifyResult",
+    "Steps",
+    "StudioResult",
+    "Trials",
+    "Widths",
     "__version__",
     "as_shape",
     "baselines",
@@ -147,5 +115,8 @@ __all__ = [
     "threads",
 ]
 __version__: str
+
+_EXPORTS: dict[str, tuple[str, ...]]
+_MODULES: tuple[str, ...]
 
 def __dir__() -> list[str]: ...

@@ -1,10 +1,9 @@
-"""Shapes of every kind as plain arrays.
+"""Shapes of any kind as plain arrays.
 
-`parts_of` takes what a caller has - arrays, lists, a pair of points and faces, or an object of trimesh,
-PyVista, meshio, Open3D, NetworkX, SciPy or pandas - and gives `Parts`: checked arrays in the types that the
-compiled part wants. Points that are C-contiguous float64 already are passed on without a copy. `with_results`
-goes the other way. The order and number of vertices and faces never change, and what the caller gave is never
-written to.
+`parts_of` takes arrays, lists, a pair of points and faces, or an object of trimesh, PyVista, meshio, Open3D, NetworkX,
+SciPy or pandas, and returns `Parts`: checked arrays in the types that the extension takes. C-contiguous float64 points are
+not copied. `with_results` is the reverse. The order and number of vertices and faces never change, and the caller's
+objects are never written to.
 """
 
 from __future__ import annotations
@@ -94,12 +93,12 @@ class Parts:
 
 
 def is_path(shape: object) -> TypeGuard[str | os.PathLike[str]]:
-    """Whether `shape` names a file: a `str` or a path object."""
+    """Tells whether `shape` names a file: a `str` or a path object."""
     return isinstance(shape, (str, os.PathLike))
 
 
 def parts_of(shape: object, faces: object = None, *, fields: Mapping[str, object] | None = None) -> Parts:
-    """The arrays of anything that is a shape.
+    """Arrays of anything that is a shape.
 
     Parameters
     ----------
@@ -133,7 +132,7 @@ def parts_of(shape: object, faces: object = None, *, fields: Mapping[str, object
 
 
 def graph_parts(n_vertices: int, edges: object, weights: object = None) -> Parts:
-    """The parts of an undirected graph from its edges, (m, 2), each listed once.
+    """Parts of an undirected graph from its edges, (m, 2), each listed once.
 
     Weights are (m,), or None where every edge counts 1; an edge listed twice counts with the sum.
 
@@ -146,7 +145,7 @@ def graph_parts(n_vertices: int, edges: object, weights: object = None) -> Parts
     """
     n_vertices = operator.index(n_vertices)
     if n_vertices < 0:
-        raise ValueError(f"n_vertices: {n_vertices} is negative")
+        raise ValueError(f"n_vertices must not be negative, got {n_vertices}")
     pairs = array_of(edges, "edges")
     if pairs.size == 0:
         pairs = np.empty((0, 2), np.int64)
@@ -166,7 +165,7 @@ def with_results(
     face_fields: Mapping[str, Array] | None = None,
     faces: Array | None = None,
 ) -> Any:
-    """A new object of the kind of `like` with new points, values or faces; `like` itself stays as it is.
+    """A new object of the type of `like` with new points, values or faces; `like` is not changed.
 
     Parameters
     ----------
@@ -213,7 +212,7 @@ def with_results(
 
 
 def _find(shape: object, faces: object) -> Found:
-    """What the caller has: told by its library, as a pair, as an array, or by the names of its attributes."""
+    """Content of a shape, recognized by its library, as a pair, as an array, or by the names of its attributes."""
     if is_path(shape):
         raise TypeError(f"shape: {os.fspath(shape)!r} is a path; read it first, with adwave.read")
     if (library := library_of(shape)) is not None:
@@ -258,7 +257,7 @@ def _parts_from(found: Found) -> Parts:
 
 
 def _own_fields(fields: Mapping[str, object], n_rows: int) -> dict[str, Array]:
-    """The values that came along with an object, without those that are none: texts, matrices, metadata."""
+    """Fields of an object, without texts, matrices and metadata."""
     kept: dict[str, Array] = {}
     for name, values in fields.items():
         try:
@@ -269,7 +268,7 @@ def _own_fields(fields: Mapping[str, object], n_rows: int) -> dict[str, Array]:
 
 
 def _pair_of(shape: object) -> tuple[Any, Any] | None:
-    """(points, faces), told from two points by the first having rows of its own."""
+    """Points and faces of a pair; None for other sequences, such as two points, whose first element has no rows."""
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         return None
     first, second = shape

@@ -1,4 +1,4 @@
-"""Points, values, faces and edges as checked arrays of the types that the compiled part wants.
+"""Points, values, faces and edges as checked arrays of the types that the extension takes.
 
 Whatever real type, order and byte order an array has, it is converted; where it needs none of that it is
 passed on as it is. Every check is one pass over the array, and looks for the row to name only once it failed.
@@ -24,14 +24,14 @@ _DIRECT: tuple[Literal["C"], Literal["A"]] = ("C", "A")
 
 
 def kind_of(x: object) -> str:
-    """The type of `x` in words, for messages."""
+    """Type of `x`, for messages."""
     cls = type(x)
     name = cls.__qualname__ if cls.__module__ == "builtins" else f"{cls.__module__}.{cls.__qualname__}"
     return f"an object of type {name}"
 
 
 def is_array(x: object) -> bool:
-    """Whether `x` is an array of numpy's or offers itself as one."""
+    """Tells whether `x` is an array of numpy's or offers itself as one."""
     return any(hasattr(x, name) for name in ("__array__", "__array_interface__", "__dlpack__"))
 
 
@@ -47,15 +47,15 @@ def depth(x: Any) -> int:
 
 
 def array_of(x: Any, name: str) -> Array:
-    """`x` as an array of real numbers in whatever type and order, without a copy where it is one already."""
+    """`x` as an array of real numbers of any type and order, without a copy if it is one."""
     if np.ma.is_masked(x):
         x = np.ma.filled(np.ma.asarray(x, np.float64), np.nan)
     is_foreign = not isinstance(x, np.ndarray)
     if is_foreign and hasattr(x, "__dlpack_device__"):
         device = x.__dlpack_device__()[0]
-        # Open3D's enumeration is no integer.
+        # Open3D's enumeration is not an integer.
         if getattr(device, "value", device) not in _DLPACK_HOST:
-            raise TypeError(f"{name}: {kind_of(x)} is not in the processor's memory; call .cpu() on it first")
+            raise TypeError(f"{name}: {kind_of(x)} is not in CPU memory; call .cpu() on it first")
     array: Array
     try:
         if is_foreign and hasattr(x, "__dlpack__") and not hasattr(x, "__array__"):
@@ -71,7 +71,9 @@ def array_of(x: Any, name: str) -> Array:
         raise TypeError(f"{name}: {kind_of(x)} cannot be read as an array of numbers: {why}") from error
     if array.dtype.kind not in "biuf":
         _refuse_uneven(x, name)
-        raise TypeError(f"{name}: dtype {array.dtype} holds no real numbers; pass an array of integers or floats")
+        raise TypeError(
+            f"{name}: dtype {array.dtype} is not a type of real numbers; pass an array of integers or floats"
+        )
     return array
 
 
@@ -91,7 +93,7 @@ def _float64(array: Array) -> Floats:
 
 
 def points_array(points: object, name: str = "points") -> Floats:
-    """Points as an (n, 3) float64 array, the same memory where it is one already; (n, 2) is taken as z = 0.
+    """Points as an (n, 3) float64 array, without a copy if they are one; (n, 2) gets z = 0.
 
     Raises
     ------
@@ -102,7 +104,7 @@ def points_array(points: object, name: str = "points") -> Floats:
     """
     array = array_of(points, name)
     if array.dtype.kind == "b":
-        raise TypeError(f"{name}: dtype bool holds no coordinates; pass an array of integers or floats")
+        raise TypeError(f"{name}: coordinates cannot be bool; pass an array of integers or floats")
     if array.shape == (0,):
         return np.empty((0, 3))
     if array.ndim != 2 or array.shape[1] not in (2, 3):
@@ -178,7 +180,7 @@ def _rows_of(array: Array, n_rows: int, name: str) -> Array:
 
 
 def weights_array(weights: object, n_edges: int) -> Floats | None:
-    """One weight per edge; None stays None."""
+    """Weights of the edges, one for each; None stays None."""
     if weights is None:
         return None
     array = array_of(weights, "weights")
@@ -188,7 +190,7 @@ def weights_array(weights: object, n_edges: int) -> Floats | None:
 
 
 def faces_arrays(faces: Any, n_points: int) -> tuple[Indices, Indices | None]:
-    """Corners and offsets of faces in any of their forms; no offsets where all are triangles."""
+    """Corners and offsets of faces in any accepted form; no offsets if all are triangles."""
     corners, offsets = _cells(faces, n_points, "faces", fewest=3)
     if isinstance(offsets, int):
         return corners, None if offsets == 3 else np.arange(0, corners.size + 1, offsets, dtype=np.uint32)
@@ -196,7 +198,7 @@ def faces_arrays(faces: Any, n_points: int) -> tuple[Indices, Indices | None]:
 
 
 def edges_of_lines(lines: Any, n_points: int) -> tuple[Indices, Indices]:
-    """The two ends of every edge of lines, each of which joins two or more points one after the other."""
+    """Both ends of every edge of polylines."""
     corners, offsets = _cells(lines, n_points, "lines", fewest=2)
     ends = np.arange(0, corners.size + 1, offsets) if isinstance(offsets, int) else offsets
     begins = np.delete(np.arange(corners.size), ends[1:] - 1)
@@ -204,7 +206,7 @@ def edges_of_lines(lines: Any, n_points: int) -> tuple[Indices, Indices]:
 
 
 def _cells(cells: Any, n_points: int, name: str, fewest: int) -> tuple[Indices, Offsets | int]:
-    """Corners of all cells, and where each begins, or the one length that all have."""
+    """Corners of all cells, with the offsets of the cells or their common length."""
     if isinstance(cells, np.ndarray) and cells.dtype.kind == "O" and cells.ndim == 1:
         cells = cells.tolist()
     lengths = _lengths(cells)
@@ -231,7 +233,7 @@ def _cells(cells: Any, n_points: int, name: str, fewest: int) -> tuple[Indices, 
 
 
 def _common_length(offsets: Offsets, name: str, fewest: int) -> int:
-    """The length that all cells have, or 0."""
+    """Common length of all cells, or 0."""
     lengths = np.diff(offsets)
     shortest = int(lengths.min(initial=2**62))
     if shortest < fewest:
@@ -241,7 +243,7 @@ def _common_length(offsets: Offsets, name: str, fewest: int) -> int:
 
 
 def _lengths(cells: Any) -> Offsets | None:
-    """The length of each row of a list of lists."""
+    """Length of each row of a list of lists."""
     if not isinstance(cells, (list, tuple)) or not cells or not all(hasattr(cell, "__len__") for cell in cells):
         return None
     return np.fromiter(map(len, cells), np.int64, len(cells))
@@ -256,14 +258,14 @@ def _cells_hint(cells: Array, n_points: int, name: str) -> str:
 
 
 def _is_transposed(cells: Array, n_points: int) -> bool:
-    """Three long rows are triangles on their side, unless they can be polygons, which visit a vertex once."""
+    """Tells whether three long rows are transposed triangles: polygons would visit each vertex once."""
     if cells.shape[0] not in (3, 4) or cells.shape[1] <= 4:
         return False
     return cells.shape[1] > n_points or any(np.unique(row).size < row.size for row in cells)
 
 
 def _is_corners_and_offsets(cells: Any, fewest: int) -> bool:
-    """Two 1-D arrays always are; two lists, which may be two faces, where the second can be offsets."""
+    """Tells whether a pair is (corners, offsets): two 1-D arrays are; two lists are if the second can be offsets."""
     if not isinstance(cells, tuple) or len(cells) != 2 or any(depth(part) != 1 for part in cells):
         return False
     corners, offsets = cells
@@ -285,7 +287,7 @@ def _checked_offsets(offsets: Array, corners: Array, name: str) -> Offsets:
 
 
 def _unpadded(padded: Array, name: str) -> tuple[Array, Offsets | None]:
-    """Corners and offsets of [3, a, b, c, 4, ...]; rows of corners where all lengths are equal."""
+    """Corners and offsets of [3, a, b, c, 4, ...]; rows of corners if all lengths are equal."""
     padded = _whole(padded, name, "entry")
     width = int(padded[0]) + 1
     if width > 1 and padded.size % width == 0 and (padded[::width] == width - 1).all():
@@ -296,7 +298,7 @@ def _unpadded(padded: Array, name: str) -> tuple[Array, Offsets | None]:
     while at < len(counts):
         if not 0 < counts[at] < len(counts) - at:
             raise ValueError(
-                f"{name}: entry {at} is {counts[at]}, which is no number of corners that follow; a 1-D array "
+                f"{name}: entry {at} is {counts[at]}, which is not the number of corners that follow; a 1-D array "
                 f"is read as [3, a, b, c, 4, ...]; pass {name}.reshape(-1, 3) if these are triangles"
             )
         starts.append(at)
@@ -306,15 +308,15 @@ def _unpadded(padded: Array, name: str) -> tuple[Array, Offsets | None]:
 
 
 def _whole(array: Array, name: str, item: str, offsets: Offsets | None = None) -> Array:
-    """Integers stay; floats that are whole become integers."""
+    """Indices as integers; floats must be integers."""
     if array.dtype.kind == "b":
-        raise TypeError(f"{name}: dtype bool holds no indices; pass an array of integers")
+        raise TypeError(f"{name}: indices cannot be bool; pass an array of integers")
     if array.dtype.kind != "f":
         return array
     with np.errstate(invalid="ignore"):
         whole = array.astype(np.int64)
     if (whole != array).any():
-        raise ValueError(f"{name}: {_bad(array, whole != array, item, offsets)}, which is no index")
+        raise ValueError(f"{name}: {_bad(array, whole != array, item, offsets)}, which is not an index")
     return whole
 
 
@@ -342,7 +344,7 @@ def _outside(array: Array, n: int, name: str, item: str, offsets: Offsets | None
 
 
 def _bad(array: Array, is_bad: NDArray[np.bool_], item: str, offsets: Offsets | None) -> str:
-    """The first bad entry in words."""
+    """Description of the first bad entry, for messages."""
     at = int(np.argmax(is_bad))
     if offsets is not None and array.ndim == 1:
         row = int(np.searchsorted(offsets, at, "right")) - 1

@@ -1,4 +1,4 @@
-"""What the shapes of other libraries hold.
+"""Content of the shape objects of other libraries.
 
 No library is imported to recognize its objects: the module names of their classes tell. Readers give what is
 there as it is; `adwave._adapt` checks and converts it.
@@ -35,7 +35,7 @@ OPEN3D_NAMES = {"colors": "color", "normals": "normal"}
 
 @dataclass(slots=True)
 class Found:
-    """What an object holds, not checked yet: points with faces, with lines or alone; or edges between nodes.
+    """Unchecked content of an object: points with faces, with lines or alone; or edges between nodes.
 
     `lines` are cells of two corners and more; `edges` are rows, columns, weights, and whether each undirected
     edge is listed once, and come with `n_vertices`.
@@ -52,7 +52,7 @@ class Found:
 
 
 def library_of(x: object) -> str | None:
-    """The library whose shapes have a reader of their own, or None."""
+    """Name of the library of `x`, if it has a reader here, or None."""
     if isinstance(x, np.ndarray):
         return None
     for cls in type(x).__mro__:
@@ -74,19 +74,19 @@ def class_names(x: object) -> set[str]:
 
 
 def read(x: Any, library: str) -> Found:
-    """What an object of `library` holds."""
+    """Content of an object of `library`."""
     found = _READERS[library](x)
     found.source = library
     return found
 
 
 def has_shape_names(x: object) -> bool:
-    """Whether `x` has attributes that are called like vertices or points."""
+    """Tells whether `x` has attributes named like vertices or points."""
     return any(hasattr(x, vertices) for vertices, _ in _SHAPE_NAMES)
 
 
 def by_names(x: Any) -> Found:
-    """What an object of an unknown library holds, by the names of its attributes."""
+    """Content of an object of an unknown library, by the names of its attributes."""
 
     def value(name: str) -> Any:
         attribute = getattr(x, name)
@@ -125,7 +125,7 @@ def _read_trimesh(x: Any) -> Found:
 
 
 def only_geometry(scene: Any) -> tuple[str, Any, Array]:
-    """The one geometry of a trimesh scene: its name, itself, and the matrix that places it."""
+    """The only geometry of a trimesh scene: its name, the geometry, and its placement matrix."""
     nodes = list(scene.graph.nodes_geometry)
     if len(nodes) != 1:
         raise TypeError(
@@ -187,7 +187,7 @@ def _read_grid(x: Any) -> Found:
 
 
 def is_face_of_grid(x: Any) -> NDArray[np.bool_]:
-    """Which cells of an UnstructuredGrid are faces."""
+    """Mask of the cells of an UnstructuredGrid that are faces."""
     return np.isin(x.celltypes, _VTK_FACES)
 
 
@@ -203,7 +203,7 @@ def _read_vtk(x: Any) -> Found:
 
 
 def is_meshio_face(block: Any) -> bool:
-    """Whether the cells of a block are flat polygons."""
+    """Tells whether the cells of a block are flat polygons."""
     return block.type in ("triangle", "quad") or block.type.startswith("polygon")
 
 
@@ -256,7 +256,7 @@ def _read_open3d(x: Any) -> Found:
 
 
 def open3d_kind(x: object) -> str:
-    """Which of Open3D's geometries `x` is."""
+    """Kind of Open3D geometry of `x`."""
     names = class_names(x)
     for kind in ("TriangleMesh", "PointCloud", "LineSet"):
         if kind in names:
@@ -265,7 +265,7 @@ def open3d_kind(x: object) -> str:
 
 
 def is_tensor_geometry(x: object) -> bool:
-    """Whether `x` is of open3d.t.geometry, which keeps named tensors."""
+    """Tells whether `x` is of open3d.t.geometry, which keeps named tensors."""
     return ".t." in type(x).__module__ or any(".t." in cls.__module__ for cls in type(x).__mro__)
 
 
@@ -303,7 +303,7 @@ def _read_scipy(x: Any) -> Found:
 
 
 def axes_of(x: Any) -> list[Any]:
-    """The columns x, y and z, or x and y, of a data frame; none where it has no columns of these names."""
+    """Columns x, y and z, or x and y, of a data frame; None if it has no columns of these names."""
     by_name = {str(column).lower(): column for column in x.columns}
     return [by_name[axis] for axis in "xyz" if axis in by_name] if {"x", "y"} <= by_name.keys() else []
 

@@ -1,4 +1,4 @@
-"""Results as new objects of other libraries' kinds.
+"""Results as new objects of other libraries.
 
 The library is loaded already, because the caller holds an object of it; so what is needed of it is taken from
 `sys.modules`, and nothing is imported here.
@@ -32,7 +32,7 @@ _NORMALS = ("normal", "normals")
 
 @dataclass(slots=True)
 class _Results:
-    """What is to be put into a new object; `is_fresh` where nothing of the old one fits any more."""
+    """Content of a new object; `is_fresh` if nothing of the old object fits it."""
 
     points: Array | None
     fields: dict[str, Array]
@@ -49,7 +49,7 @@ def rebuild(
     face_fields: dict[str, Array],
     faces: Array | None,
 ) -> Any:
-    """A new object of the kind of `like` with the results; `like` stays as it is."""
+    """A new object of the type of `like` with the results; `like` is not changed."""
     if library not in _REBUILDERS:
         raise TypeError(f"like: {_WITHOUT_PLACE[library]}; ask for arrays")
     results = _Results(points, fields, face_fields, faces)
@@ -78,7 +78,7 @@ def _refuse_fields(like: object, names: Iterable[str], can: str) -> None:
 
 
 def _points_like(points: Array, old: Any) -> Array:
-    """A copy of `points` in the floating type of `old`; without z where `old` had none and it is still 0."""
+    """A copy of `points` in the floating type of `old`; without z if `old` has none and z is still 0."""
     old = np.asarray(old)
     if old.shape[1:] == (2,) and not points[:, 2:].any():
         points = points[:, :2]
@@ -86,7 +86,7 @@ def _points_like(points: Array, old: Any) -> Array:
 
 
 def _spread(name: str, values: Array, is_face: NDArray[np.bool_]) -> Array:
-    """Values per face as values per cell: NaN, or 0 among integers, where a cell is no face."""
+    """Values per face as values per cell: NaN, or 0 for integers, where a cell is not a face."""
     values = np.asarray(values)
     if len(values) != np.count_nonzero(is_face):
         count = np.count_nonzero(is_face)
@@ -202,7 +202,7 @@ def _rebuild_open3d(like: Any, results: _Results) -> Any:
 
 
 def _rebuild_vectors(like: Any, results: _Results, is_mesh: bool) -> Any:
-    """For the geometries that hold vectors of fixed kinds only."""
+    """Rebuild a geometry that stores vectors of fixed types only."""
     others = [*(results.fields.keys() - {"color", "normal"}), *results.face_fields]
     _refuse_fields(like, sorted(others), " but color and normal")
     utility = sys.modules["open3d"].utility

@@ -1,4 +1,4 @@
-"""The file `__init__.py` of the add-on that `python -m adwave.blender` writes: it looks for adwave, and says what to do without it."""
+"""`__init__.py` of the add-on that `python -m adwave.blender` writes: it looks for adwave, and tells how to install it."""
 
 import sys
 from typing import Any
@@ -30,7 +30,7 @@ class ADWAVE_OT_copy_command(bpy.types.Operator):
 
 
 class VIEW3D_PT_adwave_missing(bpy.types.Panel):
-    """Stands in the panel's place."""
+    """Panel that is shown if adwave is not installed."""
 
     bl_label = "adwave is not installed"
     bl_category = "adwave"
@@ -50,7 +50,7 @@ _CLASSES = (ADWAVE_OT_copy_command, VIEW3D_PT_adwave_missing)
 
 
 def register() -> None:
-    """Called by Blender where the add-on is switched on."""
+    """Register the add-on; Blender calls this when it is enabled."""
     if _addon is not None:
         _addon.register()
         return
@@ -60,7 +60,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Called by Blender where the add-on is switched off."""
+    """Unregister the add-on; Blender calls this when it is disabled."""
     if _addon is not None:
         _addon.unregister()
         return

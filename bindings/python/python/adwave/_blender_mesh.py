@@ -1,7 +1,7 @@
-"""What `adwave.blender` reads from Blender's meshes, computes from it and writes back; nothing of windows and panels.
+"""Data that `adwave.blender` reads from Blender's meshes, computes and writes back, without the user interface.
 
-A mesh that is split keeps its original points in the attribute `ORIGINAL`, so that they are saved, copied and undone with it. What is
-computed from them (`Split`) is kept beside Blender and made again where it is missing.
+A split mesh keeps its original points in the attribute `ORIGINAL`, so that they are saved, copied and undone with it. The
+bands computed from them (`Split`) are kept outside of Blender, and computed again if they are missing.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 import adwave
 from adwave import _adapt, _native
+from adwave._options import Constraints
 from adwave._progress import Report
 
-#: Names that begin with a dot are not listed by Blender.
+#: Blender does not list names that begin with a dot.
 ORIGINAL = ".adwave_original"
-#: Ends of the scale of colors, of linear light: hollow, level, standing out.
+#: Linear colors at the ends and in the middle of the scale: concave, flat, convex.
 COLORS = ((0.05, 0.13, 0.6), (0.8, 0.8, 0.8), (0.6, 0.03, 0.02))
 
 Floats = NDArray[np.float64]
@@ -26,7 +27,7 @@ Singles = NDArray[np.float32]
 
 
 def raw(mesh: Any, name: str, key: str, width: int, kind: type) -> NDArray[Any]:
-    """An attribute's numbers in one copy, without a detour by Python objects; none where it is not there."""
+    """Numbers of an attribute in one copy; an empty array if the mesh has no such attribute."""
     attribute = mesh.attributes.get(name)
     values = np.zeros((len(attribute.data) if attribute else 0) * width, kind)
     if attribute:
@@ -35,7 +36,7 @@ def raw(mesh: Any, name: str, key: str, width: int, kind: type) -> NDArray[Any]:
 
 
 def points_of(mesh: Any, name: str = "position") -> Singles:
-    """The points as Blender has them: 3·n numbers of single precision."""
+    """Points as Blender stores them: 3·n numbers of single precision."""
     return raw(mesh, name, "vector", 3, np.float32)
 
 
@@ -46,7 +47,7 @@ def put_points(mesh: Any, points: Singles) -> None:
 
 
 def checksum(*arrays: NDArray[Any]) -> str:
-    """A short text that tells whether arrays are still the same."""
+    """Short text that changes if an array changes."""
     total = 0
     for array in arrays:
         total = zlib.crc32(array.data, total)
@@ -54,7 +55,7 @@ def checksum(*arrays: NDArray[Any]) -> str:
 
 
 def connections(mesh: Any) -> str:
-    """A short text that tells whether the mesh has the faces (or, without any, the edges) that it had."""
+    """Short text that changes if the faces (or, without faces, the edges) of the mesh change."""
     links = raw(mesh, ".corner_vert", "value", 1, np.int32)
     if not len(links):
         links = raw(mesh, ".edge_verts", "value", 2, np.int32)
@@ -62,7 +63,7 @@ def connections(mesh: Any) -> str:
 
 
 def shape_of(mesh: Any, points: Singles) -> adwave.Shape:
-    """Faces of any number of corners as a mesh, edges alone as a graph, and points alone as a cloud."""
+    """Shape of a mesh: a mesh if it has faces, a graph if it has edges only, otherwise a cloud."""
     if not len(points):
         raise ValueError("the mesh has no vertices")
     places = _adapt.points_array(points.reshape(-1, 3))
@@ -72,14 +73,14 @@ def shape_of(mesh: Any, points: Singles) -> adwave.Shape:
         starts = np.empty(len(mesh.polygons), np.int32)
         mesh.polygons.foreach_get("loop_start", starts)
         offsets[:-1] = starts
-        return adwave.Shape._of(_native.ShapeData.from_arrays(places, corners, offsets))
+        return adwave.Shape._from_data(_native.ShapeData.from_arrays(places, corners, offsets))
     if len(mesh.edges):
         return adwave.graph(len(places), raw(mesh, ".edge_verts", "value", 2, np.int32).reshape(-1, 2))
     return adwave.Shape(places)
 
 
 def group_weights(mesh: Any, index: int) -> Floats:
-    """The weights of a vertex group: Blender gives them one by one."""
+    """Weights of a vertex group, (n,); 0 outside of it."""
     weights = np.zeros(len(mesh.vertices))
     for vertex in mesh.vertices:
         for member in vertex.groups:
@@ -89,14 +90,14 @@ def group_weights(mesh: Any, index: int) -> Floats:
 
 
 def selected(mesh: Any) -> Floats:
-    """1 at vertices that are selected."""
+    """Weights that are 1 at selected vertices, (n,)."""
     flags = raw(mesh, ".select_vert", "value", 1, bool)
-    # Where nothing is selected there is no such attribute.
+    # Without a selection there is no such attribute.
     return flags.astype(float) if len(flags) else np.zeros(len(mesh.vertices))
 
 
 class Split:
-    """The bands of a mesh, and what makes new points of gains in milliseconds."""
+    """The bands of a mesh, and its new points for given gains in milliseconds."""
 
     def __init__(self, mesh: Any, original: Singles, levels: int, report: Report | None = None) -> None:
         shape = shape_of(mesh, original)
@@ -110,15 +111,15 @@ class Split:
         self._graph = shape.kind == "graph"
         self._edited = np.empty_like(self._before)
         self._turns: dict[tuple[str, str], Floats] = {}
-        #: Weights of the vertex group of that name, as long as nobody paints.
+        #: Name and weights of a vertex group, until it is painted again.
         self.group: tuple[str, Floats] | None = None
 
     def points(self, gains: list[float], where: Floats | None, along: str, border: str, keep_volume: bool) -> Singles:
-        """New points for gains, 3·n numbers; where no gain applies the bits of the old ones."""
+        """New points for gains, 3·n numbers; bit-identical to the old ones where no gain applies."""
         edited = self.bands.apply(gains, where, out=self._edited)
         straight = along == "auto" and (border == "free" or not self._open)
         if keep_volume and not self._graph:
-            edited = self._settled(edited, along, border, "keep")
+            edited = self._constrain(edited, along, border, "keep")
         elif not straight and not self._graph:
             np.subtract(edited, self._before, out=edited)
             edited = np.einsum("nij,nj->ni", self._turn(along, border), edited)
@@ -128,25 +129,27 @@ class Split:
         points[self._negative[points[self._negative] == 0]] = -0.0
         return points
 
-    def _settled(self, edited: Floats, along: str, border: str, volume: str) -> Floats:
-        return self._decomposer._data.settled(edited, None if along == "auto" else along, border, volume)
+    def _constrain(self, edited: Floats, along: str, border: str, volume: str) -> Floats:
+        constraints = Constraints(along=None if along == "auto" else along, border=border, volume=volume)  # type: ignore[arg-type]
+        return self._decomposer._data.constrain_positions(edited, constraints)
 
     def _turn(self, along: str, border: str) -> Floats:
-        """The matrix of each vertex that takes the bands' displacement to the one that directions and borders allow.
+        """Matrix of each vertex that maps the displacement by the bands to the one that directions and borders allow.
 
-        That is linear, and the normals are those of the original points: three displacements tell it once for all sliders.
+        The map is linear, since the normals are those of the original points: three displacements determine it.
         """
         if (along, border) not in self._turns:
             size = self._decomposer.diagonal or 1.0
             columns = [
-                (self._settled(self._before + size * axis, along, border, "free") - self._before) for axis in np.eye(3)
+                (self._constrain(self._before + size * axis, along, border, "free") - self._before)
+                for axis in np.eye(3)
             ]
             self._turns = {(along, border): np.stack(columns, axis=2) / size}
         return self._turns[along, border]
 
 
 def colors_of(values: Floats) -> Singles:
-    """Linear colors for values with a sign, 4·n numbers; the strongest hundredth is at the ends of the scale."""
+    """Linear colors of signed values, 4·n numbers; the strongest hundredth is at the ends of the scale."""
     size = float(np.percentile(np.abs(values), 99)) or 1.0
     t = np.clip(np.nan_to_num(values) / size, -1, 1)[:, None]
     low, middle, high = (np.array(color) for color in COLORS)
@@ -155,10 +158,10 @@ def colors_of(values: Floats) -> Singles:
 
 
 def put_field(mesh: Any, name: str, kind: str, key: str, values: NDArray[Any]) -> None:
-    """Values at the vertices as an attribute, in place of those that it had."""
+    """Write values at the vertices as an attribute, replacing those of that name."""
     attribute = mesh.attributes.get(name)
     if attribute and (attribute.data_type, attribute.domain) != (kind, "POINT"):
-        raise ValueError(f"the attribute {name!r} is there and is of another kind; choose another name")
+        raise ValueError(f"the attribute {name!r} exists and is of another kind; choose another name")
     if not attribute:
         attribute = mesh.attributes.new(name, kind, "POINT")
     attribute.data.foreach_set(key, values)

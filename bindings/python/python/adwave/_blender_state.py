@@ -1,4 +1,4 @@
-"""What Blender keeps of a mesh that is split: gains, region and options, in the mesh itself; and how they move its points."""
+"""State of a split mesh in Blender: gains, region and options, stored in the mesh, and their effect on its points."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -33,7 +33,7 @@ def sentence(error: BaseException) -> str:
 
 
 def refuse(mesh: Any) -> None:
-    """Raise where the points of a mesh cannot be moved."""
+    """Raise `ValueError` if the points of a mesh cannot be moved."""
     if mesh.library is not None or not mesh.is_editable:
         raise ValueError(f"the mesh {mesh.name!r} belongs to another file; make it local first")
     if mesh.shape_keys is not None:
@@ -49,7 +49,7 @@ def is_split(mesh: Any) -> bool:
 
 
 def is_ours(mesh: Any) -> bool:
-    """Whether faces and points are those that the sliders left."""
+    """Tells whether faces and points are unchanged since the sliders moved them."""
     state = mesh.adwave
     return own.connections(mesh) == state.connections and own.checksum(own.points_of(mesh)) == state.written
 
@@ -70,7 +70,7 @@ def owner(mesh: Any, context: Any) -> Any:
 
 
 def weights(mesh: Any, context: Any, split: own.Split | None = None) -> np.ndarray | None:
-    """The region that is chosen, a weight for each vertex; None for all."""
+    """Weights of the chosen region, (n,); None for all vertices."""
     state = mesh.adwave
     if state.region == "SELECTED":
         return own.selected(mesh)
@@ -100,7 +100,7 @@ def write(mesh: Any, points: np.ndarray) -> None:
 
 
 def show(mesh: Any, context: Any, report: Report | None = None) -> None:
-    """Move the points to where the gains have them."""
+    """Move the points according to the gains."""
     state = mesh.adwave
     refuse(mesh)
     thing = owner(mesh, context)
@@ -112,7 +112,7 @@ def show(mesh: Any, context: Any, report: Report | None = None) -> None:
 
 
 def changed(self: Any, context: Any) -> None:
-    """What moving a slider calls."""
+    """Update the points after a slider was moved."""
     mesh = self.id_data
     if _quiet or not is_split(mesh):
         return
@@ -127,7 +127,7 @@ def changed(self: Any, context: Any) -> None:
 
 @contextmanager
 def together() -> Iterator[None]:
-    """Several properties are set, and the points move once."""
+    """Context in which several properties are set and the points move once."""
     global _quiet
     _quiet = True
     try:
@@ -137,7 +137,7 @@ def together() -> Iterator[None]:
 
 
 def end(mesh: Any) -> None:
-    """The mesh is no longer split; its points stay."""
+    """Remove the bands of a mesh; its points are unchanged."""
     state = mesh.adwave
     state.bands.clear()
     state.message = state.written = state.connections = ""
@@ -147,7 +147,7 @@ def end(mesh: Any) -> None:
 
 
 class AdwaveBand(bpy.types.PropertyGroup):
-    """One slider."""
+    """Slider of one band."""
 
     gain: FloatProperty(
         name="Gain",
@@ -166,7 +166,7 @@ class AdwaveBand(bpy.types.PropertyGroup):
 
 
 class AdwaveState(bpy.types.PropertyGroup):
-    """What the panel shows of a mesh; it is saved and undone with it."""
+    """Properties of a mesh in the panel, which are saved and undone with it."""
 
     bands: CollectionProperty(type=AdwaveBand)
     levels: IntProperty(
@@ -215,7 +215,7 @@ class AdwaveState(bpy.types.PropertyGroup):
 
 @bpy.app.handlers.persistent
 def forget_weights(*_: Any) -> None:
-    """Weights may have been painted, or undone."""
+    """Discard stored weights, since they may have been painted or undone."""
     thing = bpy.context.object
     if thing is not None and thing.type == "MESH" and thing.mode != "OBJECT" and thing.data.session_uid in splits:
         splits[thing.data.session_uid].group = None
@@ -229,7 +229,7 @@ def forget_all_weights(*_: Any) -> None:
 
 @bpy.app.handlers.persistent
 def forget_all(*_: Any) -> None:
-    """Another file has other meshes."""
+    """Discard the bands of the previous file."""
     splits.clear()
 
 

@@ -41,7 +41,7 @@ PLATFORMS = (
 
 
 def platform_of(wheel: str) -> str:
-    """Blender's name of the machine that a wheel is for.
+    """Blender's name of the platform of a wheel.
 
     >>> platform_of("adwave-0.1.0-cp310-abi3-manylinux_2_17_x86_64.manylinux2014_x86_64.whl")
     'linux-x64'
@@ -56,7 +56,7 @@ def platform_of(wheel: str) -> str:
 
 
 def installed_wheel() -> tuple[str, bytes]:
-    """The installed package as the wheel that it came from: its name and content.
+    """Name and content of the wheel that the installed package came from.
 
     Raises
     ------
@@ -92,13 +92,13 @@ def installed_wheel() -> tuple[str, bytes]:
 
 
 def _of_wheel(file: PurePosixPath) -> bool:
-    """Whether a file was in the wheel, and not made when it was installed."""
+    """Tells whether a file belongs to the wheel and was not written by the installation."""
     made = ("INSTALLER", "REQUESTED", "direct_url.json")
     return ".." not in file.parts and "__pycache__" not in file.parts and file.name not in made
 
 
 def write_addon(path: Path, wheels: Sequence[Path] | None = None) -> str:
-    """Write the add-on, and say what is in it.
+    """Write the add-on, and print its content.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def _version() -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run ``python -m adwave.blender``, and give its exit code."""
+    """Run ``python -m adwave.blender``; returns its exit code."""
     parser = argparse.ArgumentParser(
         prog="python -m adwave.blender", description="Write the add-on for Blender 4.2 and newer."
     )

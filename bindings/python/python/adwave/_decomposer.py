@@ -1,66 +1,77 @@
-"""`Decomposer`: a shape prepared once, to be asked often."""
+"""`Decomposer`, a shape prepared once, and `Bands`, a signal split from fine to coarse."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, Union
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._progress import ProgressLike, reporting
-from adwave._shape import Shape, as_shape
+from adwave._diffusion import PreparedShape
+from adwave._native import FWHM
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Steps, Widths, as_operator
+from adwave._progress import ProgressLike, report_progress
+from adwave._shape import Shape
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
-    from scipy.sparse.linalg import LinearOperator
-
-    from adwave._bands import Bands
-
-Length = Union[float, str]
-SignalLike = Union[str, ArrayLike, None]
-Operator = Literal["walk", "surface"]
-
-#: Up to which share of the diagonal levels go where none are asked for: of bands, of features, of a map with a sign.
-REACH = _native.REACH
+Where = Union[str, ArrayLike, None]
 
 
-class Decomposer:
-    """A shape with its diffusion operator, prepared once; each question then costs its products only.
-
-    The operator Φ₁ is one step of a diffusion on the shape: a lazy random walk over the mesh (`houqin2013`, eq. 4) or heat on the
-    surface. Level j of a signal f is ``S_f(j) = Φ₁^(n_j) f``, and its bands are ``W_f(j) = S_f(j−1) − S_f(j)`` (eq. 11).
+@dataclass(frozen=True)
+class Layer:
+    """One edit: a gain for each band, and the region where it applies.
 
     Parameters
     ----------
-    shape, faces
+    gains : sequence of float, or str
+        g_1 … g_J from fine to coarse: 0 drops a band, 1 keeps it, 2 doubles it. Or the name of a preset:
+        ``'suppress'`` (or ``'smooth'``), ``'suppress-paper'``, ``'enhance'``, ``'band1'``, ``'band2'``.
+    where : str or (n,) array_like, optional
+        A region in its text form, or a weight for each vertex; everywhere by default.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> layers = [aw.Layer("smooth"), aw.Layer([2, 2, 1, 1], "ball:vertex=0,radius=20%")]
+    >>> aw.filter(aw.sample("sphere", vertices=500), layers, levels=4)
+    <adwave.Shape: mesh, 500 vertices, 996 faces>
+    """
+
+    gains: Union[Sequence[float], str]
+    where: Any = None
+
+
+GainsLike = Union[Sequence[float], str, Layer, Sequence[Layer]]
+"""An edit: a gain for each band, the name of a preset, or one or more `Layer`."""
+
+
+class Decomposer(PreparedShape):
+    """A shape with its diffusion operator, prepared once; each request then costs its sparse products only.
+
+    The operator Φ₁ is one step of a diffusion on the shape: a lazy random walk over the mesh (`houqin2013`, eq. 4) or
+    heat on the surface. Level j of a signal f is ``S_f(j) = Φ₁^(n_j) f``, and its bands are
+    ``W_f(j) = S_f(j−1) − S_f(j)`` (eq. 11).
+
+    Parameters
+    ----------
+    shape : shape_like
         Anything that is a shape; see `Shape`.
-    operator : {'walk', 'surface'}
-        By what signals are smoothed: the paper's lazy random walk, or heat on the surface, whose widths hardly depend on the
-        mesh.
-    weld : bool
-        Whether vertices at exactly equal positions are one for the analysis.
-    rings : int
-        Walk on a mesh: how many rings of neighbors one step takes in.
-    mesh_area : {'barycentric', 'mixed-voronoi'}
-        Walk on a mesh: the area of a vertex.
-    neighbors : int
-        Cloud: how many nearest neighbors one step takes in.
-    directed : bool
-        Walk on a cloud: step to the nearest of each point only, as the paper has it.
-    cloud_area : {'kth-neighbor', 'unit', 'tangent-voronoi'}
-        Walk on a cloud: the area of a point.
-    density_invariant : bool
-        Walk: take out how densely the shape was sampled.
-    keep_creases : bool
-        Do not step across creases, where normals turn sharply.
+    operator : str or Operator
+        How signals are smoothed: ``'walk'``, the paper's lazy random walk, or ``'surface'``, heat, whose widths hardly depend on the
+        mesh; `Operator` has further options.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the shape or an option is invalid; the message is one line.
 
     Notes
     -----
-    O(n log n) time; it keeps about 200 bytes a vertex. Safe to ask from several threads, and in a forked child.
+    Takes O(n log n) time and about 200 bytes for each vertex. It may be used from several threads, and in a forked child.
 
     Examples
     --------
@@ -72,374 +83,277 @@ class Decomposer:
     (5, 1000)
     """
 
-    __slots__ = ("__weakref__", "_data", "_mask", "_options", "shape")
-
-    def __init__(
-        self,
-        shape: object,
-        faces: object = None,
-        *,
-        operator: Operator = "walk",
-        weld: bool | None = None,
-        rings: int | None = None,
-        mesh_area: str | None = None,
-        neighbors: int | None = None,
-        directed: bool | None = None,
-        cloud_area: str | None = None,
-        density_invariant: bool | None = None,
-        keep_creases: bool | None = None,
-        progress: ProgressLike = None,
-    ) -> None:
-        options = {
-            "operator": operator,
-            "weld": weld,
-            "rings": rings,
-            "mesh_area": mesh_area,
-            "neighbors": neighbors,
-            "directed": directed,
-            "cloud_area": cloud_area,
-            "density_invariant": density_invariant,
-            "keep_creases": keep_creases,
-        }
-        self.shape: Shape = as_shape(shape, faces)
-        self._options: dict[str, Any] = {name: given for name, given in options.items() if given is not None}
-        with reporting(progress, "preparing") as report:
-            self._data = _native.Prepared(self.shape._data, self._options, report)
-        self._mask: NDArray[np.bool_] | None = None
-
-    @property
-    def n_vertices(self) -> int:
-        """Number of vertices of the shape."""
-        return self._data.n_vertices
-
-    @property
-    def operator(self) -> str:
-        """``'walk'`` or ``'surface'``."""
-        return self._data.operator
-
-    @property
-    def diagonal(self) -> float:
-        """Length of the bounding box's diagonal, model units; 0 of a graph."""
-        return self._data.lengths()[0]
-
-    @property
-    def mean_length(self) -> float:
-        """Mean length of the edges, or mean distance of nearest neighbors, model units."""
-        return self._data.lengths()[1]
-
-    @property
-    def areas(self) -> NDArray[np.float64]:
-        """The area of each vertex, squared model units."""
-        return self._data.areas()
-
-    @property
-    def mask(self) -> NDArray[np.bool_] | None:
-        """Which vertices are left out; None where none are."""
-        return self._mask
-
-    def masked(self, mask: ArrayLike) -> Decomposer:
-        """The same shape without some vertices: the diffusion goes round them. Their bands are NaN.
-
-        Signals that are NaN somewhere are masked there by themselves.
-
-        Parameters
-        ----------
-        mask : (n,) array of bool
-            True at vertices that are left out.
-        """
-        flags = np.ascontiguousarray(np.asarray(mask), dtype=bool)
-        if flags.shape != (self.n_vertices,):
-            raise ValueError(f"mask: shape {flags.shape} for {self.n_vertices} vertices; give one flag for each")
-        other = Decomposer.__new__(Decomposer)
-        other.shape, other._options, other._mask = self.shape, self._options, flags
-        other._data = self._data.masked(flags)
-        return other
-
-    def steps(
-        self,
-        *,
-        levels: int | None = None,
-        lengths: Sequence[Length] | None = None,
-        fwhm: Sequence[Length] | None = None,
-        steps: Sequence[float] | None = None,
-        voices: int | None = None,
-        reach: float | None = None,
-    ) -> list[float]:
-        """How many steps of the diffusion each level stands for.
-
-        Parameters
-        ----------
-        levels : int, optional
-            So many levels of 1, 2, 4 … steps. Where nothing is given, until a level is 2 % of the diagonal wide.
-        lengths : sequence of float or str, optional
-            Levels of these widths σ, in model units or in ``"2%"`` of the diagonal: the root mean square distance that one
-            value spreads to.
-        fwhm : sequence of float or str, optional
-            Levels of these full widths at half maximum: 1.665 σ.
-        steps : sequence of float, optional
-            Levels of these numbers of steps, whole or not.
-        voices : int, optional
-            So many levels for each doubling of the steps.
-        reach : float, optional
-            Share of the diagonal that the levels go to where none are asked for.
-        """
-        if steps is not None and levels is lengths is fwhm is voices is None:
-            return [float(n) for n in steps]
-        given = [name for name, value in (("lengths", lengths), ("fwhm", fwhm), ("steps", steps)) if value is not None]
-        if levels is not None or voices is not None:
-            given.append("levels and voices" if voices is not None else "levels")
-        if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} cannot be given together; levels are given one way")
-
-        def widths(which: Any) -> list[Length] | None:
-            if which is None:
-                return None
-            each = [which] if isinstance(which, str) or np.ndim(which) == 0 else which
-            return [w if isinstance(w, str) else float(w) for w in each]
-
-        return self._data.levels(levels, voices, widths(lengths), widths(fwhm), reach)[0]
-
-    def sigma(self, steps: Sequence[float]) -> NDArray[np.float64]:
-        """The width σ of levels of so many steps, model units (hops on a graph): the root mean square distance."""
-        return np.array(self._data.sigma([float(n) for n in steps])[1:])
+    __slots__ = ()
 
     def decompose(
         self,
         signal: SignalLike = None,
         *,
-        levels: int | None = None,
-        lengths: Sequence[Length] | None = None,
-        fwhm: Sequence[Length] | None = None,
-        steps: Sequence[float] | None = None,
-        voices: int | None = None,
+        levels: LevelsLike = None,
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
     ) -> Bands:
-        """Split a signal into its bands; see `adwave.decompose`."""
-        from adwave._bands import Bands
-
-        chosen = self.steps(levels=levels, lengths=lengths, fwhm=fwhm, steps=steps, voices=voices)
-        owner, values, is_flat = self._signal(signal)
-        with reporting(progress, "splitting") as report:
-            array, error, degree, n_bytes = owner._data.bands(values, chosen, accuracy, report)
-        info = {"error_bound": error, "degree": degree, "bytes": n_bytes, "accuracy": accuracy}
-        return Bands._of(owner, values, array, chosen, is_flat, info)
-
-    def region(self, region: str) -> NDArray[np.float64]:
-        """The weights of a region, one in [0, 1] for each vertex.
+        """Split a signal into its bands; see `adwave.decompose`.
 
         Parameters
         ----------
-        region : str
-            As on the command line, joined by ``&``, ``|`` and ``!``: ``"ball:vertex=120,radius=10%"`` or
-            ``"ball:point=0 1 0,radius=0.2"``, ``"stroke:path=120 340 560,radius=2%"``, ``"box:min=0 0 0,max=1 1 1"``,
-            ``"half-space:point=0 0 0,normal=0 1 0"``, ``"field:name=mask,low=0.5,high=1"``, ``"vertices:indices=1 2 3"``. The
-            first four fall to 0 over ``falloff=…``, a length. Also ``"facing:direction=0 0 1"``, ``"component:vertex=5"``, and
-            regions made of others: ``"grown:by=2%(…)"``, ``"shrunk:by=2%(…)"``, ``"blurred:by=2%(…)"``. Fields are those of the
-            shape, or ``saliency``, ``mean-curvature``, ``gaussian-curvature``, ``shape-index``, ``band-3`` (the size of W₃).
-        """
-        return self._data.region(region)
-
-    def weighted(
-        self,
-        signal: SignalLike,
-        factors: Sequence[float],
-        steps: Sequence[float],
-        *,
-        accuracy: float = _native.ACCURACY,
-    ) -> NDArray[np.float64]:
-        """``Σ_j factors[j−1]·W_f(j)`` by a single polynomial of Φ₁: much cheaper than the bands one by one."""
-        owner, values, is_flat = self._signal(signal)
-        total = owner._data.weighted(values, [float(n) for n in steps], [float(f) for f in factors], accuracy)
-        return total[:, 0] if is_flat else total
-
-    def functions(self, vertex: int, level: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The scaling function φ and the wavelet ψ of one vertex on a dyadic level, as values at all vertices.
-
-        Returns
-        -------
-        scaling_function : (n,) array
-            ≥ 0; sums to 1 over the welded vertices.
-        wavelet : (n,) array
-            Sums to 0.
-        """
-        if not 0 <= vertex < self.n_vertices:
-            raise ValueError(f"vertex: {vertex} is none of 0 to {self.n_vertices - 1}")
-        phi, psi, _ = self._data.vertex_functions(vertex, self.steps(levels=level))
-        return phi, psi
-
-    def matrix(self) -> csr_array:
-        """Φ₁ as a sparse matrix: rows are ≥ 0 and sum to 1.
-
-        In the order of the shape; where vertices were welded over the welded ones, and `welded` says which is which.
-        """
-        from scipy.sparse import csr_array
-
-        return csr_array(_native.diffusion_matrix(self._data))
-
-    def welded(self) -> NDArray[np.uint32]:
-        """Which welded vertex each vertex of the shape is."""
-        return self._data.welding()[0]
-
-    def basis(
-        self,
-        levels: int,
-        *,
-        drop_tolerance: float | None = None,
-        max_bytes: int | None = None,
-        progress: ProgressLike = None,
-    ) -> tuple[list[csr_array], list[csr_array]]:
-        """All scaling functions and wavelets of dyadic levels as sparse matrices (Algorithm 1).
-
-        Row x of the j-th is the function of vertex x on level j; entries below ``drop_tolerance`` are dropped.
-
-        Parameters
-        ----------
-        levels : int
-        drop_tolerance : float, optional
-        max_bytes : int, optional
-            Refuse (`MemoryError`) what needs more.
+        signal : str or (n,) or (n, channels) array_like, optional
+            The coordinates by default.
+        levels : int, Widths, Steps or Octaves, optional
+            By default until a level is 2 % of the diagonal wide.
+        accuracy : float
+            Largest error of a band relative to the band, 1e-13 to 0.1.
         progress : bool or callable, optional
-            ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
-
-        Returns
-        -------
-        scaling, wavelets : lists of csr_array
-            Φ_1 … Φ_J and Ψ_1 … Ψ_J, in the order of the shape; over the welded vertices where some were welded.
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        from scipy.sparse import csr_array
+        steps = self.schedule(levels)
+        owner, values, is_flat = self._resolve_signal(signal)
+        with report_progress(progress, "splitting") as report:
+            array, info = owner._data.bands(BandsRequest(values, steps, accuracy), report)
+        return Bands._from_parts(owner, BandsRequest(values, steps, accuracy), array, is_flat, info)
 
-        with reporting(progress, "walking") as report:
-            scaling, wavelets = _native.basis_matrices(self._data, levels, drop_tolerance, max_bytes, report)
-        return [csr_array(rows) for rows in scaling], [csr_array(rows) for rows in wavelets]
 
-    def smooth(
-        self,
-        signal: SignalLike,
-        steps: float | None = None,
-        *,
-        length: Length | None = None,
-        fwhm: Length | None = None,
-        accuracy: float = _native.ACCURACY,
-    ) -> NDArray[np.float64]:
-        """``Φ₁^steps f``, for any number of steps from 1/64, whole or not, or by a width.
+class Bands:
+    """The bands of a signal, ``W_f(1), …, W_f(J)`` from fine to coarse, and the rest, ``S_f(J)``.
+
+    It behaves as an array of (J + 1) × n × channels ((J + 1) × n for a signal of one dimension); its sum over the first
+    axis is the signal. `adwave.decompose` computes it.
+
+    Notes
+    -----
+    `apply` takes milliseconds. If vertices are welded or masked, the first call keeps a second copy of the bands.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("creature", vertices=2000)
+    >>> bands = aw.decompose(shape, levels=5)
+    >>> bands[0].shape, bands.n_levels
+    ((2024, 3), 5)
+    >>> rough = bands.apply([3, 2, 1, 1, 1], where="ball:vertex=0,radius=10%")
+    >>> rough.shape
+    (2024, 3)
+    """
+
+    __slots__ = ("__weakref__", "_array", "_editor", "_is_flat", "_is_plain", "_request", "decomposer", "info")
+
+    decomposer: Decomposer
+    info: dict[str, float]
+
+    @classmethod
+    def _from_parts(
+        cls,
+        decomposer: Decomposer,
+        request: BandsRequest,
+        array: NDArray[np.float64],
+        is_flat: bool,
+        info: dict[str, float],
+    ) -> Bands:
+        bands = cls.__new__(cls)
+        array.setflags(write=False)
+        # A copy, since the caller may change the array later.
+        signal = None if request.signal is None else np.array(request.signal)
+        bands._request = BandsRequest(signal, request.steps, request.accuracy)
+        bands.decomposer, bands._array, bands.info = decomposer, array, info
+        bands._is_flat, bands._editor, bands._is_plain = is_flat, None, None
+        return bands
+
+    @property
+    def array(self) -> NDArray[np.float64]:
+        """All bands as one read-only array: (J + 1) × n × channels, or (J + 1) × n."""
+        return self._array[:, :, 0] if self._is_flat else self._array
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of `array`."""
+        return self.array.shape
+
+    @property
+    def n_levels(self) -> int:
+        """Number of levels J."""
+        return len(self._request.steps)
+
+    @property
+    def steps(self) -> NDArray[np.float64]:
+        """Diffusion steps n_1 … n_J of the levels."""
+        return np.array(self._request.steps)
+
+    @property
+    def rms_widths(self) -> NDArray[np.float64]:
+        """Widths of the levels, (J,): root mean square distance that one value spreads to, in model units.
+
+        The unit is hops on a graph. On a surface this is √2 times the standard deviation along one axis.
+        """
+        return self.decomposer.rms_widths(self._request.steps)
+
+    @property
+    def fwhm(self) -> NDArray[np.float64]:
+        """Full widths at half maximum of the levels, (J,): 1.665 times `rms_widths`."""
+        return FWHM * self.rms_widths
+
+    def wavelet(self, level: int) -> NDArray[np.float64]:
+        """``W_f(level)`` for level = 1 … J: the detail that this level removes from the one before, (n,) or (n, channels)."""
+        return self.array[self._check_level(level, 1) - 1]
+
+    def scaling(self, level: int) -> NDArray[np.float64]:
+        """``S_f(level)`` for level = 0 … J: the signal without the finest `level` bands, (n,) or (n, channels)."""
+        return self.array[self._check_level(level, 0) :].sum(axis=0)
+
+    def _check_level(self, level: int, least: int) -> int:
+        if not least <= level <= self.n_levels:
+            raise IndexError(f"level must be in {least}..={self.n_levels}, got {level}")
+        return level
+
+    def reconstruct(self) -> NDArray[np.float64]:
+        """The signal, as the sum of all bands (eq. 15)."""
+        return self.array.sum(axis=0)
+
+    def energy(self, weights: ArrayLike | None = None) -> NDArray[np.float64]:
+        """``Σ_x a(x)·‖W_f(j,x)‖²`` of each band and of S_f(J), (J + 1,).
 
         Parameters
         ----------
-        signal : str or array-like
-            As for `decompose`.
-        steps : float, optional
-        length : float or str, optional
-            The width σ in the place of steps, in model units or in ``"2%"`` of the diagonal.
-        fwhm : float or str, optional
-            The full width at half maximum in the place of steps.
+        weights : (n,) array_like, optional
+            a(x); by default the areas of the vertices.
         """
-        if [steps is None, length is None, fwhm is None].count(False) != 1:
-            raise ValueError("give one of steps, length and fwhm")
-        if steps is None:
-            widths = (None if width is None else [width] for width in (length, fwhm))
-            (steps,) = self.steps(**dict(zip(("lengths", "fwhm"), widths, strict=True)))
-        owner, values, is_flat = self._signal(signal)
-        change = owner._data.weighted(values, [float(steps)], [-1.0], accuracy)
-        smoothed = change + (self.shape.points if values is None else values)
-        return smoothed[:, 0] if is_flat else smoothed
+        a = self.decomposer.areas if weights is None else np.asarray(weights, dtype=np.float64)
+        n = self.decomposer.n_vertices
+        if a.shape != (n,):
+            raise ValueError(f"weights must have one number for each of {n} vertices, got shape {a.shape}")
+        return np.einsum("jxc,jxc,x->j", self._array, self._array, a)
 
-    def adjoint(self, signal: ArrayLike, steps: float, *, accuracy: float = _native.ACCURACY) -> NDArray[np.float64]:
-        """``(Φ₁^steps)ᵀ g``: by reversibility ``π·Φ₁^steps(g/π)``, π being the stationary distribution.
+    def apply(
+        self, gains: GainsLike, where: Where = None, *, out: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Change the bands and sum them: ``f + Σ_j (Γ(j,x) − 1)·W_f(j,x)`` (eq. 18).
+
+        Parameters
+        ----------
+        gains : sequence of float, str, or one or more Layer
+            One gain for each band from fine to coarse, or the name of a preset. The gains of several layers multiply.
+        where : str or (n,) array_like, optional
+            A region in its text form, or a weight for each vertex (bool or any number); everywhere by default.
+        out : array, optional
+            A C-contiguous float64 array of the signal's shape that receives the result and is returned.
+
+        Returns
+        -------
+        array
+            The changed signal, in its own shape. Where no gain applies it is unchanged to the last bit.
 
         Raises
         ------
         ValueError
-            When the diffusion is not reversible (directed clouds, masks).
+            If there are not J gains, or `where` or `out` does not fit the shape.
         """
-        if not self._data.is_reversible() or self._mask is not None:
-            raise ValueError("the adjoint needs a reversible diffusion; leave out directed and masks")
-        share = self._data.welding()[1]
-        values = np.asarray(signal, dtype=np.float64)
-        share = share if values.ndim == 1 else share[:, None]
-        return share * self.smooth(values / share, steps, accuracy=accuracy)
-
-    def linear_operator(self, steps: float = 1.0, *, accuracy: float = _native.ACCURACY) -> LinearOperator:
-        """``Φ₁^steps`` as a `scipy.sparse.linalg.LinearOperator` with its adjoint, for any number of steps, whole or not.
-
-        Examples
-        --------
-        >>> import adwave as aw, numpy as np
-        >>> walk = aw.Decomposer(aw.sample("sphere", vertices=200))
-        >>> P = walk.linear_operator(3)
-        >>> f, g = np.arange(200.0), np.ones(200)
-        >>> bool(np.isclose(g @ P.matvec(f), P.rmatvec(g) @ f))
-        True
-        """
-        from scipy.sparse.linalg import LinearOperator
-
-        n = self.n_vertices
-
-        def forward(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            return self.smooth(x.reshape(n, -1), steps, accuracy=accuracy).reshape(x.shape)
-
-        def back(x: NDArray[np.float64]) -> NDArray[np.float64]:
-            return self.adjoint(x.reshape(n, -1), steps, accuracy=accuracy).reshape(x.shape)
-
-        # The class without types makes an object of another class here.
-        made: Any = LinearOperator
-        return made((n, n), matvec=forward, rmatvec=back, matmat=forward, rmatmat=back, dtype=np.float64)
-
-    def _signal(self, signal: SignalLike) -> tuple[Decomposer, NDArray[np.float64] | None, bool]:
-        """The signal as n × channels (None: the coordinates), masked where it is NaN, and whether it had one dimension."""
-        if signal is None or (isinstance(signal, str) and signal == "coords"):
-            return self, None, False
-        if isinstance(signal, str):
-            values = self.shape._data.signal(signal)
-            is_flat = values.shape[1] == 1
+        layers = edit_layers(gains, where, self.decomposer.n_vertices)
+        target = None
+        if out is not None:
+            expected = self.array.shape[1:]
+            if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
+                found = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+                raise ValueError(f"out: must be a C-contiguous float64 array of shape {expected}, got {found}")
+            target = out[:, None] if self._is_flat else out
+        if self._has_plain_vertices():
+            edited = _native.apply_bands(self.decomposer._data, self._request.signal, self._array, layers, target)
         else:
-            is_flat = np.ndim(signal) == 1
-            values = _adapt.values_array(signal, self.n_vertices)
-        missing = np.isnan(values).any(axis=1)
-        if missing.any() and self._mask is None:
-            return self.masked(missing), values, is_flat
-        return self, values, is_flat
+            edited = self._cached_editor().apply(layers, target)
+        if out is not None:
+            return out
+        return edited[:, 0] if self._is_flat else edited
+
+    def to_shape(self, points: ArrayLike) -> Shape:
+        """The shape of these bands at other positions, n × 3."""
+        return self.decomposer.shape.with_points(points)
+
+    def _has_plain_vertices(self) -> bool:
+        """Tells whether no vertices are welded or masked: then an edit needs these bands alone."""
+        if self._is_plain is None:
+            welded = self.decomposer.vertex_map()
+            n_welded = int(welded.max()) + 1 if len(welded) else 0
+            self._is_plain = self.decomposer.mask is None and len(welded) == n_welded
+        return self._is_plain
+
+    def _cached_editor(self) -> _native.EditorData:
+        if self._editor is None:
+            self._editor = _native.EditorData(self.decomposer._data, self._request)
+        return self._editor
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        if copy is False and dtype is not None and np.dtype(dtype) != np.float64:
+            raise ValueError("bands are float64; another type needs a copy")
+        array = self.array if dtype is None else self.array.astype(dtype, copy=False)
+        return array.copy() if copy else array
+
+    def __len__(self) -> int:
+        return len(self._array)
+
+    def __getitem__(self, index: Any) -> NDArray[np.float64]:
+        return self.array[index]
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        return iter(self.array)
 
     def __repr__(self) -> str:
-        return f"<adwave.Decomposer: {self.operator} on {self.shape!r}>"
+        widths = ", ".join(f"{width:.4g}" for width in self.rms_widths)
+        return f"<adwave.Bands: {self.n_levels} levels of {self.shape[1:]}, rms widths {widths}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.shape, self._options, self._mask)
+        request = self._request
+        signal = request.signal[:, 0] if self._is_flat and request.signal is not None else request.signal
+        return _restore_bands, (self.decomposer, signal, request.steps, request.accuracy)
 
 
-def _restored(shape: Shape, options: dict[str, Any], mask: NDArray[np.bool_] | None) -> Decomposer:
-    decomposer = Decomposer(shape, **options)
-    return decomposer if mask is None else decomposer.masked(mask)
+def _restore_bands(decomposer: Decomposer, signal: Any, steps: Sequence[float], accuracy: float) -> Bands:
+    return decomposer.decompose(signal, levels=Steps(steps), accuracy=accuracy)
 
 
-_OPTIONS = (
-    "operator",
-    "weld",
-    "rings",
-    "mesh_area",
-    "neighbors",
-    "directed",
-    "cloud_area",
-    "density_invariant",
-    "keep_creases",
-)
-_COMMON = ("signal", "levels", "lengths", "fwhm", "steps", "voices", "accuracy", "progress")
+def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: LevelsLike = None) -> Decomposer:
+    """A `Decomposer` of a shape; one that is given is returned.
 
-
-def prepared(shape: object, faces: object, options: dict[str, Any], by_width: bool = False) -> Decomposer:
-    """The shape prepared: as it is where it is a `Decomposer`; by heat on the surface where levels are given by width."""
+    Without a kind, levels by width take heat on the surface unless an option of the walk is given.
+    """
     if isinstance(shape, Decomposer):
-        if faces is not None or options:
-            raise ValueError("a Decomposer has its faces and options already; leave them out")
+        if operator is not None:
+            raise ValueError("a Decomposer has an operator already; leave operator out")
         return shape
-    for name in options:
-        if name not in _OPTIONS:
-            import difflib
+    options = as_operator(operator)
+    by_width = isinstance(levels, Widths) and not options.needs_walk()
+    return Decomposer(shape, operator=options.with_default_kind("surface" if by_width else "walk"))
 
-            near = difflib.get_close_matches(name, (*_OPTIONS, *_COMMON), 1)
-            told = f"; is {near[0]!r} meant?" if near else f"; options of the diffusion are {', '.join(_OPTIONS)}"
-            raise TypeError(f"there is no option {name!r}{told}")
-    given = {name: value for name, value in options.items() if value is not None}
-    of_walk = {"rings", "mesh_area", "directed", "cloud_area", "density_invariant"}
-    given.setdefault("operator", "surface" if by_width and not of_walk & given.keys() else "walk")
-    return Decomposer(shape, faces, **given)
+
+def edit_layers(gains: GainsLike, where: Where, n_vertices: int) -> list[tuple[Any, Any]]:
+    """Gains and weights of each layer, as the extension takes them.
+
+    Raises
+    ------
+    ValueError
+        If gains or weights have the wrong shape, or `where` is given beside layers.
+    """
+    if isinstance(gains, Layer):
+        layers = [gains]
+    elif not isinstance(gains, str) and len(gains) > 0 and all(isinstance(g, Layer) for g in gains):
+        layers: list[Layer] = list(gains)  # type: ignore[arg-type]
+    else:
+        return [(_plain_gains(gains), _plain_weights(where, n_vertices))]  # type: ignore[arg-type]
+    if where is not None:
+        raise ValueError("where: each layer has its own region; leave it out")
+    return [(_plain_gains(layer.gains), _plain_weights(layer.where, n_vertices)) for layer in layers]
+
+
+def _plain_gains(gains: Sequence[float] | str) -> Any:
+    if isinstance(gains, str):
+        return gains
+    array = np.asarray(gains, dtype=np.float64)
+    if array.ndim != 1:
+        raise ValueError(f"gains must be one number for each band, got shape {array.shape}")
+    return array.tolist()
+
+
+def _plain_weights(where: Where, n: int) -> Any:
+    if where is None or isinstance(where, str):
+        return where
+    weights = _adapt.values_array(where, n, "where")
+    if weights.shape[1] != 1:
+        raise ValueError(f"where must have one weight for each vertex, got shape {weights.shape}")
+    return np.ascontiguousarray(weights[:, 0])

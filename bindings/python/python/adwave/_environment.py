@@ -1,4 +1,4 @@
-"""Threads, and what is installed."""
+"""Number of threads, and versions of what is installed."""
 
 from __future__ import annotations
 
@@ -9,15 +9,20 @@ from adwave import _native
 
 
 class threads:
-    """Set how many threads calls use, from now on or within a ``with`` block.
+    """Set the number of threads of all calls, from now on or within a ``with`` block.
 
-    Without it, calls use ``ADWAVE_NUM_THREADS`` where that is set, else as many threads as the process may use: its affinity
-    and the quota of its container are respected. Results have the same bits for any number.
+    By default calls use ``ADWAVE_NUM_THREADS`` threads if that variable is set, else as many as the process may use: its
+    affinity and the quota of its container are respected. Results have the same bits for any number.
 
     Parameters
     ----------
     n : int, optional
-        The number of threads; without one, as many as there are.
+        Number of threads; 0 for as many as there are.
+
+    Raises
+    ------
+    ValueError
+        If the number is negative.
 
     Examples
     --------
@@ -31,8 +36,8 @@ class threads:
     def __init__(self, n: int = 0) -> None:
         n = int(n)
         if n < 0:
-            raise ValueError(f"threads: {n} is negative; give 1 or more, or 0 for as many as there are")
-        self._before: int = _native.asked_threads()
+            raise ValueError(f"threads must be at least 1, or 0 for as many as there are, got {n}")
+        self._previous: int = _native.requested_threads()
         _native.set_threads(n)
         self.n: int = _native.threads()
 
@@ -42,14 +47,22 @@ class threads:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        _native.set_threads(self._before)
+        _native.set_threads(self._previous)
 
     def __repr__(self) -> str:
         return f"adwave.threads({self.n})"
 
 
 def show_versions() -> None:
-    """Print the versions of adwave and of what it works with, for a report of a problem."""
+    """Print the versions of adwave and of the packages that it works with, for a bug report.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.show_versions()
+    adwave ...
+    python ...
+    """
     import importlib.metadata
     import platform
 

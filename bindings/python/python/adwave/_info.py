@@ -1,4 +1,4 @@
-"""What a shape is, and what it has: health, regions, signals, what it would take."""
+"""Facts about a shape: health, regions, signals, presets, and the memory that bands need."""
 
 from __future__ import annotations
 
@@ -10,12 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._decomposer import Decomposer, prepared
+from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._options import OperatorLike
 from adwave._shape import Path, as_shape
 
 
 class Info(Mapping[str, Any]):
-    """What a shape consists of and what is unusual about it, as a mapping; prints as a table."""
+    """Facts about a shape: its parts and its irregularities. A mapping that prints as a table.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> found = aw.info(aw.sample("sphere", vertices=500))
+    >>> found["vertices"], found.closed
+    (500, True)
+    """
 
     __slots__ = ("_facts",)
 
@@ -51,15 +60,20 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
-def info(shape: object, faces: object = None, **operator: Any) -> Info:
-    """What a shape consists of, what is unusual about it, and how its diffusion is built.
+def info(shape: object, *, operator: OperatorLike = None) -> Info:
+    """Facts about a shape: what it consists of, what is unusual about it, and how its diffusion is built.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    **operator
-        The options of `Decomposer`.
+    operator : str or Operator, optional
+        As in `decompose`.
+
+    Returns
+    -------
+    Info
+        Numbers of vertices, faces, edges and components, areas and lengths in model units, and more.
 
     Examples
     --------
@@ -68,13 +82,25 @@ def info(shape: object, faces: object = None, **operator: Any) -> Info:
     >>> found.closed, found.euler_characteristic, found.components
     (True, 0, 1)
     """
-    own = prepared(shape, faces, operator)
-    kind = {"kind": own.shape.kind, "format": own.shape.format, "fields": list(own.shape.fields)}
-    return Info({**kind, **own._data.facts()})
+    decomposer = prepare_decomposer(shape, operator)
+    own = decomposer.shape
+    return Info({"kind": own.kind, "format": own.format, "fields": list(own.fields), **decomposer._data.facts()})
 
 
-def region(shape: object, region: str, faces: object = None) -> NDArray[np.float64]:
-    """The weights of a region, one in [0, 1] for each vertex; see `Decomposer.region`.
+def region(shape: object, region: str) -> NDArray[np.float64]:
+    """Weights of a region, (n,), in [0, 1].
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    region : str
+        A region in its text form; see `Decomposer.region`.
+
+    Raises
+    ------
+    ValueError
+        If the text is not a region of this shape.
 
     Examples
     --------
@@ -83,22 +109,32 @@ def region(shape: object, region: str, faces: object = None) -> NDArray[np.float
     >>> float(weights.min()), float(weights.max())
     (0.0, 1.0)
     """
-    return prepared(shape, faces, {}).region(region)
+    return prepare_decomposer(shape).region(region)
 
 
-def signal(shape: object, name: str, faces: object = None, *, texture: Path | None = None) -> NDArray[np.float64]:
+def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[np.float64]:
     """A signal by its name, as values at the vertices.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape; see `Shape`.
     name : str
         ``'coords'``, ``'x'``, ``'y'``, ``'z'``, ``'normals'``, ``'mean-curvature'``, ``'gaussian-curvature'``,
         ``'shape-index'``, ``'density'`` (of a cloud), ``'degree'`` (of a graph), ``'luminance'``, ``'lightness'``,
-        ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat, .csv or .gii.
-    texture : path-like, optional
-        The picture of the texture, in the place of the one that the materials name.
+        ``'texture'``, ``'texture-luminance'``, ``'texture-lightness'``, a field of the shape, or a file .npy, .dmat,
+        .csv or .gii.
+    texture : path_like, optional
+        Picture of the texture, instead of the one that the materials name.
+
+    Returns
+    -------
+    (n,) or (n, channels) array
+
+    Raises
+    ------
+    ValueError
+        If the shape has no such signal.
 
     Examples
     --------
@@ -107,12 +143,24 @@ def signal(shape: object, name: str, faces: object = None, *, texture: Path | No
     >>> bool(abs(curvature - 1).mean() < 0.05)
     True
     """
-    own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape, faces)
+    own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
     return own.signal(name, texture=texture)
 
 
 def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
-    """The gains of a preset for so many levels.
+    """Gains of a preset, (levels,), from fine to coarse.
+
+    Parameters
+    ----------
+    preset : str
+        Name of a preset; see `filter`.
+    levels : int
+        Number of levels.
+
+    Raises
+    ------
+    ValueError
+        If there is no such preset.
 
     Examples
     --------
@@ -123,39 +171,60 @@ def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
     return np.array(_native.preset_gains(preset, levels))
 
 
-def memory_needed(shape: object, faces: object = None, *, levels: int = 8, channels: int = 3) -> dict[str, int]:
-    """Bytes that `decompose` takes beyond the prepared shape.
+def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[str, int]:
+    """Bytes that `decompose` needs beyond the prepared shape.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    levels : int
+        Number of levels.
+    channels : int
+        Numbers at each vertex: 3 for the coordinates.
 
     Returns
     -------
     dict
-        ``work``: while it runs; ``result``: the bands.
+        ``work``: during the call; ``result``: the bands.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.memory_needed(aw.sample("sphere", vertices=1000), levels=4)["result"]
+    120000
     """
-    work, result = prepared(shape, faces, {})._data.bytes(channels, levels)
+    work, result = prepare_decomposer(shape)._data.bytes(channels, levels)
     return {"work": work, "result": result}
 
 
-def report(shape: object, path: Path, faces: object = None) -> None:
-    """Write one page about a shape: health, bands, saliency, features and presets, as pictures and tables.
+def report(shape: object, path: Path) -> None:
+    """Write a page about a shape: health, bands, saliency, features and presets, as pictures and tables.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape; see `Shape`.
-    path : path-like
+    path : path_like
         The page, ``.html``.
 
     Raises
     ------
     ValueError
-        The shape or the path is wrong.
+        If the shape or the path is invalid.
+
+    Examples
+    --------
+    >>> import adwave as aw, os, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:  # doctest: +SKIP
+    ...     aw.report(aw.sample("sphere", vertices=500), os.path.join(folder, "page.html"))
     """
     import tempfile
 
-    own = as_shape(shape, faces)
+    own = as_shape(shape)
     with tempfile.TemporaryDirectory() as folder:
         source = os.path.join(folder, "shape.mtx" if own.kind == "graph" else "shape.ply")
         own.write(source)
         code = _native.run_command(["adwave", "report", source, "-o", os.fspath(path), "--quiet"])
     if code != 0:
-        raise ValueError(f"the report was not written (exit code {code}); what is wrong stands on the standard error")
+        raise ValueError(f"the report was not written (exit code {code}); the reason was printed to standard error")

@@ -1,16 +1,18 @@
-"""Where a shape stands out: saliency maps and features, and how well a map agrees with where people look."""
+"""Saliency maps and features, and scores of how well a map agrees with where people look."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._decomposer import Length, SignalLike, prepared
-from adwave._progress import ProgressLike, reporting
+from adwave._decomposer import prepare_decomposer
+from adwave._diffusion import EXTENT
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike
+from adwave._progress import ProgressLike, report_progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,19 +31,31 @@ _FEATURE = np.dtype(
 )
 
 
-class Saliency(np.ndarray):
-    """A map of where a signal stands out: an array of n numbers that knows more.
+Weighting = Literal["signed", "paper", "printed", "normalized", "ranks", "none"]
+Response = Literal["normalized", "literal", "channels", "sigma"]
 
-    With a sign where one side is outside: + convex, − concave; of a scalar + above its surroundings. NaN where masked.
+
+class Saliency(np.ndarray):
+    """Saliency of each vertex: an (n,) array with the numbers of its levels.
+
+    With a sign if one side is outside: + convex, − concave; for a scalar signal + above its surroundings. NaN where
+    masked.
 
     Attributes
     ----------
     levels : structured array
-        level, sigma, mean and max of the wavelets, alpha: the weight of the level.
+        level, sigma (rms width, model units), mean and max of the wavelets, and alpha, the weight of the level.
     sides : str
-        Which sides the signs stand for, or why there are none.
+        Meaning of the signs, or why there are none.
     per_level : list of (n,) arrays
-        What each level adds, where that was asked for.
+        Contribution of each level, if requested.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> found = aw.saliency(aw.sample("creature", vertices=2000))
+    >>> found.levels.dtype.names
+    ('level', 'sigma', 'mean', 'max', 'alpha')
     """
 
     levels: NDArray[Any]
@@ -53,14 +67,14 @@ class Saliency(np.ndarray):
 
     @property
     def map(self) -> NDArray[np.float64]:
-        """The numbers alone."""
+        """The values as a plain array, (n,)."""
         return np.asarray(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _saliency_again, (np.asarray(self), self.levels, self.sides, self.per_level)
+        return _restore_saliency, (np.asarray(self), self.levels, self.sides, self.per_level)
 
 
-def _saliency_again(
+def _restore_saliency(
     array: NDArray[np.float64], levels: NDArray[Any], sides: str, per_level: list[NDArray[np.float64]]
 ) -> Saliency:
     found = array.view(Saliency)
@@ -68,53 +82,82 @@ def _saliency_again(
     return found
 
 
-def saliency(
-    shape: object,
-    faces: object = None,
-    *,
-    signal: SignalLike = None,
-    weighting: Literal["signed", "paper", "printed", "normalized", "ranks", "none"] = "signed",
-    unsigned: bool = False,
-    skip: int | None = None,
-    border: float | None = None,
-    up: Literal["x", "y", "z"] | None = None,
-    per_level: bool = False,
-    levels: int | None = None,
-    lengths: Sequence[Length] | None = None,
-    fwhm: Sequence[Length] | None = None,
-    steps: Sequence[float] | None = None,
-    voices: int | None = None,
-    accuracy: float = _native.ACCURACY,
-    progress: ProgressLike = None,
-    **operator: Any,
-) -> Saliency:
-    """Map where a shape, or a signal on it, stands out over all levels (eq. 17 and past it).
+@dataclass(frozen=True, kw_only=True)
+class SaliencyOptions:
+    """Options of `saliency` beyond its weighting.
 
     Parameters
     ----------
-    shape, faces
-        Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or array-like, optional
-        As for `decompose`.
-    weighting : str
-        ``'signed'``: 1/mean by how unevenly the level is spread, with the sign. ``'paper'``: (max − mean)² for each level.
-        ``'printed'``: (max − |W|)² at each vertex, as eq. 17 is printed. ``'normalized'``: 1/mean. ``'ranks'``. ``'none'``: 1.
     unsigned : bool
-        Bumps and dents alike.
+        Treat bumps and dents alike.
     skip : int, optional
-        How many of the finest levels are left out.
+        Number of the finest levels to leave out.
     border : float, optional
-        Mask what lies within so many σ of a border.
+        Mask vertices within this many rms widths of a border.
     up : {'x', 'y', 'z'}, optional
-        Which axis points up: the map becomes ranks, a third of them by height.
+        Axis that points up: the map becomes ranks, a third of them by height.
     per_level : bool
-        Give what each level adds too.
-    levels, lengths, fwhm, steps, voices, accuracy, progress, **operator
-        As for `decompose`; without levels, until one is 16 % of the diagonal wide.
+        Return the contribution of each level too.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("creature", vertices=2000)
+    >>> found = aw.saliency(shape, options=aw.SaliencyOptions(unsigned=True, per_level=True))
+    >>> len(found.per_level) == len(found.levels) and bool(found.min() >= 0)
+    True
+    """
+
+    unsigned: bool = False
+    skip: Union[int, None] = None
+    border: Union[float, None] = None
+    up: Union[Literal["x", "y", "z"], None] = None
+    per_level: bool = False
+
+
+def saliency(
+    shape: object,
+    *,
+    signal: SignalLike = None,
+    weighting: Weighting = "signed",
+    options: SaliencyOptions | None = None,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = _native.ACCURACY,
+    progress: ProgressLike = None,
+) -> Saliency:
+    """Map where a shape, or a signal on it, stands out over all levels (eq. 17 and extensions of it).
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    signal : str or array_like, optional
+        As in `decompose`.
+    weighting : str
+        ``'signed'``: 1/mean times how unevenly the level is spread, with the sign. ``'paper'``: (max − mean)² for each
+        level. ``'printed'``: (max − |W|)² at each vertex, as eq. 17 is printed. ``'normalized'``: 1/mean. ``'ranks'``.
+        ``'none'``: 1.
+    options : SaliencyOptions, optional
+        Signs, levels to skip, borders, height.
+    levels : int, Widths, Steps or Octaves, optional
+        As in `decompose`; by default until one is 16 % of the diagonal wide.
+    operator : str or Operator, optional
+        As in `decompose`.
+    accuracy : float
+        As in `decompose`.
+    progress : bool or callable, optional
+        As in `decompose`.
 
     Returns
     -------
     Saliency
+        An (n,) array.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; the message is one line.
 
     Examples
     --------
@@ -123,28 +166,33 @@ def saliency(
     >>> found.map.shape, found.sides.split(",")[0]
     ((2024,), '+ convex')
     """
-    own = prepared(shape, faces, operator, lengths is not None or fwhm is not None)
-    reach = _native.REACH["saliency" if weighting == "signed" else "bands"]
-    chosen = own.steps(levels=levels, lengths=lengths, fwhm=fwhm, steps=steps, voices=voices, reach=reach)
-    owner, values, _ = own._signal(signal)
-    if up is not None and up not in ("x", "y", "z"):
-        raise ValueError(f"up: {up!r} is none of 'x', 'y', 'z'")
-    axis = None if up is None else "xyz".index(up)
-    with reporting(progress, "splitting") as report:
-        array, each, rows, sides = _native.saliency_map(
-            owner._data, values, chosen, accuracy, weighting, unsigned, skip, border, axis, per_level, report
-        )
+    options = options or SaliencyOptions()
+    decomposer = prepare_decomposer(shape, operator, levels)
+    steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
+    owner, values, _ = decomposer._resolve_signal(signal)
+    request = BandsRequest(values, steps, accuracy)
+    with report_progress(progress, "splitting") as report:
+        array, each, rows, sides = _native.saliency_map(owner._data, request, weighting, options, report)
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
-    return _saliency_again(array, np.array(rows, dtype=kinds), sides, each)
+    return _restore_saliency(array, np.array(rows, dtype=kinds), sides, each)
 
 
 class Features(np.ndarray):
-    """Features as a structured array: vertex, position, level, sigma, response, strength, sign, channel.
+    """Features as a structured array of vertex, position, level, sigma, response, strength, sign and channel.
+
+    sigma is the size of a feature: the rms width of its level, in model units.
 
     Attributes
     ----------
     descriptors : (features, numbers) array or None
-        What each place looks like, for matching; where that was asked for.
+        Description of each place for matching, if requested.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> found = aw.features(aw.sample("creature", vertices=5000), best=3)
+    >>> found["position"].shape, found["vertex"].dtype
+    ((3, 3), dtype('int64'))
     """
 
     descriptors: NDArray[np.float64] | None
@@ -153,7 +201,7 @@ class Features(np.ndarray):
         self.descriptors = None
 
     def to_pandas(self) -> pd.DataFrame:
-        """A `pandas.DataFrame`, position as x, y and z."""
+        """A `pandas.DataFrame` with the position as x, y and z."""
         import pandas
 
         columns = {
@@ -163,68 +211,104 @@ class Features(np.ndarray):
         return pandas.DataFrame({"vertex": columns.pop("vertex"), "x": x, "y": y, "z": z, **columns})
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _features_again, (np.asarray(self), self.descriptors)
+        return _restore_features, (np.asarray(self), self.descriptors)
 
 
-def _features_again(array: NDArray[Any], descriptors: NDArray[np.float64] | None) -> Features:
+def _restore_features(array: NDArray[Any], descriptors: NDArray[np.float64] | None) -> Features:
     features = array.view(Features)
     features.descriptors = descriptors
     return features
 
 
-def features(
-    shape: object,
-    faces: object = None,
-    *,
-    signal: SignalLike = None,
-    theta: float = _native.THETA,
-    response: Literal["normalized", "literal", "channels", "sigma"] = "normalized",
-    per_component: bool = False,
-    refine: bool = False,
-    edge_ratio: float | None = None,
-    border: float | None = None,
-    best: int | None = None,
-    descriptors: bool = False,
-    levels: int | None = None,
-    lengths: Sequence[Length] | None = None,
-    fwhm: Sequence[Length] | None = None,
-    steps: Sequence[float] | None = None,
-    voices: int | None = None,
-    accuracy: float = _native.ACCURACY,
-    progress: ProgressLike = None,
-    **operator: Any,
-) -> Features:
-    """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
+@dataclass(frozen=True, kw_only=True)
+class FeatureOptions:
+    """Options of `features` beyond its threshold.
 
     Parameters
     ----------
-    shape, faces
-        Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or array-like, optional
-        As for `decompose`.
-    theta : float
-        How many times the mean response of its level a feature has.
     response : {'normalized', 'literal', 'channels', 'sigma'}
-        What is compared in place and scale: each level by its own mean, W itself, every channel by itself, or W by σ.
+        Quantity compared in space and scale: each level divided by its own mean, W itself, every channel on its own, or W
+        divided by the width.
     per_component : bool
         Take the mean over each connected component.
     refine : bool
         Place features between vertices and levels.
     edge_ratio : float, optional
-        Reject edges: the largest ratio of the response's principal curvatures (SIFT takes 10).
+        Reject edges: largest ratio of the response's principal curvatures (SIFT takes 10).
     border : float, optional
-        Leave out what lies within so many σ of a border.
-    best : int, optional
-        Keep only so many, the strong ones well spread.
+        Leave out features within this many rms widths of a border.
     descriptors : bool
-        Describe each, for matching.
-    levels, lengths, fwhm, steps, voices, accuracy, progress, **operator
-        As for `decompose`; without levels, until one is 4 % of the diagonal wide.
+        Describe each feature, for matching.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("creature", vertices=5000)
+    >>> found = aw.features(shape, best=3, options=aw.FeatureOptions(descriptors=True))
+    >>> len(found.descriptors)
+    3
+    """
+
+    response: Response = "normalized"
+    per_component: bool = False
+    refine: bool = False
+    edge_ratio: Union[float, None] = None
+    border: Union[float, None] = None
+    descriptors: bool = False
+
+
+@dataclass(frozen=True)
+class FeatureThreshold:
+    """Threshold and number of features, as the extension takes them."""
+
+    theta: float
+    best: Union[int, None]
+
+
+def features(
+    shape: object,
+    *,
+    signal: SignalLike = None,
+    theta: float = _native.THETA,
+    best: int | None = None,
+    options: FeatureOptions | None = None,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = _native.ACCURACY,
+    progress: ProgressLike = None,
+) -> Features:
+    """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    signal : str or array_like, optional
+        As in `decompose`.
+    theta : float
+        Smallest response of a feature, in multiples of the mean response of its level.
+    best : int, optional
+        Keep this many features, the strong ones well spread.
+    options : FeatureOptions, optional
+        Response, refinement, borders, descriptors.
+    levels : int, Widths, Steps or Octaves, optional
+        As in `decompose`; by default until one is 4 % of the diagonal wide.
+    operator : str or Operator, optional
+        As in `decompose`.
+    accuracy : float
+        As in `decompose`.
+    progress : bool or callable, optional
+        As in `decompose`.
 
     Returns
     -------
     Features
         A structured array, by level.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; the message is one line.
 
     Examples
     --------
@@ -233,51 +317,44 @@ def features(
     >>> len(found), found["position"].shape
     (2, (2, 3))
     """
-    own = prepared(shape, faces, operator, lengths is not None or fwhm is not None)
-    reach = _native.REACH["features"]
-    chosen = own.steps(levels=levels, lengths=lengths, fwhm=fwhm, steps=steps, voices=voices, reach=reach)
-    owner, values, _ = own._signal(signal)
-    with reporting(progress, "splitting") as report:
-        columns = _native.find_features(
-            owner._data,
-            values,
-            chosen,
-            accuracy,
-            theta,
-            response,
-            per_component,
-            refine,
-            edge_ratio,
-            border,
-            best,
-            descriptors,
-            report,
-        )
+    options = options or FeatureOptions()
+    decomposer = prepare_decomposer(shape, operator, levels)
+    steps = decomposer.schedule(levels, extent=EXTENT["features"])
+    owner, values, _ = decomposer._resolve_signal(signal)
+    request, threshold = BandsRequest(values, steps, accuracy), FeatureThreshold(theta, best)
+    with report_progress(progress, "splitting") as report:
+        columns = _native.find_features(owner._data, request, threshold, options, report)
     found = np.empty(len(columns["vertex"]), dtype=_FEATURE)
     for name in _FEATURE.names or ():
         found[name] = columns[name]
-    return _features_again(found, columns.get("descriptor"))
+    return _restore_features(found, columns.get("descriptor"))
 
 
 def gaze_scores(
     map: ArrayLike, fixations: ArrayLike, *, threshold: float = 0.0, points: ArrayLike | None = None
 ) -> dict[str, float]:
-    """How well a map agrees with where people look.
+    """Scores of how well a map agrees with where people look.
 
     Parameters
     ----------
-    map : (n,) array-like
-    fixations : (n,) array-like
+    map : (n,) array_like
+        Saliency of each vertex.
+    fixations : (n,) array_like
         Seconds, or counts, that people looked at each vertex; NaN where nobody could.
     threshold : float
-        More than this is looked at.
-    points : (n, 3) array-like, optional
-        Positions: what distance from the center explains is taken out of ``partial_correlation``.
+        A vertex with more than this counts as looked at.
+    points : (n, 3) array_like, optional
+        Positions, to remove from ``partial_correlation`` what the distance from the center explains.
 
     Returns
     -------
     dict
-        ``auc``, ``nss``, ``correlation``, ``partial_correlation``, ``n_vertices``, ``n_positive``.
+        ``auc``, ``nss``, ``correlation``, ``partial_correlation`` (NaN without points), ``n_vertices``, ``n_positive``.
+
+    Raises
+    ------
+    ValueError
+        If the arrays do not have one number for each vertex.
 
     Examples
     --------
@@ -288,6 +365,7 @@ def gaze_scores(
     values = np.ascontiguousarray(np.asarray(map, dtype=np.float64))
     looked = np.ascontiguousarray(np.asarray(fixations, dtype=np.float64))
     if values.ndim != 1 or looked.shape != values.shape:
-        raise ValueError(f"map: shape {values.shape}, fixations: shape {looked.shape}; give one number for each vertex")
-    at = None if points is None else _adapt.points_array(points)
-    return _native.gaze_scores(values, looked, threshold, at)
+        raise ValueError(
+            f"map and fixations must have one number for each vertex, got shapes {values.shape} and {looked.shape}"
+        )
+    return _native.gaze_scores(values, looked, threshold, None if points is None else _adapt.points_array(points))

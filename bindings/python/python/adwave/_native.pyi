@@ -5,6 +5,8 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+from adwave._options import BandsRequest, Constraints, Octaves, Operator, Widths
+
 _Floats = NDArray[np.float64]
 _Report = Callable[[int, int], object] | None
 _Csr = tuple[NDArray[Any], NDArray[np.int32], NDArray[np.int32]]
@@ -12,19 +14,18 @@ _Csr = tuple[NDArray[Any], NDArray[np.int32], NDArray[np.int32]]
 __all__ = [
     "ACCURACY",
     "ChangeData",
+    "EXTENT",
     "EditorData",
     "FWHM",
     "FrameData",
     "InternalError",
     "MultiscaleData",
     "Prepared",
-    "REACH",
     "RecipeData",
     "ShapeData",
     "THETA",
     "__version__",
     "apply_bands",
-    "asked_threads",
     "basis_matrices",
     "check_region",
     "color_map_names",
@@ -33,22 +34,23 @@ __all__ = [
     "differential_coordinates",
     "diffusion_matrix",
     "distances",
+    "encode_png",
     "feature_map",
     "find_features",
     "from_differential",
     "gaze_scores",
     "harmonics",
     "lee",
-    "matched",
-    "png_of",
+    "match_shapes",
     "preset_gains",
     "preset_names",
     "render_picture",
+    "requested_threads",
     "run_command",
     "saliency_map",
     "set_threads",
     "signature",
-    "simplified",
+    "simplify",
     "studio",
     "taubin",
     "threads",
@@ -57,7 +59,7 @@ __version__: str
 ACCURACY: float
 FWHM: float
 THETA: float
-REACH: dict[str, float]
+EXTENT: dict[str, float]
 
 class InternalError(RuntimeError): ...
 
@@ -66,10 +68,8 @@ class ShapeData:
     @staticmethod
     def read(
         path: str | PathLike[str],
-        kind: str | None = None,
+        options: object,
         progress: _Report = None,
-        bounds: tuple[list[float], list[float]] | None = None,
-        resolution: float | None = None,
     ) -> ShapeData: ...
     @staticmethod
     def read_bytes(content: bytes, name: str | None = None, kind: str | None = None) -> ShapeData: ...
@@ -113,65 +113,40 @@ class ShapeData:
     def with_field(self, name: str, values: NDArray[Any]) -> ShapeData: ...
     def with_signal(self, name: str, values: _Floats) -> ShapeData: ...
     def with_face_field(self, name: str, values: NDArray[Any]) -> ShapeData: ...
-    def taken_as(self, kind: str) -> ShapeData: ...
+    def with_kind(self, kind: str) -> ShapeData: ...
     def write(self, path: str | PathLike[str], format: str | None = None, progress: _Report = None) -> list[str]: ...
     def to_bytes(self, format: str) -> bytes: ...
     def signal(self, name: str, texture: str | PathLike[str] | None = None) -> _Floats: ...
 
 @final
 class Prepared:
-    def __new__(cls, shape: ShapeData, options: dict[str, Any], progress: _Report = None) -> Prepared: ...
+    def __new__(cls, shape: ShapeData, options: Operator, progress: _Report = None) -> Prepared: ...
     @property
     def n_vertices(self) -> int: ...
     @property
     def operator(self) -> str: ...
     @property
     def is_graph(self) -> bool: ...
-    def masked(self, flags: NDArray[np.bool_]) -> Prepared: ...
+    def with_mask(self, flags: NDArray[np.bool_]) -> Prepared: ...
     def facts(self) -> dict[str, Any]: ...
     def lengths(self) -> tuple[float, float, float]: ...
     def is_reversible(self) -> bool: ...
     def areas(self) -> _Floats: ...
     def welding(self) -> tuple[NDArray[np.uint32], _Floats]: ...
-    def levels(
-        self,
-        levels: int | None = None,
-        voices: int | None = None,
-        lengths: Sequence[float | str] | None = None,
-        fwhm: Sequence[float | str] | None = None,
-        reach: float | None = None,
-    ) -> tuple[list[float], str]: ...
+    def schedule(self, levels: int | Widths | Octaves | None = None, extent: float | None = None) -> list[float]: ...
     def sigma(self, steps: Sequence[float]) -> list[float]: ...
     def bytes(self, n_channels: int, n_levels: int) -> tuple[int, int]: ...
-    def bands(
-        self, signal: _Floats | None, steps: Sequence[float], accuracy: float, progress: _Report = None
-    ) -> tuple[_Floats, float, int, int]: ...
-    def weighted(
-        self,
-        signal: _Floats | None,
-        steps: Sequence[float],
-        factors: Sequence[float],
-        accuracy: float,
-        progress: _Report = None,
-    ) -> _Floats: ...
-    def editor(
-        self, signal: _Floats | None, steps: Sequence[float], accuracy: float, progress: _Report = None
-    ) -> EditorData: ...
-    def settled(
-        self,
-        after: _Floats,
-        along: str | None = None,
-        border: str = "natural",
-        volume: str = "free",
-        progress: _Report = None,
-    ) -> _Floats: ...
+    def bands(self, request: BandsRequest, progress: _Report = None) -> tuple[_Floats, dict[str, float]]: ...
+    def combine_bands(self, request: BandsRequest, factors: Sequence[float], progress: _Report = None) -> _Floats: ...
+    def constrain_positions(self, after: _Floats, constraints: Constraints, progress: _Report = None) -> _Floats: ...
     def region(self, region: str) -> _Floats: ...
     def vertex_functions(
         self, vertex: int, steps: Sequence[float], progress: _Report = None
-    ) -> tuple[_Floats, _Floats, int]: ...
+    ) -> tuple[_Floats, _Floats]: ...
 
 @final
 class EditorData:
+    def __new__(cls, prepared: Prepared, request: BandsRequest, progress: _Report = None) -> EditorData: ...
     def apply(
         self, layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]], out: _Floats | None = None
     ) -> _Floats: ...
@@ -187,7 +162,7 @@ class RecipeData:
     def content(self) -> dict[str, Any]: ...
 
 def threads() -> int: ...
-def asked_threads() -> int: ...
+def requested_threads() -> int: ...
 def set_threads(n: int) -> None: ...
 def run_command(arguments: Sequence[str]) -> int: ...
 def preset_gains(name: str, n_levels: int) -> list[float]: ...
@@ -195,43 +170,16 @@ def preset_names() -> list[str]: ...
 def check_region(region: str) -> None: ...
 def color_map_names() -> list[str]: ...
 def saliency_map(
-    prepared: Prepared,
-    signal: _Floats | None,
-    steps: Sequence[float],
-    accuracy: float,
-    weighting: str,
-    unsigned: bool,
-    skip: int | None,
-    border: float | None,
-    up: int | None,
-    per_level: bool,
-    progress: _Report = None,
+    prepared: Prepared, request: BandsRequest, weighting: str, options: object, progress: _Report = None
 ) -> tuple[_Floats, list[_Floats], list[tuple[int, float, float, float, float]], str]: ...
 def find_features(
-    prepared: Prepared,
-    signal: _Floats | None,
-    steps: Sequence[float],
-    accuracy: float,
-    theta: float,
-    response: str,
-    per_component: bool,
-    refine: bool,
-    edge_ratio: float | None,
-    border: float | None,
-    best: int | None,
-    descriptors: bool,
-    progress: _Report = None,
+    prepared: Prepared, request: BandsRequest, threshold: object, options: object, progress: _Report = None
 ) -> dict[str, NDArray[Any]]: ...
 def denoise_points(
-    shape: ShapeData, strength: float, creases: str, noise: float | None, weld: bool, progress: _Report = None
+    shape: ShapeData, options: object, weld: bool, progress: _Report = None
 ) -> tuple[_Floats, dict[str, Any]]: ...
 def denoise_values(
-    prepared: Prepared,
-    signal: _Floats | None,
-    strength: float,
-    creases: str,
-    noise: float | None,
-    progress: _Report = None,
+    prepared: Prepared, signal: _Floats | None, options: object, progress: _Report = None
 ) -> tuple[_Floats, list[dict[str, Any]]]: ...
 def gaze_scores(
     map: _Floats, fixations: _Floats, threshold: float, points: _Floats | None = None
@@ -244,39 +192,14 @@ def basis_matrices(
     max_bytes: int | None,
     progress: _Report = None,
 ) -> tuple[list[_Csr], list[_Csr]]: ...
-def png_of(array: NDArray[np.uint8]) -> bytes: ...
-def render_picture(
-    shape: ShapeData,
-    size: tuple[int, int],
-    values: _Floats | None = None,
-    colors: NDArray[np.uint8] | None = None,
-    label: str = "",
-    color_map: str | None = None,
-    range: tuple[float, float] | None = None,
-    color_bar: bool = True,
-    view: str = "three-quarter",
-    up: str | None = None,
-    zoom: float = 1.0,
-    focus: Sequence[float] | None = None,
-    orthographic: bool = False,
-    background: Sequence[int] | None = None,
-    balls: Sequence[tuple[Sequence[float], float, Sequence[int]]] | None = None,
-    samples: int = 3,
-    progress: _Report = None,
-) -> tuple[bytes, NDArray[np.uint8]]: ...
-def simplified(
-    shape: ShapeData,
-    error: float | str | None,
-    vertices: int | None,
-    ratio: float | None,
-    keep_border: bool,
-    progress: _Report = None,
+def encode_png(array: NDArray[np.uint8]) -> bytes: ...
+def render_picture(shape: ShapeData, options: object, progress: _Report = None) -> tuple[bytes, NDArray[np.uint8]]: ...
+def simplify(
+    shape: ShapeData, options: object, progress: _Report = None
 ) -> tuple[ShapeData, NDArray[np.uint32] | None, float, float]: ...
-def matched(
-    first: Prepared, second: Prepared, theta: float, within: float, scaled: bool, progress: _Report = None
-) -> dict[str, Any]: ...
+def match_shapes(first: Prepared, second: Prepared, options: object, progress: _Report = None) -> dict[str, Any]: ...
 def distances(
-    first: Prepared, second: Prepared, fitted: bool, limit: float | str | None, progress: _Report = None
+    first: Prepared, second: Prepared, align: bool, limit: float | str | None, progress: _Report = None
 ) -> tuple[_Floats, bool, _Floats]: ...
 def harmonics(shape: ShapeData, k: int, progress: _Report = None) -> tuple[_Floats, _Floats]: ...
 def signature(
@@ -284,7 +207,7 @@ def signature(
 ) -> tuple[_Floats, _Floats]: ...
 def lee(shape: ShapeData, progress: _Report = None) -> tuple[_Floats, _Floats]: ...
 def studio(shape: ShapeData, port: int, ready: Callable[[str], object]) -> tuple[str, _Floats]: ...
-def taubin(shape: ShapeData, signal: _Floats, weights: str, lam: float, mu: float, iterations: int) -> _Floats: ...
+def taubin(shape: ShapeData, signal: _Floats, options: object) -> _Floats: ...
 def feature_map(
     shape: ShapeData, signal: _Floats, times: Sequence[float], progress: _Report = None
 ) -> list[tuple[float, _Floats, list[tuple[int, int, int, float]], int]]: ...
@@ -299,9 +222,7 @@ def differential_coordinates(shape: ShapeData, signal: _Floats, weights: str) ->
 def from_differential(
     shape: ShapeData,
     coordinates: _Floats,
-    anchors: Sequence[int],
-    targets: _Floats,
-    anchor_weight: float,
+    anchors: object,
     weights: str,
 ) -> _Floats: ...
 @final
@@ -334,7 +255,7 @@ class ChangeData:
     @property
     def shape(self) -> ShapeData: ...
     def length_before(self, length: float) -> float: ...
-    def before(self, points: _Floats) -> _Floats: ...
-    def found_again(
+    def undo_motion(self, points: _Floats) -> _Floats: ...
+    def find_repeated(
         self, reference: Prepared, before: dict[str, NDArray[Any]], after: dict[str, NDArray[Any]], sigmas: float
     ) -> tuple[list[tuple[int, int, int]], int, float]: ...

@@ -11,19 +11,19 @@ _SILENT: AbstractContextManager[None] = nullcontext()
 ProgressLike = Union[bool, None, Report]
 
 
-def reporting(progress: ProgressLike, what: str) -> AbstractContextManager[Report | None]:
-    """Give the function that a call reports to.
+def report_progress(progress: ProgressLike, what: str) -> AbstractContextManager[Report | None]:
+    """Context that gives the function to which a call reports, or None.
 
-    ``True`` shows a bar by ``tqdm.auto`` where tqdm is installed, which notebooks show too, else nothing.
+    ``True`` shows a bar by ``tqdm.auto`` if tqdm is installed, also in notebooks.
     """
-    return _SILENT if progress is None or progress is False else _reporting(progress, what)
+    return _SILENT if progress is None or progress is False else _open_report(progress, what)
 
 
 @contextmanager
-def _reporting(progress: bool | Report, what: str) -> Iterator[Report | None]:
+def _open_report(progress: bool | Report, what: str) -> Iterator[Report | None]:
     if progress is not True:
         if not callable(progress):
-            raise TypeError(f"progress: {progress!r} is no bool and no function of (done, total)")
+            raise TypeError(f"progress must be a bool or a function of (done, total), got {progress!r}")
         yield progress
         return
     try:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._bands import Layer
-from adwave._decomposer import Decomposer
+from adwave._decomposer import Layer, prepare_decomposer
+from adwave._edits import EditSettings, edit_shape
+from adwave._options import Constraints, LevelsLike, Octaves, Operator, Steps, Widths, check_levels
 from adwave._progress import ProgressLike
 from adwave._shape import Path, Shape, as_shape
 
 
 class Recipe:
-    """An edit as text: levels, layers of gains and regions, and what is asked of new positions.
+    """An edit as text: levels, layers of gains and regions, and constraints on the new positions.
 
     Parameters
     ----------
@@ -26,7 +28,7 @@ class Recipe:
     Raises
     ------
     ValueError
-        With the line that is wrong.
+        If the text is not a recipe; the message names the line.
 
     Examples
     --------
@@ -46,118 +48,143 @@ class Recipe:
         self._content: dict[str, Any] = self._data.content()
 
     @property
-    def field(self) -> str:
-        """The signal that is changed; ``'coords'`` is the coordinates."""
+    def signal(self) -> str:
+        """Name of the signal that is changed; ``'coords'`` is the coordinates."""
         return self._content["field"]
 
     @property
-    def levels(self) -> int | None:
-        """Number of dyadic levels, where they are given so."""
-        return self._content.get("levels")
+    def levels(self) -> LevelsLike:
+        """Levels of the recipe: a number of dyadic levels, `Widths`, `Steps`, or None for the default."""
+        content = self._content
+        if "lengths" in content:
+            return Widths(rms=content["lengths"])
+        return Steps(content["steps"]) if "steps" in content else content.get("levels")
 
-    @property
-    def lengths(self) -> list[float | str] | None:
-        """Widths σ of the levels, where they are given so."""
-        return self._content.get("lengths")
+    def apply(self, shape: object, *, progress: ProgressLike = None) -> Shape:
+        """Edit a shape; the result has the same bits as that of ``adwave filter --recipe``.
 
-    @property
-    def steps(self) -> list[float] | None:
-        """Numbers of steps of the levels, where they are given so."""
-        return self._content.get("steps")
-
-    def apply(self, shape: object, faces: object = None, *, progress: ProgressLike = None) -> Shape:
-        """Do the edit on a shape: the same bits as ``adwave filter --recipe`` gives.
+        Parameters
+        ----------
+        shape : shape_like
+            Anything that is a shape; see `Shape`.
+        progress : bool or callable, optional
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
         Returns
         -------
         Shape
             With new positions, or with the field changed.
         """
-        from adwave._edits import edited_shape
-
-        own, content = as_shape(shape, faces), self._content
-        by_width = "lengths" in content
-        operator = content["operator"] or ("surface" if by_width else "walk")
-        decomposer = Decomposer(
-            own,
-            operator=operator,
+        content, levels = self._content, self.levels
+        by_width = isinstance(levels, Widths)
+        operator = Operator(
+            content["operator"] or ("surface" if by_width else "walk"),
             density_invariant=content["density_invariant"],
             keep_creases=content["keep_creases"],
-            progress=progress,
         )
-        chosen = decomposer.steps(**{key: content[key] for key in ("levels", "lengths", "steps") if key in content})
+        decomposer = prepare_decomposer(as_shape(shape), operator)
+        constraints = Constraints(along=content["along"], border=content["border"], volume=content["volume"])
 
-        def edit_of(editor: _native.EditorData) -> NDArray[np.float64]:
+        def edit(editor: _native.EditorData) -> NDArray[np.float64]:
             return editor.apply_recipe(self._data)
 
-        return edited_shape(
-            decomposer,
-            self.field,
-            chosen,
-            edit_of,
-            (content["along"], content["border"], content["volume"]),
-            _native.ACCURACY,
-            progress,
-        )
+        settings = EditSettings(self.signal, decomposer.schedule(levels), constraints)
+        return edit_shape(decomposer, settings, edit, progress)
 
     def write(self, path: Path) -> None:
-        """Write the recipe to a file, as a whole or not at all."""
+        """Write the recipe to a file, completely or not at all.
+
+        Parameters
+        ----------
+        path : path_like
+            The file, usually ``.toml``.
+        """
         self._data.write(os.fspath(path))
 
     def __repr__(self) -> str:
-        return f"<adwave.Recipe: {self._data.n_layers} layers of {self.field}>"
+        return f"<adwave.Recipe: {self._data.n_layers} layers of {self.signal}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Recipe, (self.text,)
 
     @staticmethod
-    def of(
-        layers: list[Layer],
+    def from_layers(
+        layers: Sequence[Layer],
         *,
-        levels: int | None = None,
-        lengths: list[float | str] | None = None,
-        steps: list[float] | None = None,
-        field: str = "coords",
+        levels: LevelsLike = None,
+        signal: str = "coords",
         operator: str | None = None,
-        along: str | None = None,
-        border: str | None = None,
-        volume: str | None = None,
+        constraints: Constraints | None = None,
     ) -> Recipe:
-        """A recipe from layers, whose regions are texts.
+        """A recipe from layers whose regions are texts.
+
+        Parameters
+        ----------
+        layers : sequence of Layer
+            The edits.
+        levels : int, Widths or Steps, optional
+            As in `filter`.
+        signal : str
+            Name of the signal that is changed.
+        operator : str, optional
+            As in `filter`.
+        constraints : Constraints, optional
+            As in `filter`.
 
         Raises
         ------
         ValueError
-            When a layer has weights for each vertex: put these into a field of the shape and name it as the region,
+            If a layer has weights for each vertex: put these into a field of the shape, and name it in the region,
             ``"field:name=…"``.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> recipe = aw.Recipe.from_layers([aw.Layer("enhance")], levels=4)
+        >>> print(recipe.text)
+        field = "coords"
+        levels = 4
+        <BLANKLINE>
+        [[layer]]
+        preset = "enhance"
+        <BLANKLINE>
         """
-        lines: list[str] = []
-        for name, value in (("levels", levels), ("lengths", lengths), ("steps", steps)):
-            if value is not None:
-                lines.append(f"{name} = {_toml(value)}")
-        for name, word in (
-            ("field", field),
-            ("operator", operator),
-            ("along", along),
-            ("border", border),
-            ("volume", volume),
-        ):
-            if word is not None:
-                lines.append(f"{name} = {_toml(word)}")
+        lines = _levels_toml(check_levels(levels))
+        words = {"field": signal, "operator": operator}
+        if constraints is not None:
+            words |= {"along": constraints.along, "border": constraints.border, "volume": constraints.volume}
+        lines += [f"{name} = {_toml(word)}" for name, word in words.items() if word is not None]
         for layer in layers:
-            lines.append("[[layer]]")
-            if isinstance(layer.gains, str):
-                lines.append(f"preset = {_toml(layer.gains)}")
-            else:
-                lines.append(f"gains = {_toml([float(g) for g in layer.gains])}")
-            if layer.where is not None:
-                if not isinstance(layer.where, str):
-                    raise ValueError(
-                        "where: a recipe takes no weights for each vertex; put them into a field of the shape and take "
-                        "where='field:name=…'"
-                    )
-                lines.append(f"region = {_toml(layer.where)}")
+            lines += _layer_toml(layer)
         return Recipe("\n".join(lines) + "\n")
+
+
+def _levels_toml(levels: LevelsLike) -> list[str]:
+    if isinstance(levels, Octaves):
+        raise ValueError("levels: a recipe has a number of levels, aw.Widths or aw.Steps; give aw.Steps")
+    if isinstance(levels, Widths):
+        if levels.rms is None:
+            raise ValueError("levels: a recipe has widths by their root mean square; give aw.Widths(rms=...)")
+        return [f"lengths = {_toml(levels.rms)}"]
+    if isinstance(levels, Steps):
+        return [f"steps = {_toml(levels.steps)}"]
+    return [] if levels is None else [f"levels = {levels}"]
+
+
+def _layer_toml(layer: Layer) -> list[str]:
+    lines = ["[[layer]]"]
+    if isinstance(layer.gains, str):
+        lines.append(f"preset = {_toml(layer.gains)}")
+    else:
+        lines.append(f"gains = {_toml([float(g) for g in layer.gains])}")
+    if layer.where is not None:
+        if not isinstance(layer.where, str):
+            raise ValueError(
+                "where: a recipe takes no weights for each vertex; put them into a field of the shape and use "
+                "where='field:name=…'"
+            )
+        lines.append(f"region = {_toml(layer.where)}")
+    return lines
 
 
 def _toml(value: Any) -> str:
@@ -174,12 +201,26 @@ def _toml(value: Any) -> str:
 def read_recipe(path: Path) -> Recipe:
     """Read a recipe from a file.
 
+    Parameters
+    ----------
+    path : path_like
+        A file as the command writes it with ``--save-recipe``.
+
     Raises
     ------
     OSError
-        The file cannot be opened.
+        If the file cannot be opened.
     ValueError
-        It is no recipe: with the line.
+        If it is not a recipe; the message names the line.
+
+    Examples
+    --------
+    >>> import adwave as aw, os, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "edit.toml")
+    ...     aw.Recipe.from_layers([aw.Layer("smooth")], levels=4).write(path)
+    ...     aw.read_recipe(path)
+    <adwave.Recipe: 1 layers of coords>
     """
     with open(path, encoding="utf-8") as file:
         text = file.read()

@@ -1,15 +1,17 @@
-"""Two shapes compared, and one with fewer vertices."""
+"""Two shapes compared, and a shape simplified."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._decomposer import Length, prepared
-from adwave._progress import ProgressLike, reporting
+from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._options import Length, OperatorLike, as_operator
+from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
 _PAIR = np.dtype(
@@ -23,52 +25,82 @@ _PAIR = np.dtype(
 )
 
 
-class Simplified(NamedTuple):
-    """A shape with fewer vertices, and how far it is from what it was."""
+class SimplifyResult(NamedTuple):
+    """A shape with fewer vertices, and its distance from the original.
+
+    Attributes
+    ----------
+    shape : Shape
+        With the fields, texture coordinates and materials of the remaining vertices and faces.
+    vertices : (m,) array of int
+        Index in the original of each remaining vertex.
+    greatest : float
+        Greatest distance between both surfaces, measured, in model units.
+    rms : float
+        Root mean square of the distance by area, in model units.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> found = aw.simplify(aw.sample("sphere", vertices=1000), ratio=0.5)
+    >>> found.shape.n_vertices == len(found.vertices)
+    True
+    """
 
     shape: Shape
-    """With the fields, texture coordinates and materials of the vertices and faces that are left."""
-    kept: NDArray[np.uint32]
-    """Which vertices of the original it has."""
+    vertices: NDArray[np.uint32]
     greatest: float
-    """The greatest distance between both surfaces, measured, model units."""
     rms: float
-    """The root mean square of it by area."""
+
+
+@dataclass(frozen=True)
+class SimplifyOptions:
+    """Target of a simplification, as the extension takes it."""
+
+    error: Union[Length, None]
+    vertices: Union[int, None]
+    ratio: Union[float, None]
+    keep_border: bool
 
 
 def simplify(
     shape: object,
-    faces: object = None,
     *,
     error: Length | None = None,
     vertices: int | None = None,
     ratio: float | None = None,
     keep_border: bool = False,
     progress: ProgressLike = None,
-) -> Simplified:
-    """Drop vertices, and measure how far the result is from the shape.
+) -> SimplifyResult:
+    """Remove vertices, and measure the distance of the result from the shape.
 
-    Edges of meshes are collapsed in the order of the quadric error; clouds are thinned to Poisson disks.
+    Edges of meshes are collapsed in the order of the quadric error; clouds are thinned to Poisson disks. Exactly one of
+    `error`, `vertices` and `ratio` is given.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a mesh or a cloud; see `Shape`.
     error : float or str, optional
-        As few vertices as a distance of at most this allows, in model units or in ``"0.1%"`` of the diagonal; of a cloud, the
-        distance within which every dropped point has one that is kept.
+        Largest distance, in model units or as a share of the diagonal such as ``"0.1%"``; the result has as few vertices
+        as it allows. For a cloud, every removed point has a remaining one within this distance.
     vertices : int, optional
-        So many vertices.
+        Number of vertices of the result.
     ratio : float, optional
-        This share of the vertices.
+        Share of the vertices that remain.
     keep_border : bool
-        Leave the borders of an open mesh as they are.
+        Leave the borders of an open mesh unchanged.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
-    Simplified
+    SimplifyResult
+
+    Raises
+    ------
+    ValueError
+        If the shape is a graph, or not exactly one target is given.
 
     Examples
     --------
@@ -77,30 +109,60 @@ def simplify(
     >>> found.shape.n_vertices < 3000 and found.greatest < 0.02
     True
     """
-    asked = [name for name, value in (("error", error), ("vertices", vertices), ("ratio", ratio)) if value is not None]
-    if len(asked) != 1:
-        raise ValueError(f"give one of error, vertices and ratio, not {' and '.join(asked) or 'none'}")
-    own = as_shape(shape, faces)
-    with reporting(progress, "simplifying") as report:
-        data, kept, greatest, rms = _native.simplified(own._data, error, vertices, ratio, keep_border, report)
-    if kept is None:
-        kept = np.arange(own.n_vertices, dtype=np.uint32)
-    return Simplified(Shape._of(data), kept, greatest, rms)
+    given = [name for name, value in (("error", error), ("vertices", vertices), ("ratio", ratio)) if value is not None]
+    if len(given) != 1:
+        raise ValueError(f"give one of error, vertices and ratio, got {' and '.join(given) or 'none'}")
+    own = as_shape(shape)
+    with report_progress(progress, "simplifying") as report:
+        options = SimplifyOptions(error, vertices, ratio, keep_border)
+        data, remaining, greatest, rms = _native.simplify(own._data, options, report)
+    if remaining is None:
+        remaining = np.arange(own.n_vertices, dtype=np.uint32)
+    return SimplifyResult(Shape._from_data(data), remaining, greatest, rms)
 
 
-class Matched(NamedTuple):
-    """Which features of two shapes are the same, and the motion between them."""
+class MatchResult(NamedTuple):
+    """Corresponding features of two shapes, and the motion between the shapes.
+
+    Attributes
+    ----------
+    pairs : structured array
+        first, second: the vertices; sigma: the size (rms width, model units); distance after the motion, in sigma;
+        confidence in [0, 1].
+    motion : (4, 4) array or None
+        From the first shape to the second; None if no motion explains the features better than chance.
+    median : float or None
+        Median distance of the surfaces after the motion, in model units.
+    overlap : float or None
+        Share of the first shape that has a closest point on the second.
+    n_features : (int, int)
+        Number of features of both shapes.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("creature", vertices=5000)
+    >>> aw.match(shape, shape).motion.round(3) + 0
+    array([[1., 0., 0., 0.],
+           [0., 1., 0., 0.],
+           [0., 0., 1., 0.],
+           [0., 0., 0., 1.]])
+    """
 
     pairs: NDArray[Any]
-    """first, second: the vertices; sigma: the size; distance after the motion, in sigma; confidence in [0, 1]."""
     motion: NDArray[np.float64] | None
-    """4 × 4, from the first shape to the second; None where no motion explains the features better than chance."""
     median: float | None
-    """Median distance of the surfaces after the motion, model units."""
     overlap: float | None
-    """Share of the first that has a closest point on the second."""
     n_features: tuple[int, int]
-    """How many features were found on both."""
+
+
+@dataclass(frozen=True)
+class MatchOptions:
+    """Options of matching, as the extension takes them."""
+
+    theta: float
+    within: float
+    scaled: bool
 
 
 def match(
@@ -110,29 +172,34 @@ def match(
     theta: float = 1.0,
     within: float = 2.0,
     scaled: bool = False,
+    operator: OperatorLike = None,
     progress: ProgressLike = None,
-    **operator: Any,
-) -> Matched:
-    """Find the motion between two scans of one thing, and which of their features are the same.
+) -> MatchResult:
+    """Find the motion between two scans of the same object, and their corresponding features.
 
     Parameters
     ----------
-    first, second
-        Anything that is a mesh or a cloud (pairs of points and faces as tuples; see `Shape`), or `Decomposer` objects.
+    first, second : shape_like
+        Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects.
     theta : float
-        How many times the mean response of its level a feature has.
+        Smallest response of a feature, in multiples of the mean response of its level.
     within : float
-        Pairs are at most so many sigma apart.
+        Largest distance of a pair, in rms widths of its level.
     scaled : bool
-        Whether one may be larger than the other, as where units differ.
+        Whether one shape may be larger than the other, for example in other units.
+    operator : str or Operator, optional
+        As in `decompose`; heat on the surface by default.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
-    **operator
-        The options of `Decomposer`; heat on the surface by default.
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
-    Matched
+    MatchResult
+
+    Raises
+    ------
+    ValueError
+        If a shape is a graph, or an option is invalid.
 
     Examples
     --------
@@ -145,25 +212,46 @@ def match(
            [0., 0., 1.],
            [1., 0., 0.]])
     """
-    one = prepared(first, None, dict(operator), by_width=True)
-    two = prepared(second, None, dict(operator), by_width=True)
-    with reporting(progress, "matching") as report:
-        found = _native.matched(one._data, two._data, theta, within, scaled, report)
+    one, two = _surface_decomposer(first, operator), _surface_decomposer(second, operator)
+    with report_progress(progress, "matching") as report:
+        found = _native.match_shapes(one._data, two._data, MatchOptions(theta, within, scaled), report)
     pairs = np.empty(len(found["first"]), dtype=_PAIR)
     for name in _PAIR.names or ():
         pairs[name] = found[name]
-    return Matched(pairs, found["motion"], found["median"], found["overlap"], found["n_features"])
+    return MatchResult(pairs, found["motion"], found["median"], found["overlap"], found["n_features"])
+
+
+def _surface_decomposer(shape: object, operator: OperatorLike = None) -> Decomposer:
+    """A decomposer by heat on the surface, unless another kind or an option of the walk is given."""
+    if isinstance(shape, Decomposer):
+        return prepare_decomposer(shape, operator)
+    options = as_operator(operator)
+    return prepare_decomposer(shape, options.with_default_kind("walk" if options.needs_walk() else "surface"))
 
 
 class Distances(NamedTuple):
-    """How far each vertex of a shape is from another shape."""
+    """Distance of each vertex of a shape from another shape.
+
+    Attributes
+    ----------
+    values : (n,) array
+        Model units; > 0 where the other shape lies outside; NaN beyond its border and beyond the limit.
+    is_signed : bool
+        Whether there is a sign: the shape has an outside.
+    motion : (4, 4) array
+        Motion of the second shape before the measurement.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> sphere = aw.sample("sphere", vertices=500)
+    >>> aw.distances(sphere, sphere).motion.shape
+    (4, 4)
+    """
 
     values: NDArray[np.float64]
-    """Model units; > 0 where the other lies outside; NaN beyond its border and beyond the limit."""
     is_signed: bool
-    """Whether there is a sign: the shape has an outside."""
     motion: NDArray[np.float64]
-    """4 × 4: how the second was moved before."""
 
 
 def distances(
@@ -174,20 +262,29 @@ def distances(
     limit: Length | None = None,
     progress: ProgressLike = None,
 ) -> Distances:
-    """The signed distance of each vertex of one shape to the closest point of another.
+    """Signed distance of each vertex of one shape to the closest point of another.
 
-    Their bands, ``decompose(first, signal=distances(first, second).values)``, say at which scale two versions differ.
+    Their bands, ``decompose(first, signal=distances(first, second).values)``, show at which scale two versions differ.
 
     Parameters
     ----------
-    first, second
-        Anything that is a mesh or a cloud (pairs of points and faces as tuples; see `Shape`), or `Decomposer` objects.
+    first, second : shape_like
+        Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects.
     align : bool
         Fit the second to the first before, by a rigid motion.
     limit : float or str, optional
-        What is farther has no value; in model units or in ``"1%"`` of the diagonal.
+        Largest distance, in model units or as a share of the diagonal such as ``"1%"``; farther vertices are NaN.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+    Returns
+    -------
+    Distances
+
+    Raises
+    ------
+    ValueError
+        If a shape is a graph, or `limit` is invalid.
 
     Examples
     --------
@@ -197,7 +294,7 @@ def distances(
     >>> found.is_signed, round(float(found.values.mean()), 2)
     (True, 0.1)
     """
-    one, two = prepared(first, None, {}, by_width=True), prepared(second, None, {}, by_width=True)
-    with reporting(progress, "measuring") as report:
+    one, two = _surface_decomposer(first), _surface_decomposer(second)
+    with report_progress(progress, "measuring") as report:
         values, is_signed, motion = _native.distances(one._data, two._data, align, limit, report)
     return Distances(values, is_signed, motion)

@@ -4,20 +4,31 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._progress import ProgressLike, reporting
+from adwave._notebook import shape_html
+from adwave._progress import ProgressLike, report_progress
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
 
 
+@dataclass(frozen=True)
+class ReadOptions:
+    """Part of a file to read, as the extension takes it."""
+
+    kind: Union[Kind, None] = None
+    bounds: Union[tuple[list[float], list[float]], None] = None
+    resolution: Union[float, None] = None
+
+
 class Fields(Mapping[str, "NDArray[Any]"]):
-    """The values per vertex (or face) of a shape by their names: a read-only mapping of arrays."""
+    """Values of the vertices (or faces) of a shape by their names: a read-only mapping of arrays."""
 
     __slots__ = ("_get", "_names")
 
@@ -28,7 +39,7 @@ class Fields(Mapping[str, "NDArray[Any]"]):
     def __getitem__(self, name: str) -> NDArray[Any]:
         values = self._get(name)
         if values is None:
-            raise KeyError(f"{name!r}; there is {', '.join(map(repr, self._names)) or 'none'}")
+            raise KeyError(f"{name!r}; the shape has {', '.join(map(repr, self._names)) or 'no fields'}")
         return values
 
     def __iter__(self) -> Iterator[str]:
@@ -44,29 +55,32 @@ class Fields(Mapping[str, "NDArray[Any]"]):
 class Shape:
     """A triangle or polygon mesh, a point cloud or a graph, with values at its vertices and faces.
 
-    It never changes: `with_points` and `with_field` give new shapes that share what stayed the same.
+    A shape is immutable: `with_points` and `with_field` give new shapes that share the unchanged parts.
 
     Parameters
     ----------
-    points : shape-like
-        Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a path, a sparse matrix
-        of weights (a graph), or an object of trimesh, PyVista, meshio, Open3D or networkx.
-    faces : array-like, optional
-        Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a cloud.
+    points : shape_like
+        Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
+        ``(points, faces)``, a path, a sparse matrix of weights (a graph), or an object of trimesh, PyVista, meshio,
+        Open3D or networkx.
+    faces : array_like, optional
+        Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
+        cloud.
     fields : mapping, optional
-        Values per vertex by their names, each of n or n × c numbers.
+        Values of the vertices by their names, each of n or n × channels numbers.
     kind : {'mesh', 'cloud', 'graph'}, optional
-        What the shape is taken as, whatever it has: a mesh as a cloud is its vertices.
+        Kind that the shape is treated as: a mesh as a cloud is its vertices.
 
     Raises
     ------
     ValueError, TypeError
-        In one line: which argument, its shape and type, and the first row that is wrong.
+        If an argument is invalid; the message is one line with the argument, its shape and type, and the first row that
+        is wrong.
 
     Notes
     -----
-    The order and the number of vertices stay. Points at exactly equal positions are welded for the analysis only.
-    Points and faces are copied once, about 1 ms for a million vertices, so that nobody can change them from outside.
+    The order and the number of vertices are preserved. Points at exactly equal positions are welded for the analysis
+    only. Points and faces are copied once, which takes about 1 ms for a million vertices.
 
     Examples
     --------
@@ -91,20 +105,18 @@ class Shape:
         if isinstance(points, Shape) and faces is None:
             data = points._data
         elif _adapt.is_path(points) and faces is None:
-            data = _native.ShapeData.read(os.fspath(points))  # type: ignore[call-overload]
+            data = _native.ShapeData.read(os.fspath(points), ReadOptions())  # type: ignore[call-overload]
         else:
-            data = _of_parts(_adapt.parts_of(points, faces))
+            data = _data_from_parts(_adapt.parts_of(points, faces))
         for name, values in (fields or {}).items():
             data = data.with_field(name, _field_values(values, data.n_vertices, name))
-        self._data: _native.ShapeData = data.taken_as(kind) if kind is not None else data
+        self._data: _native.ShapeData = data.with_kind(kind) if kind is not None else data
 
     @classmethod
-    def _of(cls, data: _native.ShapeData) -> Shape:
+    def _from_data(cls, data: _native.ShapeData) -> Shape:
         shape = cls.__new__(cls)
         shape._data = data
         return shape
-
-    # What it consists of
 
     @property
     def kind(self) -> Kind:
@@ -123,7 +135,7 @@ class Shape:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """Positions, n × 3, model units: a read-only view of the shape's own memory. Of a graph without positions 0 × 3."""
+        """Positions, n × 3, in model units: a read-only view. 0 × 3 for a graph without positions."""
         return self._data.points
 
     @property
@@ -133,11 +145,11 @@ class Shape:
         Raises
         ------
         ValueError
-            When the faces have more than three corners; `polygons` has them.
+            If a face has more than three corners; see `polygons`.
         """
         triangles = self._data.triangles
         if triangles is None:
-            raise ValueError("the faces have more than three corners; take Shape.polygons()")
+            raise ValueError("some faces have more than three corners; use Shape.polygons()")
         return triangles
 
     def polygons(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
@@ -153,44 +165,43 @@ class Shape:
         return self._data.polygons()
 
     def edges(self) -> tuple[NDArray[np.uint32], NDArray[np.float64]]:
-        """The edges that the file or the graph lists itself, not those of the faces.
+        """Edges that the file or the graph lists, without those of the faces.
 
         Returns
         -------
         pairs : (e, 2) array
+            Vertices at both ends.
         weights : (e,) array
-            1 where there are none.
+            1 if the edges have no weights.
         """
         pairs, weights, _ = self._data.edges()
         return pairs, weights if len(weights) else np.ones(len(pairs))
 
     @property
     def fields(self) -> Fields:
-        """Values per vertex by name, in the type of numbers that the file has."""
+        """Values of the vertices by name, in the number type of the file."""
         return Fields(self._data.field_names(), self._data.field)
 
     @property
     def face_fields(self) -> Fields:
-        """Values per face by name."""
+        """Values of the faces by name."""
         return Fields(self._data.face_field_names(), self._data.face_field)
 
     @property
     def format(self) -> str | None:
-        """The format of the file it was read from."""
+        """Format of the file that the shape was read from; None if there was none."""
         return self._data.format
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.fields[name]
 
-    # Changed, as a new one
-
     def with_points(self, points: ArrayLike) -> Shape:
-        """The same shape at other positions.
+        """Shape with the same faces and fields at other positions.
 
         Parameters
         ----------
-        points : (n, 3) array-like
-            One row for each vertex, in the same order.
+        points : (n, 3) array_like
+            One row for each vertex, in the same order, in model units.
 
         Examples
         --------
@@ -199,64 +210,95 @@ class Shape:
         >>> float(shape.with_points(2 * shape.points).points.max() / shape.points.max())
         2.0
         """
-        return Shape._of(self._data.with_points(_adapt.points_array(points)))
+        return Shape._from_data(self._data.with_points(_adapt.points_array(points)))
 
-    def _with(self, points: NDArray[np.float64]) -> Shape:
-        return Shape._of(self._data.with_points(points))
+    def _with_positions(self, points: NDArray[np.float64]) -> Shape:
+        return Shape._from_data(self._data.with_points(points))
 
     def with_field(self, name: str, values: ArrayLike) -> Shape:
-        """The same shape with values at its vertices, in place of those of that name.
+        """Shape with values at its vertices; a field of the same name is replaced.
 
         Parameters
         ----------
         name : str
-        values : (n,) or (n, c) array-like
-            Kept in their type of numbers.
+            Name of the field.
+        values : (n,) or (n, channels) array_like
+            Values, whose number type is preserved.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> shape = aw.sample("sphere", vertices=100).with_field("heat", range(100))
+        >>> int(shape["heat"].max())
+        99
         """
-        return Shape._of(self._data.with_field(name, _field_values(values, self.n_vertices, name)))
+        return Shape._from_data(self._data.with_field(name, _field_values(values, self.n_vertices, name)))
 
     def with_fields(self, fields: Mapping[str, ArrayLike]) -> Shape:
-        """`with_field` for several."""
+        """Shape with several fields; see `with_field`.
+
+        Parameters
+        ----------
+        fields : mapping
+            Values by their names.
+        """
         shape = self
         for name, values in fields.items():
             shape = shape.with_field(name, values)
         return shape
 
-    # Out
-
     def write(self, path: Path, *, format: str | None = None, progress: ProgressLike = None) -> list[str]:
-        """Write the shape to a file, as a whole or not at all.
+        """Write the shape to a file, completely or not at all.
 
         In the format that it was read from, the file keeps everything else that it had: comments, materials, header.
 
         Parameters
         ----------
-        path : path-like
-            Its ending chooses the format; ``.gz`` after it compresses.
+        path : path_like
+            File whose extension chooses the format; ``.gz`` after it compresses.
         format : str, optional
-            A format by its name, whatever the ending.
+            Name of a format, whatever the extension.
         progress : bool or callable, optional
-            ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
         Returns
         -------
         list of str
-            What the shape has and the format cannot hold; empty where all was written.
+            Parts of the shape that the format cannot store; empty if everything was written.
+
+        Raises
+        ------
+        ValueError
+            If the format is unknown.
+        OSError
+            If the file cannot be written.
         """
-        with reporting(progress, "writing") as report:
+        with report_progress(progress, "writing") as report:
             return self._data.write(os.fspath(path), format, report)
 
     def to_bytes(self, format: str = "ply") -> bytes:
-        """The content of a file of that format."""
+        """Content of a file.
+
+        Parameters
+        ----------
+        format : str
+            Name of the format.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> aw.sample("sphere", vertices=100).to_bytes("obj")[:2]
+        b'v '
+        """
         return self._data.to_bytes(format)
 
     def to(self, like: object) -> Any:
-        """A new object of another library with the points and fields of this shape; arrays take the points alone.
+        """A new object of another library with the points and fields of this shape; arrays take the points only.
 
         Parameters
         ----------
         like : object
-            What the shape came from, or another shape of the same connectivity: a trimesh, PyVista, meshio or Open3D object
+            The source of the shape, or another shape of the same connectivity: a trimesh, PyVista, meshio or Open3D object
             or a pair ``(points, faces)``. It is not changed.
 
         Examples
@@ -273,7 +315,7 @@ class Shape:
         return _adapt.with_results(like, points=points, fields=dict(self.fields), face_fields=dict(self.face_fields))
 
     def to_trimesh(self) -> Any:
-        """A `trimesh.Trimesh` with the same vertices in the same order; values per vertex are its vertex attributes."""
+        """A `trimesh.Trimesh` with the same vertices in the same order; fields become its vertex attributes."""
         import trimesh
 
         mesh = trimesh.Trimesh(np.array(self.points), self._triangles(), process=False)
@@ -281,7 +323,7 @@ class Shape:
         return mesh
 
     def to_pyvista(self) -> Any:
-        """A `pyvista.PolyData` with the same points and faces; values are its point and cell data."""
+        """A `pyvista.PolyData` with the same points and faces; fields become its point and cell data."""
         import pyvista
 
         if self.kind == "cloud" or not self.n_faces:
@@ -301,7 +343,15 @@ class Shape:
         return np.array(self.faces, dtype=np.int64)
 
     def signal(self, name: str, *, texture: Path | None = None) -> NDArray[np.float64]:
-        """A signal by its name; see `adwave.signal`."""
+        """A signal by its name; see `adwave.signal`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the signal.
+        texture : path_like, optional
+            Picture of the texture, instead of the one that the materials name.
+        """
         values = self._data.signal(name, None if texture is None else os.fspath(texture))
         return values[:, 0] if values.shape[1] == 1 else values
 
@@ -312,9 +362,7 @@ class Shape:
         return f"<adwave.Shape: {self.kind}, {self.n_vertices} vertices{faces}{fields}>"
 
     def _repr_html_(self) -> str:
-        from adwave._picture import shape_html
-
-        return shape_html(self)
+        return shape_html(self._data)
 
     def __reduce__(self) -> tuple[Any, ...]:
         data = self._data
@@ -325,10 +373,10 @@ class Shape:
             connected = (np.array(data.points), *data.polygons())
         fields = {name: self.fields[name] for name in self.fields}
         face_fields = {name: self.face_fields[name] for name in self.face_fields}
-        return _restored, (data.kind, data.n_vertices, connected, fields, face_fields)
+        return _restore_shape, (data.kind, data.n_vertices, connected, fields, face_fields)
 
 
-def _restored(
+def _restore_shape(
     kind: Kind, n: int, connected: tuple[Any, ...], fields: dict[str, Any], face_fields: dict[str, Any]
 ) -> Shape:
     if isinstance(connected[2], bool):
@@ -342,10 +390,10 @@ def _restored(
         data = data.with_field(name, values)
     for name, values in face_fields.items():
         data = data.with_face_field(name, values)
-    return Shape._of(data)
+    return Shape._from_data(data)
 
 
-def _of_parts(parts: _adapt.Parts) -> _native.ShapeData:
+def _data_from_parts(parts: _adapt.Parts) -> _native.ShapeData:
     if parts.kind == "graph" or parts.points is None:
         data = _native.ShapeData.from_graph(
             parts.n_vertices, parts.rows, parts.cols, parts.weights, parts.is_symmetric_list
@@ -364,21 +412,34 @@ def _field_values(values: ArrayLike, n: int, name: str) -> NDArray[Any]:
     if array.dtype == bool:
         array = array.astype(np.uint8)
     if array.dtype.kind not in "iuf":
-        raise TypeError(f"field {name!r}: dtype {array.dtype} is no type of real numbers")
+        raise TypeError(f"field {name!r}: must be real numbers, got {array.dtype}")
     if array.dtype.itemsize > 8 or array.dtype == np.float16:
         array = array.astype(np.float64)
     if array.ndim not in (1, 2) or array.shape[0] != n:
-        raise ValueError(f"field {name!r}: shape {array.shape} for {n} vertices; give one row for each")
+        raise ValueError(f"field {name!r}: must have one row for each of {n} vertices, got shape {array.shape}")
     return np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
 
 
 def as_shape(shape: object, faces: object = None) -> Shape:
-    """Anything that is a shape as a `Shape`; one that is one already is given back as it is.
+    """Anything that is a shape as a `Shape`; a `Shape` is returned unchanged.
 
     Parameters
     ----------
-    shape, faces
-        As for `Shape`.
+    shape : shape_like
+        Anything that is a shape; see `Shape`.
+    faces : array_like, optional
+        Faces, if `shape` is an array of points.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; see `Shape`.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.as_shape(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    <adwave.Shape: mesh, 3 vertices, 1 faces>
     """
     if isinstance(shape, Shape) and faces is None:
         return shape
@@ -386,10 +447,12 @@ def as_shape(shape: object, faces: object = None) -> Shape:
 
 
 def _bounds(box: ArrayLike) -> tuple[list[float], list[float]]:
-    """The least and the greatest coordinates of a box of four numbers, where z is free, or six."""
+    """Least and greatest coordinates of a box of six numbers, or of four, which leave z free."""
     numbers = np.asarray(box, dtype=float).ravel().tolist()
     if len(numbers) not in (4, 6):
-        raise ValueError(f"box: {len(numbers)} numbers; give xmin, ymin, zmin, xmax, ymax, zmax, or four without z")
+        raise ValueError(
+            f"box: must be xmin, ymin, zmin, xmax, ymax, zmax, or four numbers without z, got {len(numbers)} numbers"
+        )
     half = len(numbers) // 2
     low, high = numbers[:half], numbers[half:]
     return (low, high) if half == 3 else ([*low, -np.inf], [*high, np.inf])
@@ -405,39 +468,70 @@ def read(
 ) -> Shape:
     """Read a shape from a file.
 
-    The format is found from the content first and from the name second: OBJ, PLY, OFF, STL, glTF, GLB, XYZ, PTS, PWN, CSV, PCD,
+    The format is recognized by the content first and by the name second: OBJ, PLY, OFF, STL, glTF, GLB, XYZ, PTS, PWN, CSV, PCD,
     LAS, LAZ, E57, GIFTI, FreeSurfer, VTK (VTP, VTU, VTI, VTR, VTS, legacy), Gmsh, Medit, AMF, 3MF, Geomview, DMAT; MatrixMarket,
     TGF, GraphML and lists of edges (graphs); plain or gzip.
 
     Parameters
     ----------
-    path : path-like
+    path : path_like
+        The file.
     kind : {'mesh', 'cloud', 'graph'}, optional
-        What to take the file as.
-    box : array-like, optional
-        Only the points in this box, in model units, its faces included: (xmin, ymin, zmin, xmax, ymax, zmax), or (xmin, ymin, xmax, ymax);
-        of LAS, LAZ, COPC and EPT (``ept.json``). Of the last two only the nodes that meet it are read.
+        Kind that the file is treated as.
+    box : array_like, optional
+        Read only the points in this closed box, in model units: (xmin, ymin, zmin, xmax, ymax, zmax), or
+        (xmin, ymin, xmax, ymax). For LAS, LAZ, COPC and EPT (``ept.json``); of the last two only the nodes that meet the
+        box are read.
     resolution : float, optional
-        Points about this far apart, in model units: no finer levels of a COPC or EPT are read than that needs.
+        Distance of the points, in model units: the levels of a COPC or EPT that are finer are not read.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+    Returns
+    -------
+    Shape
 
     Raises
     ------
     OSError
-        The file cannot be opened.
+        If the file cannot be opened.
     ValueError
-        It is broken, or no shape: with the line or byte. No point lies in the box: with the bounds of the file.
+        If it is broken or not a shape (the message has the line or byte), or no point lies in the box (the message has the
+        bounds of the file).
     MemoryError
-        It asks for more than it may.
+        If it needs more memory than allowed.
+
+    Examples
+    --------
+    >>> import adwave as aw, os, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "sphere.ply")
+    ...     not_written = aw.sample("sphere", vertices=100).write(path)
+    ...     aw.read(path)
+    <adwave.Shape: mesh, 100 vertices, 196 faces>
     """
-    with reporting(progress, "reading") as report:
+    with report_progress(progress, "reading") as report:
         bounds = None if box is None else _bounds(box)
-        return Shape._of(_native.ShapeData.read(os.fspath(path), kind, report, bounds, resolution))
+        options = ReadOptions(kind, bounds, resolution)
+        return Shape._from_data(_native.ShapeData.read(os.fspath(path), options, report))
 
 
 def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = None) -> Shape:
-    """Read a shape from the content of a file; ``name`` helps where the content does not tell the format.
+    """Read a shape from the content of a file.
+
+    Parameters
+    ----------
+    content : bytes
+        Content of the file.
+    name : str, optional
+        Name of the file, for formats that the content does not tell.
+    kind : {'mesh', 'cloud', 'graph'}, optional
+        Kind that the file is treated as.
+
+    Raises
+    ------
+    ValueError
+        If the content is not a shape.
 
     Examples
     --------
@@ -445,7 +539,7 @@ def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = N
     >>> aw.read_bytes(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", "a.obj")
     <adwave.Shape: mesh, 3 vertices, 1 faces>
     """
-    return Shape._of(_native.ShapeData.read_bytes(bytes(content), name, kind))
+    return Shape._from_data(_native.ShapeData.read_bytes(bytes(content), name, kind))
 
 
 def sample(name: str = "creature", *, vertices: int | None = None, noise: float | None = None, seed: int = 1) -> Shape:
@@ -454,15 +548,26 @@ def sample(name: str = "creature", *, vertices: int | None = None, noise: float 
     Parameters
     ----------
     name : {'creature', 'sphere', 'torus', 'plane', 'knot', 'bracket', ...}
-        ``'bracket'`` has creases, ``'plane'`` a border. A wrong name lists them all.
+        ``'bracket'`` has creases, ``'plane'`` a border. A wrong name lists all names.
     vertices : int, optional
-        About so many: `Shape.n_vertices` says how many.
+        Approximate number of vertices; `Shape.n_vertices` is the exact one.
     noise : float, optional
         Standard deviation of noise along the normals, in mean edge lengths.
     seed : int
-        Of the noise.
+        Seed of the noise.
+
+    Raises
+    ------
+    ValueError
+        If there is no such shape.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.sample("sphere", vertices=100)
+    <adwave.Shape: mesh, 100 vertices, 196 faces>
     """
-    return Shape._of(_native.ShapeData.sample(name, vertices, noise, seed))
+    return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
 
 
 def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -> Shape:
@@ -472,10 +577,15 @@ def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -
     ----------
     n_vertices : int
         Number of nodes.
-    edges : (e, 2) array-like
+    edges : (e, 2) array_like
         Nodes at both ends, counted from 0.
-    weights : (e,) array-like, optional
-        Positive; 1 where none are given.
+    weights : (e,) array_like, optional
+        Positive weights; 1 by default.
+
+    Raises
+    ------
+    ValueError
+        If an edge has a node that is not there, or a weight is not positive.
 
     Examples
     --------
@@ -483,4 +593,4 @@ def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -
     >>> aw.graph(3, [[0, 1], [1, 2]])
     <adwave.Shape: graph, 3 vertices>
     """
-    return Shape._of(_of_parts(_adapt.graph_parts(n_vertices, edges, weights)))
+    return Shape._from_data(_data_from_parts(_adapt.graph_parts(n_vertices, edges, weights)))

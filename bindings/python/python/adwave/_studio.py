@@ -1,4 +1,4 @@
-"""The studio: an equalizer for a shape in the browser, and back."""
+"""The studio: an equalizer for a shape in the browser."""
 
 from __future__ import annotations
 
@@ -13,55 +13,73 @@ from adwave._recipe import Recipe
 from adwave._shape import Shape, as_shape
 
 
-class Edited(NamedTuple):
-    """What was made of a shape in the studio."""
+class StudioResult(NamedTuple):
+    """A shape as it was edited in the studio.
+
+    Attributes
+    ----------
+    shape : Shape
+        The shape after the edit, computed in double precision, with everything that its file had.
+    recipe : Recipe
+        The edit, to be repeated or applied to another shape.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> edited = aw.studio("bunny.obj")  # doctest: +SKIP
+    >>> edited.recipe.apply("armadillo.obj").write("out.obj")  # doctest: +SKIP
+    """
 
     shape: Shape
-    """The shape after the edit, computed in double precision, with all that its file had."""
     recipe: Recipe
-    """The edit, to be done again or on another shape."""
 
 
-def studio(shape: object, faces: object = None, *, port: int = 0, open_browser: bool = True) -> Edited:
-    """Open an equalizer for a shape in the browser, and wait until it is done there.
+def studio(shape: object, *, port: int = 0, open_browser: bool = True) -> StudioResult:
+    """Open an equalizer for a shape in the browser, and wait until the edit is done.
 
-    A slider for each band, a brush that paints gains, layers, undo. *Done* in the page's file menu, or Ctrl-C here (in a notebook its stop button), ends
-    it, and gives the edit either way.
+    The page has a slider for each band, a brush that paints gains, layers and undo. *Quit studio* in its file menu ends the
+    call, and so does Ctrl-C here (in a notebook the stop button); either way the edit is returned.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a mesh or a cloud; see `Shape`.
     port : int
-        The port; any that is free where it is 0. Of a notebook on another machine forward this one: ``ssh -L PORT:127.0.0.1:PORT``.
+        Port of the server; 0 for any free one. For a notebook on another machine forward it:
+        ``ssh -L PORT:127.0.0.1:PORT``.
     open_browser : bool
-        Open the browser of this machine; else only print the address.
+        Open the browser of this machine; otherwise only print the address.
 
     Returns
     -------
-    Edited
+    StudioResult
         The shape after the edit, and the recipe.
 
     Raises
     ------
     ValueError
-        The shape has no positions, or is too large for a browser.
+        If the shape has no positions, or is too large for a browser.
 
     Notes
     -----
-    The server listens on this machine alone, and answers only to who has the address.
+    The server listens on this machine only, and answers only requests that have the token of its address.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> edited = aw.studio(aw.sample("creature"))  # doctest: +SKIP
     """
-    own = as_shape(shape, faces)
+    own = as_shape(shape)
     with tempfile.TemporaryDirectory(prefix="adwave-studio-") as folder:
 
         def ready(address: str) -> None:
             print(address, file=sys.stderr, flush=True)
             if open_browser:
-                # By a file that leads there: the list of programs that run has no token then.
+                # A file that redirects: the token does not show in the list of processes.
                 page = os.path.join(folder, "studio.html")
                 with open(os.open(page, os.O_WRONLY | os.O_CREAT, 0o600), "w", encoding="utf-8") as file:
                     file.write(f'<!doctype html><meta http-equiv="refresh" content="0;url={address}">')
                 webbrowser.open("file://" + page)
 
         recipe, points = _native.studio(own._data, port, ready)
-    return Edited(own.with_points(points), Recipe(recipe))
+    return StudioResult(own.with_points(points), Recipe(recipe))

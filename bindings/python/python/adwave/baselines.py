@@ -1,4 +1,4 @@
-"""Methods that bands are compared with: harmonics, spectral graph wavelets, diffusion wavelets, signatures, saliency, smoothing.
+"""Other methods for comparison: harmonics, graph wavelets, diffusion wavelets, signatures, saliency, smoothing.
 
 >>> import adwave as aw
 >>> values, functions = aw.baselines.harmonics(aw.sample("sphere", vertices=500), 9)
@@ -9,14 +9,16 @@ True
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._decomposer import Decomposer, SignalLike, prepared
-from adwave._progress import ProgressLike, reporting
+from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._options import OperatorLike, SignalLike
+from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
 __all__ = [
@@ -37,95 +39,166 @@ _Weights = Literal["uniform", "cotangent"]
 
 
 def harmonics(
-    shape: object, k: int, faces: object = None, *, progress: ProgressLike = None
+    shape: object, k: int, *, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The first eigenvalues and eigenfunctions of the Laplacian (intrinsic Delaunay, lumped masses).
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
     k : int
-        How many.
+        Number of eigenvalues.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
     values : (k,) array
-        By rising value, 1 / squared model units; one 0 for each component.
+        Eigenvalues in ascending order, in 1 / squared model units; one 0 for each component.
     functions : (n, k) array
-        Of norm 1 by the masses.
+        Eigenfunctions of norm 1 by the masses.
+
+    Raises
+    ------
+    ValueError
+        If the shape has fewer than k vertices, or no surface.
 
     References
     ----------
     Vallet & Lévy, "Spectral geometry processing with manifold harmonics", 2008.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> values, functions = aw.baselines.harmonics(aw.sample("sphere", vertices=300), 4)
+    >>> functions.shape, bool(abs(values[1:] - 2).max() < 0.1)
+    ((300, 4), True)
     """
-    with reporting(progress, "eigenfunctions") as report:
-        return _native.harmonics(as_shape(shape, faces)._data, k, report)
+    with report_progress(progress, "eigenfunctions") as report:
+        return _native.harmonics(as_shape(shape)._data, k, report)
 
 
 def heat_kernel_signature(
-    shape: object, faces: object = None, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
+    shape: object, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """``HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²``: the heat that stays.
+    """Heat kernel signature ``HKS(x, t) = Σ_k e^(−λ_k t) φ_k(x)²``: the heat that remains at each vertex.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape; see `adwave.Shape`.
+    k : int
+        Number of eigenfunctions.
+    scales : int
+        Number of times.
+    progress : bool or callable, optional
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
     times : (scales,) array
-        Squared model units.
+        Times, in squared model units.
     values : (n, scales) array
+        Signature of each vertex, ≥ 0.
 
     References
     ----------
     Sun, Ovsjanikov & Guibas, "A concise and provably informative multi-scale signature based on heat diffusion", 2009.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> times, values = aw.baselines.heat_kernel_signature(aw.sample("sphere", vertices=300), k=20, scales=5)
+    >>> values.shape
+    (300, 5)
     """
-    with reporting(progress, "eigenfunctions") as report:
-        return _native.signature(as_shape(shape, faces)._data, "heat", k, scales, report)
+    with report_progress(progress, "eigenfunctions") as report:
+        return _native.signature(as_shape(shape)._data, "heat", k, scales, report)
 
 
 def wave_kernel_signature(
-    shape: object, faces: object = None, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
+    shape: object, *, k: int = 100, scales: int = 16, progress: ProgressLike = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The wave kernel signature of each vertex.
+    """Wave kernel signature of each vertex.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape; see `adwave.Shape`.
+    k : int
+        Number of eigenfunctions.
+    scales : int
+        Number of energies.
+    progress : bool or callable, optional
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
     energies : (scales,) array
-        ln λ.
+        Energies ln λ.
     values : (n, scales) array
+        Signature of each vertex, ≥ 0.
 
     References
     ----------
     Aubry, Schlickewei & Cremers, "The wave kernel signature", 2011.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> energies, values = aw.baselines.wave_kernel_signature(aw.sample("sphere", vertices=300), k=20, scales=5)
+    >>> values.shape
+    (300, 5)
     """
-    with reporting(progress, "eigenfunctions") as report:
-        return _native.signature(as_shape(shape, faces)._data, "wave", k, scales, report)
+    with report_progress(progress, "eigenfunctions") as report:
+        return _native.signature(as_shape(shape)._data, "wave", k, scales, report)
 
 
-def lee_saliency(
-    shape: object, faces: object = None, *, progress: ProgressLike = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The saliency of a mesh by differences of Gaussians of its mean curvature, five scales.
+def lee_saliency(shape: object, *, progress: ProgressLike = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Saliency of a mesh by differences of Gaussians of its mean curvature, on five scales.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a mesh; see `adwave.Shape`.
+    progress : bool or callable, optional
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Returns
     -------
     saliency : (n,) array
-        ≥ 0.
+        Saliency, ≥ 0.
     curvature : (n,) array
-        Mean curvature, 1 / model units.
+        Mean curvature, in 1 / model units.
 
     References
     ----------
     Lee, Varshney & Jacobs, "Mesh saliency", 2005.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> saliency, curvature = aw.baselines.lee_saliency(aw.sample("creature", vertices=2000))
+    >>> bool(saliency.min() >= 0)
+    True
     """
-    with reporting(progress, "saliency") as report:
-        return _native.lee(as_shape(shape, faces)._data, report)
+    with report_progress(progress, "saliency") as report:
+        return _native.lee(as_shape(shape)._data, report)
+
+
+@dataclass(frozen=True)
+class _TaubinOptions:
+    """Options of Taubin's smoothing, as the extension takes them."""
+
+    lam: float
+    mu: float
+    iterations: int
+    weights: _Weights
 
 
 def taubin(
     shape: object,
-    faces: object = None,
     *,
     signal: SignalLike = None,
     lam: float = 0.5,
@@ -135,40 +208,59 @@ def taubin(
 ) -> Shape | NDArray[np.float64]:
     """Taubin's λ|μ smoothing: ``((1 − μK)(1 − λK))^iterations f``.
 
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape; see `adwave.Shape`.
+    signal : str or array_like, optional
+        As in `adwave.decompose`; the coordinates by default.
+    lam, mu : float
+        Factors λ > 0 and μ < −λ of the two steps.
+    iterations : int
+        Number of pairs of steps.
+    weights : {'uniform', 'cotangent'}
+        Weights of the neighbors in K.
+
     Returns
     -------
-    Shape, or an array like the signal where one is given.
+    Shape, or an array like the signal if one is given
 
     References
     ----------
     Taubin, "A signal processing approach to fair surface design", 1995.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.baselines.taubin(aw.sample("sphere", vertices=300, noise=0.3), iterations=5)
+    <adwave.Shape: mesh, 300 vertices, 596 faces>
     """
-    own = prepared(shape, faces, {})
-    _, values, is_flat = own._signal(signal)
+    own = prepare_decomposer(shape)
+    _, values, is_flat = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
-    smoothed = _native.taubin(own.shape._data, given, weights, lam, mu, iterations)
+    smoothed = _native.taubin(own.shape._data, given, _TaubinOptions(lam, mu, iterations, weights))
     if values is None:
-        return own.shape._with(smoothed)
+        return own.shape._with_positions(smoothed)
     return smoothed[:, 0] if is_flat else smoothed
 
 
 def differential_coordinates(
-    shape: object, faces: object = None, *, signal: SignalLike = None, weights: _Weights = "cotangent"
+    shape: object, *, signal: SignalLike = None, weights: _Weights = "cotangent"
 ) -> NDArray[np.float64]:
-    """``δ = (I − P) f``, P a mean over the neighbors: by how much each vertex differs from it.
+    """Difference of each vertex from the mean P of its neighbors: ``δ = (I − P) f``.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
-    signal : str or array-like, optional
-        As for `adwave.decompose`; the coordinates where none is given.
+    signal : str or array_like, optional
+        As in `adwave.decompose`; the coordinates by default.
     weights : {'uniform', 'cotangent'}
-        Which mean.
+        Weights of the mean.
 
     Returns
     -------
-    (n, c) array, or (n,) of a signal of one dimension.
+    (n, channels) array, or (n,) for a signal of one dimension
 
     References
     ----------
@@ -181,8 +273,8 @@ def differential_coordinates(
     >>> aw.baselines.differential_coordinates(shape).shape
     (500, 3)
     """
-    own = prepared(shape, faces, {})
-    _, values, is_flat = own._signal(signal)
+    own = prepare_decomposer(shape)
+    _, values, is_flat = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     delta = _native.differential_coordinates(own.shape._data, given, weights)
     return delta[:, 0] if is_flat else delta
@@ -193,29 +285,37 @@ def from_differential_coordinates(
     coordinates: ArrayLike,
     anchors: ArrayLike,
     targets: ArrayLike,
-    faces: object = None,
     *,
     anchor_weight: float = 1.0,
     weights: _Weights = "cotangent",
 ) -> NDArray[np.float64]:
-    """The signal whose differential coordinates are nearest to these, with some vertices near places of their own.
+    """The signal whose differential coordinates are nearest to the given ones, with some vertices near given targets.
 
     Least squares: ``(LᵀL + W²) f = Lᵀδ + W²t``, by one sparse factorization.
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a shape; see `adwave.Shape`.
-    coordinates : (n, c) or (n,) array-like
-        δ.
-    anchors : (k,) array-like of int
-        Vertices that are wanted somewhere; at least one of each component.
-    targets : (k, c) or (k,) array-like
-        Where.
+    coordinates : (n, channels) or (n,) array_like
+        Differential coordinates δ.
+    anchors : (k,) array_like of int
+        Vertices with a target; at least one of each component.
+    targets : (k, channels) or (k,) array_like
+        Values of the signal at the anchors.
     anchor_weight : float
-        w, against 1 of every differential coordinate.
+        Weight w of an anchor, relative to 1 for a differential coordinate.
     weights : {'uniform', 'cotangent'}
-        As the coordinates were made.
+        Weights that the coordinates were computed with.
+
+    Returns
+    -------
+    (n, channels) or (n,) array
+
+    Raises
+    ------
+    ValueError
+        If an anchor is not a vertex, or the arrays do not fit.
 
     Examples
     --------
@@ -227,35 +327,59 @@ def from_differential_coordinates(
     >>> bool(abs(again - shape.points).max() < 1e-8)
     True
     """
-    own = as_shape(shape, faces)
+    own = as_shape(shape)
     delta = _adapt.values_array(coordinates, own.n_vertices, "coordinates")
     at = np.asarray(anchors)
     if at.ndim != 1 or (at.size and at.dtype.kind not in "iu") or (at < 0).any():
-        raise ValueError(f"anchors: shape {at.shape}, {at.dtype}; give the numbers of vertices")
+        raise ValueError(f"anchors must be indices of vertices, got shape {at.shape} of {at.dtype}")
     where = _adapt.values_array(targets, len(at), "targets")
     if where.shape[1] != delta.shape[1]:
-        raise ValueError(f"targets: {where.shape[1]} columns, coordinates: {delta.shape[1]}")
-    solved = _native.from_differential(own._data, delta, at.tolist(), where, float(anchor_weight), weights)
+        raise ValueError(f"targets must have {delta.shape[1]} columns like coordinates, got {where.shape[1]}")
+    held = _Anchors(at.tolist(), where, float(anchor_weight))
+    solved = _native.from_differential(own._data, delta, held, weights)
     return solved[:, 0] if np.ndim(coordinates) == 1 else solved
 
 
+@dataclass(frozen=True)
+class _Anchors:
+    """Vertices with targets, as the extension takes them."""
+
+    vertices: list[int]
+    targets: NDArray[np.float64]
+    weight: float
+
+
 class CriticalPoints(NamedTuple):
-    """Critical points of a function at one scale."""
+    """Critical points of a function at one scale.
+
+    Attributes
+    ----------
+    time : float
+        t, in squared model units.
+    smoothed : (n,) array
+        The function at that scale.
+    points : structured array
+        vertex; kind: 1 a maximum, −1 a minimum, 0 a saddle; multiplicity; value.
+    index_sum : int
+        Sum of the indices: the Euler characteristic of the mesh.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> (level,) = aw.baselines.feature_map(aw.sample("torus", vertices=1000), [0.01])
+    >>> level.index_sum
+    0
+    """
 
     time: float
-    """t, squared model units."""
     smoothed: NDArray[np.float64]
-    """The function at that scale, (n,)."""
     points: NDArray[Any]
-    """vertex; kind: 1 a maximum, −1 a minimum, 0 a saddle; multiplicity; value."""
     index_sum: int
-    """The sum of the indices: the Euler characteristic of the mesh."""
 
 
 def feature_map(
     shape: object,
     times: Sequence[float],
-    faces: object = None,
     *,
     signal: SignalLike = "mean-curvature",
     progress: ProgressLike = None,
@@ -264,14 +388,14 @@ def feature_map(
 
     Parameters
     ----------
-    shape, faces
+    shape : shape_like
         Anything that is a mesh; see `adwave.Shape`.
     times : sequence of float
-        t, squared model units: smoothed over about ``√(2t)``.
-    signal : str or (n,) array-like
-        f.
+        Times t in squared model units: f is smoothed over about ``√(2t)``.
+    signal : str or (n,) array_like
+        Function f.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
     Examples
     --------
@@ -280,13 +404,13 @@ def feature_map(
     >>> level.index_sum
     2
     """
-    own = as_shape(shape, faces)
+    own = as_shape(shape)
     values = own.signal(signal) if isinstance(signal, str) else np.asarray(signal, dtype=np.float64)
     flat = _adapt.values_array(values, own.n_vertices, "signal")
     if flat.shape[1] != 1:
-        raise ValueError(f"signal: shape {np.shape(values)}; a feature map is of one number at each vertex")
+        raise ValueError(f"signal must be one number for each vertex, got shape {np.shape(values)}")
     kinds = np.dtype([("vertex", np.int64), ("kind", np.int8), ("multiplicity", np.int32), ("value", np.float64)])
-    with reporting(progress, "smoothing") as report:
+    with report_progress(progress, "smoothing") as report:
         found = _native.feature_map(own._data, flat[:, 0], [float(t) for t in times], report)
     return [
         CriticalPoints(time, smoothed, np.array(points, dtype=kinds), index_sum)
@@ -295,20 +419,20 @@ def feature_map(
 
 
 class GraphWavelets:
-    """Spectral graph wavelets: kernels ``g_i`` of the normalized Laplacian of the same diffusion, as Chebyshev polynomials.
+    """Spectral graph wavelets: kernels ``g_i`` of the normalized Laplacian of the same diffusion, as polynomials.
 
     Parameters
     ----------
-    shape, faces
-        Anything that is a shape (see `adwave.Shape`), or a `adwave.Decomposer` whose diffusion is reversible.
+    shape : shape_like
+        Anything that is a shape (see `adwave.Shape`), or an `adwave.Decomposer` whose diffusion is reversible.
     kernels : int
-        How many, the low pass among them.
+        Number of kernels, with the low pass.
     family : {'meyer', 'mexican-hat', 'abspline', 'itersine'}
-        Meyer's and itersine are tight frames.
+        Family of the kernels; those of Meyer and itersine are tight frames.
     accuracy : float
         Largest error of a kernel's polynomial.
-    **operator
-        The options of `adwave.Decomposer`.
+    operator : str or Operator, optional
+        As in `adwave.decompose`.
 
     References
     ----------
@@ -333,76 +457,77 @@ class GraphWavelets:
         self,
         shape: object,
         kernels: int = 9,
-        faces: object = None,
         *,
         family: Literal["meyer", "mexican-hat", "abspline", "itersine"] = "meyer",
         accuracy: float = 1e-6,
-        **operator: Any,
+        operator: OperatorLike = None,
     ) -> None:
-        self.decomposer: Decomposer = prepared(shape, faces, operator)
+        self.decomposer: Decomposer = prepare_decomposer(shape, operator)
         self._arguments = (kernels, family, accuracy)
         self._data = _native.FrameData(self.decomposer._data, family, kernels, accuracy)
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """A and B of the frame: ``A‖f‖² ≤ Σ‖c_i‖² ≤ B‖f‖²``; both 1 of a tight one."""
+        """Bounds A and B of the frame: ``A‖f‖² ≤ Σ‖c_i‖² ≤ B‖f‖²``; both are 1 for a tight frame."""
         return self._data.bounds
 
     @property
     def degree(self) -> int:
-        """Of the polynomials: how many products with the Laplacian an analysis takes."""
+        """Degree of the polynomials: number of products with the Laplacian in an analysis."""
         return self._data.degree
 
     def kernels(self, values: ArrayLike) -> NDArray[np.float64]:
-        """``g_i(λ)`` at these λ in [0, 2], kernels × values, the low pass first."""
+        """``g_i(λ)`` at these λ in [0, 2], kernels × values, with the low pass first."""
         return self._data.kernels(np.asarray(values, dtype=np.float64).tolist())
 
     def analyze(self, signal: SignalLike = None, *, progress: ProgressLike = None) -> NDArray[np.float64]:
-        """``c_i = g_i(L) f``, kernels × n (× channels), the low pass first."""
-        _, values, is_flat = self.decomposer._signal(signal)
+        """Coefficients ``c_i = g_i(L) f``, kernels × n (× channels), with the low pass first."""
+        _, values, is_flat = self.decomposer._resolve_signal(signal)
         given = np.array(self.decomposer.shape.points) if values is None else values
-        with reporting(progress, "splitting") as report:
+        with report_progress(progress, "splitting") as report:
             found = self._data.analyze(given, report)
         return found[:, :, 0] if is_flat else found
 
     def synthesize(
         self, coefficients: ArrayLike, *, tolerance: float = 1e-10, progress: ProgressLike = None
     ) -> NDArray[np.float64]:
-        """The signal whose coefficients are nearest to these, by conjugate gradients."""
+        """The signal whose coefficients are nearest to the given ones, by conjugate gradients."""
         given = np.asarray(coefficients, dtype=np.float64)
         is_flat = given.ndim == 2
         stacked = np.ascontiguousarray(given[:, :, None] if is_flat else given)
         if stacked.ndim != 3:
-            raise ValueError(f"coefficients: shape {given.shape}; give kernels × n, or kernels × n × channels")
-        with reporting(progress, "putting together") as report:
+            raise ValueError(f"coefficients must be kernels × n, or kernels × n × channels, got shape {given.shape}")
+        with report_progress(progress, "synthesizing") as report:
             back, _ = self._data.synthesize(stacked, tolerance, report)
         return back[:, 0] if is_flat else back
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _frame_again, (self.decomposer, *self._arguments)
+        return _restore_frame, (self.decomposer, *self._arguments)
 
 
-def _frame_again(decomposer: Decomposer, kernels: int, family: Any, accuracy: float) -> GraphWavelets:
+def _restore_frame(decomposer: Decomposer, kernels: int, family: Any, accuracy: float) -> GraphWavelets:
     return GraphWavelets(decomposer, kernels, family=family, accuracy=accuracy)
 
 
 class DiffusionWavelets:
-    """Diffusion wavelets with fewer functions level by level, orthogonal or biorthogonal; dense, for a few thousand vertices.
+    """Diffusion wavelets whose levels have fewer and fewer functions, orthogonal or biorthogonal.
+
+    The matrices are dense: for a few thousand vertices.
 
     Parameters
     ----------
-    shape, faces
-        Anything that is a shape (see `adwave.Shape`), or a `adwave.Decomposer` whose diffusion is reversible.
+    shape : shape_like
+        Anything that is a shape (see `adwave.Shape`), or an `adwave.Decomposer` whose diffusion is reversible.
     levels : int
-        At most; fewer where the rank falls to 1.
+        Largest number of levels; there are fewer if the rank falls to 1.
     biorthogonal : bool
-        Local functions with duals in the place of orthonormal ones.
+        Use local functions with duals instead of orthonormal ones.
     precision : float
-        What is left of a column and counted as nothing.
+        Remainder of a column that counts as zero.
     progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, where that is installed), or a function of (done, total).
-    **operator
-        The options of `adwave.Decomposer`.
+        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+    operator : str or Operator, optional
+        As in `adwave.decompose`.
 
     References
     ----------
@@ -425,49 +550,48 @@ class DiffusionWavelets:
         self,
         shape: object,
         levels: int = 10,
-        faces: object = None,
         *,
         biorthogonal: bool = False,
         precision: float = 1e-6,
         progress: ProgressLike = None,
-        **operator: Any,
+        operator: OperatorLike = None,
     ) -> None:
-        self.decomposer: Decomposer = prepared(shape, faces, operator)
+        self.decomposer: Decomposer = prepare_decomposer(shape, operator)
         self._arguments = (levels, biorthogonal, precision)
-        with reporting(progress, "compressing") as report:
+        with report_progress(progress, "compressing") as report:
             self._data = _native.MultiscaleData(self.decomposer._data, not biorthogonal, levels, precision, report)
 
     @property
     def ranks(self) -> list[int]:
-        """How many scaling functions each level has, from 0 on."""
+        """Number of scaling functions of each level, from level 0."""
         return self._data.ranks
 
     def analyze(self, signal: ArrayLike) -> list[NDArray[np.float64]]:
-        """Coefficients of a signal of one number at each vertex: of the wavelets of each level, then of the last scaling functions."""
+        """Coefficients of an (n,) signal: of the wavelets of each level, then of the last scaling functions."""
         values = _adapt.values_array(signal, self.decomposer.n_vertices, "signal")
         if values.shape[1] != 1:
-            raise ValueError(f"signal: shape {np.shape(signal)}; give one number for each vertex")
+            raise ValueError(f"signal must be one number for each vertex, got shape {np.shape(signal)}")
         return self._data.analyze(values[:, 0])
 
     def synthesize(self, coefficients: Sequence[ArrayLike]) -> NDArray[np.float64]:
-        """The signal of coefficients."""
+        """The signal with the given coefficients, (n,)."""
         return self._data.synthesize([np.asarray(c, dtype=np.float64) for c in coefficients])
 
     def scaling_functions(self, level: int) -> NDArray[np.float64]:
-        """Those of a level from 1, a row for each, of unit length in the symmetric form."""
+        """Scaling functions of a level from 1, as rows of n values, of unit length in the symmetric form."""
         return self._data.functions(level, 0)
 
     def wavelets(self, level: int) -> NDArray[np.float64]:
-        """Those of a level from 1, a row for each."""
+        """Wavelets of a level from 1, as rows of n values."""
         return self._data.functions(level, 1)
 
     def duals(self, level: int) -> NDArray[np.float64]:
-        """The functions dual to `scaling_functions`; of orthogonal wavelets the same."""
+        """Functions dual to `scaling_functions`, which are the same for orthogonal wavelets."""
         return self._data.functions(level, 2)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _wavelets_again, (self.decomposer, *self._arguments)
+        return _restore_wavelets, (self.decomposer, *self._arguments)
 
 
-def _wavelets_again(decomposer: Decomposer, levels: int, biorthogonal: bool, precision: float) -> DiffusionWavelets:
+def _restore_wavelets(decomposer: Decomposer, levels: int, biorthogonal: bool, precision: float) -> DiffusionWavelets:
     return DiffusionWavelets(decomposer, levels, biorthogonal=biorthogonal, precision=precision)

@@ -60,7 +60,7 @@ bl_info = {
 
 @contextmanager
 def _waiting(context: Any) -> Iterator[Report]:
-    """Blender's wait cursor and its number of per cent."""
+    """Blender's wait cursor with its percentage."""
     window, manager = context.window, context.window_manager
     if window is not None:
         window.cursor_modal_set("WAIT")
@@ -110,14 +110,14 @@ class _OnMesh(bpy.types.Operator):
 
 
 class AdwaveSplit(_OnMesh):
-    """Split the mesh into bands from fine to coarse, one slider each. A mesh that is split keeps its gains"""
+    """Split the mesh into bands from fine to coarse, with a slider for each. A split mesh keeps its gains"""
 
     bl_idname = "adwave.split"
     bl_label = "Split into Bands"
     levels: IntProperty(name="Levels", description="How many bands; 0 for as many as fit", default=0, min=0, max=24)
 
     def invoke(self, context: Any, event: Any) -> set[str]:
-        """With what the panel says."""
+        """Run with the options of the panel."""
         self.levels = context.active_object.data.adwave.levels
         return self.execute(context)
 
@@ -178,7 +178,7 @@ class AdwaveGains(_OnMesh):
 
 
 class AdwaveApply(_OnMesh):
-    """Keep the points as they are now, and take the sliders away"""
+    """Keep the current points, and remove the sliders"""
 
     bl_idname = "adwave.apply"
     bl_label = "Apply"
@@ -189,7 +189,7 @@ class AdwaveApply(_OnMesh):
 
 
 class AdwaveCancel(_OnMesh):
-    """Put every point back to where it was before the mesh was split, and take the sliders away"""
+    """Restore the points from before the split, and remove the sliders"""
 
     bl_idname = "adwave.cancel"
     bl_label = "Cancel"
@@ -204,7 +204,7 @@ class AdwaveCancel(_OnMesh):
 
 
 class AdwaveDenoise(_OnMesh):
-    """Take noise off the mesh. How much there is, and whether creases stay, is found by itself"""
+    """Remove noise without tuning; creases are preserved"""
 
     bl_idname = "adwave.denoise"
     bl_label = "Denoise"
@@ -243,7 +243,7 @@ class AdwaveDenoise(_OnMesh):
 
 
 class AdwaveSaliency(_OnMesh):
-    """Where the surface stands out (red) or is hollow (blue), as an attribute of numbers and one of colors"""
+    """Show convex (red) and concave (blue) parts of the surface, as an attribute of numbers and one of colors"""
 
     bl_idname = "adwave.saliency"
     bl_label = "Saliency"
@@ -338,7 +338,7 @@ _CLASSES = (
 
 
 def register() -> None:
-    """Called by Blender where the add-on is switched on."""
+    """Register the add-on; Blender calls this when it is enabled."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     bpy.types.Mesh.adwave = PointerProperty(type=AdwaveState)
@@ -347,7 +347,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Called by Blender where the add-on is switched off."""
+    """Unregister the add-on; Blender calls this when it is disabled."""
     for called, function in handlers():
         if function in called:
             called.remove(function)

@@ -1,16 +1,18 @@
-"""Clouds that are larger than memory on several processes or machines, by Dask's scheduler.
+"""Clouds larger than memory on several processes or machines, by Dask's scheduler.
 
-`plan` cuts LAS and LAZ files into tiles, `run` has the workers of a client do them. Workers must see the same files and have adwave. A task is a
-process of its own that reads the folder and writes one file there, whole or not at all: a worker that dies loses its task and nothing else, a task that is
-done twice gives the same file, and what is done stays done when the scheduler goes. No array goes over the network.
+`plan` cuts LAS and LAZ files into tiles, and `run` lets the workers of a client process them. Workers must see the same
+files and have adwave installed. A task is a process of its own that reads the folder and writes one file there,
+completely or not at all: a worker that dies loses its current task only, a task that is run twice gives the same file,
+and finished work remains if the scheduler stops. No array goes over the network.
 
->>> from dask.distributed import Client                                     # doctest: +SKIP
+>>> from dask.distributed import Client                                                  # doctest: +SKIP
 >>> import adwave.dask
->>> folder = adwave.dask.plan("flight-*.laz", "tiles", magnitudes=[3, 6])    # doctest: +SKIP
->>> adwave.dask.run(folder, Client("scheduler:8786"))                        # doctest: +SKIP
+>>> fields = adwave.dask.Fields(magnitudes=[3, 6])
+>>> folder = adwave.dask.plan("flight-*.laz", "tiles", fields=fields)                    # doctest: +SKIP
+>>> adwave.dask.run(folder, Client("scheduler:8786"))                                    # doctest: +SKIP
 ['tiles/tile-00000.laz', 'tiles/tile-00001.laz', ...]
 
-The jobs are those of ``adwave tile FOLDER JOB INDEX``, so that arrays of Slurm's or GNU parallel do the same.
+The jobs are those of ``adwave tile FOLDER JOB INDEX``, so that arrays of Slurm or GNU parallel can run the same.
 """
 
 from __future__ import annotations
@@ -21,9 +23,61 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal, Union
 
-__all__ = ["plan", "run"]
+__all__ = ["Denoising", "Fields", "plan", "run"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fields:
+    """Fields that tiles compute for each point.
+
+    Parameters
+    ----------
+    magnitudes : sequence of int
+        Bands, from 1, whose length each point gets as a field ``wavelet_j``, in the unit of the coordinates.
+    vectors : sequence of int
+        Bands, from 1, that each point gets as fields ``wavelet_j_x``, ``wavelet_j_y`` and ``wavelet_j_z``.
+    saliency : bool or str
+        A field ``saliency``, without a sign: the lengths of all levels weighted by ``'entropy'`` (for True), ``'paper'``,
+        ``'normalized'`` or ``'none'``.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.Fields(magnitudes=[3, 6], saliency=True).saliency
+    True
+    """
+
+    magnitudes: Sequence[int] = ()
+    vectors: Sequence[int] = ()
+    saliency: Union[bool, str] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Denoising:
+    """Options of denoising by tiles; see `adwave.denoise`.
+
+    Parameters
+    ----------
+    strength : float
+        Factor of the noise: 0 changes nothing, 2 assumes twice the estimated noise.
+    creases : {'auto', 'keep', 'none'}
+        Whether sharp edges are preserved.
+    noise : float, optional
+        Standard deviation of the noise along the normals, in the unit of the coordinates; estimated by default.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.Denoising(strength=0.7).creases
+    'auto'
+    """
+
+    strength: float = 1.0
+    creases: Literal["auto", "keep", "none"] = "auto"
+    noise: Union[float, None] = None
 
 
 def plan(
@@ -31,54 +85,38 @@ def plan(
     folder: str | os.PathLike[str],
     *,
     gains: Sequence[float] = (),
-    magnitudes: Sequence[int] = (),
-    vectors: Sequence[int] = (),
-    saliency: bool | str = False,
-    denoise: bool = False,
-    strength: float = 1.0,
-    creases: str = "auto",
-    noise: float | None = None,
+    fields: Fields | None = None,
+    denoise: bool | Denoising = False,
     levels: int | None = None,
     neighbors: int | None = None,
     accuracy: float = 1e-6,
     memory: str | int | None = None,
     tiles: int | None = None,
 ) -> str:
-    """Cut clouds into tiles, and write the plan of it into a folder.
+    """Cut clouds into tiles, and write the plan into a folder.
 
     Parameters
     ----------
     files : path or sequence of paths
         LAS or LAZ files of one point format and scale; names may have ``*``. Or one PLY or OBJ with faces.
     folder : path
-        For the plan, what it needs on the way, and the tiles. All workers must see it under this name.
+        Folder for the plan, intermediate files and the tiles. All workers must see it under this name.
     gains : sequence of float
         A gain for each band, from fine to coarse: 0 drops it, 1 keeps it.
-    magnitudes : sequence of int
-        Bands, from 1, whose length each point gets as a field ``wavelet_j``, in the unit of the coordinates.
-    vectors : sequence of int
-        Bands, from 1, that each point gets as fields ``wavelet_j_x``, ``wavelet_j_y`` and ``wavelet_j_z``.
-    saliency : bool or str
-        A field ``saliency``: the lengths of all levels weighed by ``'entropy'`` (which True means), ``'paper'``, ``'normalized'`` or ``'none'``, without a
-        sign.
-    denoise : bool
-        Takes the noise off the positions, as `adwave.denoise` does, in place of all that bands give.
-    strength : float
-        By how much the noise counts: 0 changes nothing, 2 takes it for twice as large.
-    creases : str
-        What becomes of creases: ``'auto'``, ``'keep'`` or ``'none'``.
-    noise : float, optional
-        Standard deviation of the noise along the normals, in the unit of the coordinates; estimated, where it is left out.
+    fields : Fields, optional
+        Fields that each point gets.
+    denoise : bool or Denoising
+        Remove noise from the positions, as `adwave.denoise` does, instead of computing bands.
     levels : int, optional
-        Number of dyadic levels; as many as there are gains, else 8.
+        Number of dyadic levels; by default the number of gains, or 8 without gains.
     neighbors : int, optional
-        How many nearest neighbors a step of the walk takes in; 10, of a work that denoises 12.
+        Number of nearest neighbors in one step of the walk; by default 10, or 12 for denoising.
     accuracy : float
-        Relative error of the bands.
+        Largest relative error of the bands.
     memory : str or int, optional
-        Of one task, such as ``'4G'``; decides how large tiles are. Half of what is free here, where it is left out.
+        Memory of one task, such as ``'4G'``, which determines the size of the tiles; by default half of the free memory.
     tiles : int, optional
-        How many tiles; as few as memory allows, where it is left out. Take several for each worker.
+        Number of tiles; by default as few as memory allows. Several for each worker are best.
 
     Returns
     -------
@@ -88,65 +126,77 @@ def plan(
     Raises
     ------
     RuntimeError
-        With the sentence that says what is wrong.
+        If the arguments or files are invalid; the message is that of the command.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.plan("flight-*.laz", "tiles", denoise=adwave.dask.Denoising(strength=0.7))  # doctest: +SKIP
+    '/data/tiles'
     """
     names = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     found: list[str] = []
     for name in [os.fspath(name) for name in names]:
         found += sorted(glob.glob(name)) if glob.has_magic(name) else [name]
-    words = ["tiles", *found, "-o", os.fspath(folder), "--plan-only"]
-    words += ["--accuracy", str(accuracy)]
+    words = ["tiles", *found, "-o", os.fspath(folder), "--plan-only", "--accuracy", str(accuracy)]
     if gains:
         words.append("--gains=" + ",".join(str(float(gain)) for gain in gains))
-    if magnitudes:
-        words.append("--magnitudes=" + ",".join(str(int(band)) for band in magnitudes))
-    if vectors:
-        words.append("--vectors=" + ",".join(str(int(band)) for band in vectors))
-    if saliency:
-        words.append("--saliency=" + ("entropy" if saliency is True else str(saliency)))
+    words += _field_words(fields or Fields())
     options: list[tuple[str, object]] = [("--levels", levels), ("--memory", memory), ("--tiles", tiles)]
     options.append(("--neighbors", neighbors))
     if denoise:
+        chosen = denoise if isinstance(denoise, Denoising) else Denoising()
         words.append("--denoise")
-        options += [("--strength", float(strength)), ("--creases", creases), ("--noise-sigma", noise)]
+        options += [
+            ("--strength", float(chosen.strength)),
+            ("--creases", chosen.creases),
+            ("--noise-sigma", chosen.noise),
+        ]
     for option, value in options:
         if value is not None:
             words += [option, str(value)]
-    _adwave(words)
+    _run_command(words)
     return os.path.abspath(folder)
 
 
 def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retries: int = 3) -> list[str]:
-    """Have the workers of a client do what is not done yet of a plan.
+    """Let the workers of a client do the unfinished jobs of a plan.
 
     Parameters
     ----------
     folder : path
-        What `plan` gave.
+        Result of `plan`.
     client : dask.distributed.Client
-        Its workers do the jobs: several sort some of the points each, one merges these, then one for each tile finds neighbors, of a cloud
-        that is denoised one the sides of its normals, then one for each tile computes its bands or takes the noise off, and one its map,
-        where there is to be one.
+        Client whose workers do the jobs: several sort a part of the points each, one merges the parts, then one for each
+        tile finds neighbors, one orients the normals of a cloud that is denoised, one for each tile computes its bands or
+        denoises it, and one for each tile computes its saliency map, if requested.
     threads : int
         Threads of each task: as many as a worker has for it.
     retries : int
-        How often a task is given to another worker after an error; one whose worker died is always given to another, as Dask's settings have it.
+        Number of times that a task is given to another worker after an error. A task whose worker died is always given to
+        another, as Dask's settings have it.
 
     Returns
     -------
     list of str
-        The LAZ files of the tiles, in the order of the curve. ``adwave tiles`` with the arguments of the plan and a file as its output joins them. Of a
-        mesh they are files that only that command understands, with ``--work`` and the folder.
+        LAZ files of the tiles, in the order of the curve. ``adwave tiles`` with the arguments of the plan and a file as
+        its output joins them. For a mesh they are files that only that command reads, with ``--work`` and the folder.
 
     Raises
     ------
     RuntimeError
-        With the sentence of the task that failed; what is done stays, and the next call goes on there.
+        If a task failed; the message is that of the task. Finished work remains, and the next call continues there.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.run("tiles", client)  # doctest: +SKIP
+    ['tiles/tile-00000.laz', 'tiles/tile-00001.laz', ...]
     """
     place = os.fspath(folder)
 
-    def done(kind: str, tiles: range) -> list[dict[str, Any]]:
-        # Not pure: a task is done for the file that it leaves.
+    def run_jobs(kind: str, tiles: range) -> list[dict[str, Any]]:
+        # Not pure: a task is run for the file that it writes.
         futures = [
             client.submit(
                 _job,
@@ -162,34 +212,46 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
         ]
         return client.gather(futures)
 
-    done("run", range(int(_adwave(["tile", place, "status"])["n_runs"])))
-    n_tiles = int(done("sort", range(1))[0]["n_tiles"])
-    done("neighbors", range(n_tiles))
-    status = _adwave(["tile", place, "status"])
-    if status["has_sides"]:
-        done("sides", range(n_tiles))
-    results = done("bands", range(n_tiles))
+    run_jobs("run", range(int(_run_command(["tile", place, "status"])["n_runs"])))
+    n_tiles = int(run_jobs("sort", range(1))[0]["n_tiles"])
+    run_jobs("neighbors", range(n_tiles))
+    status = _run_command(["tile", place, "status"])
+    if status["has_orientation"]:
+        run_jobs("orientation", range(n_tiles))
+    results = run_jobs("bands", range(n_tiles))
     if status["has_maps"]:
-        results = done("maps", range(n_tiles))
+        results = run_jobs("maps", range(n_tiles))
     return [str(result["path"]) for result in results]
 
 
+def _field_words(fields: Fields) -> list[str]:
+    """Words of the command for the fields."""
+    words = []
+    for name in ("magnitudes", "vectors"):
+        bands = getattr(fields, name)
+        if bands:
+            words.append(f"--{name}=" + ",".join(str(int(band)) for band in bands))
+    if fields.saliency:
+        words.append("--saliency=" + ("entropy" if fields.saliency is True else str(fields.saliency)))
+    return words
+
+
 def _job(folder: str, kind: str, tile: int, threads: int) -> dict[str, Any]:
-    """What a worker does: paths and numbers come back, no arrays."""
-    return _adwave(["tile", folder, kind, str(tile), "--if-missing", "--threads", str(threads)])
+    """Run a job on a worker; the result has paths and numbers, no arrays."""
+    return _run_command(["tile", folder, kind, str(tile), "--if-missing", "--threads", str(threads)])
 
 
-def _adwave(words: list[str]) -> dict[str, Any]:
-    """The JSON that the command says, by a process of its own: where that dies, the worker lives."""
+def _run_command(words: list[str]) -> dict[str, Any]:
+    """JSON that the command prints, run as a separate process, so that the worker survives it."""
     command = [sys.executable, "-m", "adwave", *words, "--json", "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise RuntimeError(_sentence(done.stderr) or f"adwave ended with {done.returncode}")
-    return json.loads(done.stdout)
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    if finished.returncode != 0:
+        raise RuntimeError(_error_message(finished.stderr) or f"adwave ended with {finished.returncode}")
+    return json.loads(finished.stdout)
 
 
-def _sentence(said: str) -> str:
-    """What is wrong, of all that the command says; of arguments that do not go together without the usage that follows."""
-    if said.startswith("error: "):
-        return " ".join(said.partition("\n\n")[0].removeprefix("error: ").split())
-    return said.strip().rpartition("\n")[2].removeprefix("adwave: ")
+def _error_message(output: str) -> str:
+    """Error message in the output of the command, without the usage that follows conflicting arguments."""
+    if output.startswith("error: "):
+        return " ".join(output.partition("\n\n")[0].removeprefix("error: ").split())
+    return output.strip().rpartition("\n")[2].removeprefix("adwave: ")

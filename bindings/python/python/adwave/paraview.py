@@ -1,15 +1,15 @@
 """Filters for ParaView and VTK: wavelet bands, an equalizer, saliency, features, denoising.
 
-In ParaView load this file as a plugin (Tools, Manage Plugins, Load New; `python -c "import adwave.paraview as p; print(p.__file__)"`
-prints where it is), where its Python has adwave and numpy; the filters stand below *adwave*. They take surfaces (`vtkPolyData`): of other
-datasets use Extract Surface first. The same classes work in VTK without ParaView:
+In ParaView load this file as a plugin (Tools, Manage Plugins, Load New;
+`python -c "import adwave.paraview as p; print(p.__file__)"` prints its path), if its Python has adwave and numpy; the filters are listed below *adwave*. They take surfaces
+(`vtkPolyData`): for other datasets use Extract Surface first. The same classes work in VTK without ParaView:
 
     equalizer = adwave.paraview.Equalizer()
     equalizer.SetInputConnection(reader.GetOutputPort())
     equalizer.SetGains("2 1.5 1")
     equalizer.Update()
 
-Errors are those of adwave, in one line, in ParaView's window of messages. Nothing of the input is changed in place.
+Errors are one line in ParaView's message window. The input is not changed in place.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ import adwave
 
 try:
     from paraview.util.vtkAlgorithm import smdomain, smhint, smproperty, smproxy
-except ImportError:  # VTK alone: the descriptions of properties are for ParaView
+except ImportError:  # VTK without ParaView, which alone needs the descriptions of properties
 
-    class _Plain:
-        """Leaves what it decorates as it is."""
+    class _NoDecorators:
+        """Decorators that return the decorated object unchanged."""
 
         def __getattr__(self, _: str) -> Callable[..., Callable[[Any], Any]]:
             return lambda *_, **__: lambda described: described
 
-    smdomain = smhint = smproperty = smproxy = _Plain()
+    smdomain = smhint = smproperty = smproxy = _NoDecorators()
 
 __all__ = ["Denoise", "Equalizer", "Features", "Saliency", "WaveletBands"]
 
@@ -53,7 +53,7 @@ def _filter(name: str, label: str) -> Callable[[_F], _F]:
 
 
 def _shape(source: vtkPolyData) -> adwave.Shape:
-    """The points and polygons of a surface; its points alone where it has none."""
+    """Points and polygons of a surface, or its points if it has no polygons."""
     if source.GetNumberOfPoints() == 0:
         raise ValueError("the input has no points")
     if source.GetNumberOfStrips():
@@ -78,7 +78,7 @@ def _add(target: vtkPolyData, name: str, values: np.ndarray, *, active: bool = F
 
 
 def _move(target: vtkPolyData, before: vtkPolyData, points: np.ndarray) -> None:
-    """Other places in the number type of the input."""
+    """Set the points of a surface, in the number type of the input."""
     kind = vtk_to_numpy(before.GetPoints().GetData()).dtype
     moved = vtkPoints()
     moved.SetData(numpy_to_vtk(np.ascontiguousarray(points, kind), deep=True))
@@ -113,12 +113,12 @@ class _Surface(VTKPythonAlgorithmBase):
 
 @_filter("AdwaveWaveletBands", "Wavelet bands")
 class WaveletBands(_Surface):
-    """Vectors W1 … WJ (fine to coarse) and S (what is left) at the points, and the sizes |W1| … |WJ|."""
+    """Vectors W1 … WJ (fine to coarse) and S (the rest) at the points, and the sizes |W1| … |WJ|."""
 
     @smproperty.intvector(name="Levels", default_values=0)
     @smdomain.intrange(min=0, max=24)
     def SetLevels(self, levels: int) -> None:
-        """How many levels; 0 for as many as fit."""
+        """Set the number of levels; 0 for the default."""
         self._set("levels", int(levels))
 
     def _compute(self, shape: adwave.Shape, source: vtkPolyData, target: vtkPolyData) -> None:
@@ -132,27 +132,27 @@ class WaveletBands(_Surface):
 
 @_filter("AdwaveEqualizer", "Equalizer")
 class Equalizer(_Surface):
-    """Each band times its gain, everywhere or in a region; the points move, all else stays."""
+    """The surface with each band multiplied by its gain, everywhere or in a region."""
 
     @smproperty.stringvector(name="Gains", default_values="")
     def SetGains(self, gains: str) -> None:
-        """A gain for each level, fine to coarse, such as ``2 1.5 1``; the last holds for all coarser ones."""
+        """Set the gain of each level, fine to coarse, such as ``2 1.5 1``; the last holds for all coarser levels."""
         self._set("gains", gains.replace(",", " ").strip())
 
     @smproperty.stringvector(name="Preset", default_values="smooth")
     def SetPreset(self, preset: str) -> None:
-        """A preset where no gains are given: smooth, enhance, suppress, …"""
+        """Set the preset that is used without gains: smooth, enhance, suppress, …"""
         self._set("preset", preset.strip())
 
     @smproperty.stringvector(name="Region", default_values="")
     def SetRegion(self, region: str) -> None:
-        """Where: all, or a region such as ``ball:vertex=120,radius=10%``."""
+        """Set the region, such as ``ball:vertex=120,radius=10%``; everywhere by default."""
         self._set("region", region.strip())
 
     @smproperty.intvector(name="Levels", default_values=0)
     @smdomain.intrange(min=0, max=24)
     def SetLevels(self, levels: int) -> None:
-        """How many levels; 0 for as many as fit."""
+        """Set the number of levels; 0 for the default."""
         self._set("levels", int(levels))
 
     def _compute(self, shape: adwave.Shape, source: vtkPolyData, target: vtkPolyData) -> None:
@@ -177,12 +177,14 @@ class Saliency(_Surface):
 
 @_filter("AdwaveFeatures", "Features")
 class Features(_Surface):
-    """The places that stand out, as points with ``level``, ``sigma`` (model units), ``strength``, ``sign`` and ``vertex``; glyphs of
-    size sigma show them."""
+    """The features, as points with ``level``, ``sigma`` (rms width, model units), ``strength``, ``sign`` and ``vertex``.
+
+    Glyphs of size sigma show them.
+    """
 
     @smproperty.doublevector(name="Theta", default_values=1.6)
     def SetTheta(self, theta: float) -> None:
-        """How far above its level's mean a place must be; larger for fewer."""
+        """Set the smallest response of a feature, in multiples of the mean of its level; larger for fewer features."""
         self._set("theta", float(theta))
 
     def _compute(self, shape: adwave.Shape, source: vtkPolyData, target: vtkPolyData) -> None:
@@ -201,11 +203,11 @@ class Features(_Surface):
 
 @_filter("AdwaveDenoise", "Denoise")
 class Denoise(_Surface):
-    """The surface without its noise, whose size is found by itself; creases stay where there are some."""
+    """The surface without noise, whose size is estimated; creases are preserved."""
 
     @smproperty.doublevector(name="Strength", default_values=1.0)
     def SetStrength(self, strength: float) -> None:
-        """1 for the noise that was found, less to keep more of it, more to take more away."""
+        """Set the factor of the estimated noise: below 1 more careful, above 1 more thorough."""
         self._set("strength", float(strength))
 
     def _compute(self, shape: adwave.Shape, source: vtkPolyData, target: vtkPolyData) -> None:

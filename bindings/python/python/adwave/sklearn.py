@@ -1,4 +1,4 @@
-"""Bands as features for scikit-learn.
+"""Sizes of bands as features for scikit-learn.
 
 >>> import adwave as aw
 >>> from adwave.sklearn import WaveletFeatures
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 
 from adwave._edits import decompose
+from adwave._options import LevelsLike, OperatorLike
 
 __all__ = ["WaveletFeatures"]
 
@@ -26,38 +27,49 @@ _QUANTILES = (0.1, 0.5, 0.9)
 class WaveletFeatures(TransformerMixin, BaseEstimator):
     """Describe shapes by the sizes of their bands, for classification or regression.
 
-    For each level: the mean, the root mean square and the 10th, 50th and 90th percentile of ‖W(j,x)‖ over the vertices (by area),
-    in units of the root of the area. Unchanged by rotation, translation, scale and the order of the vertices; ``widths`` in %,
-    which are of the axis-aligned bounding box's diagonal, change with the rotation.
+    For each level: the mean, the root mean square and the 10th, 50th and 90th percentile of ‖W(j,x)‖ over the vertices (by
+    area), in units of the root of the area. These are invariant to translation, scale and the order of the vertices, and
+    to rotation unless the levels are widths in %, which refer to the diagonal of the axis-aligned bounding box.
 
     Parameters
     ----------
-    levels : int
-        Dyadic levels.
-    operator : {'walk', 'surface'}
-        As for `adwave.Decomposer`. For shapes of different meshings ``widths`` with ``'surface'``.
-    widths : sequence of float or str, optional
-        Levels of these widths, such as ``("1%", "2%", "4%")``, in the place of ``levels``.
+    levels : int, Widths or Steps
+        Levels as in `adwave.decompose`; their number must not depend on the shape.
+    operator : str or Operator
+        As in `adwave.Decomposer`. For shapes of different meshings take ``aw.Widths(...)`` with ``'surface'``.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> by_width = WaveletFeatures(levels=aw.Widths(rms=["2%", "4%"]), operator="surface")
+    >>> by_width.fit_transform([aw.sample("sphere", vertices=300)]).shape
+    (1, 10)
     """
 
-    def __init__(self, levels: int = 6, operator: str = "walk", widths: Sequence[float | str] | None = None) -> None:
-        self.levels = levels
-        self.operator = operator
-        self.widths = widths
+    def __init__(self, levels: LevelsLike = 6, operator: OperatorLike = "walk") -> None:
+        self.levels: LevelsLike = levels
+        self.operator: OperatorLike = operator
 
     def fit(self, shapes: Sequence[object], y: Any = None) -> WaveletFeatures:
-        """Nothing is learned; the number of features is noted.
+        """Note the number of features; nothing is learned.
 
         Parameters
         ----------
-        shapes : sequence of shape-like
+        shapes : sequence of shape_like
+            Shapes, which are not used.
+        y : None
+            Not used.
         """
-        n = self.levels if self.widths is None else len(self.widths)
-        self.n_features_out_ = n * (2 + len(_QUANTILES))
+        self.n_features_out_ = self._n_levels() * (2 + len(_QUANTILES))
         return self
 
     def transform(self, shapes: Sequence[object]) -> NDArray[np.float64]:
-        """One row for each shape.
+        """Features of shapes, as rows.
+
+        Parameters
+        ----------
+        shapes : sequence of shape_like
+            Anything that is a shape; see `adwave.Shape`.
 
         Returns
         -------
@@ -66,10 +78,15 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
         return np.array([self._row(shape) for shape in shapes]).reshape(len(shapes), -1)
 
     def get_feature_names_out(self, input_features: Any = None) -> NDArray[np.object_]:
-        """``level1_mean``, ``level1_rms``, ``level1_q10`` …"""
+        """Names ``level1_mean``, ``level1_rms``, ``level1_q10`` …
+
+        Parameters
+        ----------
+        input_features : None
+            Not used.
+        """
         names = ["mean", "rms", *(f"q{round(100 * q)}" for q in _QUANTILES)]
-        n = self.levels if self.widths is None else len(self.widths)
-        return np.array([f"level{j}_{name}" for j in range(1, n + 1) for name in names], dtype=object)
+        return np.array([f"level{j}_{name}" for j in range(1, self._n_levels() + 1) for name in names], dtype=object)
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
@@ -81,11 +98,13 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
     def _more_tags(self) -> dict[str, Any]:
         return {"X_types": ["shapes"], "requires_fit": False, "stateless": True, "no_validation": True}
 
+    def _n_levels(self) -> int:
+        levels: Any = self.levels
+        return int(levels) if isinstance(levels, (int, np.integer)) else len(levels)
+
     def _row(self, shape: object) -> NDArray[np.float64]:
-        chosen: dict[str, Any] = {"levels": self.levels} if self.widths is None else {"lengths": self.widths}
-        bands = decompose(shape, operator=self.operator, **chosen)
-        own = bands.decomposer
-        areas = own.areas
+        bands = decompose(shape, levels=self.levels, operator=self.operator)
+        areas = bands.decomposer.areas
         unit = float(np.sqrt(areas.sum())) or 1.0
         row: list[float] = []
         for level in range(1, bands.n_levels + 1):

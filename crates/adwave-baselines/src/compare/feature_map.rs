@@ -1,7 +1,7 @@
-//! Critical points of a signal that heat smooths, at the widths of the levels.
+//! Critical points of a signal smoothed by the heat equation, at the widths of the levels.
 
-use super::parts::{norms, row};
-use super::{CompareError, Comparison, Outcome, Subject};
+use super::shared::{norms, row};
+use super::{CompareError, Comparison, ComparisonInput, Outcome};
 use crate::feature_map::feature_map;
 use adwave::Progress;
 use adwave::bands::Bands;
@@ -9,27 +9,25 @@ use adwave::features::{FeatureParams, features};
 use std::time::Instant;
 
 pub(super) fn compare(
-    subject: &Subject<'_>,
+    input: &ComparisonInput<'_>,
     bands: &Bands,
     seconds: f64,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    if subject.n_channels != 1 {
-        return Err(CompareError::Channels(subject.n_channels));
+    if input.n_channels != 1 {
+        return Err(CompareError::Channels(input.n_channels));
     }
     let start = Instant::now();
-    let ours = features(subject.walk, &norms(subject, bands), &FeatureParams::default(), progress)?;
+    let ours = features(input.decomposer, &norms(input, bands), &FeatureParams::default(), progress)?;
     let found = start.elapsed().as_secs_f64();
     let times: Vec<f64> = bands.sigma[2..bands.n_levels()].iter().map(|s| s * s / 4.0).collect();
     let start = Instant::now();
-    let theirs = feature_map(subject.shape, subject.signal, &times, progress)?;
+    let theirs = feature_map(input.shape, input.signal, &times, progress)?;
     let their_seconds = start.elapsed().as_secs_f64();
-    let n = subject.shape.n_vertices();
+    let n = input.shape.n_vertices();
     let (mut our_field, mut their_field) = (vec![0.0; n], vec![0.0; n]);
-    let mut rows = vec![
-        row("prepare, s", subject.prepare_seconds, None),
-        row("find, s", seconds + found, their_seconds),
-    ];
+    let mut rows =
+        vec![row("prepare, s", input.prepare_seconds, None), row("find, s", seconds + found, their_seconds)];
     for f in &ours {
         our_field[f.vertex] = f.level as f64;
     }

@@ -1,7 +1,7 @@
 //! The saliency map of `lee2005`.
 
-use super::parts::{norms, row};
-use super::{CompareError, Comparison, Outcome, Subject};
+use super::shared::{norms, row};
+use super::{CompareError, Comparison, ComparisonInput, Outcome};
 use crate::lee::lee_saliency;
 use adwave::Progress;
 use adwave::bands::Bands;
@@ -10,22 +10,22 @@ use adwave::saliency::{SaliencyParams, saliency};
 use std::time::Instant;
 
 pub(super) fn compare(
-    subject: &Subject<'_>,
+    input: &ComparisonInput<'_>,
     bands: &Bands,
     seconds: f64,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let ours = saliency(subject.walk, &norms(subject, bands), &SaliencyParams::paper(), progress)?.map;
+    let ours = saliency(input.decomposer, &norms(input, bands), &SaliencyParams::paper(), progress)?.map;
     let mapped = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let theirs = lee_saliency(subject.shape, progress)?;
+    let theirs = lee_saliency(input.shape, progress)?;
     let their_seconds = start.elapsed().as_secs_f64();
     let narrowest = theirs.sigma[0];
     // Lee's σ is that of a Gaussian along an axis; ours is the root mean square distance in the plane, of two axes.
     let by_axis = |sigma: f64| sigma / std::f64::consts::SQRT_2;
     let rows = vec![
-        row("prepare, s", subject.prepare_seconds, None),
+        row("prepare, s", input.prepare_seconds, None),
         row("map, s", seconds + mapped, their_seconds),
         row("narrowest width (by axis), model units", bands.sigma.get(3).copied().map(by_axis), narrowest),
         row(

@@ -1,12 +1,12 @@
-//! The same task by adwave and by another method, with differences and times side by side.
+//! One task solved by adwave and by another method, with their differences and times side by side.
 
 mod feature_map;
 mod harmonics;
 mod lee;
 mod multiscale;
 mod normal_filter;
-mod parts;
 mod sgwt;
+mod shared;
 mod taubin;
 
 use crate::feature_map::FeatureMapError;
@@ -25,26 +25,28 @@ use adwave::{Decomposer, Progress, named_values};
 use std::time::Instant;
 use thiserror::Error;
 
-/// What adwave is compared with.
+/// Method that adwave is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Smoothing: manifold harmonics with a gain `e^(−λt)` of heat that is ½ at the same frequency.
+    /// Smoothing by manifold harmonics with the gain `e^(−λt)` of heat; both gains are ½ at the same frequency.
     Harmonics,
-    /// A saliency map: `lee2005`.
+    /// Saliency map of `lee2005`.
     Lee,
-    /// Features of a signal of one channel: critical points at the same heats.
+    /// Features of a one-channel signal: critical points after smoothing by heat of the same widths.
     FeatureMap,
-    /// Bands and back: spectral graph wavelets of the same diffusion operator, as many kernels as levels.
+    /// Decomposition and reconstruction by spectral graph wavelets of the same diffusion operator, with as many
+    /// kernels as levels.
     Sgwt,
-    /// Bands and back: diffusion wavelets of the same diffusion operator.
+    /// Decomposition and reconstruction by diffusion wavelets of the same diffusion operator.
     DiffusionWavelets,
-    /// Bands and back: biorthogonal diffusion wavelets of the same diffusion operator.
+    /// Decomposition and reconstruction by biorthogonal diffusion wavelets of the same diffusion operator.
     Biorthogonal,
-    /// Smoothing: the windowed sinc and λ|μ on the same diffusion operator, the gain ½ at the same frequency.
+    /// Smoothing by the windowed sinc and by λ|μ on the same diffusion operator; both gains are ½ at the same
+    /// frequency.
     Taubin,
-    /// Denoising of a mesh's coordinates: bilateral normal filtering.
+    /// Denoising of a mesh's coordinates by bilateral normal filtering.
     Bilateral,
-    /// Denoising of a mesh's coordinates: guided normal filtering.
+    /// Denoising of a mesh's coordinates by guided normal filtering.
     Guided,
 }
 
@@ -60,9 +62,9 @@ named_values!(Method, "method", {
     Guided => "guided", "Guided normal filtering";
 });
 
-/// Why a comparison cannot be made.
+/// Reasons for which a comparison cannot be made.
 #[derive(Debug, Error)]
-#[allow(missing_docs)] // each is the error of the module it names
+#[allow(missing_docs)] // each variant wraps the error of the module it names
 pub enum CompareError {
     #[error(transparent)]
     Bands(#[from] BandsError),
@@ -86,40 +88,40 @@ pub enum CompareError {
     Saliency(#[from] SaliencyError),
     #[error(transparent)]
     Features(#[from] FeatureError),
-    /// The task takes a signal of one channel.
-    #[error("critical points need a signal of one channel; this one has {0}")]
+    /// The task needs a signal with one channel.
+    #[error("critical points need a signal with one channel, got {0} channels")]
     Channels(usize),
-    /// The task takes the shape itself.
-    #[error("normals of faces are filtered to denoise the shape itself; leave the signal at its coordinates")]
+    /// The task needs the coordinates of the shape as its signal.
+    #[error("normal filtering denoises the shape itself; select the coordinates as the signal")]
     NotCoordinates,
 }
 
 /// One measured quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What is measured, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: String,
-    /// By adwave, where it has a meaning.
+    /// Value for adwave; `None` if the quantity has no meaning there.
     pub adwave: Option<f64>,
-    /// By the other method.
+    /// Value for the other method; `None` if the quantity has no meaning there.
     pub other: Option<f64>,
 }
 
-/// A result on the vertices of the shape.
+/// Result with values at the vertices of the shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// What it is.
+    /// Name of the result.
     pub name: String,
-    /// Values per vertex.
+    /// Number of values per vertex.
     pub n_channels: usize,
     /// n_vertices × n_channels.
     pub values: Vec<f64>,
 }
 
-/// Both results and what was measured.
+/// Results of both methods and the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// What both did.
+    /// Task that both methods solved.
     pub task: String,
     /// The measurements.
     pub rows: Vec<Row>,
@@ -129,55 +131,55 @@ pub struct Comparison {
     pub other: Vec<Outcome>,
 }
 
-/// What is compared on.
+/// Shape, signal and settings that both methods are given.
 #[derive(Clone, Copy, Debug)]
-pub struct Subject<'a> {
+pub struct ComparisonInput<'a> {
     /// The shape.
     pub shape: &'a Shape,
-    /// Its prepared geometry and diffusion operator.
-    pub walk: &'a Decomposer,
-    /// How long these took to make, seconds; `None` where that was not measured.
+    /// Prepared geometry and diffusion operator of the shape.
+    pub decomposer: &'a Decomposer,
+    /// Seconds spent on preparing the geometry and the operator; `None` if not measured.
     pub prepare_seconds: Option<f64>,
-    /// The levels of adwave.
+    /// Levels of adwave.
     pub schedule: &'a Schedule,
-    /// How its bands are computed.
+    /// Accuracy and method with which adwave computes its bands.
     pub params: &'a BandsParams,
     /// n_vertices × n_channels.
     pub signal: &'a [f64],
-    /// Channels of the signal.
+    /// Number of channels of the signal.
     pub n_channels: usize,
-    /// Harmonics of the first comparison.
+    /// Number of harmonics in the comparison with [`Method::Harmonics`].
     pub n_harmonics: usize,
 }
 
-/// Does the task of `method` both ways.
+/// Solves the task of `method` with adwave and with the other method.
 ///
 /// # Errors
 /// [`CompareError`].
 pub fn compare(
-    subject: &Subject<'_>,
+    input: &ComparisonInput<'_>,
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let bands = subject
-        .walk
-        .request(subject.signal, subject.n_channels, subject.schedule)
-        .params(subject.params)
+    let bands = input
+        .decomposer
+        .request(input.signal, input.n_channels, input.schedule)
+        .params(input.params)
         .progress(progress)
         .bands()?;
     let seconds = start.elapsed().as_secs_f64();
     match method {
-        Method::Harmonics => harmonics::compare(subject, &bands, seconds, progress),
-        Method::Taubin => taubin::compare(subject, &bands, seconds),
-        Method::Lee => lee::compare(subject, &bands, seconds, progress),
-        Method::FeatureMap => feature_map::compare(subject, &bands, seconds, progress),
-        Method::Sgwt => sgwt::compare(subject, &bands, seconds, progress),
+        Method::Harmonics => harmonics::compare(input, &bands, seconds, progress),
+        Method::Taubin => taubin::compare(input, &bands, seconds),
+        Method::Lee => lee::compare(input, &bands, seconds, progress),
+        Method::FeatureMap => feature_map::compare(input, &bands, seconds, progress),
+        Method::Sgwt => sgwt::compare(input, &bands, seconds, progress),
         Method::DiffusionWavelets | Method::Biorthogonal => {
-            multiscale::compare(subject, &bands, seconds, method, progress)
+            multiscale::compare(input, &bands, seconds, method, progress)
         }
         Method::Bilateral | Method::Guided => {
-            normal_filter::compare(subject, &bands, seconds, method, progress)
+            normal_filter::compare(input, &bands, seconds, method, progress)
         }
     }
 }
@@ -190,17 +192,17 @@ mod tests {
 
     #[test]
     fn every_method_does_its_task_and_smoothing_agrees() {
-        let sample = Sample::by_name("torus", Some(700)).unwrap();
+        let sample = Sample::from_name("torus", Some(700)).unwrap();
         let points = sample.points.clone();
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
-        let walk = Decomposer::new(&shape);
+        let decomposer = Decomposer::new(&shape);
         let schedule = Schedule::dyadic(6).unwrap();
         let heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
         let with = |method, signal: &[f64], n_channels| {
             let params = BandsParams::default();
-            let subject = Subject {
+            let input = ComparisonInput {
                 shape: &shape,
-                walk: &walk,
+                decomposer: &decomposer,
                 prepare_seconds: Some(0.5),
                 schedule: &schedule,
                 params: &params,
@@ -208,7 +210,7 @@ mod tests {
                 n_channels,
                 n_harmonics: 300,
             };
-            compare(&subject, method, Progress::none()).unwrap()
+            compare(&input, method, Progress::none()).unwrap()
         };
         let value = |c: &Comparison, q: &str| {
             c.rows.iter().find(|r| r.quantity.starts_with(q)).unwrap().other.unwrap()
@@ -227,7 +229,7 @@ mod tests {
         for c in [&mht, &sinc] {
             let prepared = c.rows.iter().find(|r| r.quantity == "prepare, s").unwrap();
             assert_eq!(prepared.adwave, Some(0.5));
-            // The largest distance is one of those whose mean square rms is the root of.
+            // The distances at the vertices whose mean square gives rms; the largest of them is reported.
             assert!(value(c, "largest change") >= value(c, "rms change"));
         }
         for method in [Method::Taubin, Method::Lee] {
@@ -235,7 +237,7 @@ mod tests {
         }
         for method in [Method::Bilateral, Method::Guided] {
             let denoised = with(method, coords, 3);
-            assert_eq!(value(&denoised, "faces turned"), 0.0, "{method:?}");
+            assert_eq!(value(&denoised, "faces rotated"), 0.0, "{method:?}");
             assert!(value(&denoised, "rms change") < moved, "less than a low-pass of six levels: {method:?}");
         }
         let critical = with(Method::FeatureMap, &heights, 1);

@@ -1,7 +1,7 @@
-//! Diffusion wavelets, orthogonal and biorthogonal, and back.
+//! Orthogonal and biorthogonal diffusion wavelets: decomposition and reconstruction.
 
-use super::parts::{channel, interleave, largest_difference, put_together, row};
-use super::{CompareError, Comparison, Method, Outcome, Subject};
+use super::shared::{channel, interleave, largest_difference, reconstruct, row};
+use super::{CompareError, Comparison, ComparisonInput, Method, Outcome};
 use crate::multiscale::{
     BiorthogonalDiffusionWavelets, Coefficients, DiffusionWavelets, MultiscaleError, MultiscaleParams,
     locality,
@@ -10,7 +10,7 @@ use adwave::Progress;
 use adwave::bands::Bands;
 use std::time::Instant;
 
-/// What both kinds of diffusion wavelets have.
+/// Diffusion wavelets of either kind.
 enum Basis {
     Orthogonal(DiffusionWavelets),
     Biorthogonal(BiorthogonalDiffusionWavelets),
@@ -33,23 +33,23 @@ impl Basis {
 }
 
 pub(super) fn compare(
-    subject: &Subject<'_>,
+    input: &ComparisonInput<'_>,
     bands: &Bands,
     seconds: f64,
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (walk, vertex_map, d) =
-        (subject.walk.diffusion(), subject.walk.geometry().vertex_map(), subject.n_channels);
+    let (diffusion, vertex_map, d) =
+        (input.decomposer.diffusion(), input.decomposer.geometry().vertex_map(), input.n_channels);
     let params = MultiscaleParams::default().with_levels(bands.n_levels());
     let start = Instant::now();
     let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {
-        let basis = DiffusionWavelets::new(walk, &params, progress)?;
+        let basis = DiffusionWavelets::new(diffusion, &params, progress)?;
         let last = basis.n_levels();
         let functions = basis.scaling_functions(last);
         (Basis::Orthogonal(basis.clone()), basis.ranks(), basis.orthogonality_defect(last), functions)
     } else {
-        let basis = BiorthogonalDiffusionWavelets::new(walk, &params, progress)?;
+        let basis = BiorthogonalDiffusionWavelets::new(diffusion, &params, progress)?;
         let last = basis.n_levels();
         let (defect, functions) = if last > 0 {
             (basis.biorthogonality_defect(last), basis.scaling_functions(last))
@@ -59,7 +59,7 @@ pub(super) fn compare(
         (Basis::Biorthogonal(basis.clone()), basis.ranks(), defect, functions)
     };
     let prepared = start.elapsed().as_secs_f64();
-    let mean = vertex_map.mean(subject.signal, d);
+    let mean = vertex_map.mean(input.signal, d);
     let start = Instant::now();
     let coefficients: Vec<Coefficients> =
         (0..d).map(|c| basis.analyze(&channel(&mean, d, c))).collect::<Result<_, _>>()?;
@@ -67,38 +67,42 @@ pub(super) fn compare(
     let start = Instant::now();
     let back: Vec<Vec<f64>> = coefficients.iter().map(|c| basis.synthesize(c)).collect::<Result<_, _>>()?;
     let synthesis = start.elapsed().as_secs_f64();
-    // What the scaling functions of the last level alone give: the coarse shape.
+    // The coarse shape: reconstruction from the scaling functions of the last level alone.
     let coarse = coefficients.iter().map(|c| {
         let mut c = c.clone();
         c.wavelets.iter_mut().flatten().for_each(|w| *w = 0.0);
         basis.synthesize(&c)
     });
     let coarse = interleave(&coarse.collect::<Result<Vec<_>, _>>()?);
-    let (ours, our_synthesis) = put_together(bands);
+    let (ours, our_synthesis) = reconstruct(bands);
     let support =
         |f: &[Vec<f64>]| f.iter().map(|f| locality(f).core as f64).sum::<f64>() / f.len().max(1) as f64;
     let mut rows = vec![
-        row("prepare, s", subject.prepare_seconds, prepared),
+        row("prepare, s", input.prepare_seconds, prepared),
         row("bands, s", seconds, analysis),
-        row("put together, s", our_synthesis, synthesis),
+        row("reconstruction, s", our_synthesis, synthesis),
         row(
             "largest error of the reconstruction",
-            largest_difference(subject.signal, &ours),
+            largest_difference(input.signal, &ours),
             largest_difference(&mean, &interleave(&back)),
         ),
         row("defect of (bi)orthogonality", None, defect),
         row(
-            "vertices that hold 99 % of a scaling function of the last level, mean",
+            "mean number of vertices that hold 99 % of a scaling function of the last level",
             None,
             support(&functions),
         ),
     ];
     for (j, rank) in ranks.iter().enumerate() {
-        rows.push(row(&format!("scaling coefficients at level {j}"), walk.n_vertices() as f64, *rank as f64));
+        rows.push(row(
+            &format!("scaling coefficients at level {j}"),
+            diffusion.n_vertices() as f64,
+            *rank as f64,
+        ));
     }
     let outcome = |values| vec![Outcome { name: "coarse".to_owned(), n_channels: d, values }];
     Ok(Comparison {
-        task: "split into bands and put together".to_owned(),
+        task: "decompose and reconstruct".to_owned(),
         rows,
         adwave: outcome(bands.coarsest().to_vec()),
         other: outcome(vertex_map.scatter(&coarse, d)),

@@ -5,7 +5,7 @@ use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh};
 
 fn torus() -> Shape {
-    let sample = Sample::by_name("torus", Some(1200)).unwrap();
+    let sample = Sample::from_name("torus", Some(1200)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -13,7 +13,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Rounding times the condition of the normal equations of 1 200 vertices.
+/// Rounding error times the condition number of the normal equations for 1,200 vertices.
 const SOLVED: f64 = 1e-8;
 
 #[test]
@@ -27,7 +27,7 @@ fn nothing_edited_gives_the_shape_back() {
         let targets: Vec<f64> = anchors.iter().flat_map(|a| points[3 * a.vertex..][..3].to_vec()).collect();
         let prepared = Reconstruction::new(&l, &anchors).unwrap();
         assert!(difference(&prepared.solve(&delta, &targets, 3).unwrap(), points) < SOLVED);
-        // All anchors moved alike move the shape so.
+        // Moving all anchors equally moves the whole shape equally.
         let moved: Vec<f64> = targets.iter().map(|t| t + 5.0).collect();
         let shifted: Vec<f64> = points.iter().map(|p| p + 5.0).collect();
         assert!(difference(&prepared.solve(&delta, &moved, 3).unwrap(), &shifted) < SOLVED);
@@ -40,7 +40,7 @@ fn the_first_wavelets_are_half_the_differential_coordinates_of_the_walk() {
     let shape = torus();
     let points = shape.points().unwrap().as_flattened();
     let decomposer = Decomposer::new(&shape);
-    let l = Differential::from_walk(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let l = Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
     let delta = l.coordinates(points, 3).unwrap();
     let schedule = Schedule::dyadic(1).unwrap();
     let bands = decomposer.decompose(points, 3, &schedule).unwrap();

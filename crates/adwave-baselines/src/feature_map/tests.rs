@@ -4,7 +4,7 @@ use adwave::shape::{Mesh, PointCloud, Polygons, health};
 use proptest::prelude::*;
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -47,7 +47,7 @@ fn a_monkey_saddle_counts_twice() {
         points.push([angle.cos(), angle.sin(), 0.0]);
         triangles.push([0, 1 + i, 1 + (i + 1) % 12]);
     }
-    // Re z³, turned so that no value on the ring is 0.
+    // Re z³, rotated so that no value on the ring is 0.
     let f: Vec<f64> = points
         .iter()
         .map(|p| if p[0] == 0.0 && p[1] == 0.0 { 0.0 } else { (3.0 * p[1].atan2(p[0]) + 0.4).cos() })
@@ -85,7 +85,7 @@ fn harmonics_of_the_sphere_decay_as_their_eigenvalue_says() {
     let time = 0.3 * radius * radius;
     let level = &feature_map(&shape, &signal, &[time], Progress::none()).unwrap()[0];
     let expected = (-2.0 * 0.3_f64).exp();
-    // z is the eigenfunction of λ = 2/r², up to the mesh's error.
+    // z is the eigenfunction of λ = 2/r², up to the discretization error of the mesh.
     for (s, f) in level.smoothed.iter().zip(&signal) {
         assert!((s - expected * f).abs() < 0.01 * radius, "{s} {f}");
     }
@@ -119,7 +119,7 @@ proptest! {
             triangles.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
         let f: Vec<f64> = f.into_iter().map(f64::from).collect();
         let ring = one_ring(9, &triangles);
-        let vertices = (0..9).filter(|&x| !ring.of(x).is_empty()).count() as i64;
+        let vertices = (0..9).filter(|&x| !ring.row(x).is_empty()).count() as i64;
         let mut faces: Vec<[u32; 3]> = triangles.iter().map(|t| { let mut t = *t; t.sort_unstable(); t }).collect();
         faces.sort_unstable();
         faces.dedup();

@@ -15,11 +15,11 @@ fn shape(points: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Shape {
 }
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
-/// The octahedron, each edge halved `times` times, on the unit sphere: meshes that refine one another.
+/// Octahedron on the unit sphere with each edge halved `times` times: a family of nested meshes.
 fn octasphere(times: u32) -> Shape {
     let mut points = vec![
         [1.0, 0.0, 0.0],
@@ -52,8 +52,8 @@ fn octasphere(times: u32) -> Shape {
     shape(points, &triangles)
 }
 
-/// A flat square torus of side 1 has no place in space; its spectrum comes from a periodic grid glued in the plane, so
-/// here it is a graph of the five-point stencil: a closed form for grid × grid.
+/// Graph of the five-point stencil on a flat square torus of side 1. The torus cannot be embedded in space, but the
+/// graph's spectrum has a closed form for grid × grid vertices.
 fn torus_graph(n: u32) -> Shape {
     let at = |i: u32, j: u32| (i % n) * n + j % n;
     let edges: Vec<_> = (0..n)
@@ -138,7 +138,8 @@ fn all_harmonics_together_lose_nothing_and_filters_are_what_they_say() {
 
 #[test]
 fn heat_and_wave_signatures_are_constant_on_the_sphere() {
-    // 1 + 3 + … + 15 harmonics: whole eigenspaces. On a mesh they split a little, and vertices differ by the mesh's error.
+    // 1 + 3 + … + 15 harmonics span whole eigenspaces. On a mesh these split slightly, and vertices differ by the
+    // discretization error.
     let h = harmonics(&octasphere(5), 64);
     let times = heat_times(&h, 10);
     for signature in [heat_kernel_signature(&h, &times), wave_kernel_signature(&h, 10)] {
@@ -150,11 +151,11 @@ fn heat_and_wave_signatures_are_constant_on_the_sphere() {
             assert!(spread < 0.03, "scale {i}: {spread}");
         }
     }
-    // Energies end two σ, which are fourteen steps, short of both ends of the spectrum.
+    // The energies end 2σ, or fourteen steps, short of both ends of the spectrum.
     let energies = wave_kernel_signature(&h, 10).scales;
     let (step, last) = (energies[1] - energies[0], h.values[h.values.len() - 1].ln());
     assert!((energies[9] - (last - 14.0 * step)).abs() < 1e-9, "{energies:?} {last}");
-    // The heat in all is the trace: ∫ HKS = Σ e^(−λt).
+    // The total heat is the trace: ∫ HKS = Σ e^(−λt).
     let signature = heat_kernel_signature(&h, &times[4..5]);
     let total: f64 = signature.values.iter().zip(h.scatter(&h.mass, 1)).map(|(v, m)| v * m).sum();
     let trace: f64 = h.values.iter().map(|l| (-l * times[4]).exp()).sum();
@@ -190,7 +191,7 @@ fn tiny_and_broken_shapes_have_harmonics() {
             assert_eq!(harmonics(shape, k).len(), k.min(shape.n_vertices()));
         }
     }
-    // One zero eigenvalue a component, however large: three spheres, a face without area, a vertex of no face.
+    // One zero eigenvalue per component of any size: three spheres, a face without area, a vertex without faces.
     let Shape::Mesh(sphere) = sample("sphere", 700) else { unreachable!() };
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for k in 0..3_u32 {

@@ -1,4 +1,4 @@
-//! The Laplacian of a point cloud by the heat kernel.
+//! Laplacian of a point cloud from the heat kernel.
 
 use adwave::operator::LocalOperator;
 use adwave::vector::{dot, subtract};
@@ -8,8 +8,9 @@ const PLANE: f64 = 4.0;
 
 /// Weights `c·A(x)A(y)exp(−‖x−y‖²/4t)` between neighbors, and masses A (`belkin2009`).
 ///
-/// There c is 1/4πt² and all points are neighbors. With the nearest alone the kernel is cut off, so c is chosen such that
-/// `Δ|x − p|² = 4` holds at p, as in a plane, for the median point. A point by itself has the mass 1.
+/// In the paper c is 1/4πt² and all points are neighbors. With the nearest neighbors alone the kernel is cut off, so
+/// c is chosen such that `Δ|x − p|² = 4` holds at the median point p, as in a plane. An isolated point has the mass
+/// 1.
 pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
     let mut mass = operator.areas().to_vec();
     let four_t = 4.0 * operator.time();
@@ -22,7 +23,7 @@ pub(super) fn heat_kernel(points: &[[f64; 3]], operator: &LocalOperator) -> (Vec
     let mut weights = Vec::new();
     let mut moment = vec![0.0; points.len()];
     for x in 0..points.len() {
-        for &y in operator.neighbors().of(x).iter().filter(|&&y| y as usize > x) {
+        for &y in operator.neighbors().row(x).iter().filter(|&&y| y as usize > x) {
             let d = subtract(&points[x], &points[y as usize]);
             let squared = if four_t > 0.0 { dot(&d, &d) / four_t } else { 0.0 };
             let weight = mass[x] / unit * (mass[y as usize] / unit) * (-squared).exp();

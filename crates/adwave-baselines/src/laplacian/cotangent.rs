@@ -1,9 +1,10 @@
-//! Cotangents of triangles.
+//! Cotangent weights of triangles.
 
 use adwave::vector::{cross, dot, norm, subtract};
 
-/// `w = ½ Σ cot(opposite angle)` for each side of each triangle, sides of several triangles once for each (`pinkall1993`). Triangles without area give nothing.
-pub(super) fn as_given(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<(u32, u32, f64)> {
+/// `w = ½ cot(opposite angle)` for each side of each triangle (`pinkall1993`). A side of several triangles is listed
+/// once per triangle; triangles without area are skipped.
+pub(super) fn cotangent_weights(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<(u32, u32, f64)> {
     let mut weights = Vec::with_capacity(3 * triangles.len());
     for &t in triangles {
         let p = t.map(|v| points[v as usize]);

@@ -1,4 +1,4 @@
-//! The Laplacian of a shape: a symmetric stiffness matrix and a mass for each vertex.
+//! Laplacian of a shape: a symmetric stiffness matrix and a mass for each vertex.
 //!
 //! `Δf = M⁻¹ S f` with the sign that makes it positive semi-definite: `fᵀSf` is the Dirichlet energy.
 
@@ -11,57 +11,58 @@ use adwave::operator::{OperatorParams, local_operator};
 use adwave::shape::MeshArea;
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, mesh_areas};
 
-/// On which triangles of a mesh the cotangents are taken.
+/// Triangles of a mesh on which the cotangents are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Triangulation {
-    /// On the intrinsic Delaunay triangulation of the same surface, as [`adwave::laplacian`] has it: none is negative.
+    /// The intrinsic Delaunay triangulation of the same surface, as in [`adwave::laplacian`]; no weight is negative.
     #[default]
     IntrinsicDelaunay,
-    /// On the triangles as they are, so that obtuse ones give negative weights; triangles without area are skipped.
+    /// The triangles as they are: obtuse ones give negative weights, and triangles without area are skipped.
     AsGiven,
 }
 
-/// How a Laplacian is built.
+/// Parameters of a Laplacian.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaplacianParams {
-    /// Mesh: which triangles.
+    /// Triangulation of a mesh.
     pub triangulation: Triangulation,
-    /// Mesh as given: the mass of a vertex. Intrinsic triangles always give a third of their area to each corner.
+    /// Mass of a vertex of a mesh with [`Triangulation::AsGiven`]. Intrinsic triangles always give a third of their
+    /// area to each corner.
     pub area: MeshArea,
-    /// Whether vertices at equal positions are one.
+    /// Welding of vertices at equal positions.
     pub weld: WeldMode,
 }
 
 impl LaplacianParams {
-    /// Sets which triangles of a mesh.
+    /// Sets the triangulation of a mesh.
     #[must_use]
     pub fn with_triangulation(self, triangulation: Triangulation) -> Self {
         Self { triangulation, ..self }
     }
 
-    /// Sets the mass of a mesh's vertex.
+    /// Sets the mass of a mesh's vertices.
     #[must_use]
     pub fn with_area(self, area: MeshArea) -> Self {
         Self { area, ..self }
     }
 
-    /// Sets whether vertices at equal positions are one.
+    /// Sets the welding of vertices at equal positions.
     #[must_use]
     pub fn with_weld(self, weld: WeldMode) -> Self {
         Self { weld, ..self }
     }
 }
 
-/// What became of the triangles.
+/// Changes made to the triangles, and properties of the weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaplacianInfo {
     /// Edges flipped to reach the intrinsic Delaunay triangulation.
     pub n_flips: usize,
-    /// Weights that are negative: of obtuse triangles as given, on a border edge as inside.
+    /// Number of negative weights, which come from obtuse triangles as given; edges at the border count too.
     pub n_negative: usize,
-    /// By how much every edge was lengthened, in model units; 0 without degenerate triangles.
+    /// Length added to every edge, in model units; 0 without degenerate triangles.
     pub lengthened: f64,
-    /// Vertices without mass, which belong to no surface.
+    /// Number of vertices without mass, which belong to no surface.
     pub n_massless: usize,
 }
 
@@ -81,26 +82,26 @@ pub struct LaplacianInfo {
 pub struct Laplacian {
     /// S: symmetric, positive semi-definite, rows summing to 0, without unit on a surface.
     pub stiffness: SymmetricMatrix,
-    /// The diagonal of M, ≥ 0, in squared model units (1 for a graph).
+    /// Diagonal of M, ≥ 0, in squared model units (1 for a graph).
     pub mass: Vec<f64>,
-    /// From the shape's vertices to the rows here.
+    /// Map from the shape's vertices to the rows of the matrices.
     pub vertex_map: VertexMap,
-    /// What became of the triangles.
+    /// Changes made to the triangles, and properties of the weights.
     pub info: LaplacianInfo,
 }
 
 impl Laplacian {
-    /// The Laplacian of `shape`: cotangents on a mesh, heat kernel on a cloud, `D − W` on a graph. O(n log n).
+    /// Builds the Laplacian of `shape`: cotangents on a mesh, heat kernel on a cloud, `D − W` on a graph. O(n log n).
     ///
     /// # Errors
-    /// [`LinalgError`] where weights overflow.
+    /// [`LinalgError`] if weights overflow.
     pub fn new(shape: &Shape, params: &LaplacianParams) -> Result<Self, LinalgError> {
         let geometry = PreparedGeometry::new(shape, params.weld, Progress::none())?;
         let n = geometry.n_vertices();
         let mut info = LaplacianInfo::default();
         let (entries, mass) = match shape {
             Shape::Mesh(_) => match params.triangulation {
-                Triangulation::AsGiven => as_given(&geometry, params.area),
+                Triangulation::AsGiven => cotangents_and_areas(&geometry, params.area),
                 Triangulation::IntrinsicDelaunay => {
                     let surface = adwave::laplacian::Laplacian::new(&geometry, 0, Progress::none())?;
                     (info.n_flips, info.lengthened) = (surface.info().n_flips, surface.info().lengthened);
@@ -143,9 +144,9 @@ impl Laplacian {
 fn from_weights(n: usize, edges: &[(u32, u32, f64)]) -> Result<SymmetricMatrix, LinalgError> {
     let off: Vec<_> = edges.iter().filter(|e| e.0 != e.1).map(|&(x, y, w)| (x, y, -w)).collect();
     let off = SymmetricMatrix::from_halves(n, &off)?;
-    // The diagonal from the summed row, so that rows sum to 0 as well as they can.
+    // The diagonal comes from the summed row, so that rows sum to 0 as closely as possible.
     let diagonal: Vec<f64> = (0..n).map(|x| -off.row(x).1.iter().sum::<f64>()).collect();
-    Ok(off.plus_diagonal(&diagonal))
+    Ok(off.add_diagonal(&diagonal))
 }
 
 fn count_negative(stiffness: &SymmetricMatrix) -> usize {
@@ -159,15 +160,16 @@ fn count_negative(stiffness: &SymmetricMatrix) -> usize {
         .sum()
 }
 
-/// Cotangents of the triangles as they are, and areas by `area`.
-fn as_given(geometry: &PreparedGeometry, area: MeshArea) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
+/// Cotangents of the triangles as they are, and vertex areas according to `area`.
+fn cotangents_and_areas(geometry: &PreparedGeometry, area: MeshArea) -> (Vec<(u32, u32, f64)>, Vec<f64>) {
     let (points, unit) = unit_points(geometry.points());
-    let entries = cotangent::as_given(&points, geometry.triangles());
+    let entries = cotangent::cotangent_weights(&points, geometry.triangles());
     let areas = mesh_areas(&points, geometry.triangles(), area);
     (entries, areas.into_iter().map(|a| a * unit * unit).collect())
 }
 
-/// The positions in units of about the diagonal, a power of two, so that squares neither overflow nor vanish.
+/// Scales the positions by a power of two near the diagonal, so that squares neither overflow nor vanish; also
+/// returns that unit.
 fn unit_points(points: &[[f64; 3]]) -> (Vec<[f64; 3]>, f64) {
     let diagonal = adwave::shape::diagonal(points);
     let unit = if diagonal > 0.0 { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };

@@ -8,7 +8,7 @@ fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Shape {
 }
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -36,7 +36,7 @@ fn masses_sum_to_the_area_and_constants_have_no_energy() {
 
 #[test]
 fn linear_functions_are_harmonic_on_a_flat_mesh() {
-    // A grid whose inner vertices are pushed about, so that some triangles are obtuse.
+    // A grid whose inner vertices are displaced, so that some triangles are obtuse.
     let n = 12_u32;
     let inside = |i: u32, j: u32| i > 0 && j > 0 && i < n - 1 && j < n - 1;
     let shift = |i: u32, j: u32, k: u32| {
@@ -68,7 +68,7 @@ fn linear_functions_are_harmonic_on_a_flat_mesh() {
 
 #[test]
 fn flips_leave_no_negative_weight() {
-    // A thin kite: the diagonal 0–1 sees two obtuse angles.
+    // A thin kite: both angles opposite the diagonal 0–1 are obtuse.
     let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, -0.1, 0.0]];
     let kite = mesh(&points, &[[0, 1, 2], [1, 0, 3]]);
     assert_eq!(laplacian(&kite, Triangulation::AsGiven).info.n_negative, 1);
@@ -96,7 +96,7 @@ fn the_cloud_laplacian_knows_the_plane() {
     let square: Vec<f64> = geometry.points().iter().map(|p| p[0] * p[0] + p[1] * p[1]).collect();
     let middle = geometry.points().iter().position(|p| p[0] == 20.0 && p[1] == 20.0).unwrap();
     let laplace = -l.stiffness.product(&square)[middle] / l.mass[middle];
-    // Most points are like the middle one.
+    // Most points have the same surroundings as the middle one.
     assert!((laplace - 4.0).abs() < 1e-9, "{laplace}");
 }
 

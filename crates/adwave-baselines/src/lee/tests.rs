@@ -3,7 +3,7 @@ use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons};
 
 fn sample(name: &str, n: usize) -> Shape {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -12,8 +12,8 @@ fn a_sphere_has_constant_curvature_and_nothing_salient() {
     let shape = sample("sphere", 5000);
     let radius = norm(&shape.points().unwrap()[0]);
     let lee = lee_saliency(&shape, Progress::none()).unwrap();
-    // Normals and curvature are exact where all vertices lie on the sphere; the box of a mesh is a little smaller than that of the
-    // sphere, so the radius is measured.
+    // Normals and curvature are exact if all vertices lie on the sphere. The bounding box of the mesh is slightly
+    // smaller than that of the sphere, so the radius is measured.
     assert!(lee.curvature.iter().all(|h| (h * radius - 1.0).abs() < 1e-9));
     for map in &lee.scales {
         assert!(map.iter().all(|s| s * radius < 1e-9), "{:?}", map.iter().copied().fold(0.0, f64::max));

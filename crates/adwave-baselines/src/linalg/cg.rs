@@ -3,19 +3,20 @@
 use super::LinalgError;
 use adwave::Progress;
 
-/// What a solve took.
+/// Cost and accuracy of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CgInfo {
     /// Iterations done.
     pub iterations: usize,
-    /// `‖b − A x‖ / ‖b‖` by the recurrence.
+    /// `‖b − A x‖ / ‖b‖` according to the recurrence.
     pub residual: f64,
 }
 
-/// `x` with `‖b − A x‖ ≤ tolerance·‖b‖`, for a symmetric positive semi-definite `A` given by `apply(x, y)`: `y = A x`.
+/// Solves `A x = b` to `‖b − A x‖ ≤ tolerance·‖b‖` for a symmetric positive semi-definite `A` given by `apply(x, y)`:
+/// `y = A x`.
 ///
-/// Starts at 0, so that the part of `b` in the null space of A does not enter `x`; a `b` outside the range of A by more
-/// than the tolerance does not converge.
+/// The iteration starts at 0, so that the part of `b` in the null space of A does not enter `x`. It does not converge
+/// if `b` lies outside the range of A by more than the tolerance.
 ///
 /// # Errors
 /// [`LinalgError::CgNotConverged`] after `max_iterations`, [`LinalgError::Cancelled`].

@@ -1,5 +1,5 @@
-//! The smallest eigenpairs of a symmetric positive semi-definite sparse matrix: component by component, dense where that
-//! is small.
+//! Smallest eigenpairs of a symmetric positive semi-definite sparse matrix, component by component; small components
+//! are solved densely.
 
 use super::panel::{Panel, gram};
 use super::slices::smallest_connected;
@@ -7,21 +7,21 @@ use super::{LinalgError, SymmetricMatrix, symmetric_eigen};
 use adwave::Progress;
 use rayon::prelude::*;
 
-/// Components of up to so many rows are solved densely.
+/// Largest number of rows of a component that is solved densely.
 const DENSE: usize = 500;
-/// Components of up to so many rows are solved densely when a quarter of their spectrum is wanted.
+/// Largest number of rows of a component that is solved densely if at least a quarter of its spectrum is requested.
 const DENSE_FOR_MANY: usize = 3000;
-/// A vector counts as null where the product is this small, relative to the matrix.
+/// A vector counts as a null vector if its product is below this bound, relative to the matrix.
 const NULL: f64 = 1e-11;
 
-/// How eigenpairs are computed.
+/// Parameters of the eigensolver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EigenParams {
     /// Largest relative residual `‖(A−σI)⁻¹x − θx‖ / |θ|` in the inverse.
     pub tolerance: f64,
-    /// Most eigenpairs of one band, that is of one factorization.
+    /// Largest number of eigenpairs per band, that is per factorization.
     pub band: usize,
-    /// Cap: solves for each eigenpair asked for, besides a thousand.
+    /// Cap on the solves per requested eigenpair; 1,000 more are always allowed.
     pub max_solves_per_pair: usize,
 }
 
@@ -38,40 +38,40 @@ impl EigenParams {
         Self { tolerance, ..self }
     }
 
-    /// Sets the most eigenpairs of one band; 0 is taken as 1.
+    /// Sets the largest number of eigenpairs per band; 0 is taken as 1.
     #[must_use]
     pub fn with_band(self, band: usize) -> Self {
         Self { band: band.max(1), ..self }
     }
 }
 
-/// What the eigenpairs took and how good they are.
+/// Cost and accuracy of the eigenpairs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EigenInfo {
     /// Solves of `(A − σI)x = b`.
     pub solves: usize,
     /// Restarts of the Lanczos process.
     pub restarts: usize,
-    /// Factorizations, those for counting included.
+    /// Factorizations, including those for counting.
     pub factorizations: usize,
-    /// Connected components of the matrix.
+    /// Number of connected components of the matrix.
     pub n_components: usize,
-    /// Components solved by a dense method.
+    /// Number of components solved by a dense method.
     pub n_dense: usize,
     /// Largest `‖A x − λ x‖ / ‖A‖_∞`.
     pub residual: f64,
 }
 
-/// Eigenpairs by rising eigenvalue.
+/// Eigenpairs in ascending order of the eigenvalue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eigenpairs {
     /// Length of an eigenvector.
     pub n: usize,
-    /// The eigenvalues.
+    /// Eigenvalues.
     pub values: Vec<f64>,
-    /// The orthonormal eigenvectors, one after the other.
+    /// Orthonormal eigenvectors, one after the other.
     pub vectors: Vec<f64>,
-    /// What they took.
+    /// Cost and accuracy.
     pub info: EigenInfo,
 }
 
@@ -82,24 +82,26 @@ impl Eigenpairs {
     }
 }
 
-/// Eigenpairs of one component.
-struct Part {
+/// Eigenpairs of one connected component.
+struct ComponentPairs {
     rows: Vec<u32>,
     values: Vec<f64>,
     vectors: Panel,
 }
 
-/// The `k` smallest eigenpairs (all, where there are fewer) of a symmetric positive semi-definite `matrix`.
+/// Computes the `k` smallest eigenpairs (all of them if there are fewer) of a symmetric positive semi-definite
+/// `matrix`.
 ///
-/// `null`, where given, is a vector whose restriction to a component is in the null space, if anything is: it is checked,
-/// and the eigenvalue is then exactly 0. No eigenvalue is missed: the spectrum below the last is counted by the inertia
-/// of a factorization. Each component is solved for itself, so that a thousand equal parts are no multiple eigenvalue.
+/// `null` is an optional vector whose restriction to a component spans the null space, if there is one. It is
+/// checked, and the eigenvalue is then exactly 0. No eigenvalue is missed: the inertia of a factorization counts
+/// those below the last. Each component is solved separately, so that a thousand equal parts do not form a multiple
+/// eigenvalue.
 ///
-/// The result does not depend on the number of threads. Cost on a surface: about 2k solves, 8·n·k² operations and three
-/// factorizations a band.
+/// The result does not depend on the number of threads. Cost on a surface: about 2k solves, 8·n·k² operations and
+/// three factorizations a band.
 ///
 /// # Errors
-/// [`LinalgError`] where the matrix has negative eigenvalues, cannot be factorized, or the pairs do not converge within
+/// [`LinalgError`] if the matrix has negative eigenvalues, cannot be factorized, or the pairs do not converge within
 /// the cap; when cancelled.
 ///
 /// ```
@@ -128,18 +130,18 @@ pub fn smallest_eigenpairs(
     for (x, &c) in label.iter().enumerate() {
         rows[c as usize].push(x as u32);
     }
+    let solver = ComponentSolver { matrix, null, params, progress };
     let mut info =
         EigenInfo { solves: 0, restarts: 0, factorizations: 0, n_components, n_dense: 0, residual: 0.0 };
-    // By Weyl's law a component's share of the spectrum is its share of the surface; it is asked again where that is
-    // not enough.
+    // By Weyl's law a component's share of the spectrum is its share of the surface; if that is too few, more are
+    // requested.
     let mut asked: Vec<usize> =
         rows.iter().map(|r| if n_components == 1 { k } else { (k * r.len()).div_ceil(n) + 8 }).collect();
-    let mut parts: Vec<Option<Part>> = rows.iter().map(|_| None).collect();
+    let mut parts: Vec<Option<ComponentPairs>> = rows.iter().map(|_| None).collect();
     loop {
         for (c, part) in parts.iter_mut().enumerate() {
             if part.is_none() {
-                *part =
-                    Some(solve_part(matrix, null, &rows[c], asked[c].min(k), params, &mut info, progress)?);
+                *part = Some(solver.solve(&rows[c], asked[c].min(k), &mut info)?);
             }
         }
         let mut values: Vec<f64> = parts.iter().flatten().flat_map(|p| p.values.iter().copied()).collect();
@@ -159,7 +161,7 @@ pub fn smallest_eigenpairs(
             break;
         }
     }
-    let parts: Vec<Part> = parts.into_iter().flatten().collect();
+    let parts: Vec<ComponentPairs> = parts.into_iter().flatten().collect();
     let mut order: Vec<(f64, usize, usize)> = parts
         .iter()
         .enumerate()
@@ -178,38 +180,42 @@ pub fn smallest_eigenpairs(
     Ok(Eigenpairs { n, values, vectors, info })
 }
 
-fn solve_part(
-    matrix: &SymmetricMatrix,
-    null: Option<&[f64]>,
-    rows: &[u32],
-    k: usize,
-    params: &EigenParams,
-    info: &mut EigenInfo,
-    progress: Progress<'_>,
-) -> Result<Part, LinalgError> {
-    let own = matrix.restricted(rows);
-    let n = own.n();
-    let k = k.min(n);
-    let null = null.and_then(|z| unit_null_vector(&own, rows.iter().map(|&x| z[x as usize]).collect()));
-    if n <= DENSE || (n <= DENSE_FOR_MANY && 4 * k > n) {
-        info.n_dense += 1;
-        let (mut values, mut vectors) = symmetric_eigen(&own.to_dense(), n)?;
-        values.truncate(k);
-        vectors.truncate(n * k);
-        if let (Some(null), true) = (null, k > 0) {
-            values[0] = 0.0;
-            vectors[..n].copy_from_slice(&null);
-        }
-        return Ok(Part { rows: rows.to_vec(), values, vectors: Panel { n, values: vectors } });
-    }
-    let known = smallest_connected(&own, null.as_deref(), k, params, progress)?;
-    info.solves += known.solves;
-    info.restarts += known.restarts;
-    info.factorizations += known.factorizations;
-    Ok(Part { rows: rows.to_vec(), values: known.values, vectors: known.vectors })
+/// Eigensolver for the connected components of one matrix.
+struct ComponentSolver<'a> {
+    matrix: &'a SymmetricMatrix,
+    null: Option<&'a [f64]>,
+    params: &'a EigenParams,
+    progress: Progress<'a>,
 }
 
-/// `z` scaled to length 1, where it is in the null space.
+impl ComponentSolver<'_> {
+    /// Computes the `k` smallest eigenpairs of the component with these rows and adds the cost to `info`.
+    fn solve(&self, rows: &[u32], k: usize, info: &mut EigenInfo) -> Result<ComponentPairs, LinalgError> {
+        let component = self.matrix.submatrix(rows);
+        let n = component.n();
+        let k = k.min(n);
+        let restrict = |z: &[f64]| rows.iter().map(|&x| z[x as usize]).collect();
+        let null = self.null.and_then(|z| unit_null_vector(&component, restrict(z)));
+        if n <= DENSE || (n <= DENSE_FOR_MANY && 4 * k > n) {
+            info.n_dense += 1;
+            let (mut values, mut vectors) = symmetric_eigen(&component.to_dense(), n)?;
+            values.truncate(k);
+            vectors.truncate(n * k);
+            if let (Some(null), true) = (null, k > 0) {
+                values[0] = 0.0;
+                vectors[..n].copy_from_slice(&null);
+            }
+            return Ok(ComponentPairs { rows: rows.to_vec(), values, vectors: Panel { n, values: vectors } });
+        }
+        let known = smallest_connected(&component, null.as_deref(), k, self.params, self.progress)?;
+        info.solves += known.solves;
+        info.restarts += known.restarts;
+        info.factorizations += known.factorizations;
+        Ok(ComponentPairs { rows: rows.to_vec(), values: known.values, vectors: known.vectors })
+    }
+}
+
+/// Scales `z` to length 1; `None` if it is not in the null space.
 fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64>> {
     let length = gram(z.len(), &z, &z).first()?.sqrt();
     if !(length.is_finite() && length > 0.0) {
@@ -223,7 +229,7 @@ fn unit_null_vector(matrix: &SymmetricMatrix, mut z: Vec<f64>) -> Option<Vec<f64
     (product.iter().all(|v| v.abs() <= NULL * size)).then_some(z)
 }
 
-/// `‖A‖_∞`, the largest sum of magnitudes in a row.
+/// `‖A‖_∞`, the largest sum of absolute values in a row.
 fn row_norm(matrix: &SymmetricMatrix) -> f64 {
     (0..matrix.n()).map(|x| matrix.row(x).1.iter().map(|a| a.abs()).sum()).fold(0.0, f64::max)
 }

@@ -3,7 +3,7 @@
 use super::LinalgError;
 use faer::{MatRef, Side};
 
-/// Eigenvalues by rising value, and the orthonormal eigenvectors, column-major, of a dense symmetric `n` × `n` matrix
+/// Eigenvalues in ascending order and orthonormal eigenvectors, column-major, of a dense symmetric `n` × `n` matrix
 /// given column-major. O(n³).
 ///
 /// # Errors
@@ -12,7 +12,7 @@ pub(crate) fn symmetric_eigen(matrix: &[f64], n: usize) -> Result<(Vec<f64>, Vec
     if n == 0 {
         return Ok((Vec::new(), Vec::new()));
     }
-    // faer loops for ever on NaN.
+    // faer does not terminate on NaN.
     if matrix.iter().any(|a| !a.is_finite()) {
         return Err(LinalgError::DenseEigen { n });
     }

@@ -1,9 +1,9 @@
 //! Block Lanczos with full reorthogonalization and thick restarts, on `(A − σI)⁻¹`.
 //!
-//! A basis V of the block Krylov space and the whole of `T = Vᵀ(A − σI)⁻¹V` are kept, so that a restart with the best
-//! Ritz vectors (`wu2000`) needs no special case. Blocks make the reorthogonalization a product of matrices and the
-//! solves share one pass through the factor; they also find multiple eigenvalues. faer has a partial eigensolver of its
-//! own, but on some inputs it does not return.
+//! The solver keeps a basis V of the block Krylov space and all of `T = Vᵀ(A − σI)⁻¹V`, so that a restart with the
+//! best Ritz vectors (`wu2000`) needs no special case. With blocks, the reorthogonalization is a product of matrices
+//! and the solves share one pass through the factor; blocks also find multiple eigenvalues. The partial eigensolver
+//! of faer does not return on some inputs.
 
 use super::ldlt::Ldlt;
 use super::panel::{Panel, add_product, gram, norm};
@@ -12,44 +12,44 @@ use adwave::Progress;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64;
 
-/// Vectors of a block: two groups of the factor's lanes, for two threads.
+/// Number of vectors per block: two groups of the factor's lanes, for two threads.
 const BLOCK: usize = 16;
-/// A vector whose norm falls below this part of itself by orthogonalization was dependent on the others.
+/// A vector counts as dependent on the others if orthogonalization reduces its norm below this fraction.
 const DEPENDENT: f64 = 1e-11;
 
-/// Which eigenpairs are wanted.
+/// Numbers of requested eigenpairs and the limits of the iteration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    /// Exactly so many below σ: no fewer exist among those not locked.
+pub(super) struct EigenRequest {
+    /// Exact number of eigenvalues below σ that are not locked yet.
     pub(super) below: usize,
-    /// At least so many next above σ, as far as there are any.
+    /// Least number of eigenpairs next above σ, as far as they exist.
     pub(super) above: usize,
     /// Largest `‖(A−σI)⁻¹x − θx‖ / |θ|`.
     pub(super) tolerance: f64,
-    /// Most solves.
+    /// Largest number of solves.
     pub(super) max_solves: usize,
 }
 
-/// Converged eigenpairs, by rising eigenvalue.
+/// Converged eigenpairs, in ascending order of the eigenvalue.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct ConvergedPairs {
     pub(super) values: Vec<f64>,
     pub(super) vectors: Panel,
     pub(super) solves: usize,
     pub(super) restarts: usize,
 }
 
-/// The eigenpairs of A nearest to the shift of `factor`, orthogonal to the orthonormal columns of `locked`.
+/// Computes the eigenpairs of A nearest to the shift of `factor`, orthogonal to the orthonormal columns of `locked`.
 pub(super) fn nearest_eigenpairs(
     factor: &Ldlt,
     locked: &Panel,
-    wanted: Wanted,
+    wanted: EigenRequest,
     progress: Progress<'_>,
-) -> Result<Found, LinalgError> {
+) -> Result<ConvergedPairs, LinalgError> {
     let n = factor.n();
     let room = n - locked.n_columns().min(n);
     let count = (wanted.below + wanted.above).min(room);
-    let mut state = State {
+    let mut state = LanczosState {
         factor,
         locked,
         basis: Panel::new(n),
@@ -59,7 +59,7 @@ pub(super) fn nearest_eigenpairs(
         solves: 0,
     };
     if count == 0 {
-        return Ok(Found { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0 });
+        return Ok(ConvergedPairs { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0 });
     }
     let most = (2 * count + 12 * BLOCK).min(room);
     let mut first = vec![0.0; n * BLOCK.min(room)];
@@ -81,7 +81,7 @@ pub(super) fn nearest_eigenpairs(
             let chosen = choose(&ritz, factor.shift(), wanted, room, exhausted);
             let (below, above) = (chosen.below.len(), chosen.above.len());
             if exhausted || (below >= wanted.below && above >= wanted.above) {
-                return Ok(state.found(&ritz, &chosen, restarts));
+                return Ok(state.converged_pairs(&ritz, &chosen, restarts));
             }
             if out_of_solves {
                 return Err(LinalgError::NotConverged {
@@ -91,7 +91,8 @@ pub(super) fn nearest_eigenpairs(
                 });
             }
             if size + next.len() / n > most {
-                // Half of what is not yet needed is kept besides what is: enough to keep the speed of convergence.
+                // Half of the remaining Ritz vectors are kept besides the needed ones, which preserves the speed of
+                // convergence.
                 let keep = (count + (size - count.min(size)) / 3).min(size.saturating_sub(2 * BLOCK)).max(1);
                 state.restart(&ritz, keep);
                 restarts += 1;
@@ -103,39 +104,40 @@ pub(super) fn nearest_eigenpairs(
     }
 }
 
-struct State<'a> {
+struct LanczosState<'a> {
     factor: &'a Ldlt,
     locked: &'a Panel,
     basis: Panel,
-    /// T, a column each.
+    /// T, one vector per column.
     t: Vec<Vec<f64>>,
-    /// Where the newest block of the basis starts.
+    /// Index of the first vector in the newest block of the basis.
     block_start: usize,
     random: Pcg64,
     solves: usize,
 }
 
 /// Eigenpairs of T.
-struct Ritz {
+struct RitzPairs {
     theta: Vec<f64>,
     y: Vec<f64>,
     size: usize,
     residual: Vec<f64>,
 }
 
-struct Chosen {
+struct ChosenPairs {
     below: Vec<usize>,
     above: Vec<usize>,
 }
 
-impl State<'_> {
+impl LanczosState<'_> {
     fn fill_random(&mut self, columns: &mut [f64]) {
         for v in columns {
             *v = StandardNormal.sample(&mut self.random);
         }
     }
 
-    /// Takes out of `w` its part in the locked vectors and the basis, twice; gives that in the basis.
+    /// Subtracts from `w` its components along the locked vectors and the basis, twice; returns those along the
+    /// basis.
     fn project(&self, w: &mut [f64]) -> Vec<f64> {
         let n = self.basis.n;
         let mut h = vec![0.0; self.basis.n_columns() * (w.len() / n)];
@@ -151,7 +153,8 @@ impl State<'_> {
         h
     }
 
-    /// Multiplies the newest block by the inverse, fills in T, and gives the next block with its coupling to this one.
+    /// Multiplies the newest block by the inverse and fills in T; returns the next block and its coupling to this
+    /// one.
     fn expand(&mut self) -> (Vec<f64>, Vec<f64>) {
         let n = self.basis.n;
         let size = self.basis.n_columns();
@@ -177,9 +180,9 @@ impl State<'_> {
         (w, coupling)
     }
 
-    /// Makes the columns of `w` orthonormal, already orthogonal to the basis, and gives R with `w_before = w R`, rows × columns, row-major.
-    /// Dependent columns are replaced by random ones; where the space is exhausted, rows are missing and `w` has columns
-    /// too many.
+    /// Orthonormalizes the columns of `w`, which are already orthogonal to the basis; returns R with `w_before = w
+    /// R`, rows × columns, row-major. Dependent columns are replaced by random ones; if the space is exhausted, R has
+    /// fewer rows and the surplus columns of `w` are to be ignored.
     fn orthonormalize(&mut self, w: &mut [f64]) -> Vec<f64> {
         let n = self.basis.n;
         let width = w.len() / n;
@@ -200,15 +203,15 @@ impl State<'_> {
                 for v in column.iter_mut() {
                     *v /= length;
                 }
-                // What was left over small has lost its orthogonality to the basis.
-                if length < 1e-4 * largest && !self.renew(w, kept) {
+                // A small remainder has lost its orthogonality to the basis.
+                if length < 1e-4 * largest && !self.reorthogonalize(w, kept) {
                     continue;
                 }
                 r.push(row);
                 kept += 1;
             } else {
                 self.fill_random(&mut w[kept * n..(kept + 1) * n]);
-                if self.renew(w, kept) {
+                if self.reorthogonalize(w, kept) {
                     r.push(vec![0.0; width]);
                     kept += 1;
                 }
@@ -217,8 +220,8 @@ impl State<'_> {
         r.concat()
     }
 
-    /// Orthogonalizes column `at` of `w` against everything once more; false where nothing of it is left.
-    fn renew(&self, w: &mut [f64], at: usize) -> bool {
+    /// Orthogonalizes column `at` of `w` against all other vectors again; false if nothing of it is left.
+    fn reorthogonalize(&self, w: &mut [f64], at: usize) -> bool {
         let n = self.basis.n;
         let (before, rest) = w.split_at_mut(at * n);
         let column = &mut rest[..n];
@@ -242,7 +245,7 @@ impl State<'_> {
         true
     }
 
-    fn ritz(&self, coupling: &[f64]) -> Result<Ritz, LinalgError> {
+    fn ritz(&self, coupling: &[f64]) -> Result<RitzPairs, LinalgError> {
         let size = self.t.len();
         let mut t = vec![0.0; size * size];
         for (j, column) in self.t.iter().enumerate() {
@@ -261,10 +264,10 @@ impl State<'_> {
                 squares.sum::<f64>().sqrt()
             })
             .collect();
-        Ok(Ritz { theta, y, size, residual })
+        Ok(RitzPairs { theta, y, size, residual })
     }
 
-    fn restart(&mut self, ritz: &Ritz, keep: usize) {
+    fn restart(&mut self, ritz: &RitzPairs, keep: usize) {
         let mut order: Vec<usize> = (0..ritz.size).collect();
         order.sort_by(|&a, &b| ritz.theta[b].abs().total_cmp(&ritz.theta[a].abs()));
         order.truncate(keep);
@@ -274,8 +277,8 @@ impl State<'_> {
             .collect();
     }
 
-    /// Ritz vectors.
-    fn combine(&self, ritz: &Ritz, which: &[usize]) -> Panel {
+    /// Ritz vectors of the pairs in `which`.
+    fn combine(&self, ritz: &RitzPairs, which: &[usize]) -> Panel {
         let n = self.basis.n;
         let y: Vec<f64> =
             which.iter().flat_map(|&i| ritz.y[i * ritz.size..(i + 1) * ritz.size].iter().copied()).collect();
@@ -284,9 +287,9 @@ impl State<'_> {
         Panel { n, values }
     }
 
-    fn found(&self, ritz: &Ritz, chosen: &Chosen, restarts: usize) -> Found {
+    fn converged_pairs(&self, ritz: &RitzPairs, chosen: &ChosenPairs, restarts: usize) -> ConvergedPairs {
         let which: Vec<usize> = chosen.below.iter().rev().chain(&chosen.above).copied().collect();
-        Found {
+        ConvergedPairs {
             values: which.iter().map(|&i| self.factor.shift() + 1.0 / ritz.theta[i]).collect(),
             vectors: self.combine(ritz, &which),
             solves: self.solves,
@@ -295,23 +298,24 @@ impl State<'_> {
     }
 }
 
-/// Which Ritz pairs are eigenpairs: outwards from σ, as far as all have converged.
-fn choose(ritz: &Ritz, shift: f64, wanted: Wanted, room: usize, exhausted: bool) -> Chosen {
+/// Selects the Ritz pairs that are eigenpairs: outwards from σ, as far as all have converged.
+fn choose(ritz: &RitzPairs, shift: f64, wanted: EigenRequest, room: usize, exhausted: bool) -> ChosenPairs {
     let is_good = |i: &usize| exhausted || ritz.residual[*i] <= wanted.tolerance * ritz.theta[*i].abs();
     let mut above: Vec<usize> = (0..ritz.size).filter(|&i| ritz.theta[i] > 0.0).collect();
     let mut below: Vec<usize> = (0..ritz.size).filter(|&i| ritz.theta[i] < 0.0).collect();
     above.sort_by(|&a, &b| ritz.theta[b].total_cmp(&ritz.theta[a]));
     below.sort_by(|&a, &b| ritz.theta[a].total_cmp(&ritz.theta[b]));
     let mut above: Vec<usize> = above.into_iter().take_while(is_good).collect();
-    // Below, the count is known; a Ritz value beyond it is not yet an eigenvalue.
+    // Below σ the count is known; a Ritz value beyond that count is not an eigenvalue yet.
     let mut below: Vec<usize> = below.into_iter().take_while(is_good).collect();
     below.truncate(wanted.below);
     above.truncate(room - below.len());
     debug_assert!(shift.is_finite());
-    Chosen { below, above }
+    ChosenPairs { below, above }
 }
 
-/// Takes out of `column` its part in the orthonormal `before`, twice; gives that part and the norm of what is left.
+/// Subtracts from `column` its components along the orthonormal `before`, twice; returns these components and the
+/// norm of the remainder.
 fn gram_schmidt(n: usize, before: &[f64], column: &mut [f64]) -> (Vec<f64>, f64) {
     let mut inside = vec![0.0; before.len() / n];
     for _ in 0..2 {

@@ -1,6 +1,7 @@
-//! Factorization `A − σI = L D Lᵀ` of a symmetric sparse matrix, solves for several right sides at once, inertia.
+//! Factorization `A − σI = L D Lᵀ` of a symmetric sparse matrix, solves with several right-hand sides at once, and
+//! inertia.
 
-// What runs in the sweeps has to be compiled for the kind of processor that they are dispatched to.
+// All code of the sweeps has to be compiled for the processor features that they are dispatched to.
 #![allow(clippy::inline_always)]
 
 use super::{LinalgError, SymmetricMatrix};
@@ -16,21 +17,21 @@ use faer::{Par, Side};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Right sides that one sweep through the factor takes together.
+/// Number of right-hand sides per sweep through the factor.
 pub(crate) const LANES: usize = 8;
 
-/// A row of right sides.
+/// One row of right-hand sides.
 type Lanes = [f64; LANES];
 
-/// Which entries the factor of a matrix has; it serves all shifts of the matrix.
+/// Sparsity pattern of a matrix's factor; valid for all shifts of the matrix.
 #[derive(Clone, Debug)]
-pub(crate) struct Pattern {
+pub(crate) struct FactorPattern {
     symbolic: Arc<SymbolicCholesky<usize>>,
     offsets: Arc<Vec<usize>>,
     columns: Arc<Vec<usize>>,
 }
 
-impl Pattern {
+impl FactorPattern {
     /// Orders `matrix` by approximate minimum degree and finds the entries of its factor.
     pub(crate) fn new(matrix: &SymmetricMatrix) -> Result<Self, LinalgError> {
         let n = matrix.n();
@@ -57,17 +58,17 @@ impl Pattern {
 
 /// `A − σI = L D Lᵀ` in a fill-reducing order, ready to solve.
 ///
-/// D is diagonal: exact for definite matrices; for indefinite ones there is no pivoting, so a solve is to be checked by
-/// its residual.
+/// D is diagonal. This is stable for definite matrices. Indefinite ones would need pivoting, so check a solve by its
+/// residual.
 #[derive(Debug)]
 pub struct Ldlt {
-    pattern: Pattern,
+    pattern: FactorPattern,
     values: Vec<f64>,
     shift: f64,
 }
 
 impl Ldlt {
-    /// Factorizes `matrix − shift·I`. Cost as fill: about O(n^1.5) on surfaces.
+    /// Factorizes `matrix − shift·I`. The cost is that of the fill-in: about O(n^1.5) on surfaces.
     ///
     /// # Errors
     /// [`LinalgError::Factorize`] when a pivot is zero or not finite, or memory runs out.
@@ -80,11 +81,11 @@ impl Ldlt {
     /// # Ok::<(), adwave_baselines::linalg::LinalgError>(())
     /// ```
     pub fn new(matrix: &SymmetricMatrix, shift: f64) -> Result<Self, LinalgError> {
-        Self::with_pattern(&Pattern::new(matrix)?, matrix, shift)
+        Self::with_pattern(&FactorPattern::new(matrix)?, matrix, shift)
     }
 
     pub(crate) fn with_pattern(
-        pattern: &Pattern,
+        pattern: &FactorPattern,
         matrix: &SymmetricMatrix,
         shift: f64,
     ) -> Result<Self, LinalgError> {
@@ -129,12 +130,12 @@ impl Ldlt {
         self.pattern.symbolic.nrows()
     }
 
-    /// σ.
+    /// Shift σ.
     pub fn shift(&self) -> f64 {
         self.shift
     }
 
-    /// Stored entries of L.
+    /// Number of stored entries of L.
     pub fn nnz(&self) -> usize {
         self.values.len()
     }
@@ -146,22 +147,22 @@ impl Ldlt {
         }
     }
 
-    /// The `s`-th group of columns with the same rows; a single column where faer does not group, as it does for matrices
-    /// too small.
+    /// Group `s` of columns with the same rows; a single column if faer does not group, as for matrices that are too
+    /// small.
     #[inline(always)]
-    fn node(&self, s: usize) -> Node<'_> {
+    fn node(&self, s: usize) -> ColumnGroup<'_> {
         match self.pattern.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
                 let start = symbolic.supernode_begin()[s];
                 let rows =
                     &symbolic.row_idx()[symbolic.col_ptr_for_row_idx()[s]..][..symbolic.nnz_per_super()[s]];
                 let values = &self.values[symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1]];
-                Node { start, size: symbolic.supernode_end()[s] - start, rows, values }
+                ColumnGroup { start, size: symbolic.supernode_end()[s] - start, rows, values }
             }
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 let range = symbolic.col_ptr()[s]..symbolic.col_ptr()[s + 1];
                 let rows = &symbolic.row_idx()[range.start + 1..range.end];
-                Node { start: s, size: 1, rows, values: &self.values[range] }
+                ColumnGroup { start: s, size: 1, rows, values: &self.values[range] }
             }
         }
     }
@@ -172,12 +173,12 @@ impl Ldlt {
             .flat_map(|node| (0..node.size).map(move |j| node.column(j).0[j]))
     }
 
-    /// How many eigenvalues of A are below σ: by Sylvester's law of inertia the number of negative pivots.
+    /// Number of eigenvalues of A below σ: by Sylvester's law of inertia the number of negative pivots.
     pub fn n_below(&self) -> usize {
         self.pivots().filter(|&d| d < 0.0).count()
     }
 
-    /// `x` with `(A − σI) x = b`. O(entries of L).
+    /// Solves `(A − σI) x = b`. O(entries of L).
     ///
     /// # Errors
     /// [`LinalgError::Length`].
@@ -190,7 +191,7 @@ impl Ldlt {
         Ok(x)
     }
 
-    /// Solves in place for any number of right sides, column-major. Groups of eight run on threads of their own.
+    /// Solves in place for any number of right-hand sides, column-major. Groups of eight run on separate threads.
     pub(crate) fn solve_columns(&self, columns: &mut [f64]) {
         let n = self.n();
         if n == 0 {
@@ -219,7 +220,7 @@ impl Ldlt {
         let mut gathered: Vec<Lanes> = Vec::new();
         for s in 0..n_nodes {
             let node = self.node(s);
-            let Node { start, size, rows, .. } = node;
+            let ColumnGroup { start, size, rows, .. } = node;
             gathered.clear();
             gathered.resize(rows.len(), [0.0; LANES]);
             for j in 0..size {
@@ -240,7 +241,7 @@ impl Ldlt {
         }
         for s in (0..n_nodes).rev() {
             let node = self.node(s);
-            let Node { start, size, rows, .. } = node;
+            let ColumnGroup { start, size, rows, .. } = node;
             gathered.clear();
             gathered.extend(rows.iter().map(|&i| x[i]));
             for j in (0..size).rev() {
@@ -263,15 +264,15 @@ impl Ldlt {
 
 /// Columns `start..start + size` of L, which share their rows below the block on the diagonal.
 #[derive(Clone, Copy)]
-struct Node<'a> {
+struct ColumnGroup<'a> {
     start: usize,
     size: usize,
     rows: &'a [usize],
-    /// Column by column: the block, with D in place of its unit diagonal, then the rows below.
+    /// Columns one after the other: the diagonal block, with D instead of its unit diagonal, then the rows below.
     values: &'a [f64],
 }
 
-impl<'a> Node<'a> {
+impl<'a> ColumnGroup<'a> {
     #[inline(always)]
     fn column(&self, j: usize) -> (&'a [f64], &'a [f64]) {
         let length = self.size + self.rows.len();
@@ -279,7 +280,7 @@ impl<'a> Node<'a> {
     }
 }
 
-/// Both sweeps, compiled once for each kind of processor.
+/// Both triangular sweeps, compiled once for each set of processor features.
 struct Sweep<'a> {
     factor: &'a Ldlt,
     x: &'a mut [Lanes],

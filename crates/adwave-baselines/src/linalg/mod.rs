@@ -1,8 +1,8 @@
 //! The linear algebra that the baselines share: symmetric sparse matrices, their factorization, their smallest
 //! eigenpairs, conjugate gradients.
 //!
-//! faer does the factorizing and the dense algebra, without threads; what runs on several threads is cut here into chunks
-//! that do not depend on their number, so that the bits of a result do not either.
+//! faer does the factorization and the dense algebra, without threads. Multithreaded work is divided here into chunks
+//! that do not depend on the number of threads, so that results are bit-identical for any number of threads.
 
 mod cg;
 mod components;
@@ -26,21 +26,21 @@ mod tests;
 use adwave::Cancelled;
 use thiserror::Error;
 
-/// Why a system was not solved or eigenpairs were not found.
+/// Reasons for which a system cannot be solved or eigenpairs cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum LinalgError {
     /// An entry of a matrix is NaN or infinite.
-    #[error("entry ({row}, {column}) of the matrix is {value}; it must be finite")]
+    #[error("entry ({row}, {column}) of the matrix must be finite, got {value}")]
     NotFinite {
         /// Row of the entry.
         row: usize,
         /// Column of the entry.
         column: usize,
-        /// The entry.
+        /// Value of the entry.
         value: f64,
     },
-    /// An entry names a row or column that does not exist.
-    #[error("entry ({row}, {column}) lies outside a matrix of {n} rows")]
+    /// An entry has a row or column that does not exist.
+    #[error("entry ({row}, {column}) must lie inside a matrix of {n} rows")]
     OutOfRange {
         /// Row of the entry.
         row: usize,
@@ -49,43 +49,45 @@ pub enum LinalgError {
         /// Number of rows.
         n: usize,
     },
-    /// A vector is not as long as the matrix has rows.
-    #[error("{got} values were given where {expected} are needed")]
+    /// The length of a vector differs from the number of rows.
+    #[error("expected {expected} values, got {got}")]
     Length {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
     },
-    /// The factorization met a pivot that is zero, or memory ran out.
+    /// The factorization met a zero pivot, or memory ran out.
     #[error("the matrix minus {shift} times the identity cannot be factorized: {what}")]
     Factorize {
-        /// What was subtracted from the diagonal.
+        /// Multiple of the identity that was subtracted.
         shift: f64,
-        /// What the factorization says.
+        /// Reason of the failure.
         what: String,
     },
-    /// A dense eigenproblem was not solved.
+    /// A dense eigenproblem could not be solved.
     #[error("the eigenvalues of a dense {n} × {n} matrix did not converge")]
     DenseEigen {
-        /// Its number of rows.
+        /// Number of rows.
         n: usize,
     },
     /// The eigenpairs did not converge within the cap.
     #[error(
-        "{found} of {wanted} eigenpairs converged within {solves} solves; ask for fewer or a larger tolerance"
+        "{found} of {wanted} eigenpairs converged within {solves} solves; request fewer or set a larger \
+        tolerance"
     )]
     NotConverged {
-        /// How many converged.
+        /// Number of converged eigenpairs.
         found: usize,
-        /// How many were asked for.
+        /// Number of requested eigenpairs.
         wanted: usize,
-        /// Solves spent.
+        /// Number of solves spent.
         solves: usize,
     },
     /// Conjugate gradients did not converge within the cap.
     #[error(
-        "conjugate gradients are at a relative residual of {residual:e} after {iterations} iterations; allow more or a larger tolerance"
+        "conjugate gradients reached a relative residual of {residual:e} after {iterations} iterations; \
+        allow more iterations or a larger tolerance"
     )]
     CgNotConverged {
         /// Iterations done.

@@ -1,10 +1,10 @@
-//! Tall dense matrices, a column per vector, and their products cut into chunks of rows.
+//! Tall dense matrices, one vector per column, and their products in chunks of rows.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-/// Rows of a chunk. Partial products are added in the order of the chunks.
+/// Rows per chunk. Partial products are summed in the order of the chunks.
 const ROWS_AT_A_TIME: usize = 4096;
 
 /// `columns` of length `n`, column-major.
@@ -92,7 +92,7 @@ pub(crate) fn add_product(n: usize, b: &mut [f64], factor: f64, a: &[f64], c: &[
     });
 }
 
-/// Euclidean norm, the same bits on any number of threads.
+/// Euclidean norm, bit-identical on any number of threads.
 pub(super) fn norm(x: &[f64]) -> f64 {
     x.par_chunks(ROWS_AT_A_TIME)
         .map(|c| c.iter().map(|v| v * v).sum::<f64>())

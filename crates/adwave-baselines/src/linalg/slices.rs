@@ -1,21 +1,21 @@
 //! The smallest eigenpairs of one connected matrix, band by band, each band certified by a count.
 //!
-//! By Sylvester's law the factorization of `A − σI` says how many eigenvalues lie below σ, so that none can be missed
-//! (spectrum slicing; `vallet2008` goes band by band likewise, without the count).
+//! By Sylvester's law the factorization of `A − σI` yields the number of eigenvalues below σ, so that none is missed
+//! (spectrum slicing; `vallet2008` also goes band by band, but without the count).
 
-use super::lanczos::{Wanted, nearest_eigenpairs};
-use super::ldlt::{Ldlt, Pattern};
+use super::lanczos::{EigenRequest, nearest_eigenpairs};
+use super::ldlt::{FactorPattern, Ldlt};
 use super::panel::Panel;
 use super::{EigenParams, LinalgError, SymmetricMatrix};
 use adwave::Progress;
 
-/// A solve with an indefinite factor is good when its relative residual is below this.
+/// Largest relative residual of an accurate solve with an indefinite factor.
 const GOOD_SOLVE: f64 = 1e-7;
-/// Shifts tried for one band.
+/// Cap on the shifts tried for one band.
 const MAX_TRIES: usize = 12;
 
-/// What is known of the spectrum so far: all below `certified` is known.
-pub(super) struct Known {
+/// Part of the spectrum computed so far: all eigenpairs below `certified`.
+pub(super) struct KnownSpectrum {
     pub(super) values: Vec<f64>,
     pub(super) vectors: Panel,
     pub(super) solves: usize,
@@ -23,8 +23,8 @@ pub(super) struct Known {
     pub(super) factorizations: usize,
 }
 
-impl Known {
-    /// Puts further eigenpairs among those known, by rising eigenvalue.
+impl KnownSpectrum {
+    /// Inserts eigenpairs into the known ones, in ascending order of the eigenvalue.
     fn insert(&mut self, values: &[f64], vectors: &Panel) {
         let mut all: Vec<(f64, bool, usize)> =
             self.values.iter().enumerate().map(|(i, &v)| (v, false, i)).collect();
@@ -44,28 +44,34 @@ impl Known {
     }
 }
 
-/// The `k` smallest eigenpairs of a positive semi-definite `matrix`; `null` is a unit null vector where one is known.
+/// Computes the `k` smallest eigenpairs of a positive semi-definite `matrix`; `null` is a unit null vector if one is
+/// known.
 pub(super) fn smallest_connected(
     matrix: &SymmetricMatrix,
     null: Option<&[f64]>,
     k: usize,
     params: &EigenParams,
     progress: Progress<'_>,
-) -> Result<Known, LinalgError> {
+) -> Result<KnownSpectrum, LinalgError> {
     let n = matrix.n();
-    let pattern = Pattern::new(matrix)?;
-    let mut known =
-        Known { values: Vec::new(), vectors: Panel::new(n), solves: 0, restarts: 0, factorizations: 0 };
+    let pattern = FactorPattern::new(matrix)?;
+    let mut known = KnownSpectrum {
+        values: Vec::new(),
+        vectors: Panel::new(n),
+        solves: 0,
+        restarts: 0,
+        factorizations: 0,
+    };
     if let Some(null) = null {
         known.values.push(0.0);
         known.vectors.values.extend_from_slice(null);
     }
     let mean_diagonal = matrix.diagonal().iter().sum::<f64>() / n as f64;
-    // Far below the first eigenvalue of anything that is two-dimensional, far above rounding.
+    // Far below the first eigenvalue of a two-dimensional shape, far above rounding.
     let bottom = -0.1 * mean_diagonal / n as f64;
     let max_solves = params.max_solves_per_pair.saturating_mul(k).saturating_add(1000);
     let max_slices = 8 + 8 * k / params.band.max(1);
-    let mut density = 0.0; // eigenvalues per unit of λ, of the newest band
+    let mut density = 0.0; // eigenvalues per unit of λ in the newest band
     for slice in 0..max_slices {
         let certifying = known.values.len() >= k;
         let (factor, missing) = if slice == 0 {
@@ -75,7 +81,7 @@ pub(super) fn smallest_connected(
             if negative > 0 {
                 return Err(LinalgError::Factorize {
                     shift: bottom,
-                    what: format!("it has {negative} negative eigenvalues where none are expected"),
+                    what: format!("the matrix has {negative} negative eigenvalues, expected none"),
                 });
             }
             (factor, 0)
@@ -91,7 +97,7 @@ pub(super) fn smallest_connected(
         }
         let top = known.values.last().copied().unwrap_or(0.0);
         let still = k.saturating_sub(known.values.len() + missing);
-        let wanted = Wanted {
+        let wanted = EigenRequest {
             below: missing,
             above: if certifying {
                 0
@@ -118,7 +124,7 @@ pub(super) fn smallest_connected(
     Err(LinalgError::NotConverged { found: known.values.len(), wanted: k, solves: known.solves })
 }
 
-/// A shift above the `k`-th eigenvalue, in the widest gap that is known there.
+/// Shift above the `k`-th eigenvalue, in the widest known gap.
 fn gap_above(values: &[f64], k: usize) -> f64 {
     let last = values[values.len() - 1];
     let widest = (k..values.len())
@@ -129,19 +135,19 @@ fn gap_above(values: &[f64], k: usize) -> f64 {
     }
 }
 
-/// A shift that has about half a band between itself and what is known.
-fn next_shift(known: &Known, k: usize, density: f64, params: &EigenParams) -> f64 {
+/// Shift that leaves about half a band of eigenvalues between itself and the known ones.
+fn next_shift(known: &KnownSpectrum, k: usize, density: f64, params: &EigenParams) -> f64 {
     let top = known.values.last().copied().unwrap_or(0.0);
     let half = 0.5 * (k - known.values.len()).min(params.band) as f64;
     if density > 0.0 { top + (half + 1.0) / density } else { 2.0 * top.max(f64::MIN_POSITIVE) }
 }
 
-/// Factorizes at about `target` and says how many eigenvalues below it are not known. Moves the shift where it hits an
-/// eigenvalue, and lowers it where the band below would be too large.
+/// Factorizes at about `target` and returns the number of unknown eigenvalues below it. Moves the shift if it hits an
+/// eigenvalue, and lowers it if the band below would be too large.
 fn factor_at(
     matrix: &SymmetricMatrix,
-    pattern: &Pattern,
-    known: &mut Known,
+    pattern: &FactorPattern,
+    known: &mut KnownSpectrum,
     target: f64,
     params: &EigenParams,
 ) -> Result<(Ldlt, usize), LinalgError> {
@@ -172,14 +178,14 @@ fn factor_at(
     }
     Err(last_error.unwrap_or(LinalgError::Factorize {
         shift,
-        what: format!("no shift near it gave a stable factor in {MAX_TRIES} tries"),
+        what: format!("no nearby shift gave a stable factor in {MAX_TRIES} tries"),
     }))
 }
 
-/// Whether a solve with an indefinite factor, which has no pivoting, is accurate.
+/// True if a solve with an indefinite factor, which has no pivoting, is accurate.
 fn solves_well(matrix: &SymmetricMatrix, factor: &Ldlt) -> bool {
     let n = matrix.n();
-    // Any vector with a part in all directions will do.
+    // Any vector with a component in every direction is suitable.
     let b: Vec<f64> = (0..n).map(|i| 1.0 + ((i as f64) * 0.754_877_666).fract()).collect();
     let mut x = b.clone();
     factor.solve_columns(&mut x);

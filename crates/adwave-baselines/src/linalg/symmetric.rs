@@ -4,18 +4,19 @@ use super::LinalgError;
 use adwave::rows::CompressedRows;
 use rayon::prelude::*;
 
-/// Rows that a thread takes at a time.
+/// Rows per task of a thread.
 const ROWS_AT_A_TIME: usize = 2048;
 
-/// A symmetric matrix with both halves stored, each row by rising column, the diagonal always present.
+/// Symmetric matrix with both halves stored, the columns of each row in ascending order, and the diagonal always
+/// present.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymmetricMatrix {
     rows: CompressedRows<f64>,
 }
 
 impl SymmetricMatrix {
-    /// The matrix of `n` rows with `Σ value` at `(row, column)` and `(column, row)`: each entry off the diagonal is given
-    /// once, in either half; entries given several times are summed. O(entries · log).
+    /// Builds the matrix of `n` rows with `Σ value` at `(row, column)` and `(column, row)`: each entry off the
+    /// diagonal is given once, in either half; repeated entries are summed. O(entries · log).
     ///
     /// # Errors
     /// [`LinalgError::OutOfRange`], [`LinalgError::NotFinite`].
@@ -42,7 +43,7 @@ impl SymmetricMatrix {
             }
         }
         all.extend((0..n as u32).map(|x| (x, x, 0.0)));
-        // Stable, so that both halves sum in the same order and stay equal to the last bit.
+        // The sort is stable, so that both halves sum in the same order and are bit-identical.
         all.par_sort_by_key(|e| (e.0, e.1));
         let Ok(rows) = CompressedRows::from_sorted(n, all) else {
             unreachable!("the entries have been checked and sorted")
@@ -60,12 +61,12 @@ impl SymmetricMatrix {
         self.rows.nnz()
     }
 
-    /// Row `x`: columns by rising index, and values.
+    /// Columns in ascending order, and values, of row `x`.
     pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
         self.rows.row(x)
     }
 
-    /// The entry at (`x`, `y`), 0 where none is stored.
+    /// The entry at (`x`, `y`), 0 if none is stored.
     pub fn get(&self, x: usize, y: usize) -> f64 {
         self.rows.get(x, y)
     }
@@ -129,13 +130,13 @@ impl SymmetricMatrix {
     /// # Panics
     /// Unless there is one factor a row.
     #[must_use]
-    pub fn scaled(&self, scale: &[f64]) -> Self {
-        assert_eq!(scale.len(), self.n(), "one factor a row");
+    pub fn scale_symmetrically(&self, scale: &[f64]) -> Self {
+        assert_eq!(scale.len(), self.n(), "scale has one factor per row");
         let mut scaled = self.clone();
         let values = scaled.rows.values_mut();
         for x in 0..self.n() {
             for k in self.rows.pattern().range(x) {
-                // Grouped so that both halves round alike.
+                // Grouped so that both halves round equally.
                 values[k] *= scale[x] * scale[self.rows.columns()[k] as usize];
             }
         }
@@ -147,8 +148,8 @@ impl SymmetricMatrix {
     /// # Panics
     /// Unless there is one value a row.
     #[must_use]
-    pub fn plus_diagonal(&self, diagonal: &[f64]) -> Self {
-        assert_eq!(diagonal.len(), self.n(), "one value a row");
+    pub fn add_diagonal(&self, diagonal: &[f64]) -> Self {
+        assert_eq!(diagonal.len(), self.n(), "diagonal has one value per row");
         let mut sum = self.clone();
         for (x, &d) in diagonal.iter().enumerate() {
             let start = self.rows.offsets()[x];
@@ -158,7 +159,7 @@ impl SymmetricMatrix {
         sum
     }
 
-    /// The component that each row belongs to by its nonzero entries, numbered from 0, and how many there are.
+    /// Index of the connected component of each row, by its nonzero entries, and the number of components.
     pub fn components(&self) -> (Vec<u32>, usize) {
         let mut label = vec![u32::MAX; self.n()];
         let (mut stack, mut count) = (Vec::new(), 0);
@@ -182,8 +183,8 @@ impl SymmetricMatrix {
         (label, count as usize)
     }
 
-    /// The rows and columns `kept` (rising) as a matrix of their own. O(entries).
-    pub(crate) fn restricted(&self, kept: &[u32]) -> Self {
+    /// Submatrix of the rows and columns `kept` (ascending). O(entries).
+    pub(crate) fn submatrix(&self, kept: &[u32]) -> Self {
         let mut place = vec![u32::MAX; self.n()];
         for (new, &old) in kept.iter().enumerate() {
             place[old as usize] = new as u32;
@@ -196,7 +197,7 @@ impl SymmetricMatrix {
                 .map(move |(column, &value)| (new, column, value))
         });
         let Ok(rows) = CompressedRows::from_sorted(kept.len(), entries) else {
-            unreachable!("rows and columns rise as they did")
+            unreachable!("rows and columns stay in ascending order")
         };
         Self { rows }
     }

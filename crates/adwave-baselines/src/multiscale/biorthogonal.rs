@@ -1,17 +1,19 @@
 //! Biorthogonal diffusion wavelets.
 //!
-//! Source: `maggioni2005`. The scaling functions of the next level are those of this one after `2^j` more steps,
-//! as many as pivoted QR finds independent; they are not made orthogonal, so they stay as local as powers of T. The
-//! dual basis comes by inversion (eq. 12) (eq. 13) (eq. 14):
+//! Source: `maggioni2005`. The scaling functions of the next level are those of this level after `2^j` more steps, as
+//! many as pivoted QR finds independent. They are not orthogonalized, so they stay as local as powers of T. The dual
+//! basis follows by inversion (eq. 12) (eq. 13) (eq. 14):
 //!
 //! ```text
 //! φ_{j+1,k} = T^(2^j) φ_{j,s(k)} / norm,   Φ_{j+1} = Q R,   Φ̃_{j+1} = Q R^(−T),   Φ̃ᵀΦ = I,   f = Σ ⟨f, φ̃⟩ φ + wavelets
 //! ```
-//! Q is kept beside Φ: with coordinates in Φ itself the condition, up to 1/ε on each level, would multiply from level to
-//! level; so it enters once. The wavelets are an orthonormal basis of what is orthogonal to `V_{j+1}` in `V_j`.
+//! Q is kept beside Φ. With coordinates in Φ itself, the condition numbers of the levels, up to 1/ε each, would
+//! multiply; with Q only one of them enters. The wavelets are an orthonormal basis of the orthogonal complement of
+//! `V_{j+1}` in `V_j`.
 //!
-//! Where they win: local scaling functions in falling number. Where they do not: the duals are neither local nor well
-//! conditioned, wavelets have no zero mean, and the cost is that of diffusion wavelets and an inversion.
+//! Strength: local scaling functions whose number decreases from level to level. Weaknesses: the duals are neither
+//! local nor well conditioned, the wavelets do not have zero mean, and the cost is that of diffusion wavelets plus an
+//! inversion.
 
 use super::dense::{Dense, dual, rank_revealing};
 use super::orthogonal::split;
@@ -28,18 +30,19 @@ pub struct BiorthogonalDiffusionWavelets {
 
 #[derive(Clone, Debug)]
 struct Level {
-    /// An orthonormal basis of the space in that of the space before.
+    /// Orthonormal basis of the level's space, in that of the previous level.
     q: Dense,
-    /// Wavelets in the orthonormal basis of the space before.
+    /// Wavelets in the orthonormal basis of the previous level.
     w: Dense,
-    /// Scaling functions in the orthonormal basis of the space: R.
+    /// Scaling functions in the orthonormal basis of the level: R.
     r: Dense,
-    /// Their duals in the same basis: R^(−T).
+    /// Duals of the scaling functions in the same basis: R^(−T).
     dual: Dense,
 }
 
 impl BiorthogonalDiffusionWavelets {
-    /// The wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each next one.
+    /// Builds the wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each
+    /// further one.
     ///
     /// # Errors
     /// [`MultiscaleError`].
@@ -59,9 +62,9 @@ impl BiorthogonalDiffusionWavelets {
             }
             diffused.normalize_columns();
             let parts = rank_revealing(&diffused, params.precision)?;
-            let tq = t.times(&parts.q);
-            t = tq.transposed_times(&tq);
-            diffused = t.times(&parts.r);
+            let tq = t.multiply(&parts.q);
+            t = tq.transpose_multiply(&tq);
+            diffused = t.multiply(&parts.r);
             // ΦᵀΦ̃ = I by inversion (eq. 14): Φ = Q R gives Φ̃ = Q R^(−T), of which this is R^(−T)
             let dual = dual(&Dense::identity(parts.r.rows), &parts.r);
             levels.push(Level { q: parts.q, w: parts.complement, r: parts.r, dual });
@@ -97,7 +100,7 @@ impl BiorthogonalDiffusionWavelets {
         Ok(Coefficients { scaling, wavelets })
     }
 
-    /// The signal of these coefficients, `f = Σ ⟨f, φ̃⟩ φ + wavelets` on all levels (eq. 13).
+    /// Reconstructs the signal from its coefficients, `f = Σ ⟨f, φ̃⟩ φ + wavelets` on all levels (eq. 13).
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -121,15 +124,15 @@ impl BiorthogonalDiffusionWavelets {
     /// The scaling functions of a level (from 1), of unit length in the symmetric form.
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If there is no such level.
     pub fn scaling_functions(&self, level: usize) -> Vec<Vec<f64>> {
-        split(&self.ambient(level).times(&self.levels[level - 1].r))
+        split(&self.ambient(level).multiply(&self.levels[level - 1].r))
     }
 
     /// The functions dual to the scaling functions of a level (from 1).
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If there is no such level.
     pub fn dual_functions(&self, level: usize) -> Vec<Vec<f64>> {
         split(&self.duals(level))
     }
@@ -137,25 +140,25 @@ impl BiorthogonalDiffusionWavelets {
     /// The wavelets of a level (from 1).
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If there is no such level.
     pub fn wavelets(&self, level: usize) -> Vec<Vec<f64>> {
-        split(&self.ambient(level - 1).times(&self.levels[level - 1].w))
+        split(&self.ambient(level - 1).multiply(&self.levels[level - 1].w))
     }
 
-    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1): by how much `⟨φ̃_i, φ_k⟩ = δ_ik` (eq. 12) is missed.
+    /// Largest `|⟨φ̃_i, φ_k⟩ − δ_ik|` on a level (from 1): the error of `⟨φ̃_i, φ_k⟩ = δ_ik` (eq. 12).
     pub fn biorthogonality_defect(&self, level: usize) -> f64 {
-        self.duals(level).defect(&self.ambient(level).times(&self.levels[level - 1].r))
+        self.duals(level).defect(&self.ambient(level).multiply(&self.levels[level - 1].r))
     }
 
     fn duals(&self, level: usize) -> Dense {
-        self.ambient(level).times(&self.levels[level - 1].dual)
+        self.ambient(level).multiply(&self.levels[level - 1].dual)
     }
 
     /// The orthonormal basis of a level's space.
     fn ambient(&self, level: usize) -> Dense {
         let mut basis = Dense::identity(self.root.len());
         for (k, level) in self.levels[..level].iter().enumerate() {
-            basis = if k == 0 { level.q.clone() } else { basis.times(&level.q) };
+            basis = if k == 0 { level.q.clone() } else { basis.multiply(&level.q) };
         }
         basis
     }

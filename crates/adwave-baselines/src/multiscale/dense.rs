@@ -20,16 +20,16 @@ impl Dense {
     pub(super) fn identity(n: usize) -> Self {
         let mut one = Self::zeros(n, n);
         for i in 0..n {
-            *one.at_mut(i, i) = 1.0;
+            *one.get_mut(i, i) = 1.0;
         }
         one
     }
 
-    pub(super) fn at(&self, i: usize, j: usize) -> f64 {
+    pub(super) fn get(&self, i: usize, j: usize) -> f64 {
         self.values[j * self.rows + i]
     }
 
-    pub(super) fn at_mut(&mut self, i: usize, j: usize) -> &mut f64 {
+    pub(super) fn get_mut(&mut self, i: usize, j: usize) -> &mut f64 {
         &mut self.values[j * self.rows + i]
     }
 
@@ -38,14 +38,14 @@ impl Dense {
     }
 
     /// `self · other`.
-    pub(super) fn times(&self, other: &Self) -> Self {
+    pub(super) fn multiply(&self, other: &Self) -> Self {
         let mut product = Self::zeros(self.rows, other.columns);
         add_product(self.rows, &mut product.values, 1.0, &self.values, &other.values);
         product
     }
 
     /// `selfᵀ · other`.
-    pub(super) fn transposed_times(&self, other: &Self) -> Self {
+    pub(super) fn transpose_multiply(&self, other: &Self) -> Self {
         Self {
             rows: self.columns,
             columns: other.columns,
@@ -79,8 +79,8 @@ impl Dense {
 
     /// Largest entry of `|selfᵀ·other − I|`.
     pub(super) fn defect(&self, other: &Self) -> f64 {
-        let product = self.transposed_times(other);
-        let entry = |i: usize, j: usize| (product.at(i, j) - f64::from(u8::from(i == j))).abs();
+        let product = self.transpose_multiply(other);
+        let entry = |i: usize, j: usize| (product.get(i, j) - f64::from(u8::from(i == j))).abs();
         (0..product.columns)
             .flat_map(|j| (0..product.rows).map(move |i| (i, j)))
             .map(|(i, j)| entry(i, j))
@@ -92,15 +92,15 @@ impl Dense {
 pub(super) struct RankRevealing {
     /// An orthonormal basis of the chosen columns.
     pub(super) q: Dense,
-    /// An orthonormal basis of what is orthogonal to them.
+    /// Orthonormal basis of their orthogonal complement.
     pub(super) complement: Dense,
-    /// Upper triangular; the chosen columns of A are `q r`.
+    /// Upper triangular factor; the chosen columns of A are `q r`.
     pub(super) r: Dense,
-    /// The chosen columns of A, in the order of those of R.
+    /// Chosen columns of A, in the order of the columns of R.
     pub(super) chosen: Vec<usize>,
 }
 
-/// QR with column pivoting, stopped where no column has more than `precision` left. O(n³).
+/// QR with column pivoting, stopped when the remainder of every column is below `precision`. O(n³).
 pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing, MultiscaleError> {
     let n = a.rows;
     if a.values.iter().any(|v| !v.is_finite()) {
@@ -118,7 +118,7 @@ pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing,
     let mut r = Dense::zeros(rank, rank);
     for j in 0..rank {
         for i in 0..=j {
-            *r.at_mut(i, j) = full_r[(i, j)];
+            *r.get_mut(i, j) = full_r[(i, j)];
         }
     }
     let chosen = qr.P().arrays().0[..rank].to_vec();
@@ -127,11 +127,11 @@ pub(super) fn rank_revealing(a: &Dense, precision: f64) -> Result<RankRevealing,
 
 /// `Q R^(−T)`: the columns dual to those of `Q R`.
 pub(super) fn dual(q: &Dense, r: &Dense) -> Dense {
-    // R⁻¹ Qᵀ, then transposed.
+    // R⁻¹ Qᵀ, transposed afterwards.
     let mut x = Dense::zeros(q.columns, q.rows);
     for j in 0..q.rows {
         for i in 0..q.columns {
-            *x.at_mut(i, j) = q.at(j, i);
+            *x.get_mut(i, j) = q.get(j, i);
         }
     }
     solve_upper_triangular_in_place(
@@ -142,7 +142,7 @@ pub(super) fn dual(q: &Dense, r: &Dense) -> Dense {
     let mut dual = Dense::zeros(q.rows, q.columns);
     for j in 0..q.rows {
         for i in 0..q.columns {
-            *dual.at_mut(j, i) = x.at(i, j);
+            *dual.get_mut(j, i) = x.get(i, j);
         }
     }
     dual

@@ -1,35 +1,35 @@
-//! As many of given functions as their rank, and their duals.
+//! Selection of as many functions as their rank, and their duals.
 
 use super::dense::{Dense, dual, rank_revealing};
 use super::{MAX_VERTICES, MultiscaleError, check_length};
 
-/// What is left of functions when as many are kept as their rank.
+/// Selection of as many functions as their rank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Downsampled {
-    /// Which are kept.
+    /// Indices of the selected functions.
     pub kept: Vec<usize>,
-    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|` of those, at unit length, and their duals.
+    /// Largest `|⟨φ_i, φ̃_k⟩ − δ_ik|` of the selected functions, scaled to unit length, and their duals.
     pub defect: f64,
-    /// The largest length of a dual: by how much an error of a coefficient can grow.
+    /// Largest length of a dual: the factor by which an error of a coefficient can grow.
     pub longest_dual: f64,
 }
 
-/// Keeps as many of `functions` as their rank and makes the duals of these. What has a length below `precision` of the longest
-/// counts as nothing, and so does what is left below `precision` of a function of unit length by those kept before it.
-/// O(n³). Source: the footnote to Table 1 of `houqin2013`.
+/// Selects as many of `functions` as their rank and computes their duals. A function is dropped if it is shorter than
+/// `precision` times the longest, or if, scaled to unit length, less than `precision` of it is independent of those
+/// selected before. O(n³). Source: the footnote to Table 1 of `houqin2013`.
 ///
 /// # Errors
-/// [`MultiscaleError`] for functions of different lengths, too many of them, or such that are not finite.
+/// [`MultiscaleError`] if functions differ in length, are too many, or are not finite.
 ///
 /// ```
-/// use adwave_baselines::multiscale::downsampled;
+/// use adwave_baselines::multiscale::downsample;
 /// let functions = [vec![1.0, 0.0], vec![1.0, 1.0], vec![2.0, 2.0]];
-/// let found = downsampled(&functions, 1e-6)?;
+/// let found = downsample(&functions, 1e-6)?;
 /// assert_eq!(found.kept.len(), 2);
 /// assert!(found.defect < 1e-12);
 /// # Ok::<(), adwave_baselines::multiscale::MultiscaleError>(())
 /// ```
-pub fn downsampled(functions: &[Vec<f64>], precision: f64) -> Result<Downsampled, MultiscaleError> {
+pub fn downsample(functions: &[Vec<f64>], precision: f64) -> Result<Downsampled, MultiscaleError> {
     let n = functions.first().map_or(0, Vec::len);
     if n.max(functions.len()) > MAX_VERTICES {
         return Err(MultiscaleError::TooLarge { n: n.max(functions.len()) });

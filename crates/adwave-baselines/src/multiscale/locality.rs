@@ -1,17 +1,17 @@
-//! How local a function is, and whether it has a mean.
+//! Locality and mean of a function on vertices.
 
 /// Measures of a function on vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Locality {
-    /// Vertices where |f| is above 1e-6 of its largest value.
+    /// Number of vertices with |f| above 1e-6 of its largest value.
     pub support: usize,
-    /// The fewest vertices that hold 99 % of `Σ|f|`.
+    /// Smallest number of vertices that hold 99 % of `Σ|f|`.
     pub core: usize,
     /// `|Σ f| / Σ |f|`: 0 for an admissible wavelet, 1 for a function of one sign.
     pub mean: f64,
 }
 
-/// How local `f` is.
+/// Measures the locality and the mean of `f`.
 ///
 /// ```
 /// let spike = adwave_baselines::multiscale::locality(&[0.0, 2.0, -1.0, 1e-3]);

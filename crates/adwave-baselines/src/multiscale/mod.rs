@@ -1,7 +1,7 @@
-//! Diffusion wavelets and biorthogonal diffusion wavelets: bases of the ever smaller spaces that powers of a walk map into.
+//! Diffusion wavelets and biorthogonal diffusion wavelets: bases of the nested ranges of powers of a walk.
 //!
-//! Both walk `V_0 ⊇ V_1 ⊇ …` with `V_j` the range of `T^(2^j − 1)` up to a precision, T the symmetric form of the walk,
-//! `T = Π^½ Φ₁ Π^(−½)`. They differ in the basis of `V_j`.
+//! Both use the spaces `V_0 ⊇ V_1 ⊇ …`, with `V_j` the range of `T^(2^j − 1)` up to a precision, where T is the
+//! symmetric form of the walk, `T = Π^½ Φ₁ Π^(−½)`. They differ in the basis of `V_j`.
 
 mod biorthogonal;
 mod dense;
@@ -10,7 +10,7 @@ mod locality;
 mod orthogonal;
 
 pub use biorthogonal::BiorthogonalDiffusionWavelets;
-pub use downsampled::{Downsampled, downsampled};
+pub use downsampled::{Downsampled, downsample};
 pub use locality::{Locality, locality};
 pub use orthogonal::DiffusionWavelets;
 
@@ -20,40 +20,41 @@ use adwave::operator::Diffusion;
 use dense::Dense;
 use thiserror::Error;
 
-/// Most vertices: the bases of the first levels are dense, eight bytes an entry.
+/// Largest number of vertices: the bases of the first levels are dense, with eight bytes per entry.
 pub const MAX_VERTICES: usize = 6000;
-/// Most levels: the steps of diffusion fit into 64 bits.
+/// Largest number of levels: the diffusion steps fit into 64 bits.
 pub const MAX_LEVELS: usize = 62;
 
-/// Why there are no diffusion wavelets.
+/// Reasons for which diffusion wavelets cannot be built.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum MultiscaleError {
     /// Too many vertices for dense bases.
-    #[error("{n} vertices are more than the {most} for which the bases, which are dense, are built", most = MAX_VERTICES)]
+    #[error("dense bases are limited to {most} vertices, got {n}", most = MAX_VERTICES)]
     TooLarge {
         /// Number of vertices.
         n: usize,
     },
-    /// The operator is not reversible, or never stays at all.
+    /// The operator is not reversible, or its walk never stays at a vertex.
     #[error("the diffusion operator is not reversible, so it has no symmetric form")]
     NotReversible,
-    /// A precision or a number of levels out of range.
-    #[error("precision {precision} and {levels} levels; it takes 1e-14 to 0.1, and 1 to {most} levels", most = MAX_LEVELS)]
+    /// The precision or the number of levels is out of range.
+    #[error("precision must be in 1e-14..=0.1 and levels in 1..={most}, got precision {precision} and \
+            {levels} levels", most = MAX_LEVELS)]
     Params {
-        /// The precision.
+        /// Precision.
         precision: f64,
-        /// The levels.
+        /// Number of levels.
         levels: usize,
     },
     /// A signal or a list of coefficients has the wrong length.
-    #[error("{got} values were given where {expected} are needed")]
+    #[error("expected {expected} values, got {got}")]
     Length {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
     },
-    /// The linear algebra failed.
+    /// A linear algebra step failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
     /// Stopped on request.
@@ -64,18 +65,18 @@ pub enum MultiscaleError {
 /// Coefficients of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
-    /// In the scaling functions of the last level.
+    /// Coefficients of the scaling functions of the last level.
     pub scaling: Vec<f64>,
-    /// In the wavelets of each level, fine to coarse.
+    /// Coefficients of the wavelets of each level, from fine to coarse.
     pub wavelets: Vec<Vec<f64>>,
 }
 
-/// How the spaces are built.
+/// Parameters of the construction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultiscaleParams {
-    /// ε: what is left of a column by the rank-revealing QR and counted as nothing; T has norm 1.
+    /// ε: remainder of a column in the rank-revealing QR that counts as zero; T has norm 1.
     pub precision: f64,
-    /// Levels at most; fewer where the rank falls to 1.
+    /// Largest number of levels; there are fewer if the rank falls to 1.
     pub levels: usize,
 }
 
@@ -92,7 +93,7 @@ impl MultiscaleParams {
         Self { precision, ..self }
     }
 
-    /// Sets how many levels at most.
+    /// Sets the largest number of levels.
     #[must_use]
     pub fn with_levels(self, levels: usize) -> Self {
         Self { levels, ..self }
@@ -110,28 +111,28 @@ impl MultiscaleParams {
     }
 }
 
-/// T, and √(nπ), between which and the walk it translates.
+/// T, and the factors √(nπ) that convert between T and the walk.
 fn symmetric_walk(walk: &Diffusion) -> Result<(Dense, Vec<f64>), MultiscaleError> {
     let n = walk.n_vertices();
     if !walk.is_reversible() {
         return Err(MultiscaleError::NotReversible);
     }
-    // A law that vanishes somewhere in the working precision would make the translation infinite.
+    // A stationary distribution that vanishes somewhere in the working precision would make the factors infinite.
     let root: Vec<f64> = walk.stationary().iter().map(|p| (p.max(1e-30) * n as f64).sqrt()).collect();
     let mut t = Dense::zeros(n, n);
     for x in 0..n {
         let (columns, weights) = walk.row(x);
-        *t.at_mut(x, x) = walk.diagonal(x);
+        *t.get_mut(x, x) = walk.diagonal(x);
         for (&y, &w) in columns.iter().zip(weights) {
-            *t.at_mut(x, y as usize) = root[x] * w / root[y as usize];
+            *t.get_mut(x, y as usize) = root[x] * w / root[y as usize];
         }
     }
-    // Both halves are equal but for rounding (and where the law was cut off).
+    // Both halves are equal up to rounding (and to the cutoff of the stationary distribution).
     for x in 0..n {
         for y in 0..x {
-            let mean = 0.5 * (t.at(x, y) + t.at(y, x));
-            *t.at_mut(x, y) = mean;
-            *t.at_mut(y, x) = mean;
+            let mean = 0.5 * (t.get(x, y) + t.get(y, x));
+            *t.get_mut(x, y) = mean;
+            *t.get_mut(y, x) = mean;
         }
     }
     Ok((t, root))

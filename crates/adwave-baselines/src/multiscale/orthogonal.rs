@@ -1,13 +1,12 @@
 //! Diffusion wavelets.
 //!
-//! Source: `coifman2006`. In the basis of `V_j` the
-//! operator `T^(2^j)` is a matrix T_j. Its rank-revealing QR gives `V_{j+1}`, the complement is spanned by the wavelets, and
-//! `T_{j+1} = (T_j Q)ᵀ(T_j Q)`.
+//! Source: `coifman2006`. In the basis of `V_j` the operator `T^(2^j)` is a matrix T_j. Its rank-revealing QR gives
+//! `V_{j+1}`, the wavelets span the complement, and `T_{j+1} = (T_j Q)ᵀ(T_j Q)`.
 //!
-//! Where they win: an orthonormal basis, as many coefficients as vertices, ever fewer scaling coefficients. Where they do
-//! not: the functions are not local, the construction is dense and cubic (the literature's sparse Gram-Schmidt fills in
-//! as soon as most columns are taken, which they are at the first levels), and no function has a zero mean by
-//! construction.
+//! Strengths: an orthonormal basis, as many coefficients as vertices, and fewer scaling coefficients on each level.
+//! Weaknesses: the functions are not local, the construction is dense and cubic (the sparse Gram-Schmidt of the
+//! literature fills in if most columns are chosen, as they are on the first levels), and the wavelets do not have
+//! zero mean by construction.
 
 use super::dense::{Dense, rank_revealing};
 use super::{Coefficients, MultiscaleError, MultiscaleParams, check_length, symmetric_walk};
@@ -23,20 +22,22 @@ pub struct DiffusionWavelets {
     levels: Vec<Level>,
 }
 
-/// None where the space is that of the level before: its scaling functions stay, and there are no wavelets.
+/// One level; `None` if its space equals that of the previous level, so that the scaling functions stay and there are
+/// no wavelets.
 #[derive(Clone, Debug)]
-struct Level(Option<Parts>);
+struct Level(Option<LevelBases>);
 
 #[derive(Clone, Debug)]
-struct Parts {
-    /// Scaling functions in those of the level before.
+struct LevelBases {
+    /// Scaling functions in those of the previous level.
     q: Dense,
-    /// Wavelets in the scaling functions of the level before.
+    /// Wavelets in the scaling functions of the previous level.
     w: Dense,
 }
 
 impl DiffusionWavelets {
-    /// The wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each next one.
+    /// Builds the wavelets of a reversible `walk`, in the order of its rows. O(n³) for the first level, less for each
+    /// further one.
     ///
     /// # Errors
     /// [`MultiscaleError`].
@@ -67,17 +68,17 @@ impl DiffusionWavelets {
             if t.rows <= 1 {
                 break;
             }
-            // No column can have less left than the smallest singular value, so nothing would be dropped.
+            // The remainder of a column is at least the smallest singular value, so no column would be dropped.
             if t.rows == n && least > FULL_RANK * params.precision {
                 levels.push(Level(None));
-                t = t.times(&t);
+                t = t.multiply(&t);
                 least *= least;
                 continue;
             }
             let parts = rank_revealing(&t, params.precision)?;
-            let tq = t.times(&parts.q);
-            t = tq.transposed_times(&tq);
-            levels.push(Level(Some(Parts { q: parts.q, w: parts.complement })));
+            let tq = t.multiply(&parts.q);
+            t = tq.transpose_multiply(&tq);
+            levels.push(Level(Some(LevelBases { q: parts.q, w: parts.complement })));
             least = 0.0;
         }
         Ok(Self { root, levels })
@@ -97,7 +98,8 @@ impl DiffusionWavelets {
         ranks
     }
 
-    /// `f ↦ (⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)`. Orthogonal: the coefficients' squares sum to n times the π-weighted mean square of f.
+    /// `f ↦ (⟨√π f, φ_J⟩, ⟨√π f, ψ_j⟩)`. The map is orthogonal: the squared coefficients sum to n times the
+    /// π-weighted mean square of f.
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -116,7 +118,7 @@ impl DiffusionWavelets {
         Ok(Coefficients { scaling, wavelets })
     }
 
-    /// The signal of these coefficients.
+    /// Reconstructs the signal from its coefficients.
     ///
     /// # Errors
     /// [`MultiscaleError::Length`].
@@ -140,18 +142,18 @@ impl DiffusionWavelets {
     /// The scaling functions of a level (from 0), one after the other, each of unit length in the symmetric form.
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If there is no such level.
     pub fn scaling_functions(&self, level: usize) -> Vec<Vec<f64>> {
         split(&self.ambient(level))
     }
 
-    /// The wavelets of a level (from 1), what level − 1 has more than level.
+    /// The wavelets of a level (from 1): a basis of the complement of its space in that of level − 1.
     ///
     /// # Panics
-    /// Where there is no such level.
+    /// If there is no such level.
     pub fn wavelets(&self, level: usize) -> Vec<Vec<f64>> {
         match &self.levels[level - 1].0 {
-            Some(parts) => split(&self.ambient(level - 1).times(&parts.w)),
+            Some(parts) => split(&self.ambient(level - 1).multiply(&parts.w)),
             None => Vec::new(),
         }
     }
@@ -165,7 +167,7 @@ impl DiffusionWavelets {
     fn ambient(&self, level: usize) -> Dense {
         let mut functions: Option<Dense> = None;
         for parts in self.levels[..level].iter().filter_map(|level| level.0.as_ref()) {
-            functions = Some(functions.map_or_else(|| parts.q.clone(), |f| f.times(&parts.q)));
+            functions = Some(functions.map_or_else(|| parts.q.clone(), |f| f.multiply(&parts.q)));
         }
         functions.unwrap_or_else(|| Dense::identity(self.root.len()))
     }
@@ -178,14 +180,14 @@ impl DiffusionWavelets {
     }
 }
 
-/// How much of the precision the smallest eigenvalue must keep away from, as its bound is an estimate.
+/// Safety factor between the precision and the smallest eigenvalue, whose bound is an estimate.
 const FULL_RANK: f64 = 10.0;
 
-/// A lower bound of the smallest eigenvalue of T, whose largest is 1; 0 where it is not above 0.
+/// Lower bound of the smallest eigenvalue of T, whose largest is 1; 0 if the bound is not positive.
 fn smallest_eigenvalue(t: &Dense) -> Result<f64, MultiscaleError> {
     let entries = (0..t.columns).flat_map(|j| (0..=j).map(move |i| (i, j)));
     let entries: Vec<_> = entries
-        .map(|(i, j)| (i as u32, j as u32, f64::from(u8::from(i == j)) - t.at(i, j)))
+        .map(|(i, j)| (i as u32, j as u32, f64::from(u8::from(i == j)) - t.get(i, j)))
         .filter(|e| e.2 != 0.0)
         .collect();
     let complement = SymmetricMatrix::from_halves(t.columns, &entries)?;

@@ -9,7 +9,7 @@ fn line(n: u32) -> Shape {
 }
 
 fn sphere() -> Shape {
-    let sample = Sample::by_name("sphere", Some(400)).unwrap();
+    let sample = Sample::from_name("sphere", Some(400)).unwrap();
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
@@ -25,9 +25,9 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Products of orthogonal matrices.
+/// Rounding error of products of orthogonal matrices.
 const ORTHOGONAL: f64 = 1e-10;
-/// Rounding times the condition 1/ε of a level.
+/// Rounding error times the condition number 1/ε of a level.
 const BIORTHOGONAL: f64 = 1e-8;
 
 #[test]

@@ -1,9 +1,11 @@
 //! Bilateral normal filtering (`zheng2011`).
 
-use super::faces::{Faces, Lists, Measures, Widths, filtered, gaussian, mean_distance};
-use super::vertex_update::{Border, staying, updated};
+use super::faces::{
+    BilateralWidths, FaceGeometry, FaceLists, Faces, filter_normals, gaussian, mean_distance,
+};
+use super::vertex_update::{Border, fixed_vertices, move_vertices};
 use super::{
-    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, to_shape_order, unit_points,
 };
 use crate::linalg::conjugate_gradients;
 use adwave::Progress;
@@ -11,36 +13,36 @@ use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, unit};
 use rayon::prelude::*;
 
-/// How the normals are found.
+/// Scheme that filters the normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalScheme {
-    /// The filter, again and again, weights from the normals of the round before.
+    /// Repeated filter; each round takes its weights from the normals of the previous round.
     Local {
-        /// How often.
+        /// Number of rounds.
         iterations: usize,
     },
-    /// `argmin (1 − s)·‖n − P n‖² + s·‖n − n⁰‖²`, P the filter with the weights of the noisy normals n⁰.
+    /// `argmin (1 − s)·‖n − P n‖² + s·‖n − n⁰‖²`, where P is the filter with the weights of the noisy normals n⁰.
     Global {
-        /// s, above 0, at most 1: the smaller, the smoother.
+        /// s in (0, 1]: the smaller, the smoother.
         smoothness: f64,
     },
 }
 
-/// Parameters of [`bilateral_normals`]; the defaults are those of the program of `zhang2015`, which has this method too. The
-/// method's own authors choose the range weight for each mesh, .2 to .6.
+/// Parameters of [`bilateral_normals`]; the defaults are those in the program of `zhang2015`, which contains this
+/// method too. The authors of the method choose the range weight for each mesh, from 0.2 to 0.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BilateralParams {
-    /// Which faces are averaged over; by default those that share a vertex.
+    /// Faces that are averaged over; by default those that share a vertex.
     pub neighbors: FaceNeighbors,
     /// σ_c in mean distances of the centroids of faces that share an edge; 1 by default.
     pub sigma_c: f64,
     /// σ_s, a distance of unit normals: 2 sin of half the angle between them; 0.35 by default.
     pub sigma_s: f64,
-    /// How the normals are found; local, 20 rounds by default.
+    /// Scheme that filters the normals; local with 20 rounds by default.
     pub scheme: NormalScheme,
-    /// Rounds of the vertices; 10 by default.
+    /// Rounds of the vertex update; 10 by default.
     pub vertex_iterations: usize,
-    /// What vertices at the border do; fixed by default.
+    /// Movement of the vertices at the border; fixed by default.
     pub border: Border,
 }
 
@@ -58,19 +60,19 @@ impl Default for BilateralParams {
 }
 
 impl BilateralParams {
-    /// With another width of the range weight.
+    /// Sets the width of the range weight.
     #[must_use]
     pub fn with_sigma_s(self, sigma_s: f64) -> Self {
         Self { sigma_s, ..self }
     }
 
-    /// With another scheme.
+    /// Sets the scheme that filters the normals.
     #[must_use]
     pub fn with_scheme(self, scheme: NormalScheme) -> Self {
         Self { scheme, ..self }
     }
 
-    /// With another number of rounds of the vertices.
+    /// Sets the number of rounds of the vertex update.
     #[must_use]
     pub fn with_vertex_iterations(self, vertex_iterations: usize) -> Self {
         Self { vertex_iterations, ..self }
@@ -83,25 +85,24 @@ impl BilateralParams {
         match self.scheme {
             NormalScheme::Local { iterations } => check_iterations("normal iterations", iterations),
             NormalScheme::Global { smoothness } if smoothness > 0.0 && smoothness <= 1.0 => Ok(()),
-            NormalScheme::Global { smoothness: value } => Err(NormalFilterError::Parameter {
-                name: "smoothness",
-                value,
-                wanted: "a number above 0, at most 1",
-            }),
+            NormalScheme::Global { smoothness: value } => {
+                Err(NormalFilterError::Parameter { name: "smoothness", value, wanted: "in (0, 1]" })
+            }
         }
     }
 }
 
-/// Accuracy and cap of the global scheme's equations.
+/// Accuracy of the global scheme's equations.
 const RESIDUAL: f64 = 1e-8;
 const MAX_CG_ITERATIONS: usize = 100_000;
 
-/// The mesh with bilaterally filtered normals: positions in model units, in the order of the shape.
+/// Denoises a mesh by bilateral filtering of its normals; returns positions in model units, in the order of the
+/// shape.
 ///
-/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbors g, A the areas and c the
-/// centroids of the noisy mesh; then [`update_vertices`](super::update_vertices). Faces without area have no normal at first
-/// and no weight, and take what their neighbors have; neighbors turned inside out are as far as normals can be.
-/// O(rounds · pairs of neighbors).
+/// `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_c²) · e^(−‖n_f − n_g‖²/2σ_s²) · n_g)` over the neighbors g, where A are
+/// the areas and c the centroids of the noisy mesh; then [`update_vertices`](super::update_vertices). Faces without
+/// area start without a normal and without weight, and take the normals of their neighbors. The normals of neighbors
+/// with opposite orientation have the largest possible distance. O(rounds · pairs of neighbors).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -109,7 +110,7 @@ const MAX_CG_ITERATIONS: usize = 100_000;
 /// ```
 /// use adwave::{Progress, sample::{NoiseSigma, Sample}, shape::*};
 /// use adwave_baselines::normal_filter::{BilateralParams, bilateral_normals};
-/// let mut sphere = Sample::by_name("sphere", Some(500))?;
+/// let mut sphere = Sample::from_name("sphere", Some(500))?;
 /// sphere.add_noise(NoiseSigma::MeanEdge(0.1), 1)?;
 /// let shape = Shape::Mesh(Mesh::new(sphere.points.clone(), sphere.faces)?);
 /// let geometry = PreparedGeometry::new(&shape, WeldMode::default(), Progress::none())?;
@@ -126,45 +127,45 @@ pub fn bilateral_normals(
     params.check()?;
     let faces = Faces::new(geometry)?;
     let (mut points, unit) = unit_points(geometry);
-    let measures = faces.measures(&points);
+    let measures = faces.measure(&points);
     let neighbors = faces.neighbors(params.neighbors);
-    let space = params.sigma_c * mean_distance(&faces.across_edges(), &measures.centroids);
-    let widths = Widths { space, range: params.sigma_s };
+    let space = params.sigma_c * mean_distance(&faces.pairs_across_edges(), &measures.centroids);
+    let widths = BilateralWidths { space, range: params.sigma_s };
     let normals = match params.scheme {
         NormalScheme::Local { iterations } => local(&measures, &neighbors, widths, iterations, progress)?,
         NormalScheme::Global { smoothness } => {
             global(&measures, &neighbors, widths, smoothness, progress.quiet())?
         }
     };
-    let stays = staying(&faces, points.len(), params.border);
+    let stays = fixed_vertices(&faces, points.len(), params.border);
     for _ in 0..params.vertex_iterations {
         progress.check()?;
-        points = updated(&faces, &points, &normals, &stays);
+        points = move_vertices(&faces, &points, &normals, &stays);
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
 fn local(
-    measures: &Measures,
-    neighbors: &Lists,
-    widths: Widths,
+    measures: &FaceGeometry,
+    neighbors: &FaceLists,
+    widths: BilateralWidths,
     iterations: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Vector>, NormalFilterError> {
     let mut normals = measures.normals.clone();
     for round in 0..iterations {
         progress.step(round as u64, iterations as u64)?;
-        normals = filtered(measures, &normals, &normals, neighbors, widths);
+        normals = filter_normals(measures, &normals, &normals, neighbors, widths);
     }
     Ok(normals)
 }
 
-/// Solves `((1 − s)·MᵀM + s) n = s·n⁰`, `M = I − D⁻¹KA`, by conjugate gradients: K, the weights without areas, is symmetric, so
-/// that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
+/// Solves `((1 − s)·MᵀM + s) n = s·n⁰`, `M = I − D⁻¹KA`, by conjugate gradients. K, the weights without areas, is
+/// symmetric, so that `Mᵀy = y − AKD⁻¹y` needs no transposed matrix.
 fn global(
-    measures: &Measures,
-    neighbors: &Lists,
-    widths: Widths,
+    measures: &FaceGeometry,
+    neighbors: &FaceLists,
+    widths: BilateralWidths,
     smoothness: f64,
     progress: Progress<'_>,
 ) -> Result<Vec<Vector>, NormalFilterError> {
@@ -178,11 +179,11 @@ fn global(
                 gaussian(&centroids[f], &centroids[g], widths.space)
                     * gaussian(&normals[f], &normals[g], widths.range)
             };
-            neighbors.of(f).iter().map(weight).collect()
+            neighbors.list(f).iter().map(weight).collect()
         })
         .collect();
     let product = |x: &[f64], f: usize| -> f64 {
-        neighbors.of(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
+        neighbors.list(f).iter().zip(&kernel[f]).map(|(&g, k)| k * x[g as usize]).sum()
     };
     let inverse: Vec<f64> = (0..n)
         .into_par_iter()

@@ -1,23 +1,23 @@
-//! The triangles of a mesh as nodes: who is next to whom, areas, centroids, normals.
+//! Triangles of a mesh as nodes of a graph: adjacency, areas, centroids, normals.
 
 use super::{FaceNeighbors, NormalFilterError};
 use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, cross, norm, subtract, unit};
 use rayon::prelude::*;
 
-/// No vertex may have more faces: each face lists all that it shares a vertex with.
+/// Largest number of faces at a vertex, because each face lists all faces that share a vertex with it.
 const MAX_FACES_AT_VERTEX: usize = 500;
-/// No face has more neighbors within a radius: the first so many, ring by ring.
+/// Largest number of neighbors of a face within a radius; the rings nearest to it are kept.
 const MAX_WITHIN: usize = 500;
 
-/// Lists of faces, one after the other.
+/// FaceLists of faces, one after the other.
 #[derive(Debug)]
-pub(super) struct Lists {
+pub(super) struct FaceLists {
     ends: Vec<usize>,
     items: Vec<u32>,
 }
 
-impl Lists {
+impl FaceLists {
     fn new(lists: Vec<Vec<u32>>) -> Self {
         let mut end = 0;
         let ends = lists.iter().map(|list| {
@@ -27,7 +27,7 @@ impl Lists {
         Self { ends: ends.collect(), items: lists.into_iter().flatten().collect() }
     }
 
-    pub(super) fn of(&self, f: usize) -> &[u32] {
+    pub(super) fn list(&self, f: usize) -> &[u32] {
         let start = if f == 0 { 0 } else { self.ends[f - 1] };
         &self.items[start..self.ends[f]]
     }
@@ -37,20 +37,20 @@ impl Lists {
     }
 }
 
-/// The triangles with their neighbors; positions change, neighbors stay.
+/// Triangles with their neighbors; positions change, neighbors stay.
 #[derive(Debug)]
 pub(super) struct Faces<'a> {
     pub(super) triangles: &'a [[u32; 3]],
-    /// The faces at each vertex, by rising index, each once.
-    pub(super) at_vertex: Lists,
+    /// The faces at each vertex in ascending order, each once.
+    pub(super) at_vertex: FaceLists,
 }
 
-/// What positions say of each face.
+/// Area, centroid and normal of each face for given positions.
 #[derive(Debug)]
-pub(super) struct Measures {
+pub(super) struct FaceGeometry {
     pub(super) areas: Vec<f64>,
     pub(super) centroids: Vec<Vector>,
-    /// Unit normals; zero where a face has no area.
+    /// Unit normals; zero for faces without area.
     pub(super) normals: Vec<Vector>,
 }
 
@@ -75,34 +75,34 @@ impl<'a> Faces<'a> {
             let (n_faces, most) = (at_vertex[welded].len(), MAX_FACES_AT_VERTEX);
             return Err(NormalFilterError::TooManyFaces { vertex, n_faces, most });
         }
-        Ok(Self { triangles, at_vertex: Lists::new(at_vertex) })
+        Ok(Self { triangles, at_vertex: FaceLists::new(at_vertex) })
     }
 
     pub(super) fn len(&self) -> usize {
         self.triangles.len()
     }
 
-    /// Areas, centroids and normals of the faces at these positions.
-    pub(super) fn measures(&self, points: &[Vector]) -> Measures {
-        let of = |t: &[u32; 3]| {
+    /// Areas, centroids and normals of the faces at the given positions.
+    pub(super) fn measure(&self, points: &[Vector]) -> FaceGeometry {
+        let geometry_of_triangle = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| points[v as usize]);
             let doubled = cross(&subtract(&b, &a), &subtract(&c, &a));
             let centroid: Vector = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
             (0.5 * norm(&doubled), (centroid, unit(&doubled).unwrap_or_default()))
         };
-        let (areas, (centroids, normals)) = self.triangles.par_iter().map(of).unzip();
-        Measures { areas, centroids, normals }
+        let (areas, (centroids, normals)) = self.triangles.par_iter().map(geometry_of_triangle).unzip();
+        FaceGeometry { areas, centroids, normals }
     }
 
-    /// The neighbors of each face by rising index, without the face itself. The relation is symmetric.
-    pub(super) fn neighbors(&self, kind: FaceNeighbors) -> Lists {
-        Lists::new((0..self.len()).into_par_iter().map(|f| self.neighbors_of(f, kind)).collect())
+    /// Neighbors of each face in ascending order, without the face itself. The relation is symmetric.
+    pub(super) fn neighbors(&self, kind: FaceNeighbors) -> FaceLists {
+        FaceLists::new((0..self.len()).into_par_iter().map(|f| self.neighbors_of(f, kind)).collect())
     }
 
     fn neighbors_of(&self, f: usize, kind: FaceNeighbors) -> Vec<u32> {
         let corners = self.triangles[f];
         let mut found: Vec<u32> =
-            corners.iter().flat_map(|&v| self.at_vertex.of(v as usize)).copied().collect();
+            corners.iter().flat_map(|&v| self.at_vertex.list(v as usize)).copied().collect();
         found.sort_unstable();
         found.dedup();
         let shared = |g: u32| {
@@ -114,13 +114,18 @@ impl<'a> Faces<'a> {
         found
     }
 
-    /// Each face and the faces beside it whose centroids are within `radius` of its own, found from face to face over
-    /// shared vertices, at most [`MAX_WITHIN`].
-    pub(super) fn within(&self, radius: f64, centroids: &[Vector], neighbors: &Lists) -> Lists {
-        let of = |f: usize| {
+    /// For each face, itself and the faces around it whose centroids are within `radius` of its own, found by walking
+    /// over shared vertices; at most [`MAX_WITHIN`].
+    pub(super) fn faces_within_radius(
+        &self,
+        radius: f64,
+        centroids: &[Vector],
+        neighbors: &FaceLists,
+    ) -> FaceLists {
+        let faces_around = |f: usize| {
             let (mut inside, mut seen, mut next) = (vec![f as u32], vec![f as u32], 0);
             while next < inside.len() && inside.len() < MAX_WITHIN {
-                for &g in neighbors.of(inside[next] as usize) {
+                for &g in neighbors.list(inside[next] as usize) {
                     if seen.contains(&g) {
                         continue;
                     }
@@ -134,11 +139,11 @@ impl<'a> Faces<'a> {
             inside.truncate(MAX_WITHIN);
             inside
         };
-        Lists::new((0..self.len()).into_par_iter().map(of).collect())
+        FaceLists::new((0..self.len()).into_par_iter().map(faces_around).collect())
     }
 
-    /// The pairs of faces across each edge; where an edge has more than two faces, each with the next by its index.
-    pub(super) fn across_edges(&self) -> Vec<[u32; 2]> {
+    /// Pairs of faces across each edge; an edge with more than two faces pairs each face with the next by index.
+    pub(super) fn pairs_across_edges(&self) -> Vec<[u32; 2]> {
         let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * self.len());
         for (f, t) in (0_u32..).zip(self.triangles) {
             for k in 0..3 {
@@ -153,8 +158,8 @@ impl<'a> Faces<'a> {
         sides.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| [w[0].1, w[1].1]).collect()
     }
 
-    /// Whether each vertex is at an edge with one face only.
-    pub(super) fn is_border(&self, n_vertices: usize) -> Vec<bool> {
+    /// Marks the vertices at an edge with a single face.
+    pub(super) fn border_vertices(&self, n_vertices: usize) -> Vec<bool> {
         let mut sides: Vec<[u32; 2]> = self
             .triangles
             .iter()
@@ -170,7 +175,7 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// Mean distance of the centroids across edges; 1 where it is 0, so that it can be divided by.
+/// Mean distance of the centroids across edges; 1 if it is 0, so that it can be a divisor.
 pub(super) fn mean_distance(across: &[[u32; 2]], centroids: &[Vector]) -> f64 {
     let distance = |&[f, g]: &[u32; 2]| norm(&subtract(&centroids[f as usize], &centroids[g as usize]));
     let mean = across.iter().map(distance).sum::<f64>() / across.len().max(1) as f64;
@@ -183,25 +188,26 @@ pub(super) fn gaussian(a: &Vector, b: &Vector, sigma: f64) -> f64 {
     (-0.5 * d * d).exp()
 }
 
-/// Widths of the two weights of a bilateral filter: of the distance of centroids, and of the distance of unit vectors.
+/// BilateralWidths of the two weights of a bilateral filter: for the distance of centroids, and for the distance of unit
+/// vectors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Widths {
+pub(super) struct BilateralWidths {
     pub(super) space: f64,
     pub(super) range: f64,
 }
 
-/// `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbors g, u the `compared` vectors; a normal stays
-/// where the sum vanishes.
-pub(super) fn filtered(
-    measures: &Measures,
+/// `n_f ← unit(Σ_g A_g · W(c_f − c_g) · W(u_f − u_g) · n_g)` over the neighbors g, where u are the `compared`
+/// vectors; a normal stays if the sum vanishes.
+pub(super) fn filter_normals(
+    measures: &FaceGeometry,
     normals: &[Vector],
     compared: &[Vector],
-    neighbors: &Lists,
-    widths: Widths,
+    neighbors: &FaceLists,
+    widths: BilateralWidths,
 ) -> Vec<Vector> {
-    let of = |f: usize| {
+    let filter_at = |f: usize| {
         let mut sum = [0.0; 3];
-        for &g in neighbors.of(f) {
+        for &g in neighbors.list(f) {
             let g = g as usize;
             let weight = measures.areas[g]
                 * gaussian(&measures.centroids[f], &measures.centroids[g], widths.space)
@@ -210,5 +216,5 @@ pub(super) fn filtered(
         }
         unit(&sum).unwrap_or(normals[f])
     };
-    (0..neighbors.len()).into_par_iter().map(of).collect()
+    (0..neighbors.len()).into_par_iter().map(filter_at).collect()
 }

@@ -1,9 +1,9 @@
 //! Guided normal filtering (`zhang2015`).
 
-use super::faces::{Faces, Lists, Measures, Widths, filtered, mean_distance};
-use super::vertex_update::{Border, staying, updated};
+use super::faces::{BilateralWidths, FaceGeometry, FaceLists, Faces, filter_normals, mean_distance};
+use super::vertex_update::{Border, fixed_vertices, move_vertices};
 use super::{
-    FaceNeighbors, NormalFilterError, check_iterations, check_positive, in_shape_order, unit_points,
+    FaceNeighbors, NormalFilterError, check_iterations, check_positive, to_shape_order, unit_points,
 };
 use adwave::Progress;
 use adwave::shape::PreparedGeometry;
@@ -13,17 +13,18 @@ use rayon::prelude::*;
 /// Parameters of [`guided_normals`]; the defaults are those of its authors' program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuidedParams {
-    /// Radius of the faces that are averaged over, in mean distances of the centroids of faces that share an edge; 2 by default.
+    /// Radius of the averaged neighborhood, in mean distances of the centroids of faces that share an edge; 2 by
+    /// default.
     pub radius: f64,
     /// σ_s of the distance of centroids, in the same unit; 1 by default.
     pub sigma_s: f64,
     /// σ_r, a distance of the guidance's unit normals: 2 sin of half the angle between them; 0.35 by default.
     pub sigma_r: f64,
-    /// Rounds of normals, each followed by one of vertices; 20 by default.
+    /// Rounds of normal filtering, each followed by one round of the vertex update; 20 by default.
     pub normal_iterations: usize,
-    /// Steps of the vertices in each round; 10 by default.
+    /// Steps of the vertex update in each round; 10 by default.
     pub vertex_iterations: usize,
-    /// What vertices at the border do; free by default.
+    /// Movement of the vertices at the border; free by default.
     pub border: Border,
 }
 
@@ -41,19 +42,19 @@ impl Default for GuidedParams {
 }
 
 impl GuidedParams {
-    /// With another width of the range weight.
+    /// Sets the width of the range weight.
     #[must_use]
     pub fn with_sigma_r(self, sigma_r: f64) -> Self {
         Self { sigma_r, ..self }
     }
 
-    /// With another number of rounds.
+    /// Sets the number of rounds.
     #[must_use]
     pub fn with_normal_iterations(self, normal_iterations: usize) -> Self {
         Self { normal_iterations, ..self }
     }
 
-    /// With another number of steps of the vertices in each round.
+    /// Sets the number of steps of the vertex update in each round.
     #[must_use]
     pub fn with_vertex_iterations(self, vertex_iterations: usize) -> Self {
         Self { vertex_iterations, ..self }
@@ -71,14 +72,16 @@ impl GuidedParams {
 /// Keeps the consistency of a flat patch finite.
 const EPSILON: f64 = 1e-9;
 
-/// The mesh with normals filtered by a guidance: positions in model units, in the order of the shape.
+/// Denoises a mesh by filtering its normals with a guidance; returns positions in model units, in the order of the
+/// shape.
 ///
-/// A patch is a face with all that share a vertex with it. Its consistency is `max ‖n_f − n_g‖ · max_e d_e / Σ_e d_e`, d_e the
-/// distance of the normals across its inner edges. The guidance u_f is the mean normal of the most consistent patch that f
-/// is in. Then `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f − u_g‖²/2σ_r²) · n_g)` over the faces g within the
-/// radius, f among them, as found on the noisy mesh, at most 500; then [`update_vertices`](super::update_vertices). Every
-/// round starts from the faces' own normals. A corner of the shape that is one triangle on one of its sides is rounded off:
-/// all patches of that triangle go round an edge. O(rounds · (pairs of neighbors + pairs of faces in patches)).
+/// A patch is a face with all faces that share a vertex with it. Its consistency is `max ‖n_f − n_g‖ · max_e d_e /
+/// Σ_e d_e`, where d_e is the distance of the normals across an inner edge. The guidance u_f is the mean normal of
+/// the most consistent patch that contains f. Then `n_f ← unit(Σ_g A_g · e^(−‖c_f − c_g‖²/2σ_s²) · e^(−‖u_f −
+/// u_g‖²/2σ_r²) · n_g)` over the at most 500 faces g within the radius on the noisy mesh, f included; then
+/// [`update_vertices`](super::update_vertices). Every round starts from the normals of the current faces. A corner of
+/// the shape is rounded off if one of its sides is a single triangle there, because all patches of that triangle
+/// contain an edge of the shape. O(rounds · (pairs of neighbors + pairs of faces in patches)).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -90,37 +93,38 @@ pub fn guided_normals(
     params.check()?;
     let faces = Faces::new(geometry)?;
     let (mut points, unit) = unit_points(geometry);
-    let across = faces.across_edges();
+    let across = faces.pairs_across_edges();
     let around = faces.neighbors(FaceNeighbors::ByVertex);
-    let centroids = faces.measures(&points).centroids;
-    let neighbors = faces.within(params.radius * mean_distance(&across, &centroids), &centroids, &around);
+    let centroids = faces.measure(&points).centroids;
+    let neighbors =
+        faces.faces_within_radius(params.radius * mean_distance(&across, &centroids), &centroids, &around);
     let patches = Patches::new(around, &across);
-    let stays = staying(&faces, points.len(), params.border);
+    let stays = fixed_vertices(&faces, points.len(), params.border);
     for round in 0..params.normal_iterations {
         progress.step(round as u64, params.normal_iterations as u64)?;
-        let measures = faces.measures(&points);
+        let measures = faces.measure(&points);
         let space = params.sigma_s * mean_distance(&across, &measures.centroids);
-        let widths = Widths { space, range: params.sigma_r };
+        let widths = BilateralWidths { space, range: params.sigma_r };
         let guidance = patches.guidance(&measures);
-        let normals = filtered(&measures, &measures.normals, &guidance, &neighbors, widths);
+        let normals = filter_normals(&measures, &measures.normals, &guidance, &neighbors, widths);
         for _ in 0..params.vertex_iterations {
             progress.check()?;
-            points = updated(&faces, &points, &normals, &stays);
+            points = move_vertices(&faces, &points, &normals, &stays);
         }
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
 /// The patches of all faces.
 struct Patches {
-    /// The faces that share a vertex with a face, by rising index; the face itself belongs to its patch too.
-    around: Lists,
-    /// For each face those across its edges with a larger index.
+    /// Faces that share a vertex with a face, in ascending order; the face itself belongs to its patch too.
+    around: FaceLists,
+    /// For each face, the faces across its edges that have a larger index.
     beyond: Vec<Vec<u32>>,
 }
 
 impl Patches {
-    fn new(around: Lists, across: &[[u32; 2]]) -> Self {
+    fn new(around: FaceLists, across: &[[u32; 2]]) -> Self {
         let mut beyond = vec![Vec::new(); around.len()];
         for &[f, g] in across {
             beyond[f.min(g) as usize].push(f.max(g));
@@ -128,9 +132,9 @@ impl Patches {
         Self { around, beyond }
     }
 
-    /// The consistency of a face's patch, the smaller the better, and its mean normal.
-    fn measure(&self, f: usize, measures: &Measures) -> (f64, Vector) {
-        let around = self.around.of(f);
+    /// Consistency of a face's patch (smaller is better) and its mean normal.
+    fn measure(&self, f: usize, measures: &FaceGeometry) -> (f64, Vector) {
+        let around = self.around.list(f);
         let distance =
             |g: u32, h: u32| norm(&subtract(&measures.normals[g as usize], &measures.normals[h as usize]));
         let members = || around.iter().copied().chain([f as u32]);
@@ -149,12 +153,13 @@ impl Patches {
         (widest * steepest / (sum + EPSILON), unit(&mean).unwrap_or(measures.normals[f]))
     }
 
-    /// The mean normal of the most consistent patch that each face is in; among equals the first by its face's index.
-    fn guidance(&self, measures: &Measures) -> Vec<Vector> {
+    /// For each face, the mean normal of the most consistent patch that contains it; among equals the patch of the
+    /// face with the smallest index.
+    fn guidance(&self, measures: &FaceGeometry) -> Vec<Vector> {
         let all: Vec<(f64, Vector)> =
             (0..self.around.len()).into_par_iter().map(|f| self.measure(f, measures)).collect();
         let best = |f: usize| {
-            let patches = self.around.of(f).iter().copied().chain([f as u32]);
+            let patches = self.around.list(f).iter().copied().chain([f as u32]);
             let order = |&g: &u32, &h: &u32| all[g as usize].0.total_cmp(&all[h as usize].0).then(g.cmp(&h));
             patches.min_by(order).map_or(measures.normals[f], |g| all[g as usize].1)
         };

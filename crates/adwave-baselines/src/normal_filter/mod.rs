@@ -1,12 +1,13 @@
 //! Mesh denoising in two steps: unit normals of the faces are filtered, then vertices follow them.
 //!
-//! Sources: `zheng2011` (bilateral weights), `zhang2015` (weights that compare a guidance in place of the noisy normals),
-//! `sun2007` (the vertices). Where they win: flat faces and sharp edges, with a width of the range weight that suits the
-//! noise. Where they do not: that width has to be chosen for each mesh, smooth shapes become facetted, and both compare
-//! normals of faces that share a vertex, so that strong noise hides edges from them.
+//! Sources: `zheng2011` (bilateral weights), `zhang2015` (weights that compare a guidance instead of the noisy
+//! normals), `sun2007` (the vertices). Strength: flat faces and sharp edges, if the width of the range weight suits
+//! the noise. Weaknesses: that width has to be chosen for each mesh, smooth shapes become facetted, and both methods
+//! compare the normals of faces that share a vertex, so that strong noise hides edges from them.
 //!
-//! `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbors, areas, centroids and normals,
-//! `vertex_update` the second step. Both work on welded vertices and give positions in the order of the shape's.
+//! `bilateral` and `guided` are the methods, `faces` has the triangles with their neighbors, areas, centroids and
+//! normals, `vertex_update` the second step. Both methods work on welded vertices and return positions in the order
+//! of the shape.
 
 mod bilateral;
 mod faces;
@@ -24,43 +25,46 @@ use adwave::Cancelled;
 use adwave::shape::PreparedGeometry;
 use thiserror::Error;
 
-/// Why a mesh is not denoised.
+/// Reasons for which a mesh cannot be denoised.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum NormalFilterError {
-    /// The shape has no faces, so no normals.
-    #[error("normals of faces need a mesh; this is a cloud, a graph or a mesh without faces")]
+    /// The shape has no faces and therefore no normals.
+    #[error(
+        "normal filtering needs a mesh with faces; this shape is a cloud, a graph or a mesh without faces"
+    )]
     NotAMesh,
-    /// A parameter that is none.
-    #[error("{name} = {value}; give {wanted}")]
+    /// A parameter is out of range.
+    #[error("{name} must be {wanted}, got {value}")]
     Parameter {
-        /// Which.
+        /// Name of the parameter.
         name: &'static str,
-        /// The value given.
+        /// Value of the parameter.
         value: f64,
-        /// What it may be.
+        /// Valid values, as a phrase that follows "must be".
         wanted: &'static str,
     },
-    /// So many faces at a vertex that lists of neighbors would fill the memory.
+    /// A vertex has so many faces that the neighbor lists would exhaust the memory.
     #[error(
-        "vertex {vertex} (counted from 0) has {n_faces} faces, more than the {most} that the filter takes; remesh it"
+        "a vertex may have at most {most} faces, but vertex {vertex} (counted from 0) has {n_faces}; \
+        remesh the shape"
     )]
     TooManyFaces {
-        /// The vertex in the order of the shape.
+        /// Vertex in the order of the shape.
         vertex: usize,
-        /// Faces there.
+        /// Number of faces at the vertex.
         n_faces: usize,
-        /// The most.
+        /// Largest number of faces.
         most: usize,
     },
-    /// Normals that do not fit.
-    #[error("{got} normals for {wanted} faces; give one for each triangle")]
+    /// The number of normals differs from the number of triangles.
+    #[error("expected {wanted} normals, one per triangle; got {got}")]
     Normals {
-        /// Given.
+        /// Number of normals given.
         got: usize,
-        /// Triangles.
+        /// Number of triangles.
         wanted: usize,
     },
-    /// The global scheme's equations were not solved.
+    /// The equations of the global scheme could not be solved.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
     /// Stopped on request.
@@ -68,17 +72,17 @@ pub enum NormalFilterError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Which faces are neighbors of a face.
+/// Neighborhood of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaceNeighbors {
-    /// Those that share a vertex.
+    /// Faces that share a vertex.
     #[default]
     ByVertex,
-    /// Those that share an edge.
+    /// Faces that share an edge.
     ByEdge,
 }
 
-/// No filter takes more rounds.
+/// Largest number of rounds.
 const MAX_ITERATIONS: usize = 10_000;
 
 fn check_iterations(name: &'static str, got: usize) -> Result<(), NormalFilterError> {
@@ -95,15 +99,15 @@ fn check_positive(name: &'static str, value: f64) -> Result<(), NormalFilterErro
     Ok(())
 }
 
-/// The welded positions in units of a power of two near the diagonal, in which squares of areas stay finite, and that unit.
+/// Welded positions in units of a power of two near the diagonal, so that squared areas stay finite, and that unit.
 fn unit_points(geometry: &PreparedGeometry) -> (Vec<[f64; 3]>, f64) {
     let size = adwave::shape::diagonal(geometry.points());
     let unit = if size > 0.0 { size.log2().floor().clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
     (geometry.points().iter().map(|p| p.map(|c| c / unit)).collect(), unit)
 }
 
-/// Positions of welded vertices in the order of the shape, in model units.
-fn in_shape_order(geometry: &PreparedGeometry, points: &[[f64; 3]], unit: f64) -> Vec<[f64; 3]> {
+/// Converts positions of welded vertices to model units and the order of the shape.
+fn to_shape_order(geometry: &PreparedGeometry, points: &[[f64; 3]], unit: f64) -> Vec<[f64; 3]> {
     let scaled: Vec<f64> = points.iter().flat_map(|p| p.map(|c| c * unit)).collect();
     geometry.vertex_map().scatter(&scaled, 3).as_chunks().0.to_vec()
 }

@@ -20,7 +20,7 @@ fn guided(geometry: &PreparedGeometry) -> Vec<[f64; 3]> {
     guided_normals(geometry, &GuidedParams::default(), Progress::none()).unwrap()
 }
 
-/// A grid of `n` × `n` cells in the plane z = 0, cells of side 1 cut so that two triangles meet in each corner of the whole.
+/// Grid of `n` × `n` cells of side 1 in the plane z = 0, cut so that two triangles meet in each corner of the grid.
 fn grid(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let points = (0..=n).flat_map(|j| (0..=n).map(move |i| [f64::from(i), f64::from(j), 0.0])).collect();
     let cut = |(i, j): (u32, u32)| {
@@ -32,7 +32,7 @@ fn grid(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (points, triangles)
 }
 
-/// The surface of a cube of side `n`, its six sides grids whose rims are at the same positions.
+/// Surface of a cube of side `n` made of six grids whose rims are at the same positions.
 fn cube(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let (flat, triangles) = grid(n);
     let side = f64::from(n);
@@ -53,7 +53,7 @@ fn cube(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     (points, all)
 }
 
-/// Every position moved by normal deviates, equal positions equally.
+/// Adds normally distributed noise to every position, the same to equal positions.
 fn noisy(points: &[[f64; 3]], sigma: f64, only_z: bool) -> Vec<[f64; 3]> {
     let mut order: Vec<[f64; 3]> = points.to_vec();
     order.sort_by(|a, b| a.partial_cmp(b).unwrap());
@@ -83,7 +83,8 @@ fn a_flat_and_a_sharp_shape_stay_where_they_are() {
         let prepared = geometry(points.clone(), &triangles);
         let local = BilateralParams::default();
         let global = local.with_scheme(NormalScheme::Global { smoothness: 0.01 });
-        // The weight across a right angle is e^(−(√2/0.35)²/2) = 3e-4, which the local scheme repeats: a narrow one here.
+        // The weight across a right angle is e^(−(√2/0.35)²/2) = 3e-4, which the local scheme applies repeatedly;
+        // here the width is narrow.
         let narrow = local.with_sigma_s(0.1);
         let tight = GuidedParams::default().with_sigma_r(0.1);
         for moved in [
@@ -138,12 +139,12 @@ fn a_noisy_cube_keeps_its_edges_and_its_seams() {
         let after = mean_angle(&clean, &points, &triangles);
         assert!(after < most * before, "{name}: {before} to {after}");
         assert!((volume(&points) / volume(&clean) - 1.0).abs() < 0.01, "{name}");
-        // The sides are meshes of their own in the file: where they met, they still meet, to the last bit.
+        // The sides are separate meshes in the file; their rims still coincide to the last bit.
         for (x, p) in rough.iter().enumerate() {
             let y = rough.iter().position(|q| q == p).unwrap();
             assert_eq!(points[x], points[y], "{name}: vertices {x} and {y}");
         }
-        // Corners are as far out as they were.
+        // Corners keep their distance from the center.
         let corner = points.iter().map(|p| p.iter().sum::<f64>()).fold(0.0, f64::max);
         assert!((corner - 48.0).abs() < 1.5, "{name}: {corner}");
     }
@@ -151,7 +152,7 @@ fn a_noisy_cube_keeps_its_edges_and_its_seams() {
 
 #[test]
 fn rotation_scale_and_the_order_of_faces_change_nothing_but_rounding() {
-    let sample = Sample::by_name("knot", Some(1500)).unwrap();
+    let sample = Sample::from_name("knot", Some(1500)).unwrap();
     let triangles = sample.faces.triangles().unwrap().to_vec();
     let rough = noisy(&sample.points, 0.01, false);
     let turn = |p: &[f64; 3]| [-1e30 * p[1], 1e30 * p[0], 1e30 * p[2]];
@@ -171,7 +172,7 @@ fn rotation_scale_and_the_order_of_faces_change_nothing_but_rounding() {
 
 #[test]
 fn same_bits_on_any_number_of_threads() {
-    let sample = Sample::by_name("bracket", Some(3000)).unwrap();
+    let sample = Sample::from_name("bracket", Some(3000)).unwrap();
     let triangles = sample.faces.triangles().unwrap().to_vec();
     let prepared = geometry(noisy(&sample.points, 0.01, false), &triangles);
     let on = |n_threads| {
@@ -189,7 +190,7 @@ fn same_bits_on_any_number_of_threads() {
     assert!(one == on(2) && one == on(3));
 }
 
-/// A name, points and triangles.
+/// Name, points and triangles.
 type Case<'a> = (&'a str, Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 #[test]
@@ -267,7 +268,7 @@ fn what_cannot_be_filtered_is_an_error() {
 
     let faceless = geometry(points, &[]);
     assert_eq!(guided_normals(&faceless, &GuidedParams::default(), none), Err(NormalFilterError::NotAMesh));
-    // A fan whose hub has more faces than lists of neighbors can hold.
+    // A fan whose hub has more faces than neighbor lists can hold.
     let n = 600;
     let rim = (0..n).map(|k| f64::from(k) * std::f64::consts::TAU / f64::from(n));
     let fan: Vec<[f64; 3]> = std::iter::once([0.0; 3]).chain(rim.map(|a| [a.cos(), a.sin(), 0.0])).collect();

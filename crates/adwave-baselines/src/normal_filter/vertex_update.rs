@@ -1,28 +1,28 @@
-//! The second step: vertices that follow normals of their faces.
+//! Vertex update: moves vertices so that the faces follow given normals.
 
 use super::faces::Faces;
-use super::{NormalFilterError, check_iterations, in_shape_order, unit_points};
+use super::{NormalFilterError, check_iterations, to_shape_order, unit_points};
 use adwave::Progress;
 use adwave::shape::PreparedGeometry;
 use adwave::vector::{Vector, add_scaled, dot, subtract};
 use rayon::prelude::*;
 
-/// What happens to vertices at edges with one face.
+/// Movement of vertices at edges with a single face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
-    /// They move as all others.
+    /// Border vertices move like all others.
     #[default]
     Free,
-    /// They stay.
+    /// Border vertices stay fixed.
     Fixed,
 }
 
-/// Moves the vertices so that the faces take the given normals: `v ← v + mean over its faces of n·(n·(c − v))`, c the face's
-/// centroid, n its `normal`; faces whose normal is zero are left out. Repeated `iterations` times, each from all positions of
-/// the round before (`sun2007`).
+/// Moves the vertices so that the faces take the given normals: `v ← v + mean over its faces of n·(n·(c − v))`, where
+/// c is the face's centroid and n its entry of `normals`; faces whose normal is zero are skipped. The step is
+/// repeated `iterations` times, each from all positions of the previous round (`sun2007`).
 ///
-/// `normals`: of unit length or zero, one for each triangle of the geometry. Positions come in model units and in the order
-/// of the shape; vertices at one position stay at one. O(iterations · triangles).
+/// `normals` are of unit length or zero, one per triangle of the geometry. The returned positions are in model units
+/// and in the order of the shape; vertices at equal positions stay together. O(iterations · triangles).
 ///
 /// # Errors
 /// [`NormalFilterError`].
@@ -51,24 +51,24 @@ pub fn update_vertices(
         return Err(NormalFilterError::Normals { got: normals.len(), wanted: faces.len() });
     }
     let (mut points, unit) = unit_points(geometry);
-    let stays = staying(&faces, points.len(), border);
+    let stays = fixed_vertices(&faces, points.len(), border);
     for _ in 0..iterations {
         progress.check()?;
-        points = updated(&faces, &points, normals, &stays);
+        points = move_vertices(&faces, &points, normals, &stays);
     }
-    Ok(in_shape_order(geometry, &points, unit))
+    Ok(to_shape_order(geometry, &points, unit))
 }
 
-/// Which vertices stay; empty where none does.
-pub(super) fn staying(faces: &Faces<'_>, n_vertices: usize, border: Border) -> Vec<bool> {
+/// Marks the vertices that stay fixed; empty if none does.
+pub(super) fn fixed_vertices(faces: &Faces<'_>, n_vertices: usize, border: Border) -> Vec<bool> {
     match border {
         Border::Free => Vec::new(),
-        Border::Fixed => faces.is_border(n_vertices),
+        Border::Fixed => faces.border_vertices(n_vertices),
     }
 }
 
 /// One round of [`update_vertices`].
-pub(super) fn updated(
+pub(super) fn move_vertices(
     faces: &Faces<'_>,
     points: &[Vector],
     normals: &[Vector],
@@ -80,7 +80,7 @@ pub(super) fn updated(
             return p;
         }
         let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for &f in faces.at_vertex.of(x) {
+        for &f in faces.at_vertex.list(x) {
             let n = &normals[f as usize];
             if *n == [0.0; 3] {
                 continue;

@@ -14,14 +14,14 @@ const MAX_DEGREE: usize = 16384;
 pub struct Polynomial {
     /// c_k; the constant term is not halved.
     pub coefficients: Vec<f64>,
-    /// The end of the spectrum.
+    /// End of the spectrum.
     pub lambda_max: f64,
-    /// Largest `|p − g|` found on [0, λ_max], at four points for each degree.
+    /// Largest `|p − g|` found on [0, λ_max], sampled at four points per degree.
     pub error: f64,
 }
 
 impl Polynomial {
-    /// The interpolant of `g` at the `degree + 1` Chebyshev points. O(degree²).
+    /// Interpolates `g` at the `degree + 1` Chebyshev points. O(degree²).
     pub fn interpolate(g: impl Fn(f64) -> f64 + Sync, lambda_max: f64, degree: usize) -> Self {
         let n = degree + 1;
         // cos(k·π(2j + 1)/2n) for all j and k is one of 4n values.
@@ -58,7 +58,7 @@ impl Polynomial {
     }
 }
 
-/// The kernels as polynomials, each of the smallest degree (by doubling) that is within `accuracy`.
+/// Approximates the kernels by polynomials within `accuracy`, trying degrees by doubling.
 ///
 /// # Errors
 /// [`SgwtError::Accuracy`].
@@ -93,7 +93,7 @@ pub(crate) fn apply(
     let mut sums: Vec<Vec<f64>> =
         polynomials.iter().map(|p| signal.iter().map(|v| p.coefficients[0] * v).collect()).collect();
     let mut before = signal.to_vec();
-    let mut now = shifted(laplacian, &before, scale);
+    let mut now = apply_shifted(laplacian, &before, scale);
     for k in 1..=degree {
         progress.step(k as u64, degree as u64)?;
         for (sum, c) in sums.iter_mut().zip(polynomials.iter().map(|p| p.coefficients.get(k))) {
@@ -102,7 +102,7 @@ pub(crate) fn apply(
             }
         }
         if k < degree {
-            let moved = shifted(laplacian, &now, scale);
+            let moved = apply_shifted(laplacian, &now, scale);
             before.iter_mut().zip(&moved).for_each(|(b, m)| *b = 2.0 * m - *b);
             std::mem::swap(&mut before, &mut now);
         }
@@ -124,8 +124,8 @@ pub(super) fn apply_adjoint(
     let (mut b1, mut b2) = (vec![0.0; n], vec![0.0; n]);
     for k in (0..=degree).rev() {
         progress.step((degree - k) as u64, degree as u64)?;
-        // b_k = a_k + 2y b_{k+1} − b_{k+2}; at the end y b_1 once.
-        let moved = shifted(laplacian, &b1, scale);
+        // b_k = a_k + 2y b_{k+1} − b_{k+2}; the last step takes y b_1 once.
+        let moved = apply_shifted(laplacian, &b1, scale);
         let twice = if k == 0 { 1.0 } else { 2.0 };
         b2.iter_mut().zip(&moved).for_each(|(b2, m)| *b2 = twice * m - *b2);
         for (p, c) in polynomials.iter().zip(coefficients) {
@@ -139,7 +139,7 @@ pub(super) fn apply_adjoint(
 }
 
 /// `(2L/λ_max − 1) x`.
-fn shifted(laplacian: &SymmetricMatrix, x: &[f64], scale: f64) -> Vec<f64> {
+fn apply_shifted(laplacian: &SymmetricMatrix, x: &[f64], scale: f64) -> Vec<f64> {
     let mut y = laplacian.product(x);
     y.iter_mut().zip(x).for_each(|(y, x)| *y = scale * *y - x);
     y

@@ -1,26 +1,26 @@
-//! Spectral graph wavelets by all eigenpairs, on small graphs.
+//! Spectral graph wavelets from all eigenpairs, on small graphs.
 
 use super::{Kernels, SgwtError, check};
 use crate::linalg::{SymmetricMatrix, symmetric_eigen};
 
-/// Most vertices: the eigenvectors then take 128 MB.
+/// Largest number of vertices: the eigenvectors then take 128 MB.
 const MAX_VERTICES: usize = 4000;
 
-/// Kernels of a Laplacian with its whole spectrum.
+/// Kernels of a Laplacian with its full spectrum.
 #[derive(Clone, Debug)]
 pub struct ExactFrame {
     n: usize,
     /// The kernels.
     pub kernels: Kernels,
-    /// The eigenvalues, rising.
+    /// Eigenvalues in ascending order.
     pub spectrum: Vec<f64>,
     vectors: Vec<f64>,
-    /// A and B: the smallest and the largest `Σ g_i(λ)²` over the eigenvalues.
+    /// A and B: smallest and largest `Σ g_i(λ)²` over the eigenvalues.
     pub bounds: (f64, f64),
 }
 
 impl ExactFrame {
-    /// The frame of `kernels` on `laplacian`. O(n³).
+    /// Builds the frame of `kernels` on `laplacian`. O(n³).
     ///
     /// # Errors
     /// [`SgwtError::TooLarge`], [`SgwtError::NoFrame`], [`SgwtError::Linalg`].
@@ -55,7 +55,7 @@ impl ExactFrame {
         x
     }
 
-    /// `c_i = g_i(L) f`, one list a kernel. O(n²) each.
+    /// `c_i = g_i(L) f`, one list per kernel. O(n²) each.
     ///
     /// # Errors
     /// [`SgwtError::Length`].
@@ -71,7 +71,7 @@ impl ExactFrame {
             .collect())
     }
 
-    /// The signal whose coefficients are nearest to these.
+    /// Reconstructs the signal whose coefficients are nearest to the given ones.
     ///
     /// # Errors
     /// [`SgwtError::Length`].

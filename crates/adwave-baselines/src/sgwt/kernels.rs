@@ -3,40 +3,40 @@
 use super::SgwtError;
 use std::f64::consts::PI;
 
-/// λ_max / λ_min, where the wavelets stop and the scaling function takes over.
+/// Ratio λ_max / λ_min, where the wavelets stop and the scaling function takes over.
 const LOW_PASS_FACTOR: f64 = 20.0;
-/// The ends of the spline.
+/// Ends of the cubic part of the spline.
 const SPLINE: (f64, f64) = (1.0, 2.0);
-/// Most kernels.
+/// Largest number of kernels.
 const MAX_KERNELS: usize = 256;
 
-/// Which kernels.
+/// Family of kernels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KernelFamily {
-    /// `g(sλ) = sλ·e^(−sλ)` and a low pass: smooth, so of low degree.
+    /// `g(sλ) = sλ·e^(−sλ)` and a low pass: smooth and therefore of low degree.
     MexicanHat,
-    /// Hammond's spline: λ² up to 1, λ⁻² from 2, cubic between, and a low pass.
+    /// Spline of `hammond2011`: λ² up to 1, λ⁻² from 2, cubic between, and a low pass.
     Abspline,
     /// `sin(½π cos²(πλ))` on overlapping halves: a tight frame, A = B = 1.
     Itersine,
-    /// Meyer's: a tight frame, A = B = 1, in octaves (`leonardi2013`).
+    /// Meyer kernels: a tight frame, A = B = 1, in octaves (`leonardi2013`).
     #[default]
     Meyer,
 }
 
-/// A family of kernels for a spectrum, the low pass first.
+/// Kernels of one family for a spectrum, the low pass first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernels {
-    /// Which.
+    /// Family of the kernels.
     pub family: KernelFamily,
-    /// The end of the spectrum.
+    /// End of the spectrum.
     pub lambda_max: f64,
-    /// s of each wavelet kernel, falling; for itersine the index of the kernel.
+    /// s of each wavelet kernel in descending order; for itersine the index of the kernel.
     pub scales: Vec<f64>,
 }
 
 impl Kernels {
-    /// `n_kernels` kernels, the low pass among them, for a spectrum in [0, `lambda_max`].
+    /// Builds `n_kernels` kernels, including the low pass, for a spectrum in [0, `lambda_max`].
     ///
     /// # Errors
     /// [`SgwtError::Kernels`].
@@ -53,7 +53,7 @@ impl Kernels {
         if n_kernels < least || n_kernels > MAX_KERNELS {
             return Err(SgwtError::Kernels { got: n_kernels, least, most: MAX_KERNELS });
         }
-        // A graph without edges has the spectrum {0}; any interval will do then.
+        // A graph without edges has the spectrum {0}; any interval is valid then.
         let lambda_max = if lambda_max > 0.0 { lambda_max } else { 1.0 };
         let wavelets = n_kernels - 1;
         let scales = match family {
@@ -105,7 +105,7 @@ impl Kernels {
     }
 }
 
-/// Coefficients of the cubic between 1 and 2 that joins x² and 4x⁻² with their slopes.
+/// Coefficients of the cubic between 1 and 2 that joins x² and 4x⁻² with equal slopes.
 const CUBIC: [f64; 4] = [-5.0, 11.0, -6.0, 1.0];
 
 fn abspline(x: f64) -> f64 {
@@ -118,7 +118,7 @@ fn abspline(x: f64) -> f64 {
     }
 }
 
-/// The largest value of the spline, where the cubic's slope is 0: 11 − 12x + 3x² = 0.
+/// Largest value of the spline, where the slope of the cubic is 0: 11 − 12x + 3x² = 0.
 fn abspline_maximum() -> f64 {
     abspline(2.0 - 1.0 / 3.0_f64.sqrt())
 }

@@ -1,13 +1,13 @@
-//! Spectral graph wavelets: kernels of the graph Laplacian, by polynomials or exactly.
+//! Spectral graph wavelets: kernels of the graph Laplacian, evaluated by polynomials or exactly.
 //!
 //! Source: `hammond2011`.
 //!
 //! ```text
 //! c_i = g_i(L) f,   A‖f‖² ≤ Σ_i ‖c_i‖² ≤ B‖f‖²,   f = (Σ_i g_i(L)²)⁻¹ Σ_i g_i(L) c_i
 //! ```
-//! Where they win: the kernel is free, a tight frame keeps energies, and any weighted graph will do. Where they do not:
-//! λ_max scales all kernels, so that scales are those of the mesh; the inverse is an iteration unless the frame is tight;
-//! a sharp kernel needs a high degree and is not local.
+//! Strengths: the kernel can be chosen freely, a tight frame preserves energies, and any weighted graph is accepted.
+//! Weaknesses: λ_max scales all kernels, so that scales depend on the meshing; the inverse is an iteration unless the
+//! frame is tight; a sharp kernel needs a high degree and is not local.
 
 mod chebyshev;
 mod exact;
@@ -23,61 +23,62 @@ use adwave::Progress;
 use adwave::operator::Diffusion;
 use thiserror::Error;
 
-/// Why a frame cannot be built or applied.
+/// Reasons for which a frame cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SgwtError {
-    /// The linear algebra failed.
+    /// A linear algebra step failed.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
-    /// Too few kernels, or too many.
-    #[error("{got} kernels; take {least} to {most}")]
+    /// The number of kernels is out of range.
+    #[error("the number of kernels must be in {least}..={most}, got {got}")]
     Kernels {
-        /// Asked for.
+        /// Number of kernels requested.
         got: usize,
-        /// The fewest.
+        /// Smallest number of kernels.
         least: usize,
-        /// The most.
+        /// Largest number of kernels.
         most: usize,
     },
-    /// The accuracy cannot be reached.
+    /// The requested accuracy cannot be reached.
     #[error(
-        "kernel {kernel} is known to {error:e} only by a polynomial of degree {degree}; {accuracy:e} was asked for, so allow a larger error or take smoother kernels"
+        "kernel {kernel} must be approximated to {accuracy:e}, but a polynomial of degree {degree} reaches \
+        only {error:e}; allow a larger error or choose smoother kernels"
     )]
     Accuracy {
-        /// The kernel.
+        /// Index of the kernel.
         kernel: usize,
-        /// The largest degree tried.
+        /// Largest degree tried.
         degree: usize,
-        /// Its error.
+        /// Error at that degree.
         error: f64,
-        /// What was asked for.
+        /// Requested accuracy.
         accuracy: f64,
     },
     /// A signal or a list of coefficients has the wrong length.
-    #[error("{got} values were given where {expected} are needed")]
+    #[error("expected {expected} values, got {got}")]
     Length {
-        /// How many are needed.
+        /// Number of values expected.
         expected: usize,
-        /// How many were given.
+        /// Number of values given.
         got: usize,
     },
     /// The operator is not reversible.
     #[error("the diffusion operator is not reversible, so it has no symmetric form")]
     NotReversible,
-    /// The kernels vanish together somewhere in the spectrum.
-    #[error("the kernels do not form a frame: the lower bound is {0:e}")]
+    /// All kernels vanish somewhere in the spectrum.
+    #[error("the kernels do not form a frame: their lower frame bound is {0:e}")]
     NoFrame(f64),
     /// The graph is too large for the exact method.
-    #[error("{n} vertices are more than the {most} of the exact method; use the polynomials")]
+    #[error("the exact method is limited to {most} vertices, got {n}; use polynomials")]
     TooLarge {
         /// Number of vertices.
         n: usize,
-        /// The most.
+        /// Largest number of vertices.
         most: usize,
     },
 }
 
-/// Kernels of a Laplacian, as polynomials of a stated accuracy.
+/// Kernels of a Laplacian, as polynomials of a given accuracy.
 #[derive(Clone, Debug)]
 pub struct Frame {
     laplacian: SymmetricMatrix,
@@ -85,16 +86,16 @@ pub struct Frame {
     pub kernels: Kernels,
     /// `p_i ≈ g_i`, all of one degree.
     pub polynomials: Vec<Polynomial>,
-    /// A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], from the kernels and the polynomials' errors.
+    /// A and B: bounds of `Σ p_i(λ)²` for λ in [0, λ_max], computed from the kernels and the polynomials' errors.
     pub bounds: (f64, f64),
 }
 
-/// Points of [0, λ_max] at which the bounds are taken.
+/// Number of points of [0, λ_max] at which the bounds are evaluated.
 const POINTS: usize = 20_000;
 
 impl Frame {
-    /// The frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0, λ_max], so
-    /// that coefficients are within `accuracy·‖f‖`.
+    /// Builds the frame of `kernels` on a positive semi-definite `laplacian`, each kernel within `accuracy` on [0,
+    /// λ_max], so that coefficients are within `accuracy·‖f‖`.
     ///
     /// # Errors
     /// [`SgwtError::Accuracy`], [`SgwtError::NoFrame`].
@@ -130,10 +131,10 @@ impl Frame {
         Ok(Self { laplacian, kernels, polynomials, bounds: (low, high) })
     }
 
-    /// `c_i = p_i(L) f`, one list a kernel. One recurrence for all kernels.
+    /// `c_i = p_i(L) f`, one list per kernel. All kernels share one recurrence.
     ///
     /// # Errors
-    /// [`SgwtError::Length`], when cancelled.
+    /// [`SgwtError::Length`]; [`SgwtError::Linalg`] if cancelled.
     pub fn analyze(&self, signal: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, SgwtError> {
         check(self.laplacian.n(), signal.len())?;
         Ok(chebyshev::apply(&self.laplacian, &self.polynomials, signal, progress)
@@ -143,7 +144,7 @@ impl Frame {
     /// `Σ_i p_i(L) c_i`, the adjoint of the analysis.
     ///
     /// # Errors
-    /// [`SgwtError::Length`], when cancelled.
+    /// [`SgwtError::Length`]; [`SgwtError::Linalg`] if cancelled.
     pub fn adjoint(&self, coefficients: &[Vec<f64>], progress: Progress<'_>) -> Result<Vec<f64>, SgwtError> {
         check(self.polynomials.len(), coefficients.len())?;
         for c in coefficients {
@@ -153,8 +154,8 @@ impl Frame {
             .map_err(LinalgError::from)?)
     }
 
-    /// The signal whose coefficients are nearest to these: conjugate gradients on `Σ p_i(L)²`, at most about
-    /// `½√(B/A)·ln(2/tolerance)` of them.
+    /// Reconstructs the signal whose coefficients are nearest to the given ones, by about `½√(B/A)·ln(2/tolerance)`
+    /// iterations of conjugate gradients on `Σ p_i(L)²`.
     ///
     /// # Errors
     /// [`SgwtError`] for wrong lengths, no convergence within the cap, or when cancelled.
@@ -168,11 +169,11 @@ impl Frame {
         let condition = (self.bounds.1 / self.bounds.0).sqrt();
         let cap = 50 + (condition * (2.0 / tolerance.max(1e-15)).ln()).min(1e5) as usize;
         let apply = |x: &[f64], y: &mut [f64]| {
-            // Not cancelled inside a step: the solver looks between steps.
+            // The solver checks for cancellation between its steps, so a step itself runs without a progress handle.
             let square = self
                 .analyze(x, Progress::none())
                 .and_then(|c| self.adjoint(&c, Progress::none()))
-                .expect("the lengths are right, and nothing cancels");
+                .expect("the lengths are right, and the step cannot be cancelled");
             y.copy_from_slice(&square);
         };
         Ok(conjugate_gradients(apply, &right, tolerance, cap, progress)?)
@@ -183,8 +184,8 @@ fn check(expected: usize, got: usize) -> Result<(), SgwtError> {
     if expected == got { Ok(()) } else { Err(SgwtError::Length { expected, got }) }
 }
 
-/// `Π^½ (I − Q) Π^(−½)` of a reversible `walk`, Q being its steps that are not lazy: symmetric, with its spectrum in [0, 2]; and `√(nπ)`,
-/// which a signal is multiplied by before and divided by after. O(entries).
+/// `Π^½ (I − Q) Π^(−½)` of a reversible `walk`, where Q is its non-lazy part: symmetric, with its spectrum in [0, 2].
+/// Also returns `√(nπ)`, by which a signal is multiplied before and divided after. O(entries).
 ///
 /// # Errors
 /// [`SgwtError::NotReversible`].
@@ -204,9 +205,9 @@ pub fn normalized_laplacian(walk: &Diffusion) -> Result<(SymmetricMatrix, Vec<f6
     Ok((SymmetricMatrix::from_halves(n, &entries)?, root))
 }
 
-/// An upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the largest
-/// Ritz value of 60 Lanczos steps and its residual. The latter is no proof, but the top of a spectrum is what Lanczos finds
-/// first, and the hundredth is room for what it may not have found.
+/// Upper bound of the largest eigenvalue, within about 1 %: the smaller of Gershgorin's bound and 1.01 times the sum
+/// of the largest Ritz value of 60 Lanczos steps and its residual. The latter is not a proof, but Lanczos finds the
+/// top of a spectrum first, and the 1 % leaves room for an error.
 pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
     const STEPS: usize = 60;
     const ROOM: f64 = 1.01;
@@ -214,7 +215,7 @@ pub fn largest_eigenvalue(matrix: &SymmetricMatrix) -> f64 {
     let row_sums = (0..n).map(|x| matrix.row(x).1.iter().map(|a| a.abs()).sum::<f64>());
     let gershgorin = row_sums.fold(0.0, f64::max);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    // The golden ratio's multiples have a part in every direction.
+    // Multiples of the golden ratio have a component in every direction.
     let mut w: Vec<f64> = (0..n).map(|i| ((i as f64 + 1.0) * 0.618_033_988_749_895).fract() - 0.5).collect();
     let (mut basis, mut diagonal, mut off): (Vec<Vec<f64>>, Vec<f64>, Vec<f64>) = Default::default();
     for _ in 0..STEPS.min(n) {

@@ -2,7 +2,7 @@ use super::*;
 use crate::laplacian::{Laplacian, LaplacianParams};
 use adwave::shape::{Graph, Shape};
 
-/// A grid with weights of its own on every edge.
+/// Grid whose edges all have different weights.
 fn grid(width: u32) -> SymmetricMatrix {
     let edges: Vec<_> = (0..width)
         .flat_map(|i| (0..width).map(move |j| (i, j)))
@@ -26,7 +26,8 @@ const FAMILIES: [KernelFamily; 4] =
 /// Twice the error of each of the two kernels that overlap.
 const TIGHT: f64 = 4e-6;
 
-/// The second derivative of the spline and of itersine jumps, so that a polynomial's error falls as 1/degree² only.
+/// The second derivative of the spline and of itersine jumps, so that the error of a polynomial falls only as
+/// 1/degree².
 fn accuracy(family: KernelFamily) -> f64 {
     if matches!(family, KernelFamily::Abspline | KernelFamily::Itersine) { 9e-7 } else { 1e-8 }
 }
@@ -55,10 +56,10 @@ fn polynomials_agree_with_the_exact_transform() {
         for (i, (a, b)) in a.iter().zip(&b).enumerate() {
             let error = distance(a, b) / norm(&f);
             assert!(error < 1e-6, "{family:?} {i}: {error:e}");
-            // The stated error holds.
+            // The reported error holds.
             assert!(error <= 1.01 * frame.polynomials[i].error + 1e-13, "{family:?} {i}: {error:e}");
         }
-        // The adjoint is the adjoint.
+        // The adjoint satisfies ⟨Wf, c⟩ = ⟨f, W*c⟩.
         let back = frame.adjoint(&b, Progress::none()).unwrap();
         let (left, right) = (
             b.iter().map(|c| norm(c).powi(2)).sum::<f64>(),

@@ -21,7 +21,7 @@ fn the_cycle_shows_the_gains() {
         }
         let (lambda, mu) = (0.33, -0.34);
         let gain = ((1.0 - lambda * eigenvalue) * (1.0 - mu * eigenvalue)).powi(7);
-        for (out, f) in lambda_mu(&k, &f, 1, (lambda, mu), 7).unwrap().iter().zip(&f) {
+        for (out, f) in lambda_mu(&k, &f, 1, LambdaMu { lambda, mu }, 7).unwrap().iter().zip(&f) {
             assert!((out - gain * f).abs() < 1e-12, "{frequency}");
         }
     }
@@ -32,7 +32,7 @@ fn the_windowed_sinc_passes_and_stops() {
     for pass_band in [0.05, 0.3, 1.0] {
         let filter = WindowedSinc::new(pass_band, 60).unwrap();
         assert!((filter.gain(0.0) - 1.0).abs() < 1e-13);
-        // VTK searches until the gain there is within 0.001 of 1.
+        // VTK searches until the gain at that frequency is within 0.001 of 1.
         assert!((filter.gain(pass_band) - 0.9995).abs() < 1e-9, "{}", filter.gain(pass_band));
         assert!(filter.gain(2.0).abs() < 0.01);
     }
@@ -45,7 +45,7 @@ fn half_the_gain_is_where_it_is_asked_for() {
         let filter = WindowedSinc::half_gain(frequency, degree).unwrap();
         assert!((filter.gain(frequency) - 0.5).abs() < 1e-9, "{frequency}: {}", filter.gain(frequency));
         assert!((filter.gain(0.0) - 1.0).abs() < 1e-13);
-        let (lambda, mu, iterations) = lambda_mu_with_half_gain(frequency);
+        let (LambdaMu { lambda, mu }, iterations) = lambda_mu_with_half_gain(frequency);
         assert!(lambda > 0.0 && mu < -lambda, "{frequency}: {mu}");
         let gain = ((1.0 - lambda * frequency) * (1.0 - mu * frequency)).abs().powf(iterations as f64);
         assert!((gain - 0.5).abs() < 1e-6, "{frequency}: {gain}");
@@ -54,7 +54,7 @@ fn half_the_gain_is_where_it_is_asked_for() {
 
 #[test]
 fn constants_stay_to_the_last_bit_and_noise_falls() {
-    let sample = Sample::by_name("sphere", Some(2000)).unwrap();
+    let sample = Sample::from_name("sphere", Some(2000)).unwrap();
     let n = sample.points.len();
     let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap());
     let k = Differential::new(&shape, Weights::Uniform).unwrap();
@@ -73,6 +73,6 @@ fn wrong_parameters_are_errors() {
             && WindowedSinc::new(0.1, 0).is_err()
     );
     let k = Differential::new(&Shape::Graph(Graph::new(1, &[]).unwrap()), Weights::Uniform).unwrap();
-    assert!(lambda_mu(&k, &[1.0], 1, (0.5, -0.4), 1).is_err());
-    assert_eq!(lambda_mu(&k, &[1.0], 1, (0.5, -0.6), 3).unwrap(), [1.0]);
+    assert!(lambda_mu(&k, &[1.0], 1, LambdaMu { lambda: 0.5, mu: -0.4 }, 1).is_err());
+    assert_eq!(lambda_mu(&k, &[1.0], 1, LambdaMu { lambda: 0.5, mu: -0.6 }, 3).unwrap(), [1.0]);
 }

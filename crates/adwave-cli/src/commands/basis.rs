@@ -145,7 +145,7 @@ fn write_matrices(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Resul
         })?;
         files.push(path);
     } else {
-        basis = basis.in_shape_order(vertex_map)?;
+        basis = basis.to_shape_order(vertex_map)?;
     }
     let extension = match format {
         MatrixFormat::Npz => "npz",

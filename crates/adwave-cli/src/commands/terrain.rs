@@ -30,7 +30,7 @@ pub(crate) fn parse_points(text: &str) -> Result<u64, String> {
 /// Writes `n` points into a file, or into several files in a folder.
 pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Result<(), CliError> {
     let is_file = match Format::from_path(output) {
-        Some(Format::Las | Format::Laz) => true,
+        Some(Format::LAS | Format::LAZ) => true,
         _ if output.is_dir() => false,
         None if output.extension().is_none() && output != Path::new("-") => false,
         _ => {

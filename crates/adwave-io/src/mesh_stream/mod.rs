@@ -1,8 +1,8 @@
-//! Meshes in portions: the vertices or the faces of a PLY or OBJ in the order of the file, for those that do not fit in memory, and
-//! the same file written again with other coordinates.
+//! Streaming of meshes that do not fit in memory: the vertices or the faces of a PLY or OBJ in the order of the file,
+//! and rewriting of the file with new coordinates.
 //!
-//! What is in memory at a time does not depend on the size of the file, nor on what a header says about it. A row, an error and
-//! what is kept of the file are those of the readers that read a file whole; both use the same parsers.
+//! The memory does not depend on the size of the file, nor on numbers in its header. Rows, errors and kept content
+//! are the same as for files read at once; both use the same parsers.
 
 mod obj;
 mod ply;
@@ -22,7 +22,7 @@ use obj::ObjStream;
 use ply::PlyStream;
 use window::Window;
 
-/// The vertices or the faces of a PLY or OBJ, read in portions in the order of the file.
+/// Reader of the vertices or the faces of a PLY or OBJ, in blocks in the order of the file.
 ///
 /// ```
 /// use adwave::shape::Polygons;
@@ -49,21 +49,22 @@ pub(in crate::mesh_stream) enum Source {
 }
 
 impl MeshReader {
-    /// Opens a file: a PLY by its first bytes, an OBJ by its ending.
+    /// Opens a file: a PLY is identified by its first bytes, an OBJ by its extension.
     ///
     /// # Errors
-    /// One line that begins with the file's name: it cannot be read, is no PLY or OBJ, or its header is broken.
+    /// The file cannot be read, is not a PLY or OBJ, or its header is damaged. The message is one line that begins
+    /// with the file's name.
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let source = Source::open(path).map_err(|e| e.in_file(path))?;
         Ok(Self { path: path.to_path_buf(), source })
     }
 
-    /// Whether the file can hold values at its vertices: a PLY can.
+    /// True if the file can store values at its vertices, as a PLY can.
     pub fn holds_fields(&self) -> bool {
         matches!(self.source, Source::Ply(_))
     }
 
-    /// How many faces there are: of a PLY those that its header promises, a strip being one, of an OBJ those that went by so far.
+    /// Number of faces: for a PLY that of its header, where a strip counts as one; for an OBJ the number read so far.
     pub fn n_faces(&self) -> u64 {
         match &self.source {
             Source::Ply(ply) => ply.n_faces(),
@@ -71,10 +72,10 @@ impl MeshReader {
         }
     }
 
-    /// Appends the next vertices, some ten thousand, in model units; `false` when there were none left.
+    /// Appends the next vertices, about ten thousand, in model units; returns `false` at the end.
     ///
     /// # Errors
-    /// One line that begins with the file's name and says where it is broken or ends early.
+    /// The file is damaged or ends early; the message is one line with the file's name and the position.
     pub fn vertices(&mut self, points: &mut Vec<[f64; 3]>) -> Result<bool, ReadError> {
         let read = match &mut self.source {
             Source::Ply(ply) => ply.vertices(points),
@@ -83,11 +84,11 @@ impl MeshReader {
         read.map_err(|e| e.in_file(&self.path))
     }
 
-    /// Appends the next faces, some ten thousand, of a mesh of `n_vertices` vertices; `false` when there were none left. Strips
-    /// come as triangles. Of one reader either vertices are asked for or faces.
+    /// Appends the next faces, about ten thousand, of a mesh with `n_vertices` vertices; returns `false` at the end.
+    /// Strips become triangles. One reader serves either vertices or faces.
     ///
     /// # Errors
-    /// As [`vertices`](Self::vertices), and where a face names a vertex that is not there.
+    /// The errors of [`vertices`](Self::vertices), and a face that names a vertex that does not exist.
     pub fn faces(&mut self, n_vertices: u64, faces: &mut Polygons) -> Result<bool, ReadError> {
         let read = match &mut self.source {
             Source::Ply(ply) => ply.faces(n_vertices, faces),
@@ -108,12 +109,13 @@ impl Source {
                 && memchr::memchr(b'\n', window.rest()).is_none()
             {
                 return Err(ReadError::Whole(
-                    "has lines that end with a carriage return alone; write it again first (adwave convert IN -o OUT.obj)"
+                    "lines must not end with a carriage return alone; write the file again first (adwave \
+                    convert IN -o OUT.obj)"
                         .into(),
                 ));
             }
             return Ok(Self::Obj(Box::new(ObjStream::new(window))));
         }
-        Err(ReadError::Whole("is no PLY or OBJ: it does not begin with `ply`; give one".into()))
+        Err(ReadError::Whole("the file must be a PLY, which begins with `ply`, or an OBJ".into()))
     }
 }

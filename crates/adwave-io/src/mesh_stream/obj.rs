@@ -1,26 +1,26 @@
-//! The statements of an OBJ in portions.
+//! Statements of an OBJ in blocks.
 
 use adwave::shape::Polygons;
 use rayon::prelude::*;
 
 use super::window::Window;
 use crate::ReadError;
-use crate::obj::read::{Chunk, corner_as_written, cut, logical_end, parse_chunk, resolve_relative};
+use crate::formats::obj::read::{Chunk, corner_as_written, cut, logical_end, parse_chunk, resolve_relative};
 
 pub(in crate::mesh_stream) struct ObjStream {
     pub(super) window: Window,
-    /// Vertices, texture coordinates and normals that went by: what indices that count backwards count from.
+    /// Numbers of vertices, texture coordinates and normals read so far: the base of negative indices.
     before: [i64; 3],
     n_faces: u64,
     n_flat: u64,
-    /// The line of the first vertex without z.
+    /// Line of the first vertex without z.
     flat: Option<u64>,
 }
 
-/// Statements that are in the window.
+/// Statements in the window.
 pub(super) struct Statements {
     pub(super) chunks: Vec<Chunk>,
-    /// The bytes that they take.
+    /// Size of the statements in bytes.
     pub(super) n_bytes: usize,
 }
 
@@ -33,7 +33,8 @@ impl ObjStream {
         self.n_faces
     }
 
-    /// The next statements, whole; `None` at the end, where it is known whether each vertex has a z, or none.
+    /// Reads the next complete statements; `None` at the end, where it is known whether all vertices have a z or
+    /// none.
     pub(super) fn statements(&mut self) -> Result<Option<Statements>, ReadError> {
         let n_bytes = loop {
             let n_bytes = whole_statements(&self.window);
@@ -43,7 +44,7 @@ impl ObjStream {
             if self.window.is_end() {
                 return match self.flat.filter(|_| self.n_flat < self.before[0].unsigned_abs()) {
                     Some(line) => {
-                        let message = "a vertex has 2 numbers and needs 3; add the missing ones".to_string();
+                        let message = "a vertex needs 3 numbers, got 2; add the missing ones".to_string();
                         Err(ReadError::Line { line, message })
                     }
                     None => Ok(None),
@@ -99,7 +100,7 @@ impl ObjStream {
     }
 }
 
-/// Bytes of the window up to the end of its last line that is not continued.
+/// Size of the window up to the end of its last line without a continuation, in bytes.
 fn whole_statements(window: &Window) -> usize {
     let bytes = window.rest();
     if window.is_end() {

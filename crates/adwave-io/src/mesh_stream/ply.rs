@@ -1,27 +1,34 @@
-//! The rows of a PLY in portions.
+//! Rows of a PLY in blocks.
 
 use adwave::Progress;
 use adwave::shape::Polygons;
 
 use super::window::Window;
-use crate::field::{ByteOrder, Number};
-use crate::ply::body::Body;
-use crate::ply::fixed::{FaceLayout, whole};
-use crate::ply::header::{Element, Encoding, Header, Kind, parse_header};
-use crate::ply::read::{check_axes, corner_list, strip_triangles};
+use crate::formats::ply::body::Body;
+use crate::formats::ply::fixed::{FaceLayout, whole};
+use crate::formats::ply::header::{Element, Encoding, Header, Kind, parse_header};
+use crate::formats::ply::read::{check_axes, corner_list, strip_triangles};
+use crate::model::field::{ByteOrder, Number};
 use crate::{ReadError, ValueType};
 
-/// Rows that are read at once.
+/// Largest number of rows read at a time.
 const MOST_ROWS: u64 = 1 << 16;
+
+/// Whole rows at the beginning of the window.
+#[derive(Clone, Copy)]
+pub(super) struct RowSpan {
+    pub(super) n: u64,
+    pub(super) n_bytes: usize,
+}
 
 pub(in crate::mesh_stream) struct PlyStream {
     pub(super) window: Window,
     pub(super) header: Header,
-    /// The bytes of the header.
+    /// Bytes of the header.
     pub(super) head: Vec<u8>,
-    /// Which element the vertices are.
+    /// Index of the vertex element.
     pub(super) vertex: Option<usize>,
-    /// The element that is read, and its next row.
+    /// Index of the current element, and its next row.
     element: usize,
     row: u64,
 }
@@ -32,7 +39,7 @@ impl PlyStream {
             match parse_header(window.rest()) {
                 Ok(header) => break header,
                 Err(error) if window.is_end() => return Err(error),
-                // A line may have been cut.
+                // The last line may be truncated.
                 Err(_) => window.more()?,
             }
         };
@@ -50,12 +57,12 @@ impl PlyStream {
         self.header.elements.iter().filter(are_faces).map(|e| e.n_rows).sum()
     }
 
-    /// The next rows, whole and in the window: how many, and of how many bytes. None at the end of the element.
-    pub(super) fn rows(&mut self) -> Result<(u64, usize), ReadError> {
+    /// The next rows, whole and in the window; none at the end of the element.
+    pub(super) fn rows(&mut self) -> Result<RowSpan, ReadError> {
         let element = &self.header.elements[self.element];
         let most = (element.n_rows - self.row).min(MOST_ROWS);
         if most == 0 || element.properties.is_empty() {
-            return Ok((most, 0));
+            return Ok(RowSpan { n: most, n_bytes: 0 });
         }
         loop {
             let bytes = match self.header.encoding {
@@ -75,10 +82,10 @@ impl PlyStream {
                 }
             };
             match failed {
-                _ if n > 0 => return Ok((n, end)),
-                None => return Ok((0, 0)),
+                _ if n > 0 => return Ok(RowSpan { n, n_bytes: end }),
+                None => return Ok(RowSpan { n: 0, n_bytes: 0 }),
                 Some(error) => {
-                    // A list may promise more than the file has.
+                    // A list may state more items than the file has.
                     let is_cut = |needed: u64| {
                         self.window.position().saturating_add(needed) > self.window.n_bytes() + 1
                     };
@@ -93,13 +100,13 @@ impl PlyStream {
         }
     }
 
-    /// `n` rows of `bytes` bytes are done with.
-    pub(super) fn consume(&mut self, (n, bytes): (u64, usize)) {
-        self.row += n;
-        self.window.consume(bytes);
+    /// These rows are done with.
+    pub(super) fn consume(&mut self, rows: RowSpan) {
+        self.row += rows.n;
+        self.window.consume(rows.n_bytes);
     }
 
-    /// Goes to the first row of the next element that `is_wanted`; `false` where there is none.
+    /// Moves to the first row of the next element for which `is_wanted`; `false` if there is none.
     pub(super) fn seek(&mut self, is_wanted: impl Fn(usize, &Element) -> bool) -> Result<bool, ReadError> {
         while let Some(element) = self.header.elements.get(self.element) {
             if self.row < element.n_rows && is_wanted(self.element, element) {
@@ -142,7 +149,8 @@ impl PlyStream {
     }
 
     /// The coordinates of rows of vertices.
-    fn points(&self, (n, n_bytes): (u64, usize), points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
+    fn points(&self, rows: RowSpan, points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
+        let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];
         let axes = ["x", "y", "z"].map(|axis| element.property(axis).unwrap_or(0));
         let bytes = &self.window.rest()[..n_bytes];
@@ -193,12 +201,8 @@ impl PlyStream {
     }
 
     /// The corners of rows of faces or strips.
-    fn corners(
-        &self,
-        (n, n_bytes): (u64, usize),
-        n_vertices: u64,
-        faces: &mut Polygons,
-    ) -> Result<(), ReadError> {
+    fn corners(&self, rows: RowSpan, n_vertices: u64, faces: &mut Polygons) -> Result<(), ReadError> {
+        let RowSpan { n, n_bytes } = rows;
         let element = &self.header.elements[self.element];
         let (corners, are_strips) = (corner_list(element), element.name == "tristrips");
         let layout = corners
@@ -243,14 +247,14 @@ impl PlyStream {
         Ok(())
     }
 
-    /// Where a row begins, of which the one before ends at `start` in the window.
+    /// Start of a row whose predecessor ends at `start` in the window.
     fn first_byte(&self, start: usize) -> usize {
         let blanks = self.window.rest()[start..].iter().take_while(|b| b.is_ascii_whitespace()).count();
         if self.header.encoding == Encoding::Ascii { start + blanks } else { start }
     }
 }
 
-/// Passes over a row of numbers at once, over others by what they hold.
+/// Skips a row: at once if it has only numbers, else by its content.
 fn skip_row(body: &mut Body<'_>, element: &Element, row: u64) -> Result<(), ReadError> {
     if let Some(row_bytes) = fixed_bytes(element, body.encoding)
         && (body.bytes.len() - body.position) as u64 >= row_bytes
@@ -261,7 +265,7 @@ fn skip_row(body: &mut Body<'_>, element: &Element, row: u64) -> Result<(), Read
     body.skip_row(element, row)
 }
 
-/// Bytes of each row, where these are the same for all.
+/// Size of each row in bytes, if it is the same for all rows.
 fn fixed_bytes(element: &Element, encoding: Encoding) -> Option<u64> {
     let is_number = |kind| matches!(kind, Kind::Scalar(_));
     let is_fixed = element.properties.is_empty()
@@ -269,7 +273,7 @@ fn fixed_bytes(element: &Element, encoding: Encoding) -> Option<u64> {
     is_fixed.then(|| element.min_row_bytes(encoding))
 }
 
-/// The type of a property, and where it begins in a row of numbers.
+/// Type of a property and its offset in a row of numbers.
 fn place_in_row(element: &Element, property: usize) -> (ValueType, usize) {
     let kind = |p: usize| match element.properties[p].kind {
         Kind::Scalar(t) | Kind::List { item: t, .. } => t,
@@ -289,7 +293,8 @@ fn number(bytes: &[u8], t: ValueType, order: ByteOrder) -> f64 {
     }
 }
 
-/// The corners of the face that `bytes` begin with, and the bytes of its row; nothing where one of them is no vertex.
+/// Reads the corners of the face at the start of `bytes` and returns the size of its row; `None` if a corner is not a
+/// vertex.
 fn read_fixed(bytes: &[u8], layout: &FaceLayout, n_vertices: u64, face: &mut Vec<u32>) -> Option<usize> {
     let n_corners = layout.n_corners(bytes)?;
     let row_bytes = layout.row_bytes(n_corners)?;

@@ -1,4 +1,4 @@
-//! A mesh written again, in portions: other coordinates, and for a PLY new properties of its vertices.
+//! Rewriting of a mesh in blocks: new coordinates, and for a PLY new properties of its vertices.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -9,19 +9,19 @@ use adwave::Progress;
 use super::Source;
 use super::obj::ObjStream;
 use super::ply::PlyStream;
-use crate::original::{RowEdit, Separator, TextRows};
-use crate::ply::header::Element;
-use crate::ply::update::{RowWriter, write_header};
+use crate::formats::ply::header::Element;
+use crate::formats::ply::update::{RowWriter, write_header};
+use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
 /// What [`rewrite_mesh`] asks for: the new coordinates of the next vertices, and their values of each new field.
 pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Result<(), E> + 'a;
 
-/// Writes a PLY or OBJ again in its own format. Coordinates are replaced in the type that they had, `fields` become the last
-/// properties of the vertices, as 32-bit floats, and everything else stays byte for byte as it is. How many vertices there were.
+/// Writes a PLY or OBJ again in its own format. Coordinates are replaced in their own type, `fields` become the last
+/// properties of the vertices, as 32-bit floats, and all other bytes stay unchanged. Returns the number of vertices.
 ///
-/// `edit` is called with the next vertices, some ten thousand. Their coordinates come in as NaN: those that are NaN afterwards stay as they
-/// are in the file. The values of each field come in as 0.
+/// `edit` is called with the next vertices, about ten thousand. Their coordinates are NaN initially; those that are
+/// still NaN afterwards stay unchanged in the file. The values of each field are 0 initially.
 ///
 /// ```
 /// use adwave::Progress;
@@ -39,7 +39,7 @@ pub type VertexEdit<'a, E> = dyn FnMut(&mut [[f64; 3]], &mut [Vec<f32>]) -> Resu
 /// ```
 ///
 /// # Errors
-/// Those of `edit`, those of reading and of writing, and fields of an OBJ, which has none.
+/// The errors of `edit`, of reading and of writing, and fields for an OBJ, which cannot store any.
 pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
     path: &Path,
     fields: &[String],
@@ -51,7 +51,7 @@ pub fn rewrite_mesh<E: From<ReadError> + From<WriteError>>(
         Source::Ply(ply) => Rewriter { path, fields, out, progress }.ply(*ply, edit),
         Source::Obj(_) if !fields.is_empty() => {
             let what = format!("the vertex field `{}`", fields[0]);
-            Err(WriteError::CannotHold { format: Format::Obj, what }.into())
+            Err(WriteError::CannotHold { format: Format::OBJ, what }.into())
         }
         Source::Obj(obj) => Rewriter { path, fields, out, progress }.obj(*obj, edit),
     }
@@ -83,8 +83,7 @@ impl Rewriter<'_> {
         let dropped: Vec<bool> = element.properties.iter().map(|p| is_replaced(&p.name)).collect();
         let none = self.portion(0);
         let lines: Vec<&Field> = none.iter().collect();
-        let header = (&ply.head[..], &ply.header);
-        write_header(header, vertex, &dropped, &lines, self.out).map_err(WriteError::from)?;
+        write_header(&ply.head, &ply.header, vertex, &dropped, &lines, self.out).map_err(WriteError::from)?;
         let mut n = 0;
         // Elements before the vertices.
         let has_rows = ply.seek(|e, _| e == vertex).map_err(|e| self.read_error(e))?;
@@ -96,7 +95,7 @@ impl Rewriter<'_> {
             self.progress.step(n, element.n_rows).map_err(WriteError::from)?;
             let rows = ply.rows().map_err(|e| self.read_error(e))?;
             points.clear();
-            points.resize(rows.0 as usize, [f64::NAN; 3]);
+            points.resize(rows.n as usize, [f64::NAN; 3]);
             let mut values = vec![vec![0.0; points.len()]; self.fields.len()];
             edit(&mut points, &mut values)?;
             let mut portion = self.portion(0);
@@ -104,16 +103,17 @@ impl Rewriter<'_> {
                 field.values = FieldValues::F32(values);
             }
             let portion: Vec<&Field> = portion.iter().collect();
-            let mut body = ply.body(&ply.window.rest()[..rows.1]);
+            let mut body = ply.body(&ply.window.rest()[..rows.n_bytes]);
             text.clear();
             for (i, point) in points.iter().enumerate() {
                 let point = point.map(|x| (!x.is_nan()).then_some(x));
-                let pushed = writer.push(&mut body, n + i as u64, point, (&portion, i), &mut text);
+                let pushed = writer.push(&mut body, n + i as u64, point, &mut text);
                 pushed.map_err(|e| self.read_error(e))?;
+                writer.push_fields(&portion, i, &mut text);
             }
             self.out.write_all(&text).map_err(WriteError::from)?;
             ply.consume(rows);
-            n += rows.0;
+            n += rows.n;
         }
         if has_rows {
             self.copy(ply.window.position(), ply.window.n_bytes()).map_err(WriteError::from)?;
@@ -121,7 +121,7 @@ impl Rewriter<'_> {
         Ok(n)
     }
 
-    /// The new fields, without values.
+    /// Creates the new fields of `n` vertices, without values.
     fn portion(&self, n: usize) -> Vec<Field> {
         let field = |name: &String| Field {
             name: name.clone(),
@@ -164,7 +164,7 @@ impl Rewriter<'_> {
 
     /// Copies bytes `from..to` of the file.
     fn copy(&mut self, from: u64, to: u64) -> std::io::Result<()> {
-        /// Bytes between two questions whether to stop.
+        /// Bytes copied between two checks for cancellation.
         const AT_A_TIME: u64 = 1 << 24;
         let mut file = File::open(self.path)?;
         file.seek(SeekFrom::Start(from))?;

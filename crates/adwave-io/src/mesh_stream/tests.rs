@@ -1,4 +1,4 @@
-//! Portions against the readers and writers of whole files.
+//! Tests of streaming against the readers and writers of whole files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use adwave::shape::Polygons;
 use super::{MeshReader, rewrite_mesh};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, read_path, write_bytes};
 
-/// What portions say of a file.
+/// Reads a file in blocks.
 fn portions(path: &Path) -> Result<(Vec<[f64; 3]>, Polygons), ReadError> {
     let (mut points, mut faces) = (Vec::new(), Polygons::new());
     let mut reader = MeshReader::open(path)?;
@@ -28,7 +28,7 @@ property int vertex2\r\nelement tristrips 1\r\nproperty list int int vertex_indi
 const OBJ: &str = "# a comment that ends in \\\nmtllib a.mtl\no one\nv 0.10 0 0\nv 1.50 0 -0 0.5 0.25 1 # red\nvt 0 0\nvt 1 0\nvn 0 0 1\nv 1 \\\n 1.000 1e0\n\
 f 1/1/1 2/2/1 3/1/1\nusemtl x\nv 0 1 .5\nf -1 -2 \\\n  1 2\ng more\nf 5 1 2\nl 1 2\nv 9 9 9\ns off\n";
 
-/// The same rows as `TEXT`, of numbers in one of the two byte orders, without lists of vertices where `is_fixed`.
+/// The rows of `TEXT` as numbers in one of the two byte orders, without lists of vertices if `is_fixed`.
 fn binary(is_big: bool, is_fixed: bool) -> Vec<u8> {
     let order = if is_big { "big" } else { "little" };
     let tags = if is_fixed { "" } else { "property list uchar short tags\n" };
@@ -106,11 +106,11 @@ fn what_is_cut_or_wrong_is_an_error_in_one_line_as_it_is_for_the_whole() {
         ("text.ply", "4 0 1 2 3", "4 0 1 2 9", "line 30: face 1 names vertex 9, but there are 5"),
         ("text.ply", "3 1 1.000", "3 x 1.000", "line 26: \"x\" is no float"),
         ("text.ply", "7 0 1 2 3", "7 0 1 2 6", "line 34: face 0 names vertex 6"),
-        ("text.ply", "0.25 4 0", "0.25 -4 0", "line 30: a list has the length -4"),
+        ("text.ply", "0.25 4 0", "0.25 -4 0", "line 30: the length of a list is invalid: -4"),
         ("text.ply", "0.25 4 0", "0.25 2000000 0", "get the whole file"),
         ("a.obj", "f 5 1 2", "f 8 1 2", "line 17: face 2 names vertex 8, but there are 5"),
         ("a.obj", "f 5 1 2", "f -9 1 2", "line 17: face 2 names vertex -9"),
-        ("a.obj", "v 9 9 9", "v 9 9", "line 19: a vertex has 2 numbers and needs 3"),
+        ("a.obj", "v 9 9 9", "v 9 9", "line 19: a vertex needs 3 numbers, got 2"),
         ("a.obj", "v 0 1 .5", "v 0 a .5", "line 13: a vertex has \"a\""),
     ] {
         let text = if name == "a.obj" { OBJ } else { TEXT };
@@ -176,7 +176,7 @@ fn other_files_and_fields_of_an_obj_are_refused() {
     let refused = rewrite_mesh(&path, &["w".into()], &mut Vec::new(), Progress::none(), &mut |_, _| {
         Ok::<(), Failure>(())
     });
-    assert!(refused.unwrap_err().to_string().contains("cannot hold"));
+    assert!(refused.unwrap_err().to_string().contains("cannot store"));
     let path = folder.path().join("a.off");
     std::fs::write(&path, "OFF\n0 0 0\n").unwrap();
     assert!(MeshReader::open(&path).err().unwrap().to_string().contains("is no PLY or OBJ"));
@@ -187,7 +187,7 @@ fn other_files_and_fields_of_an_obj_are_refused() {
     assert!(portions(&path).unwrap_err().to_string().contains("no number `y`"));
 }
 
-/// Files of other programs, all but the largest.
+/// Files of other programs, except the largest.
 #[adwave_test_data::data_test]
 fn portions_are_the_whole_on_real_files() {
     const MOST_BYTES: u64 = 400_000;
@@ -212,7 +212,7 @@ fn portions_are_the_whole_on_real_files() {
                 continue;
             };
             // Some have the name of another format.
-            if !whole.format().is_some_and(|f| [Format::Ply, Format::PlyAscii, Format::Obj].contains(&f)) {
+            if !whole.format().is_some_and(|f| matches!(f, Format::PLY | Format::PLY_ASCII | Format::OBJ)) {
                 continue;
             }
             let (points, faces) = portions(&path).unwrap_or_else(|e| panic!("{e}"));

@@ -1,4 +1,4 @@
-//! A file that is looked at through a window which moves on.
+//! Moving window over a file.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -7,23 +7,23 @@ use std::path::Path;
 use crate::ReadError;
 use crate::text::{is_space, line_of};
 
-/// Bytes that are read at once; in tests so few that everything is cut somewhere.
+/// Bytes read at a time; in tests so few that every element is split somewhere.
 const STEP: u64 = if cfg!(test) { 64 } else { 1 << 22 };
-/// A row that is longer is none that a program has written.
+/// Largest size of a row in bytes.
 const MOST_IN_A_ROW: usize = 1 << 28;
 
-/// Some bytes of a file, from those on that are not done with.
+/// Bytes of a file from the first one still in use.
 pub(super) struct Window {
     file: File,
     bytes: Vec<u8>,
-    /// Where in `bytes` begins what is not done with.
+    /// Start of the bytes in use within `bytes`.
     start: usize,
-    /// Bytes of the file before `bytes`.
+    /// Number of bytes of the file before `bytes`.
     before: u64,
-    /// Line ends among these, where lines are counted.
+    /// Number of line ends before `bytes`, if lines are counted.
     lines: u64,
     counts_lines: bool,
-    /// Bytes of the file.
+    /// Size of the file in bytes.
     n_bytes: u64,
 }
 
@@ -32,7 +32,7 @@ impl Window {
         let file = File::open(path)?;
         let metadata = file.metadata()?;
         if !metadata.is_file() {
-            return Err(ReadError::Whole("is no regular file; give a PLY or OBJ".into()));
+            return Err(ReadError::Whole("the file must be a regular PLY or OBJ file".into()));
         }
         if metadata.len() == 0 {
             return Err(ReadError::Empty);
@@ -44,22 +44,22 @@ impl Window {
         Ok(window)
     }
 
-    /// From here on bytes are no text.
+    /// Stops counting lines, because the following bytes are binary.
     pub(super) fn without_lines(&mut self) {
         self.counts_lines = false;
     }
 
-    /// What is in the window and not done with.
+    /// Bytes of the window that are in use.
     pub(super) fn rest(&self) -> &[u8] {
         &self.bytes[self.start..]
     }
 
-    /// The first `n` bytes of the rest, in a list of their own.
+    /// Copies the first `n` bytes of the rest.
     pub(super) fn to_vec(&self, n: usize) -> Vec<u8> {
         self.rest()[..n].to_vec()
     }
 
-    /// As much of the rest as ends behind a whole word.
+    /// Part of the rest that ends after a complete word.
     pub(super) fn words(&self) -> &[u8] {
         let rest = self.rest();
         if self.is_end() {
@@ -68,12 +68,12 @@ impl Window {
         &rest[..rest.iter().rposition(|&b| is_space(b)).map_or(0, |last| last + 1)]
     }
 
-    /// Whether nothing of the file comes after the window.
+    /// True if the window extends to the end of the file.
     pub(super) fn is_end(&self) -> bool {
         self.before + self.bytes.len() as u64 >= self.n_bytes
     }
 
-    /// Bytes of the file before the rest.
+    /// Number of bytes of the file before the rest.
     pub(super) fn position(&self) -> u64 {
         self.before + self.start as u64
     }
@@ -82,12 +82,12 @@ impl Window {
         self.n_bytes
     }
 
-    /// The first `n` bytes of the rest are done with.
+    /// Releases the first `n` bytes of the rest.
     pub(super) fn consume(&mut self, n: usize) {
         self.start += n;
     }
 
-    /// Passes over `n` bytes of the file; whether there are so many.
+    /// Skips `n` bytes of the file; returns false if there are fewer.
     pub(super) fn skip(&mut self, n: u64) -> Result<bool, ReadError> {
         if n <= self.rest().len() as u64 {
             self.consume(n as usize);
@@ -103,7 +103,7 @@ impl Window {
         Ok(true)
     }
 
-    /// Makes the window longer, at the cost of what is done with.
+    /// Extends the window and drops released bytes.
     pub(super) fn more(&mut self) -> Result<(), ReadError> {
         if self.counts_lines {
             self.lines += line_of(&self.bytes, self.start) - 1;
@@ -118,13 +118,13 @@ impl Window {
         let wanted = STEP.max(held as u64);
         let n = (&self.file).take(wanted).read_to_end(&mut self.bytes)?;
         if (n as u64) < wanted {
-            // It may be shorter by now, or longer.
+            // The file may have become shorter or longer.
             self.n_bytes = self.before + self.bytes.len() as u64;
         }
         Ok(())
     }
 
-    /// `line 12` or `byte 345`, of a place in the rest.
+    /// `line 12` or `byte 345` for an offset in the rest.
     pub(super) fn place(&self, at: usize) -> String {
         if self.counts_lines {
             format!("line {}", self.line(at))
@@ -133,12 +133,12 @@ impl Window {
         }
     }
 
-    /// The line, from 1, of a place in the rest.
+    /// Line number, from 1, of an offset in the rest.
     pub(super) fn line(&self, at: usize) -> u64 {
         self.lines + line_of(&self.bytes, self.start + at)
     }
 
-    /// An error whose lines and bytes are counted in the rest, as they are counted in the file.
+    /// Converts lines and bytes in an error from the rest to the file.
     pub(super) fn placed(&self, error: ReadError) -> ReadError {
         let position = self.position();
         match error {

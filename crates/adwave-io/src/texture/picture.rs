@@ -1,26 +1,26 @@
-//! A picture that can be sampled between its pixels.
+//! Picture with interpolation between pixels.
 
 use std::io::Cursor;
 use std::path::Path;
 
-use super::TextureError;
 use crate::error::kind_of_io;
+use crate::model::texture::TextureError;
 use crate::text::one_line;
 use adwave::ErrorKind;
 use image::{ImageError, ImageReader, RgbImage};
 
-/// No picture is wider or higher.
+/// Largest width or height of a picture.
 const LARGEST_SIDE: u32 = 1 << 16;
-/// No picture takes more bytes when it is unpacked.
+/// Largest decoded size of a picture in bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// A texture.
-pub(super) struct Picture {
+pub(crate) struct Picture {
     pixels: RgbImage,
 }
 
 impl Picture {
-    pub(super) fn open(path: &Path) -> Result<Self, TextureError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, TextureError> {
         let name = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|e| TextureError::Picture {
             path: name.clone(),
@@ -31,7 +31,7 @@ impl Picture {
     }
 
     /// A picture in memory, called so in errors.
-    pub(super) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
+    pub(crate) fn of_bytes(bytes: &[u8], name: &str) -> Result<Self, TextureError> {
         let wrong = |kind, cause: String| TextureError::Picture { path: name.to_owned(), cause, kind };
         let mut reader = ImageReader::new(Cursor::new(bytes))
             .with_guessed_format()
@@ -42,18 +42,18 @@ impl Picture {
         reader.limits(limits);
         let pixels = reader.decode().map_err(|e| wrong(kind_of(&e), one_line(&e)))?.into_rgb8();
         if pixels.width() == 0 || pixels.height() == 0 {
-            return Err(wrong(ErrorKind::Input, "it has no pixels".into()));
+            return Err(wrong(ErrorKind::Input, "the picture has no pixels".into()));
         }
         Ok(Self { pixels })
     }
 
     /// The color at (u, v), channels in [0, 1]; NaN where u or v is not finite.
-    pub(super) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
+    pub(crate) fn sample(&self, u: f64, v: f64) -> [f64; 3] {
         if !(u.is_finite() && v.is_finite()) {
             return [f64::NAN; 3];
         }
         let (width, height) = self.pixels.dimensions();
-        // Pixel centers lie half a pixel in.
+        // Pixel centers are half a pixel inside.
         let x = u.rem_euclid(1.0) * f64::from(width) - 0.5;
         let y = (1.0 - v).rem_euclid(1.0) * f64::from(height) - 0.5;
         let (left, top) = (x.floor(), y.floor());
@@ -71,7 +71,7 @@ impl Picture {
 
 fn kind_of(error: &ImageError) -> ErrorKind {
     match error {
-        // The picture ends too early.
+        // The picture is truncated.
         ImageError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => ErrorKind::Input,
         ImageError::IoError(e) => kind_of_io(e),
         ImageError::Limits(_) => ErrorKind::Memory,

@@ -1,24 +1,24 @@
-//! A writer of small COPC and LAS files for tests and fuzzing: points on a spiral, three levels, with extra bytes and a coordinate
-//! system.
+//! Writer of small COPC and LAS files for tests and fuzzing: points on a spiral, three levels, with extra bytes and a
+//! coordinate system.
 
 use laz::laszip::{ChunkTable, ChunkTableEntry};
 use laz::record::{LayeredPointRecordCompressor, RecordCompressor as _};
 use laz::{LazItemRecordBuilder, LazVlr, LazVlrBuilder};
 use std::collections::BTreeMap;
 
-/// Bytes of a record: point format 6 and a 32-bit float.
+/// Size of a record in bytes: point format 6 and a 32-bit float.
 pub(crate) const RECORD: usize = 34;
-/// The size of a step of the coordinates.
+/// Size of a step of the coordinates.
 pub(crate) const SCALE: f64 = 0.01;
-/// What step 0 stands for.
+/// Coordinates of step 0.
 pub(crate) const OFFSET: [f64; 3] = [1000.0, 2000.0, 0.0];
-/// The least corner of the octree.
+/// Lowest corner of the octree.
 pub(crate) const LOW: [f64; 3] = [990.0, 1990.0, -10.0];
-/// The side of its cube.
+/// Side of its cube.
 pub(crate) const SIDE: f64 = 20.0;
-/// The spacing of level 0.
+/// Spacing of level 0.
 pub(crate) const SPACING: f64 = 4.0;
-/// The coordinate system.
+/// Coordinate system.
 pub(crate) const WKT: &str = "LOCAL_CS[\"somewhere\",UNIT[\"metre\",1]]";
 
 /// Level, x, y and z of a node.
@@ -36,14 +36,14 @@ pub(crate) fn point(i: usize) -> [f64; 3] {
     [0, 1, 2].map(|a| f64::from(steps[a]) * SCALE + OFFSET[a])
 }
 
-/// The node of point `i`: one in eight in level 0, one in eight in level 1, the others in level 2.
+/// Node of point `i`: one in eight in level 0, one in eight in level 1, the others in level 2.
 pub(crate) fn node(i: usize) -> Key {
     let depth = [0, 1, 2, 2, 2, 2, 2, 2][i % 8];
     let place = [0, 1, 2].map(|a| ((point(i)[a] - LOW[a]) / SIDE * f64::from(1 << depth)) as u32);
     [depth, place[0], place[1], place[2]]
 }
 
-/// The record of point `i`: its intensity is `i`, its extra bytes are `i / 2`.
+/// Record of point `i`: its intensity is `i`, its extra bytes are `i / 2`.
 pub(crate) fn record(i: usize) -> [u8; RECORD] {
     let mut record = [0; RECORD];
     for (a, steps) in steps(i).into_iter().enumerate() {
@@ -71,7 +71,7 @@ fn variable_record(user: &str, id: u16, content: &[u8]) -> Vec<u8> {
     record
 }
 
-/// The records of the coordinate system and the extra bytes.
+/// Records of the coordinate system and the extra bytes.
 fn descriptions() -> Vec<Vec<u8>> {
     let mut extra = vec![0; 192];
     extra[2] = 9;
@@ -80,7 +80,7 @@ fn descriptions() -> Vec<Vec<u8>> {
     vec![variable_record("LASF_Projection", 2112, &wkt), variable_record("LASF_Spec", 4, &extra)]
 }
 
-/// A header of version 1.4 for these points, and the records behind it.
+/// Header of version 1.4 for these points, followed by the records.
 fn head(points: &[usize], records: &[Vec<u8>], is_compressed: bool) -> Vec<u8> {
     let mut head = vec![0; 375];
     let mut put = |at: usize, bytes: &[u8]| head[at..at + bytes.len()].copy_from_slice(bytes);
@@ -113,7 +113,8 @@ pub(crate) fn las(points: &[usize]) -> Vec<u8> {
     file
 }
 
-/// A COPC, and where its hierarchy begins: the entry of the root, entries (or, with `pages`, pages) of level 1, then level 2.
+/// COPC, and the start of its hierarchy: the entry of the root, entries (or, with `pages`, pages) of level 1, then
+/// level 2.
 pub(crate) struct Copc {
     pub(crate) bytes: Vec<u8>,
     pub(crate) hierarchy: usize,
@@ -164,12 +165,12 @@ pub(crate) fn entry(key: Key, offset: u64, n_bytes: i32, n_points: i32) -> Vec<u
     entry
 }
 
-/// Appends the extended record of the hierarchy; where its first page begins.
+/// Appends the extended record of the hierarchy; returns the start of its first page.
 fn with_hierarchy(bytes: &mut Vec<u8>, entries: BTreeMap<Key, Vec<u8>>, has_pages: bool) -> usize {
     let record = bytes.len();
     let first = record + 60;
     let parent = |key: &Key| if key[0] < 2 { *key } else { [1, key[1] / 2, key[2] / 2, key[3] / 2] };
-    // Nodes without points are listed where others lie below them.
+    // Nodes without points are listed if they have descendants.
     let mut entries = entries;
     for key in entries.keys().map(parent).collect::<Vec<_>>() {
         entries.entry(key).or_insert_with(|| entry(key, 0, 0, 0));

@@ -1,4 +1,4 @@
-//! Entwine point tiles, written here as a folder of LAZ.
+//! Tests of Entwine point tiles, written here as a folder of LAZ.
 
 use crate::copc_file::{LOW, SIDE, las, nodes};
 use crate::{N, expected, numbers, parts, read};
@@ -6,7 +6,7 @@ use adwave_io::{CloudPart, Format, ReadLimits, cloud_levels, read_bytes, read_pa
 use std::fs;
 use std::path::Path;
 
-/// `ept.json`, the hierarchy (level 2 in files of their own) and the tiles.
+/// Writes `ept.json`, the hierarchy (level 2 in separate files) and the tiles.
 fn write(folder: &Path) {
     let [hierarchy, tiles] = ["ept-hierarchy", "ept-data"].map(|name| folder.join(name));
     fs::create_dir(&hierarchy).unwrap();
@@ -50,14 +50,14 @@ fn a_part_of_tiles_is_their_points_by_level_and_node() {
         for (part, n_levels) in parts() {
             let shape = read(&path, &part).unwrap();
             assert_eq!(numbers(&shape), expected(&part, n_levels), "{part:?}");
-            assert_eq!(shape.format(), Some(Format::Ept));
+            assert_eq!(shape.format(), Some(Format::EPT));
         }
         let whole = read_path(&path, &ReadLimits::default()).unwrap();
         assert_eq!(numbers(&whole), expected(&CloudPart::default(), 3));
         let levels = cloud_levels(&path, &ReadLimits::default()).unwrap().unwrap();
         assert_eq!((levels.spacing, levels.n_points), (4.0, vec![75, 75, 450]));
         let mut written = Vec::new();
-        let report = adwave_io::write_bytes(&whole, Format::Laz, &mut written).unwrap();
+        let report = adwave_io::write_bytes(&whole, Format::LAZ, &mut written).unwrap();
         assert!(report.not_written.is_empty());
         assert!(
             written.windows(9).any(|own| own == b"somewhere")
@@ -81,13 +81,13 @@ fn what_is_wrong_with_tiles_is_said_in_one_line() {
     };
     let root = "ept-hierarchy/0-0-0-0.json";
     replaced("ept.json", "laszip", "zstandard", "tiles are of type `zstandard`");
-    replaced("ept.json", "\"span\": 5", "\"span\": 0", "that of no octree");
+    replaced("ept.json", "\"span\": 5", "\"span\": 0", "must describe an octree");
     replaced("ept.json", "\"points\": 600", "\"points\": 6", "more points than the 6 of the cloud");
     replaced("ept.json", "{\"bounds\"", "\"bounds\"", "is no JSON");
-    replaced(root, "\"0-0-0-0\": 75", "\"0-0-0-0\": 74", "has 75 points, the hierarchy says 74");
+    replaced(root, "\"0-0-0-0\": 75", "\"0-0-0-0\": 74", "has 75 points, but the hierarchy states 74");
     replaced(root, "0-0-0-0", "../../0-0-0-0", "names no node");
     replaced(root, "0-0-0-0", "0-0-0-0-../a", "names no node");
-    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": -1", "leads back to itself");
+    replaced(root, "0-0-0-0\": 75", "0-0-0-0\": -1", "refers back to itself");
     replaced(root, "0-0-0-0\": 75", "2-0-0-0\": -1", "cannot be read");
     replaced(root, "0-0-0-0\": 75", "0-0-0-0\": 7.5", "no whole number of points");
 }
@@ -101,7 +101,7 @@ fn tiles_of_other_steps_and_missing_tiles_are_refused() {
     bytes[131..139].copy_from_slice(&0.02_f64.to_le_bytes());
     fs::write(&tile, bytes).unwrap();
     let error = read_path(folder.path(), &ReadLimits::default()).unwrap_err().to_string();
-    assert!(error.contains("of the format, scale and offset"), "{error}");
+    assert!(error.contains("in format, scale or offset"), "{error}");
     fs::remove_file(&tile).unwrap();
     let error = read_path(folder.path(), &ReadLimits::default()).unwrap_err().to_string();
     assert!(error.contains("0-0-0-0.laz: cannot be read"), "{error}");

@@ -1,4 +1,4 @@
-//! Parts that cannot be asked for, and COPC files whose hierarchy is broken.
+//! Tests of invalid selections, and of COPC files with a damaged hierarchy.
 
 use crate::copc_file::{Copc, copc, entry};
 use crate::{BOX, N, parts, read};
@@ -14,7 +14,7 @@ fn boxed() -> CloudPart {
     CloudPart::default().with_bounds(BOX.0, BOX.1)
 }
 
-/// Reads a box of the file, which must fail by these words.
+/// Reads a box of the file, which must fail with these words.
 fn refused(bytes: &[u8], words: &str) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.copc.laz");
@@ -28,7 +28,7 @@ fn says(path: &Path, part: &CloudPart, words: &str) {
     assert!(!error.contains('\n') && error.matches("a.copc.laz").count() == 1, "{error}");
 }
 
-/// The file with another entry in the place of entry `k` of its hierarchy.
+/// Replaces entry `k` of the file's hierarchy.
 fn with_entry(file: &Copc, k: usize, entry: &[u8]) -> Vec<u8> {
     let mut bytes = file.bytes.clone();
     bytes[file.hierarchy + 32 * k..][..32].copy_from_slice(entry);
@@ -44,15 +44,15 @@ fn boxes_and_resolutions_that_are_none() {
     says(&path, &of([0.0, 2.0, 0.0], [1.0, 1.0, 1.0]), "from 2.0 to 1.0 along y");
     says(&path, &of([0.0; 3], [1.0, 1.0, f64::NAN]), "from 0.0 to NaN along z");
     for resolution in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        says(&path, &boxed().with_resolution(resolution), "give a length above 0");
+        says(&path, &boxed().with_resolution(resolution), "must be a length above 0");
     }
     says(
         &path,
         &of([0.0; 3], [1.0; 3]),
-        "no point lies in the box from (0.0, 0.0, 0.0) to (1.0, 1.0, 1.0); its points lie from (991.",
+        "the box from (0.0, 0.0, 0.0) to (1.0, 1.0, 1.0) contains no points; its points lie from (991.",
     );
     // Between the points of a node.
-    says(&path, &of([1000.0, 2000.0, 0.0], [1000.001, 2000.001, 0.0001]), "no point lies in the box");
+    says(&path, &of([1000.0, 2000.0, 0.0], [1000.001, 2000.001, 0.0001]), "contains no points");
     let mesh = folder.path().join("b.ply");
     write_path(&ShapeFile::from_cloud(vec![[0.0; 3]]), &mesh, None).unwrap();
     let error = read(&mesh, &boxed()).unwrap_err();
@@ -67,7 +67,7 @@ fn a_broken_hierarchy_is_an_error() {
     let n = paged.bytes.len() as u64;
     let first = paged.hierarchy as u64;
     let root = |offset, n_bytes, n_points| with_entry(&paged, 0, &entry([0; 4], offset, n_bytes, n_points));
-    refused(&root(first, 32, -1), "leads back to itself");
+    refused(&root(first, 32, -1), "refers back to itself");
     refused(&root(500, 10, -2), "has -2 points");
     refused(&root(500, -10, 2), "has -10 bytes");
     refused(&root(n - 1, 100, 75), "outside the file");
@@ -77,7 +77,7 @@ fn a_broken_hierarchy_is_an_error() {
     refused(&with_entry(&paged, 0, &entry([2, 4, 0, 0], 0, 0, 1)), "names node 2 4 0 0");
     refused(&with_entry(&paged, 0, &entry([u32::MAX, 0, 0, 0], 0, 0, 1)), "names node -1 0 0 0");
     refused(&with_entry(&paged, 0, &entry([31, 0, 0, 0], 0, 0, 1)), "names node 31 0 0 0");
-    // A page that is listed for a second node, and one that names itself.
+    // A page that is listed for a second node, and one that refers to itself.
     let second = paged.bytes[paged.hierarchy + 32..][..32].to_vec();
     refused(&with_entry(&paged, 0, &second), "has two lists");
     let copied = flat.bytes[flat.hierarchy + 32..][..32].to_vec();
@@ -103,10 +103,10 @@ fn numbers_of_points_that_lie_are_found() {
     let offset = u64::from_le_bytes(file.bytes[file.hierarchy + 16..][..8].try_into().unwrap());
     let (n_bytes, n_points) = (number(file.hierarchy + 24), number(file.hierarchy + 28));
     let lying = |n_bytes, n_points| with_entry(&file, 0, &entry([0; 4], offset, n_bytes, n_points));
-    refused(&lying(n_bytes, n_points - 1), "it has 75 points, the hierarchy says 74");
+    refused(&lying(n_bytes, n_points - 1), "it has 75 points, but the hierarchy states 74");
     refused(&lying(n_bytes - 20, n_points), "node 0-0-0-0 cannot be unpacked");
     refused(&lying(10, n_points), "it has 0 points");
-    // The header, the hierarchy and the chunk agree on more points than there can be memory for.
+    // Header, hierarchy and chunk agree on more points than fit into memory.
     let mut bytes = lying(n_bytes, i32::MAX);
     bytes[247..255].copy_from_slice(&u64::MAX.to_le_bytes());
     bytes[offset as usize + 34..][..4].copy_from_slice(&i32::MAX.to_le_bytes());
@@ -115,7 +115,7 @@ fn numbers_of_points_that_lie_are_found() {
     fs::write(&path, bytes).unwrap();
     let limits = ReadLimits { max_bytes: 1 << 24, ..ReadLimits::default() };
     let error = read_cloud_part(&path, &boxed(), &limits).map(|shape| shape.n_vertices()).unwrap_err();
-    assert!(error.to_string().contains("more than the limit"), "{error}");
+    assert!(error.to_string().contains("exceeds the limit"), "{error}");
 }
 
 #[test]
@@ -149,8 +149,8 @@ fn limits_hold_of_what_is_kept() {
         ReadLimits { max_bytes: 600 * 34, ..ReadLimits::default() },
     ] {
         let error = read_cloud_part(&path, &part, &limits).map(|shape| shape.n_vertices()).unwrap_err();
-        assert!(error.to_string().contains("more than the limit"), "{error}");
-        // What is outside the box does not count.
+        assert!(error.to_string().contains("exceeds the limit"), "{error}");
+        // Content outside the box does not matter.
         assert!(read_cloud_part(&path, &boxed(), &limits).is_ok());
     }
 }

@@ -1,6 +1,6 @@
-//! Parts of clouds by box and resolution: COPC and EPT written here, LAS and LAZ.
+//! Tests of parts of clouds by box and resolution: COPC and EPT written here, LAS and LAZ.
 
-#[allow(dead_code)] // the fuzzing uses it too
+#[allow(dead_code)] // the fuzzer uses it too
 mod copc_file;
 mod ept;
 mod hostile;
@@ -14,7 +14,7 @@ use std::path::Path;
 
 const N: usize = 600;
 
-/// Where a quarter of the points is.
+/// Box with a quarter of the points.
 const BOX: ([f64; 3], [f64; 3]) = ([1000.0, 1995.0, -10.0], [1020.0, 2003.5, 4.0]);
 
 pub(crate) fn within(i: usize, (low, high): ([f64; 3], [f64; 3])) -> bool {
@@ -22,13 +22,13 @@ pub(crate) fn within(i: usize, (low, high): ([f64; 3], [f64; 3])) -> bool {
     (0..3).all(|a| low[a] <= p[a] && p[a] <= high[a])
 }
 
-/// The points that a part must have, in their order.
+/// Points that a part must have, in their order.
 pub(crate) fn expected(part: &CloudPart, n_levels: u32) -> Vec<usize> {
     let by_node = nodes(N).into_iter().filter(|(key, _)| key[0] < n_levels);
     by_node.flat_map(|(_, points)| points).filter(|&i| part.bounds.is_none_or(|b| within(i, b))).collect()
 }
 
-/// Which points a shape has, by their intensity; all else of them is checked.
+/// Identifies the points of a shape by their intensity, and checks all their other values.
 pub(crate) fn numbers(shape: &ShapeFile) -> Vec<usize> {
     let (intensity, amplitude) = (shape.field("intensity").unwrap(), shape.field("amplitude").unwrap());
     let all: Vec<usize> = (0..shape.n_vertices()).map(|k| intensity.get(k, 0) as usize).collect();
@@ -68,12 +68,12 @@ fn a_part_of_a_copc_is_its_points_by_level_and_node() {
             let expected = expected(&part, n_levels);
             assert!(expected.len() > 5 && (part.bounds.is_none() || expected.len() <= N), "{part:?}");
             assert_eq!(numbers(&shape), expected, "{part:?}");
-            assert_eq!(shape.format(), Some(Format::Laz));
+            assert_eq!(shape.format(), Some(Format::LAZ));
         }
         let levels = cloud_levels(&path, &ReadLimits::default()).unwrap().unwrap();
         assert_eq!((levels.spacing, levels.n_points), (4.0, vec![75, 75, 450]));
     }
-    // As a whole it is read in the order of the file, which is that of the nodes here.
+    // The whole file is read in its own order, which is that of the nodes here.
     let whole = read(&path, &CloudPart::default()).unwrap();
     assert_eq!(numbers(&whole), expected(&CloudPart::default(), 3));
     assert!((0..N).any(|i| node(i)[0] == 0 && !within(i, BOX)));
@@ -101,7 +101,7 @@ fn a_box_of_a_las_or_laz_is_what_a_filter_leaves() {
     let (low, high) = BOX;
     let part = CloudPart::default().with_bounds(low, high);
     let inside: Vec<usize> = (0..N).filter(|&i| within(i, BOX)).collect();
-    for (path, format) in [(&plain, Format::Las), (&packed, Format::Laz)] {
+    for (path, format) in [(&plain, Format::LAS), (&packed, Format::LAZ)] {
         let shape = read(path, &part).unwrap();
         assert_eq!(numbers(&shape), inside);
         assert_eq!(shape.format(), Some(format));
@@ -132,7 +132,7 @@ fn a_part_is_written_with_all_that_the_file_says_of_it() {
     let bytes = fs::read(&again).unwrap();
     let has = |text: &[u8]| bytes.windows(text.len()).any(|own| own == text);
     assert!(has(copc_file::WKT.as_bytes()) && has(b"amplitude"));
-    // What was true of the arrangement of the whole file would be false here.
+    // Statements about the layout of the whole file would be false here.
     assert!(!has(b"copc\0"));
     let expected = expected(&part, n_levels);
     let again = read_bytes(bytes.clone(), None, &ReadLimits::default()).unwrap();
@@ -169,7 +169,7 @@ fn extended_records_stay() {
     fs::write(&path, bytes).unwrap();
     let mut written = Vec::new();
     let shape = read(&path, &parts()[1].0).unwrap();
-    adwave_io::write_bytes(&shape, Format::Las, &mut written).unwrap();
+    adwave_io::write_bytes(&shape, Format::LAS, &mut written).unwrap();
     let start = u64::from_le_bytes(written[235..243].try_into().unwrap()) as usize;
     assert_eq!((&written[start + 2..start + 9], written[243]), (&b"someone"[..], 1));
     assert!(written.ends_with(b"hello"));

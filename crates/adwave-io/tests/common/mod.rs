@@ -1,8 +1,8 @@
-//! Where the test inputs are.
+//! Location of the test inputs.
 
 use std::path::Path;
 
-/// The folder of test inputs.
+/// Folder of test inputs.
 pub(crate) fn test_inputs() -> &'static Path {
     Path::new(adwave_test_data::folder!())
 }

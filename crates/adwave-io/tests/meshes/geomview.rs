@@ -1,4 +1,4 @@
-//! Geomview's objects and its forms of OFF.
+//! Tests of Geomview's objects and its forms of OFF.
 
 use adwave::shape::Polygons;
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, read_path};
@@ -9,7 +9,7 @@ use crate::{common, error, read, survives, written};
 #[test]
 fn grids_make_quadrilaterals() {
     let plain = read(b"MESH\n3 2\n0 0 0 1 0 0 2 0 0\n0 1 0 1 1 0 2 1 1.5\n", "a.mesh");
-    assert_eq!((plain.format(), plain.n_vertices()), (Some(Format::Geomview), 6));
+    assert_eq!((plain.format(), plain.n_vertices()), (Some(Format::GEOMVIEW), 6));
     let faces: Polygons = [&[0_u32, 1, 4, 3][..], &[1, 2, 5, 4]].into_iter().collect();
     assert_eq!(*plain.faces(), faces);
     // Wrapped both ways it is a torus: as many faces as points.
@@ -22,7 +22,7 @@ fn grids_make_quadrilaterals() {
     let rich = read(b"CNMESH 1 2\n0 0 0  0 0 1  1 0 0 1\n1 0 0  0 0 1  0 1 0 1\n", "a");
     assert_eq!((rich.field("normal").unwrap().get(1, 2), rich.field("color").unwrap().get(1, 1)), (1.0, 1.0));
     assert_eq!(read(b"4MESH 1 2 2 4 6 2  1 1 1 1", "a").points()[0], [1.0, 2.0, 3.0]);
-    assert!(error(b"MESH 99999999 99999999 1", "a.mesh").contains("more than the limit"));
+    assert!(error(b"MESH 99999999 99999999 1", "a.mesh").contains("exceeds the limit"));
     assert_eq!(read(b"MESH 0 99999999999999\n", "a.mesh").n_vertices(), 0);
     survives(
         b"{ LIST { appearance {a 1} CMESH 1 2 0 0 0 1 0 0 1 1 0 0 0 1 0 1 } {= OFF 1 0 0 1 2 3} }",
@@ -53,15 +53,15 @@ fn faces_may_run_over_lines_or_share_one() {
     ] {
         let mut file = read(text.as_bytes(), "a.off");
         assert_eq!((file.points(), file.faces()), (plain.points(), plain.faces()));
-        assert_eq!(written(&file, Format::Off), text.as_bytes());
+        assert_eq!(written(&file, Format::OFF), text.as_bytes());
         file.set_points(vec![[2.0; 3]; 4]).unwrap();
-        assert_eq!(read(&written(&file, Format::Off), "a.off").points(), [[2.0; 3]; 4]);
+        assert_eq!(read(&written(&file, Format::OFF), "a.off").points(), [[2.0; 3]; 4]);
     }
     let colored =
         read(b"COFF 3 1 0 0 0 0 1 0 0 1\n1 0 0 0 1 0 1 0 1 0 0 0 1 1\n3 0 1\n2 0.5 0.5 0 1\n", "a.off");
     assert_eq!(colored.field("color").unwrap().get(2, 2), 1.0);
     assert_eq!(colored.face_fields()[0].to_f64(), [0.5, 0.5, 0.0, 1.0]);
-    // What is wrong is said of lines, as most files have them.
+    // Errors refer to lines, as most files have them.
     assert!(
         error(b"OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "a.off")
             .contains("line 5: face 0 names vertex 7")
@@ -73,8 +73,8 @@ fn faces_may_run_over_lines_or_share_one() {
 fn dimensions_and_fourth_coordinates() {
     assert_eq!(read(b"nOFF\n3\n1 0 0\n1 2 3\n", "a.off").points(), [[1.0, 2.0, 3.0]]);
     assert_eq!(read(b"nOFF 3\n1 0 0\n1 2 3\n", "a.off").points(), [[1.0, 2.0, 3.0]]);
-    assert!(error(b"nOFF\n4\n1 0 0\n1 2 3 4\n", "a.off").contains("other than three dimensions"));
-    // Divided; with a point at infinity seen along the fourth axis.
+    assert!(error(b"nOFF\n4\n1 0 0\n1 2 3 4\n", "a.off").contains("needs points of three dimensions"));
+    // Divided; with a point at infinity projected along the fourth axis.
     let divided = read(b"4OFF\n2 0 0\n2 4 6 2\n1 1 1 -1\n", "a.off");
     assert_eq!((divided.points(), divided.field("w").is_none()), (&[[1.0, 2.0, 3.0], [-1.0; 3]][..], true));
     let seen = read(b"4OFF\n2 0 0\n2 4 6 2\n1 1 1 0\n", "a.off");
@@ -90,17 +90,17 @@ fn binary_off_is_kept() {
         .unwrap();
     mesh.add_face_field(Field::new("color", 3, FieldValues::F32(vec![0.5, 0.0, 1.0, 0.25, 1.0, 0.0])))
         .unwrap();
-    let bytes = written(&mesh, Format::OffBinary);
+    let bytes = written(&mesh, Format::OFF_BINARY);
     assert!(bytes.starts_with(b"NOFF BINARY\n\0\0\0\x04\0\0\0\x02\0\0\0\0"));
     let mut again = read(&bytes, "a.off");
     assert_eq!(
         (again.points(), again.faces(), again.format()),
-        (mesh.points(), mesh.faces(), Some(Format::OffBinary))
+        (mesh.points(), mesh.faces(), Some(Format::OFF_BINARY))
     );
     assert_eq!((again.vertex_fields(), again.face_fields()), (mesh.vertex_fields(), mesh.face_fields()));
-    assert_eq!(written(&again, Format::OffBinary), bytes);
+    assert_eq!(written(&again, Format::OFF_BINARY), bytes);
     again.set_points(vec![[7.0; 3]; 4]).unwrap();
-    assert_eq!(read(&written(&again, Format::OffBinary), "a.off").points(), [[7.0; 3]; 4]);
+    assert_eq!(read(&written(&again, Format::OFF_BINARY), "a.off").points(), [[7.0; 3]; 4]);
     survives(&bytes, "a.off", |end, _| panic!("cut at {end}"));
 }
 

@@ -1,4 +1,4 @@
-//! DMAT, TGF, lists of edges and GraphML.
+//! Tests of DMAT, TGF, lists of edges and GraphML.
 
 use adwave_io::{
     Direction, Edges, Field, FieldValues, Format, ReadLimits, ShapeFile, ShapeKind, parse_dmat_field,
@@ -11,10 +11,10 @@ use crate::{common, error, read, survives, written};
 #[test]
 fn a_matrix_of_three_columns_is_a_cloud() {
     let cloud = ShapeFile::from_cloud(vec![[0.0, 1.0, 2.0], [0.1, -0.0, 1e300]]);
-    let text = written(&cloud, Format::Dmat);
+    let text = written(&cloud, Format::DMAT);
     assert_eq!(text, b"3 2\n0\n0.1\n1\n-0\n2\n1e300\n");
-    let binary = written(&cloud, Format::DmatBinary);
-    for (bytes, format) in [(&text, Format::Dmat), (&binary, Format::DmatBinary)] {
+    let binary = written(&cloud, Format::DMAT_BINARY);
+    for (bytes, format) in [(&text, Format::DMAT), (&binary, Format::DMAT_BINARY)] {
         let again = read(bytes, "a");
         assert_eq!((again.points(), again.format()), (cloud.points(), Some(format)));
         let field = parse_dmat_field(bytes, "a").unwrap();
@@ -42,7 +42,7 @@ fn a_tgf_has_places_or_labels_and_weights() {
     );
     assert!(error(b"1\n1\n#\n", "a.tgf").contains("line 2: vertex \"1\" is there twice"));
     assert!(error(b"1\n2\n", "a.tgf").contains("the line of # between vertices and edges is missing"));
-    survives(&written(&file, Format::Tgf), "a.tgf", |_, _| {});
+    survives(&written(&file, Format::TGF), "a.tgf", |_, _| {});
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn lists_of_edges_as_programs_write_them() {
     assert_eq!(sparse.field("id").unwrap().values, FieldValues::U64(vec![7, 50, 100]));
     assert_eq!(sparse.edges().pairs, [[2, 0], [0, 1]]);
     assert!(error(b"1 2\n3\n", "a.edges").contains("line 2: \"3\" is no edge of two vertices"));
-    // A count of vertices that takes no byte each asks for no memory.
+    // A count of vertices without bytes in the file must not allocate memory.
     assert_eq!(edges("# Nodes: 4000000000\n0 1\n").0, 2);
     survives(snap.as_bytes(), "a.edges", |_, _| {});
 }
@@ -83,7 +83,7 @@ fn a_graphml_has_places_fields_and_weights() {
     let file = read(GRAPHML.as_bytes(), "a.xml");
     assert_eq!(
         (file.points(), file.format()),
-        (&[[0.5, 1.0, 0.0], [2.0, 3.0, 0.0]][..], Some(Format::GraphMl))
+        (&[[0.5, 1.0, 0.0], [2.0, 3.0, 0.0]][..], Some(Format::GRAPHML))
     );
     assert_eq!(
         (file.edges().pairs.as_slice(), file.edges().weights.as_slice()),
@@ -115,17 +115,17 @@ fn a_graphml_keeps_fields_and_places() {
         .add_vertex_field(Field::new("flow", 3, FieldValues::F32((0..9).map(|k| k as f32 / 7.0).collect())))
         .unwrap();
     graph.add_vertex_field(Field::new("label", 1, FieldValues::I32(vec![-1, 0, 5]))).unwrap();
-    let again = read(&written(&graph, Format::GraphMl), "a");
+    let again = read(&written(&graph, Format::GRAPHML), "a");
     assert_eq!((again.points(), again.edges()), (graph.points(), graph.edges()));
     assert_eq!(again.vertex_fields(), graph.vertex_fields());
 }
 
-/// Counts of the first lines, by hand; the bytes of the binary by NumPy.
+/// Counts of the first lines, by hand; the bytes of the binary file by NumPy.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/libigl-tests-data");
     let points = read_path(&folder.join("duplicated_faces_V.dmat"), &ReadLimits::default()).unwrap();
-    assert_eq!((points.n_vertices(), points.format()), (493, Some(Format::DmatBinary)));
+    assert_eq!((points.n_vertices(), points.format()), (493, Some(Format::DMAT_BINARY)));
     let field = read_dmat_field(&folder.join("3holes-miq-UV.dmat"), &ReadLimits::default()).unwrap();
     assert_eq!((field.n_channels, field.len(), field.get(0, 0)), (2, 4023, 0.114_864_074_767_894_1));
     let field =

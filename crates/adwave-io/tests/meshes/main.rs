@@ -1,4 +1,4 @@
-//! Formats of meshes and graphs: hand-written files, real ones with the counts that other programs find, and broken ones.
+//! Tests of mesh and graph formats: handwritten files, real ones with the counts of other programs, and damaged ones.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -26,8 +26,8 @@ fn written(file: &ShapeFile, format: Format) -> Vec<u8> {
     out
 }
 
-/// Every byte changed to several others, and every beginning of the file, gives a shape or an error of one line. Calls `cut` for the
-/// beginnings that give a shape.
+/// Checks that every modification of a byte, and every truncation of the file, gives a shape or an error of one line.
+/// Calls `cut` for the truncations that give a shape.
 fn survives(bytes: &[u8], name: &str, cut: impl Fn(usize, ShapeFile)) {
     let one_line = |bytes: Vec<u8>| match read_bytes(bytes, Some(name), &ReadLimits::default()) {
         Ok(file) => Some(file),

@@ -1,4 +1,4 @@
-//! AMF and 3MF.
+//! Tests of AMF and 3MF.
 
 use std::io::Write;
 
@@ -8,7 +8,7 @@ use adwave_test_data::data_test;
 
 use crate::{common, error, read, survives, written};
 
-/// An archive of these texts.
+/// Archive of these texts.
 fn zip(files: &[(&str, &str)]) -> Vec<u8> {
     let mut out = std::io::Cursor::new(Vec::new());
     let mut zip = zip::ZipWriter::new(&mut out);
@@ -27,7 +27,7 @@ fn model(unit: &str, resources: &str, build: &str) -> String {
     )
 }
 
-/// A triangle in the plane z = 0.
+/// Triangle in the plane z = 0.
 fn object(id: u32, of_object: &str, of_triangle: &str) -> String {
     format!(
         "<object id=\"{id}\" {of_object}><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>\
@@ -48,7 +48,7 @@ fn a_3mf_places_objects_of_all_parts_in_its_unit() {
         ("3D/more.model", &model("centimeter", &object(7, "", ""), "")),
     ]);
     let file = read(&bytes, "a.3mf");
-    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (9, 3, Some(Format::ThreeMf)));
+    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (9, 3, Some(Format::THREE_MF)));
     // Turned by a quarter about z, lifted, then moved along x; the other part is ten times as large.
     assert_eq!(file.points()[4], [10.0, 1.0, 5.0]);
     assert_eq!(file.points()[5], [9.0, 0.0, 5.0]);
@@ -75,7 +75,7 @@ fn colors_of_a_3mf_are_those_of_vertices_or_of_faces() {
 
 #[test]
 fn hostile_3mf_are_errors() {
-    // Objects of two of the former, thirty times over.
+    // Objects that place the previous one twice, thirty times over.
     let mut doubled = String::new();
     for id in 2..40 {
         let inner = format!("<component objectid=\"{}\"/>", id - 1).repeat(2);
@@ -86,16 +86,17 @@ fn hostile_3mf_are_errors() {
         error(&zip(&[("3D/3dmodel.model", &model("meter", objects, &build))]), "a.3mf")
     };
     let message = nested(&format!("{}{doubled}", object(1, "", "")), 39);
-    assert!(message.contains("more than the limit") || message.contains("too often"), "{message}");
+    assert!(message.contains("exceeds the limit") || message.contains("nested too deeply"), "{message}");
     let circle = "<object id=\"1\"><components><component objectid=\"1\"/></components></object>";
-    assert!(nested(circle, 1).contains("is there a circle?"));
-    assert!(nested(circle, 3).contains("object 3 is placed and is not there"));
+    assert!(nested(circle, 1).contains("check whether"));
+    assert!(nested(circle, 3).contains("the placed object 3 does not exist"));
     assert!(nested(&object(1, "", "").replace("v3=\"2\"", "v3=\"3\""), 1).contains("face 0 names vertex 3"));
     assert!(
-        nested(&object(1, "", "").replace("x=\"1\"", "x=\"a\""), 1).contains("\"a\" is no number for `x`")
+        nested(&object(1, "", "").replace("x=\"1\"", "x=\"a\""), 1)
+            .contains("`x` must be a number, got \"a\"")
     );
-    assert!(error(&zip(&[("3D/a.model", "<model><resources>")]), "a.3mf").contains("the XML is broken"));
-    // A bomb stops at the limit.
+    assert!(error(&zip(&[("3D/a.model", "<model><resources>")]), "a.3mf").contains("the XML is malformed"));
+    // A decompression bomb stops at the limit.
     let spaces = " ".repeat(1 << 22);
     let bytes = zip(&[("3D/3dmodel.model", &model("meter", &spaces, ""))]);
     assert!(bytes.len() < 1 << 17);
@@ -107,7 +108,7 @@ fn hostile_3mf_are_errors() {
     });
 }
 
-/// Two objects with colors everywhere, one of them placed twice, the other not at all.
+/// Two objects with colors everywhere; one of them is placed twice, the other not at all.
 const AMF: &str = "<?xml version=\"1.0\"?><amf unit=\"inch\"><metadata type=\"name\">a</metadata>\
     <object id=\"a\"><mesh><vertices>\
     <vertex><coordinates><x>0</x><y>0</y><z>0</z></coordinates><color><r>1</r><g>0</g><b>0.5</b></color></vertex>\
@@ -122,7 +123,7 @@ const AMF: &str = "<?xml version=\"1.0\"?><amf unit=\"inch\"><metadata type=\"na
 #[test]
 fn an_amf_is_placed_and_colored() {
     let file = read(AMF.as_bytes(), "a.amf");
-    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (6, 4, Some(Format::Amf)));
+    assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (6, 4, Some(Format::AMF)));
     let [x, y, z] = file.points()[1];
     assert!((x - 2.0).abs() < 1e-15 && y == 1.0 && z == 0.0, "{:?}", file.points()[1]);
     assert_eq!(file.points()[4], [1.0, 0.0, -1.0]);
@@ -133,7 +134,7 @@ fn an_amf_is_placed_and_colored() {
     assert_eq!(file.face_fields()[1].to_f64(), [0.0, 1.0, 0.0, 1.0]);
     assert_eq!(file.face_fields()[2].get(0, 1), 1.0);
     assert_eq!(file.extras(), ["metadata", "materials", "the unit of length"]);
-    // Zipped, and in UTF-16, it is the same.
+    // The result is the same when zipped, and in UTF-16.
     let zipped = read(&zip(&[("a.amf", AMF)]), "a.amf");
     assert_eq!(
         (zipped.points(), zipped.face_fields()[0].to_f64()),
@@ -153,17 +154,17 @@ fn colors_are_written_and_other_fields_named() {
     );
     mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..9).collect()))).unwrap();
     mesh.add_vertex_field(Field::new("q", 1, FieldValues::U8(vec![0; 3]))).unwrap();
-    for format in [Format::Amf, Format::ThreeMf] {
+    for format in [Format::AMF, Format::THREE_MF] {
         let mut bytes = Vec::new();
         let report = write_bytes(&mesh, format, &mut bytes).unwrap();
         assert_eq!(report.not_written, ["vertex field `q`"]);
         let again = read(&bytes, "a");
         assert_eq!((again.points(), again.faces()), (mesh.points(), mesh.faces()));
-        let scale = if format == Format::Amf { 255.0 } else { 1.0 };
+        let scale = if format == Format::AMF { 255.0 } else { 1.0 };
         let colors: Vec<f64> = mesh.field("color").unwrap().to_f64().iter().map(|c| c / scale).collect();
         assert_eq!(again.field("color").unwrap().to_f64(), colors);
     }
-    assert!(written(&mesh, Format::ThreeMf).starts_with(b"PK"));
+    assert!(written(&mesh, Format::THREE_MF).starts_with(b"PK"));
 }
 
 /// Vertices and triangles as `trimesh` counts them in the first, in the others as the elements of the XML are counted.
@@ -186,5 +187,5 @@ fn real_files() {
     }
 }
 
-/// Of the seventeen objects together.
+/// Total of the seventeen objects.
 const GEARS: (usize, usize) = (12_864, 25_692);

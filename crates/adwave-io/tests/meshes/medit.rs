@@ -1,4 +1,4 @@
-//! Medit meshes: hand-written files of each version, real ones, and broken ones.
+//! Tests of Medit meshes: handwritten files of each version, real ones, and damaged ones.
 
 use adwave::shape::Polygons;
 use adwave_io::{
@@ -24,18 +24,18 @@ const TEXT: &str = "MeshVersionFormatted 2\n\nDimension\n3\n# points\nVertices\n
 #[test]
 fn text_with_everything() {
     let mut file = read(TEXT.as_bytes());
-    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::Medit)));
+    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::MEDIT)));
     let faces: Polygons = [&[0_u32, 1, 4][..], &[0, 1, 2, 3]].into_iter().collect();
     assert_eq!(*file.faces(), faces);
     assert_eq!(file.field("reference").unwrap().values, FieldValues::I32(vec![1, 1, 1, 2, 0]));
     assert_eq!(file.face_fields()[0].to_f64(), [7.0, 9.0]);
     assert_eq!(file.extras().len(), 3, "{:?}", file.extras());
-    assert_eq!(written(&file, Format::Medit), TEXT.as_bytes());
+    assert_eq!(written(&file, Format::MEDIT), TEXT.as_bytes());
     let mut points = file.points().to_vec();
     points[1][2] = 0.25;
     file.set_points(points).unwrap();
     let moved = TEXT.replace("1.50 0 0", "1.50 0 0.25");
-    assert_eq!(String::from_utf8(written(&file, Format::Medit)).unwrap(), moved);
+    assert_eq!(String::from_utf8(written(&file, Format::MEDIT)).unwrap(), moved);
 }
 
 #[test]
@@ -44,9 +44,9 @@ fn points_of_the_plane_and_the_boundary_of_cells() {
         "MeshVersionFormatted 1\nDimension 2\nVertices\n3\n0 0 1\n1 0 1\n0 1 1\nTriangles\n1\n1 2 3 0\n";
     let mut file = read(flat.as_bytes());
     assert_eq!((file.points()[1], file.faces().len()), ([1.0, 0.0, 0.0], 1));
-    assert_eq!(written(&file, Format::Medit), flat.as_bytes());
+    assert_eq!(written(&file, Format::MEDIT), flat.as_bytes());
     file.set_points(vec![[0.0, 0.0, 1.0]; 3]).unwrap();
-    assert_eq!(read(&written(&file, Format::Medit)).points(), [[0.0, 0.0, 1.0]; 3]);
+    assert_eq!(read(&written(&file, Format::MEDIT)).points(), [[0.0, 0.0, 1.0]; 3]);
     let cells = "MeshVersionFormatted 2 Dimension 3 Vertices 4 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 0 Tetrahedra 1 1 2 3 4 6 End";
     let file = read(cells.as_bytes());
     assert_eq!((file.faces().len(), file.face_fields()[0].to_f64()), (4, vec![6.0; 4]));
@@ -85,14 +85,14 @@ fn all_versions_and_both_byte_orders() {
         for is_big in [false, true] {
             let bytes = binary(version, is_big);
             let mut file = read(&bytes);
-            assert_eq!(file.format(), Some(Format::MeditBinary));
+            assert_eq!(file.format(), Some(Format::MEDIT_BINARY));
             assert_eq!(file.precision(), if version == 1 { Precision::F32 } else { Precision::F64 });
             assert_eq!((file.points()[2], file.faces().get(0)), ([0.0, 1.0, 0.5], &[0, 1, 2][..]));
             assert_eq!(file.field("reference").unwrap().to_f64(), [5.0, 6.0, 7.0]);
             assert_eq!(file.face_fields()[0].to_f64(), [8.0]);
-            assert_eq!(written(&file, Format::MeditBinary), bytes, "{version}");
+            assert_eq!(written(&file, Format::MEDIT_BINARY), bytes, "{version}");
             file.set_points(vec![[0.25; 3], [2.0; 3], [-1.0, 0.0, 3.0]]).unwrap();
-            let again = read(&written(&file, Format::MeditBinary));
+            let again = read(&written(&file, Format::MEDIT_BINARY));
             assert_eq!((again.points(), again.faces()), (file.points(), file.faces()));
         }
     }
@@ -101,7 +101,7 @@ fn all_versions_and_both_byte_orders() {
 #[test]
 fn broken_files_are_errors_of_one_line() {
     let mesh = ShapeFile::from_mesh(vec![[0.0, 1.0, 2.0]; 3], Polygons::from_triangles(&[[0, 1, 2]]));
-    let new = [written(&mesh, Format::Medit), written(&mesh, Format::MeditBinary)];
+    let new = [written(&mesh, Format::MEDIT), written(&mesh, Format::MEDIT_BINARY)];
     for bytes in [TEXT.as_bytes().to_vec(), binary(2, false), binary(4, true)].into_iter().chain(new) {
         let is_binary = bytes.contains(&0);
         for end in 0..bytes.len() {
@@ -123,9 +123,9 @@ fn broken_files_are_errors_of_one_line() {
     }
     for (from, to, said) in [
         ("1 2 5 7", "1 2 6 7", "line 17: face 0 names vertex 6, but there are 5"),
-        ("Vertices\n5", "Vertices\n5000000000", "more than the limit"),
+        ("Vertices\n5", "Vertices\n5000000000", "exceeds the limit"),
         ("Vertices\n5", "Vertices\n4", "line 12: \"0\" stands where a keyword belongs"),
-        ("Dimension\n3", "Dimension\n4", "line 3: points of dimension 4"),
+        ("Dimension\n3", "Dimension\n4", "line 3: points must have dimension 2 or 3, got 4"),
     ] {
         let bytes = TEXT.replacen(from, to, 1).into_bytes();
         let message = read_bytes(bytes, None, &ReadLimits::default()).unwrap_err().to_string();
@@ -140,7 +140,7 @@ fn what_does_not_fit_is_said() {
     mesh.add_vertex_field(Field::new("reference", 1, FieldValues::U8(vec![1, 2, 3, 4, 5]))).unwrap();
     mesh.add_vertex_field(Field::new("quality", 1, FieldValues::F32(vec![0.0; 5]))).unwrap();
     let mut bytes = Vec::new();
-    let report = write_bytes(&mesh, Format::MeditBinary, &mut bytes).unwrap();
+    let report = write_bytes(&mesh, Format::MEDIT_BINARY, &mut bytes).unwrap();
     let left =
         ["vertex field `quality`", "the order of faces (triangles come first)", "polygons (as triangles)"];
     assert_eq!(report.not_written, left);
@@ -151,13 +151,13 @@ fn what_does_not_fit_is_said() {
     );
 }
 
-/// Vertices and faces as `meshio` counts them; of the file of one cell its faces.
+/// Vertices and faces as counted by `meshio`; for the file with one cell its faces.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/PyMesh/tests/data");
     for (name, n_vertices, n_faces) in [("empty.mesh", 0, 0), ("tet.mesh", 4, 4)] {
         let file = read_path(&folder.join(name), &ReadLimits::default()).unwrap();
         assert_eq!((file.n_vertices(), file.faces().len()), (n_vertices, n_faces), "{name}");
-        assert_eq!(written(&file, Format::Medit), std::fs::read(folder.join(name)).unwrap(), "{name}");
+        assert_eq!(written(&file, Format::MEDIT), std::fs::read(folder.join(name)).unwrap(), "{name}");
     }
 }

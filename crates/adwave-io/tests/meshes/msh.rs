@@ -1,4 +1,4 @@
-//! Gmsh meshes: hand-written files of each version, real ones, and broken ones.
+//! Tests of Gmsh meshes: handwritten files of each version, real ones, and damaged ones.
 
 use adwave::shape::Polygons;
 use adwave_io::{Field, FieldValues, Format, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
@@ -20,7 +20,7 @@ fn written(file: &ShapeFile, format: Format) -> Vec<u8> {
     out
 }
 
-/// Sparse tags, a line, a triangle, a quadratic triangle and a quadrilateral, a field with a gap and one of faces.
+/// Sparse tags, a line, a triangle, a quadratic triangle and a quadrilateral, a field with a gap and a face field.
 const TEXT_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 7 \"skin\"\n$EndPhysicalNames\n\
     $Nodes\n5\n10 0 0 0\n20 1.50 0 0\n30 0 1 0\n1000000 1 1 0.5\n7 3 3 3\n$EndNodes\n\
     $Elements\n4\n1 1 2 0 1 10 20\n5 2 2 7 3 10 20 30\n6 9 3 8 4 99 20 1000000 30 7 7 7\n9 3 2 7 3 10 20 1000000 30\n$EndElements\n\
@@ -30,7 +30,7 @@ const TEXT_2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2
 #[test]
 fn version_2_as_text() {
     let mut file = read(TEXT_2.as_bytes());
-    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::MshAscii)));
+    assert_eq!((file.n_vertices(), file.format()), (5, Some(Format::MSH_ASCII)));
     let faces: Polygons = [&[0_u32, 1, 2][..], &[1, 3, 2], &[0, 1, 3, 2]].into_iter().collect();
     assert_eq!(*file.faces(), faces);
     let names: Vec<&str> = file.face_fields().iter().map(|f| f.name.as_str()).collect();
@@ -42,16 +42,16 @@ fn version_2_as_text() {
     assert!(file.extras().iter().any(|e| e == "elements of a line"), "{:?}", file.extras());
 
     // Everything else stays.
-    assert_eq!(written(&file, Format::MshAscii), TEXT_2.as_bytes());
+    assert_eq!(written(&file, Format::MSH_ASCII), TEXT_2.as_bytes());
     let mut points = file.points().to_vec();
     points[3][1] = -2.0;
     file.set_points(points).unwrap();
     let moved = TEXT_2.replace("1000000 1 1 0.5", "1000000 1 -2 0.5");
-    assert_eq!(String::from_utf8(written(&file, Format::MshAscii)).unwrap(), moved);
+    assert_eq!(String::from_utf8(written(&file, Format::MSH_ASCII)).unwrap(), moved);
     // A field that is new is added, one that is changed takes the place of the old.
     file.add_vertex_field(Field::new("new", 1, FieldValues::U8(vec![5; 5]))).unwrap();
     file.add_vertex_field(Field::new("a b", 1, FieldValues::U8(vec![1, 2, 3, 4, 5]))).unwrap();
-    let again = read(&written(&file, Format::MshAscii));
+    let again = read(&written(&file, Format::MSH_ASCII));
     assert_eq!(again.field("new").unwrap().to_f64(), [5.0; 5]);
     assert_eq!(again.field("a b").unwrap().to_f64(), [1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(again.vertex_fields().len(), 2);
@@ -73,7 +73,7 @@ fn version_4_as_text_with_the_boundary_of_cells() {
     let field = |name: &str| file.face_fields().iter().find(|f| f.name == name).unwrap().to_f64();
     assert_eq!((field("physical"), field("elementary")), (vec![42.0; 6], vec![5.0; 6]));
     assert_eq!(field("heat"), [0.5, 0.5, 0.5, 0.25, 0.25, 0.25]);
-    assert_eq!(written(&file, Format::MshAscii), TEXT_41.as_bytes());
+    assert_eq!(written(&file, Format::MSH_ASCII), TEXT_41.as_bytes());
     // 4.0 has tag before dimension, boxes for points, and tags beside coordinates.
     let old = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n3 0 0 0 1 1 1 1 6 0\n$EndEntities\n\
         $Nodes\n1 3\n3 2 0 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1 1\n3 2 2 1\n1 1 2 3\n$EndElements\n";
@@ -81,7 +81,7 @@ fn version_4_as_text_with_the_boundary_of_cells() {
     assert_eq!((file.faces().len(), file.face_fields()[0].to_f64()), (1, vec![6.0]));
 }
 
-/// A binary file of 4.1 in a byte order.
+/// Binary file of version 4.1 in a byte order.
 fn binary_41(is_big: bool) -> Vec<u8> {
     let int = |x: i32| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
     let size = |x: u64| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
@@ -113,14 +113,14 @@ fn both_byte_orders_are_read_and_kept() {
     for is_big in [false, true] {
         let bytes = binary_41(is_big);
         let mut file = read(&bytes);
-        assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (4, 2, Some(Format::Msh)));
+        assert_eq!((file.n_vertices(), file.faces().len(), file.format()), (4, 2, Some(Format::MSH)));
         assert_eq!(file.faces().get(1), [0, 1, 2, 3]);
-        assert_eq!(written(&file, Format::Msh), bytes);
+        assert_eq!(written(&file, Format::MSH), bytes);
         let points: Vec<[f64; 3]> = file.points().iter().map(|p| p.map(|x| x + 0.1)).collect();
         file.set_points(points.clone()).unwrap();
         file.add_vertex_field(Field::new("q", 2, FieldValues::F32((0..8).map(|k| k as f32).collect())))
             .unwrap();
-        let again = read(&written(&file, Format::Msh));
+        let again = read(&written(&file, Format::MSH));
         assert_eq!((again.points(), again.faces()), (points.as_slice(), file.faces()));
         assert_eq!(again.field("q").unwrap().to_f64(), file.field("q").unwrap().to_f64());
     }
@@ -142,7 +142,7 @@ fn every_cut_before_the_end_of_the_elements_is_an_error() {
         let faces: Polygons = [&[0_u32, 1, 2][..], &[0, 2, 3, 1]].into_iter().collect();
         ShapeFile::from_mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], faces)
     };
-    for bytes in [TEXT_2.as_bytes().to_vec(), text_4, binary_41(true), written(&mesh, Format::Msh)] {
+    for bytes in [TEXT_2.as_bytes().to_vec(), text_4, binary_41(true), written(&mesh, Format::MSH)] {
         let last = bytes.windows(12).position(|w| w == b"$EndElements").unwrap() + 12;
         for end in 0..bytes.len() {
             let result = read_bytes(bytes[..end].to_vec(), Some("a.msh"), &ReadLimits::default());
@@ -170,9 +170,9 @@ fn messages_say_where_and_what() {
         ("9 3 2 7 3 10 20", "9 3 2 7 3 11 20", "line 21: element 3 names node 11, which is not there"),
         ("2.2 0 8", "3 0 8", "line 2: MSH of version 3 cannot be read"),
         ("20 1.50", "20 x", "line 11: node 1 has \"x\" where a number belongs"),
-        ("$Nodes\n5", "$Nodes\n5000000000", "vertices: 5000000000, more than the limit"),
+        ("$Nodes\n5", "$Nodes\n5000000000", "vertices: 5000000000 exceeds the limit"),
         ("$Nodes\n5", "$Nodes\n500000000", "in element `node`"),
-        ("9 3 2 7", "9 34 2 7", "elements of kind 34 cannot be read"),
+        ("9 3 2 7", "9 34 2 7", "elements of kind 34 are not supported"),
     ] {
         let message = error(TEXT_2.replacen(from, to, 1).as_bytes());
         assert!(message.contains(said), "{message}");
@@ -180,7 +180,7 @@ fn messages_say_where_and_what() {
     assert!(error(b"$NOD\n1\n").contains("version 1"));
 }
 
-/// Vertices and faces as `meshio` counts them; of the files of cells the faces that belong to one cell.
+/// Vertices and faces as counted by `meshio`; for files of cells the faces that belong to one cell.
 #[data_test]
 fn real_files() {
     let folder = common::test_inputs().join("formats/messy/PyMesh/tests/data");

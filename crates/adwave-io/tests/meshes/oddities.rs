@@ -1,4 +1,4 @@
-//! What files have that their formats hardly foresee: points without a place, points of the plane, other encodings, several solids.
+//! Tests of unusual content: points without a position, planar points, other encodings, several solids.
 
 use adwave_io::{Field, FieldValues, Format, ShapeFile, ShapeKind, read_path};
 
@@ -12,15 +12,15 @@ fn points_without_a_place_are_left_out_and_come_back() {
     assert_eq!((file.n_vertices(), file.field("q").unwrap().to_f64()), (2, vec![1.0, 3.0]));
     assert_eq!(file.extras(), ["2 points without a place"]);
     file.to_shape().unwrap();
-    assert_eq!(String::from_utf8(written(&file, Format::PcdAscii)).unwrap(), text);
+    assert_eq!(String::from_utf8(written(&file, Format::PCD_ASCII)).unwrap(), text);
     file.set_points(vec![[0.5, 0.0, 0.0], [9.0, 0.0, 0.0]]).unwrap();
     assert_eq!(
-        String::from_utf8(written(&file, Format::PcdAscii)).unwrap(),
+        String::from_utf8(written(&file, Format::PCD_ASCII)).unwrap(),
         text.replace("1 0 0 3", "9 0 0 3")
     );
     // A new field is 0, or no number, where there is no place; other formats are without those points.
     file.add_vertex_field(Field::new("new", 1, FieldValues::F32(vec![5.0, 6.0]))).unwrap();
-    for format in [Format::Pcd, Format::PcdCompressed, Format::PcdAscii] {
+    for format in [Format::PCD, Format::PCD_COMPRESSED, Format::PCD_ASCII] {
         let bytes = written(&file, format);
         let head = String::from_utf8_lossy(&bytes).into_owned();
         assert!(head.contains("WIDTH 2\nHEIGHT 2\n") && head.contains("POINTS 4"), "{head}");
@@ -29,7 +29,7 @@ fn points_without_a_place_are_left_out_and_come_back() {
         assert_eq!(again.field("new").unwrap().to_f64(), [5.0, 6.0]);
         assert_eq!(again.field("q").unwrap().to_f64(), [1.0, 3.0]);
     }
-    assert_eq!(read(&written(&file, Format::Ply), "a").n_vertices(), 2);
+    assert_eq!(read(&written(&file, Format::PLY), "a").n_vertices(), 2);
 }
 
 #[test]
@@ -40,10 +40,10 @@ fn a_compressed_pcd_stays_compressed() {
     cloud
         .add_vertex_field(Field::new("hks", 5, FieldValues::I16((0..2500).map(|k| k / 9).collect())))
         .unwrap();
-    let bytes = written(&cloud, Format::PcdCompressed);
-    assert!(bytes.len() < written(&cloud, Format::Pcd).len() / 2);
+    let bytes = written(&cloud, Format::PCD_COMPRESSED);
+    assert!(bytes.len() < written(&cloud, Format::PCD).len() / 2);
     let again = read(&bytes, "a.pcd");
-    assert_eq!((again.points(), again.format()), (cloud.points(), Some(Format::PcdCompressed)));
+    assert_eq!((again.points(), again.format()), (cloud.points(), Some(Format::PCD_COMPRESSED)));
     for field in cloud.vertex_fields() {
         assert_eq!(again.field(&field.name), Some(field));
     }
@@ -54,13 +54,13 @@ fn an_obj_of_the_plane() {
     let text = "v 0 0\nv 1.50 0\nv 0 1 # last\nf 1 2 3\n";
     let mut file = read(text.as_bytes(), "a.obj");
     assert_eq!(file.points()[1], [1.5, 0.0, 0.0]);
-    assert_eq!(written(&file, Format::Obj), text.as_bytes());
+    assert_eq!(written(&file, Format::OBJ), text.as_bytes());
     file.set_points(vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).unwrap();
-    assert_eq!(String::from_utf8(written(&file, Format::Obj)).unwrap(), text.replace("1.50", "2"));
+    assert_eq!(String::from_utf8(written(&file, Format::OBJ)).unwrap(), text.replace("1.50", "2"));
     file.set_points(vec![[0.0; 3], [2.0, 0.0, 0.25], [0.0, 1.0, 0.0]]).unwrap();
-    assert_eq!(read(&written(&file, Format::Obj), "a.obj").points(), file.points());
+    assert_eq!(read(&written(&file, Format::OBJ), "a.obj").points(), file.points());
     let message = error(b"v 0 0 0\nv 1 2\nv 0 1 0\n", "a.obj");
-    assert!(message.contains("line 2: a vertex has 2 numbers and needs 3"), "{message}");
+    assert!(message.contains("line 2: a vertex needs 3 numbers, got 2"), "{message}");
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn text_in_utf_16() {
         let bytes: Vec<u8> = [0xfeff].into_iter().chain(text.encode_utf16()).flat_map(to_bytes).collect();
         let file = read(&bytes, "a.obj");
         assert_eq!((file.n_vertices(), file.faces().len()), (3, 1));
-        assert_eq!(written(&file, Format::Obj), text.as_bytes());
+        assert_eq!(written(&file, Format::OBJ), text.as_bytes());
     }
 }
 
@@ -100,11 +100,11 @@ fn solids_stay_apart_and_normals_of_what_stayed_too() {
     let mut file = read(SOLIDS.as_bytes(), "a.stl");
     let solid = file.face_fields().iter().find(|f| f.name == "solid").unwrap();
     assert_eq!(solid.to_f64(), [0.0, 1.0]);
-    assert_eq!(String::from_utf8(written(&file, Format::StlAscii)).unwrap(), SOLIDS);
+    assert_eq!(String::from_utf8(written(&file, Format::STL_ASCII)).unwrap(), SOLIDS);
     let mut points = file.points().to_vec();
     points[5] = [5.0, 1.0, 1.0];
     file.set_points(points).unwrap();
-    let again = read(&written(&file, Format::StlAscii), "a.stl");
+    let again = read(&written(&file, Format::STL_ASCII), "a.stl");
     let normal = again.face_fields().iter().find(|f| f.name == "normal").unwrap().to_f64();
     let half = 0.5_f64.sqrt();
     assert_eq!(normal[..3], [0.0, 0.0, 2.0]);
@@ -116,10 +116,10 @@ fn solids_stay_apart_and_normals_of_what_stayed_too() {
 #[test]
 fn a_binary_stl_that_begins_as_a_text() {
     let file = read(SOLIDS.as_bytes(), "a.stl");
-    let mut bytes = written(&file, Format::Stl);
+    let mut bytes = written(&file, Format::STL);
     bytes[..11].copy_from_slice(b"solid shape");
     let again = read(&bytes, "a.stl");
-    assert_eq!((again.format(), again.faces().len()), (Some(Format::Stl), 2));
+    assert_eq!((again.format(), again.faces().len()), (Some(Format::STL), 2));
     // Bytes after the last triangle do not make it a text either.
     bytes.extend([0; 7]);
     assert_eq!(read(&bytes, "a.stl").faces().len(), 2);

@@ -1,4 +1,4 @@
-//! What every kind of chart is drawn on: SVG, or pixels.
+//! Drawing surface of every chart: SVG or pixels.
 
 use super::{MAX_SIDE, MIN_SIDE, PlotError};
 use crate::picture::Picture;
@@ -7,18 +7,18 @@ use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 use std::sync::Once;
 
-/// An area of either backend.
+/// Drawing area of either backend.
 pub(super) type Area<B> = DrawingArea<B, Shift>;
 
-/// Something that can be drawn on an area.
-pub(super) trait Drawn {
-    /// Refuses what has no picture.
+/// Chart that can be drawn on an area.
+pub(super) trait Drawable {
+    /// Checks that the chart can be drawn.
     fn check(&self) -> Result<(), PlotError>;
-    /// Draws all of it.
+    /// Draws the chart.
     fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), PlotError>;
 }
 
-pub(super) fn svg(drawn: &impl Drawn, width: u32, height: u32) -> Result<String, PlotError> {
+pub(super) fn svg(drawn: &impl Drawable, width: u32, height: u32) -> Result<String, PlotError> {
     prepare(drawn, width, height)?;
     let mut text = String::new();
     let area = SVGBackend::with_string(&mut text, (width, height)).into_drawing_area();
@@ -28,7 +28,7 @@ pub(super) fn svg(drawn: &impl Drawn, width: u32, height: u32) -> Result<String,
     Ok(text)
 }
 
-pub(super) fn picture(drawn: &impl Drawn, width: u32, height: u32) -> Result<Picture, PlotError> {
+pub(super) fn picture(drawn: &impl Drawable, width: u32, height: u32) -> Result<Picture, PlotError> {
     prepare(drawn, width, height)?;
     let mut rgb = vec![255; 3 * width as usize * height as usize];
     let area = BitMapBackend::with_buffer(&mut rgb, (width, height)).into_drawing_area();
@@ -39,28 +39,28 @@ pub(super) fn picture(drawn: &impl Drawn, width: u32, height: u32) -> Result<Pic
     Ok(Picture { width, height, rgba })
 }
 
-/// Registers the font once.
+/// Registers the font exactly once.
 static FONT: Once = Once::new();
 
-fn prepare(drawn: &impl Drawn, width: u32, height: u32) -> Result<(), PlotError> {
+fn prepare(drawn: &impl Drawable, width: u32, height: u32) -> Result<(), PlotError> {
     if ![width, height].iter().all(|s| (MIN_SIDE..=MAX_SIDE).contains(s)) {
         return Err(PlotError::Size { width, height });
     }
     drawn.check()?;
-    // Pixels need a font of our own; SVG names one, and its reader has it.
+    // Pixels need an embedded font; SVG refers to a font of its viewer.
     FONT.call_once(|| {
         let registered = register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
-        assert!(registered.is_ok(), "the font of the library is one");
+        assert!(registered.is_ok(), "the embedded font is valid");
     });
     Ok(())
 }
 
-/// The height of letters on an area, pixels.
+/// Font size on an area, in pixels.
 pub(super) fn letters<B: DrawingBackend>(area: &Area<B>) -> u32 {
     (area.dim_in_pixel().1 / 24).clamp(11, 40)
 }
 
-/// How wide a line of text is, pixels.
+/// Width of a line of text, in pixels.
 pub(super) fn width_of<B: DrawingBackend>(area: &Area<B>, text: &str, size: u32) -> Result<u32, PlotError> {
     let style = ("sans-serif", size).into_text_style(area);
     area.estimate_text_size(text, &style).map(|(w, _)| w).map_err(|e| PlotError::drawing(&e))

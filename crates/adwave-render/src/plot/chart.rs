@@ -1,33 +1,33 @@
-//! What a chart shows.
+//! Description of a chart: axes, series, title.
 
-use super::canvas::{self, Area, Drawn};
+use super::canvas::{self, Area, Drawable};
 use super::{PlotError, draw};
 use crate::picture::Picture;
 use plotters::prelude::DrawingBackend;
 use std::ops::Range;
 
-/// How values are spread along an axis.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AxisScale {
-    /// Evenly.
+    /// Linear scale.
     #[default]
     Linear,
-    /// By their logarithm.
+    /// Logarithmic scale.
     Log10,
 }
 
-/// An axis.
+/// Axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// Label with the unit.
     pub label: String,
-    /// How values are spread.
+    /// Scale.
     pub scale: AxisScale,
-    /// What stands at 0, 1, 2 … in place of numbers; for the axis across, where it is linear.
+    /// Labels at 0, 1, 2 … instead of numbers; for a linear horizontal axis.
     pub names: Vec<String>,
 }
 
-/// How a series is drawn.
+/// Drawing style of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mark {
     /// A line through its points.
@@ -35,24 +35,25 @@ pub enum Mark {
     Line,
     /// A line with a dot at each point.
     Points,
-    /// A bar to each point from 0, or from the foot of a logarithmic axis; bars of several series stand side by side.
+    /// A bar to each point from 0, or from the lower end of a logarithmic axis; bars of several series are drawn side
+    /// by side.
     Bars,
     /// A thin line to each point from there, with a dot.
     Stems,
 }
 
-/// A row of points.
+/// Series of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// Drawing style.
     pub mark: Mark,
-    /// x and y.
+    /// x and y of each point.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Series over common axes, with a legend above them where there are several.
+/// Series over common axes, with a legend above them if there are several.
 ///
 /// ```
 /// use adwave_render::plot::{Axis, Chart, Series};
@@ -65,42 +66,42 @@ pub struct Series {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
-    /// The line above.
+    /// Title above the chart.
     pub title: String,
-    /// The axis across.
+    /// Horizontal axis.
     pub x: Axis,
-    /// The axis up.
+    /// Vertical axis.
     pub y: Axis,
-    /// What is shown.
+    /// Series to draw.
     pub series: Vec<Series>,
 }
 
 impl Chart {
-    /// The chart as the text of an SVG file.
+    /// Draws the chart as SVG.
     ///
     /// # Errors
     ///
-    /// No points, values that have no place on their axis, a size that is none.
+    /// No points, values outside the domain of their axis, or a size out of range.
     pub fn svg(&self, width: u32, height: u32) -> Result<String, PlotError> {
         canvas::svg(self, width, height)
     }
 
-    /// The chart in pixels.
+    /// Draws the chart in pixels.
     ///
     /// # Errors
     ///
-    /// As [`Chart::svg`].
+    /// The errors of [`Chart::svg`].
     pub fn picture(&self, width: u32, height: u32) -> Result<Picture, PlotError> {
         canvas::picture(self, width, height)
     }
 
-    /// Series that are drawn as bars.
+    /// Number of series drawn as bars.
     pub(super) fn n_bars(&self) -> usize {
         self.series.iter().filter(|s| s.mark == Mark::Bars).count()
     }
 
-    /// Half of the room that the bars at one place share, in values of the axis across, or in factors where it is
-    /// logarithmic: 0.4 of the least distance between places.
+    /// Half the width shared by the bars at one position, in units of the horizontal axis or as a factor if it is
+    /// logarithmic: 0.4 of the smallest distance between positions.
     pub(super) fn half_slot(&self) -> f64 {
         let log = self.x.scale == AxisScale::Log10;
         let bars = self.series.iter().filter(|s| s.mark == Mark::Bars);
@@ -112,7 +113,7 @@ impl Chart {
         0.4 * if least.is_finite() { least } else { 1.0 }
     }
 
-    /// The values that the axis across shows.
+    /// Range of the horizontal axis.
     pub(super) fn x_range(&self) -> Range<f64> {
         let (low, high) = self.extremes(0);
         let slot = if self.n_bars() > 0 { 1.4 * self.half_slot() } else { 0.0 };
@@ -128,7 +129,7 @@ impl Chart {
         }
     }
 
-    /// The values that the axis up shows; bars and stems on a linear one start at 0.
+    /// Range of the vertical axis; a linear one with bars or stems starts at 0.
     pub(super) fn y_range(&self) -> Range<f64> {
         let (low, high) = self.extremes(1);
         match self.y.scale {
@@ -149,7 +150,7 @@ impl Chart {
     }
 }
 
-impl Drawn for Chart {
+impl Drawable for Chart {
     fn check(&self) -> Result<(), PlotError> {
         if self.series.iter().all(|s| s.points.is_empty()) {
             return Err(PlotError::Empty { title: self.title.clone() });

@@ -1,14 +1,15 @@
-//! A chart on an area: title, legend, axes, series.
+//! Drawing of a chart on an area: title, legend, axes, series.
 
 use super::PlotError;
 use super::canvas::{Area, letters, width_of};
 use super::chart::{AxisScale, Chart, Mark, Series};
 use super::ticks::number;
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Colors that differ for all kinds of color vision. Source: Okabe and Ito, "Color universal design", 2008.
+/// Colors that are distinguishable with all kinds of color vision. Source: Okabe and Ito, "Color universal design",
+/// 2008.
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -44,8 +45,7 @@ where
     area.fill(&WHITE).map_err(|e| failed(&e))?;
     let below = legend(chart, area, size)?;
     let (_, area) = area.split_vertically(below);
-    let span = |r: std::ops::Range<f64>| r.end - r.start;
-    let (x_span, y_span) = (span(chart.x_range()), span(chart.y_range()));
+    let (x_span, y_span) = (length(&chart.x_range()), length(&chart.y_range()));
     let mut axes = ChartBuilder::on(&area)
         .margin(size)
         .margin_top(0)
@@ -81,7 +81,7 @@ where
                 axes.draw_series(LineSeries::new(points(), color.stroke_width(2))).map_err(|e| failed(&e))?;
             }
             Mark::Bars => {
-                // Places of this series within the slot, −1 to 1.
+                // Offset of this series within the slot, −1 to 1.
                 let edges = [bar, bar + 1].map(|k| 2.0 * f64::from(k) / n_bars as f64 - 1.0);
                 bar += 1;
                 let at = |x: f64, place: f64| {
@@ -107,23 +107,43 @@ where
         }
     }
     if named {
-        // The library puts ticks where it likes; names stand at whole numbers.
-        let (_, bottom) = axes.plotting_area().get_pixel_range();
-        let slot = (f64::from(axes.plotting_area().dim_in_pixel().0) / x_span) as u32;
-        let size = fitting(&chart.x.names, &area, size, slot)?;
-        let style = ("sans-serif", size, ink).into_text_style(&area).pos(Pos::new(HPos::Center, VPos::Top));
-        let (left, top) = area.get_base_pixel();
-        for (k, name) in chart.x.names.iter().enumerate() {
-            let place = axes.plotting_area().map_coordinate(&(k as f64, chart.y_range().start));
-            let at = (place.0 - left, bottom.end - top + 2 * size as i32 / 3);
-            area.draw_text(name, &style, at).map_err(|e| failed(&e))?;
-        }
+        draw_names(chart, &area, &axes, size)?;
     }
     Ok(())
 }
 
-/// The size of letters at which no name is wider than its slot.
-fn fitting<B: DrawingBackend>(
+fn length(range: &std::ops::Range<f64>) -> f64 {
+    range.end - range.start
+}
+
+/// Draws the names of the horizontal axis below their positions.
+fn draw_names<B, X, Y>(
+    chart: &Chart,
+    area: &Area<B>,
+    axes: &ChartContext<'_, B, Cartesian2d<X, Y>>,
+    size: u32,
+) -> Result<(), PlotError>
+where
+    B: DrawingBackend,
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    // The library chooses the ticks; names belong to integer positions.
+    let (_, bottom) = axes.plotting_area().get_pixel_range();
+    let slot = (f64::from(axes.plotting_area().dim_in_pixel().0) / length(&chart.x_range())) as u32;
+    let size = fit_font_size(&chart.x.names, area, size, slot)?;
+    let style = ("sans-serif", size, &INK).into_text_style(area).pos(Pos::new(HPos::Center, VPos::Top));
+    let (left, top) = area.get_base_pixel();
+    for (k, name) in chart.x.names.iter().enumerate() {
+        let (x, _) = axes.plotting_area().map_coordinate(&(k as f64, chart.y_range().start));
+        let position = (x - left, bottom.end - top + 2 * size as i32 / 3);
+        area.draw_text(name, &style, position).map_err(|e| PlotError::drawing(&e))?;
+    }
+    Ok(())
+}
+
+/// Largest font size at which no name is wider than its slot.
+fn fit_font_size<B: DrawingBackend>(
     names: &[String],
     area: &Area<B>,
     size: u32,
@@ -136,7 +156,7 @@ fn fitting<B: DrawingBackend>(
     Ok((size * slot.saturating_sub(size / 3) / widest).clamp(7, size))
 }
 
-/// Writes the title and, below it, the series by their colors in as many rows as they need; returns where they end.
+/// Draws the title and, below it, the series with their colors in as many rows as needed; returns the lower end.
 fn legend<B: DrawingBackend>(chart: &Chart, area: &Area<B>, size: u32) -> Result<u32, PlotError> {
     let failed = |e: &dyn std::fmt::Display| PlotError::drawing(e);
     let line = 3 * size as i32 / 2;

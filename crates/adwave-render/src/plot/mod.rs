@@ -1,7 +1,8 @@
 //! Charts of lines, points, bars and stems, and the patterns of sparse matrices, as SVG and as pixels.
 //!
-//! A [`Chart`] is one pair of axes, a [`Sheet`] several charts, a [`SparsityPattern`] the places where a matrix has entries.
-//! Axes, ticks and both backends are plotters'; the legend is our own, since that library can only lay it over the curves.
+//! A [`Chart`] is one pair of axes, a [`Sheet`] several charts, a [`SparsityPattern`] the positions of a matrix's
+//! entries. Axes, ticks and both backends come from plotters; the legend is our own, because that library can only
+//! draw it over the curves.
 
 mod canvas;
 mod chart;
@@ -19,54 +20,56 @@ pub use sparsity::SparsityPattern;
 use adwave::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// The most pixels of a chart's side.
+/// Largest number of pixels per side of a chart.
 const MAX_SIDE: u32 = 8192;
-/// The least pixels of a chart's side.
+/// Smallest number of pixels per side of a chart.
 const MIN_SIDE: u32 = 64;
 
-/// A chart that cannot be drawn.
+/// Reasons for which a chart cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlotError {
-    /// No points at all.
+    /// The chart has no points.
     #[error("the chart '{title}' has no points")]
     Empty {
-        /// Its title.
+        /// Title of the chart.
         title: String,
     },
-    /// A value that has no place on its axis.
+    /// A value lies outside the domain of its axis.
     #[error(
-        "the chart '{title}' has the value {value} in '{series}'; values are finite, and above 0 on a logarithmic axis"
+        "values must be finite, and above 0 on a logarithmic axis, but '{series}' of the chart '{title}' \
+        has {value}"
     )]
     BadValue {
-        /// Its title.
+        /// Title of the chart.
         title: String,
-        /// The label of the series.
+        /// Label of the series.
         series: String,
         /// The value.
         value: f64,
     },
-    /// An entry of a matrix outside of it.
+    /// An entry lies outside the matrix.
     #[error(
-        "the pattern '{title}' has an entry at row {row}, column {column} of {n_rows} rows and {n_columns} columns"
+        "the entries of '{title}' must lie inside {n_rows} rows and {n_columns} columns, got row {row}, \
+        column {column}"
     )]
     BadEntry {
-        /// Its title.
+        /// Title of the pattern.
         title: String,
-        /// From 0.
+        /// Row, from 0.
         row: u32,
-        /// From 0.
+        /// Column, from 0.
         column: u32,
-        /// Rows of the matrix.
+        /// Number of rows of the matrix.
         n_rows: usize,
-        /// Columns of the matrix.
+        /// Number of columns of the matrix.
         n_columns: usize,
     },
-    /// A size that is none.
-    #[error("a chart of {width}x{height} pixels; each is from {MIN_SIDE} to {MAX_SIDE}")]
+    /// The size is out of range.
+    #[error("the sides of a chart must be in {MIN_SIDE}..={MAX_SIDE} pixels, got {width}x{height}")]
     Size {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
     /// The charting library failed.

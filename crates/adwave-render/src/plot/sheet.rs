@@ -1,45 +1,45 @@
-//! Several charts on one sheet.
+//! Sheets of several charts.
 
-use super::canvas::{self, Area, Drawn};
+use super::canvas::{self, Area, Drawable};
 use super::{Chart, PlotError};
 use crate::picture::Picture;
 use plotters::prelude::{DrawingBackend, WHITE};
 
-/// Charts in rows of `columns`, all of one size.
+/// Charts of equal size in rows of `columns`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {
-    /// Row by row.
+    /// Charts, row by row.
     pub charts: Vec<Chart>,
-    /// Charts side by side; 0 counts as 1.
+    /// Number of charts per row; 0 counts as 1.
     pub columns: usize,
 }
 
 impl Sheet {
-    /// The sheet as the text of an SVG file.
+    /// Draws the sheet as SVG.
     ///
     /// # Errors
     ///
-    /// No charts, a size that is none, and as [`Chart::svg`].
+    /// No charts, a size out of range, and the errors of [`Chart::svg`].
     pub fn svg(&self, width: u32, height: u32) -> Result<String, PlotError> {
         canvas::svg(self, width, height)
     }
 
-    /// The sheet in pixels.
+    /// Draws the sheet in pixels.
     ///
     /// # Errors
     ///
-    /// As [`Sheet::svg`].
+    /// The errors of [`Sheet::svg`].
     pub fn picture(&self, width: u32, height: u32) -> Result<Picture, PlotError> {
         canvas::picture(self, width, height)
     }
 }
 
-impl Drawn for Sheet {
+impl Drawable for Sheet {
     fn check(&self) -> Result<(), PlotError> {
         if self.charts.is_empty() {
             return Err(PlotError::Empty { title: "sheet".to_owned() });
         }
-        self.charts.iter().try_for_each(Drawn::check)
+        self.charts.iter().try_for_each(Drawable::check)
     }
 
     fn draw<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(), PlotError> {

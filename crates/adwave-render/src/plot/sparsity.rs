@@ -1,53 +1,53 @@
-//! Where a matrix has entries.
+//! Sparsity pattern of a matrix.
 
 use super::PlotError;
-use super::canvas::{self, Area, Drawn};
+use super::canvas::{self, Area, Drawable};
 use crate::picture::Picture;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// A dark square for each entry of a matrix, row 0 at the top, with its shape and the number of its entries below.
+/// A dark square for each entry of a matrix, row 0 at the top, with the matrix size and the number of entries below.
 ///
-/// A matrix with more rows or columns than there are pixels is drawn by cells of several; a cell is as dark as the part of it that
-/// has entries, and never so light that it vanishes.
+/// A matrix with more rows or columns than pixels is drawn in cells of several entries; the darkness of a cell is the
+/// filled fraction, with a minimum that keeps single entries visible.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SparsityPattern {
-    /// The line above.
+    /// Title above the pattern.
     pub title: String,
-    /// Rows of the matrix.
+    /// Number of rows of the matrix.
     pub n_rows: usize,
-    /// Columns of the matrix.
+    /// Number of columns of the matrix.
     pub n_columns: usize,
     /// Row and column of each entry, from 0.
     pub entries: Vec<[u32; 2]>,
 }
 
-/// The color of a cell that is all entries.
+/// Color of a fully filled cell.
 const DARK: RGBColor = RGBColor(0, 80, 140);
 const GROUND: RGBColor = RGBColor(244, 244, 244);
-/// The part of the darkness that one entry in a cell of many has at least.
+/// Smallest darkness of a cell with an entry.
 const LEAST: f64 = 0.35;
 
 impl SparsityPattern {
-    /// The pattern as the text of an SVG file.
+    /// Draws the pattern as SVG.
     ///
     /// # Errors
     ///
-    /// No rows, columns or entries, an entry outside, a size that is none.
+    /// No rows, columns or entries, an entry outside the matrix, or a size out of range.
     pub fn svg(&self, width: u32, height: u32) -> Result<String, PlotError> {
         canvas::svg(self, width, height)
     }
 
-    /// The pattern in pixels.
+    /// Draws the pattern in pixels.
     ///
     /// # Errors
     ///
-    /// As [`SparsityPattern::svg`].
+    /// The errors of [`SparsityPattern::svg`].
     pub fn picture(&self, width: u32, height: u32) -> Result<Picture, PlotError> {
         canvas::picture(self, width, height)
     }
 
-    /// The entries in each of `rows` × `columns` cells, row by row.
+    /// Number of entries in each of `rows` × `columns` cells, row by row.
     fn cells(&self, rows: usize, columns: usize) -> Vec<u32> {
         let mut counts = vec![0_u32; rows * columns];
         for &[row, column] in &self.entries {
@@ -58,7 +58,7 @@ impl SparsityPattern {
     }
 }
 
-impl Drawn for SparsityPattern {
+impl Drawable for SparsityPattern {
     fn check(&self) -> Result<(), PlotError> {
         if self.n_rows == 0 || self.n_columns == 0 || self.entries.is_empty() {
             return Err(PlotError::Empty { title: self.title.clone() });
@@ -80,7 +80,7 @@ impl Drawn for SparsityPattern {
         let size = canvas::letters(area) as i32;
         let margin = 2 * size;
         let room = [width as i32 - 2 * size, height as i32 - 2 * margin].map(|r| f64::from(r.max(1)));
-        // Square cells of whole pixels where they fit, so that all look alike.
+        // Square cells of whole pixels if they fit, so that all cells look alike.
         let fit = (room[0] / self.n_columns as f64).min(room[1] / self.n_rows as f64);
         let side = if fit >= 1.0 { fit.floor() } else { fit };
         let extent = |n: usize| ((n as f64 * side).round() as usize).max(1);
@@ -105,7 +105,7 @@ impl Drawn for SparsityPattern {
         for row in 0..rows {
             let cells = &counts[row * columns..(row + 1) * columns];
             let mut from = 0;
-            // Equal cells in a row are one rectangle: an SVG file stays small.
+            // A run of equal cells in a row is drawn as one rectangle, which keeps an SVG file small.
             for run in cells.chunk_by(|a, b| a == b) {
                 let to = from + run.len();
                 if run[0] > 0 {

@@ -6,7 +6,7 @@ fn chart(points: Vec<[f64; 2]>, scale: AxisScale, mark: Mark) -> Chart {
     Chart { title: "t".to_owned(), x: axis.clone(), y: axis, series }
 }
 
-/// Pixels of a series' color.
+/// Number of pixels in the color of a series.
 fn inked(chart: &Chart, color: [u8; 3]) -> usize {
     chart.picture(300, 200).unwrap().rgba.chunks_exact(4).filter(|p| p[..3] == color).count()
 }
@@ -43,7 +43,7 @@ fn a_bar_of_twice_the_value_has_twice_the_area() {
         chart.series.push(other);
         (inked(&chart, FIRST) as f64, inked(&chart, SECOND) as f64)
     };
-    // The swatches of the legend are the same in both; a row of pixels more or less.
+    // The swatches of the legend are equal in both; the tolerance is a row of pixels.
     let ((one, whole), (two, also_whole)) = (of(1.0), of(2.0));
     assert_eq!(whole, also_whole);
     let quarter = (two - one) / (whole - (2.0 * one - two));

@@ -1,25 +1,25 @@
-//! Numbers at ticks.
+//! Formatting of tick labels.
 
-/// A tick of an axis that spans `span`: up to four digits, powers of ten where it is far from 1.
+/// Formats a tick of an axis of length `span`: up to four digits, with a power of ten if it is far from 1.
 pub(super) fn number(value: f64, span: f64) -> String {
     let size = value.abs();
-    // What is left of 0 after steps were added up.
+    // Rounding remainder of adding up steps to 0.
     if size < 1e-9 * span || size == 0.0 {
         return "0".to_owned();
     }
     if (1e-3..1e5).contains(&size) {
         let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
-        return stripped(&format!("{value:.decimals$}")).to_owned();
+        return strip_zeros(&format!("{value:.decimals$}")).to_owned();
     }
     let text = format!("{value:.2e}");
     match text.split_once('e') {
-        Some((mantissa, power)) => format!("{}e{power}", stripped(mantissa)),
+        Some((mantissa, power)) => format!("{}e{power}", strip_zeros(mantissa)),
         None => text,
     }
 }
 
-/// Without zeros after the point.
-fn stripped(digits: &str) -> &str {
+/// Strips trailing zeros after the decimal point.
+fn strip_zeros(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
 

@@ -1,10 +1,10 @@
-//! Which tiles a primitive may touch.
+//! Assignment of primitives to the tiles that they may touch.
 
 use super::TILE;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// The pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty where left > right.
+/// Pixels that a primitive may touch, both ends included: left, top, right, bottom. Empty if left > right.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelBox(pub(crate) [i32; 4]);
 
@@ -20,10 +20,10 @@ impl PixelBox {
     }
 }
 
-/// Primitives that are looked at between two looks at whether to go on.
-const AT_A_TIME: usize = 1 << 14;
+/// Primitives processed between two checks of the progress handle.
+const CHECK_INTERVAL: usize = 1 << 14;
 
-/// The primitives of each tile, by rising index, so that the order in which they are drawn is always the same.
+/// Primitives of each tile in ascending order, so that the drawing order is always the same.
 pub(crate) struct Bins {
     first: Vec<usize>,
     primitives: Vec<u32>,
@@ -46,7 +46,7 @@ impl Bins {
                 }
             }
         };
-        for chunk in touched.chunks(AT_A_TIME) {
+        for chunk in touched.chunks(CHECK_INTERVAL) {
             progress.check()?;
             for tiles in chunk.iter().flatten() {
                 each(tiles, &mut |t| first[t + 1] += 1);
@@ -58,7 +58,7 @@ impl Bins {
         let mut next = first.clone();
         let mut primitives = vec![0; *first.last().unwrap_or(&0)];
         for (k, tiles) in touched.iter().enumerate() {
-            if k % AT_A_TIME == 0 {
+            if k % CHECK_INTERVAL == 0 {
                 progress.check()?;
             }
             if let Some(tiles) = tiles {
@@ -71,7 +71,7 @@ impl Bins {
         Ok(Self { first, primitives })
     }
 
-    pub(crate) fn of(&self, tile: usize) -> &[u32] {
+    pub(crate) fn primitives(&self, tile: usize) -> &[u32] {
         &self.primitives[self.first[tile]..self.first[tile + 1]]
     }
 }

@@ -3,26 +3,26 @@
 use super::{PixelBox, TileSamples};
 use crate::vector::Direction;
 
-/// A disc seen at a slant, or a ball.
+/// Disc seen at a slant, or ball.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Disc {
-    /// The center in samples.
+    /// Center in samples.
     pub(crate) x: f32,
     pub(crate) y: f32,
     pub(crate) near: f32,
-    /// The radius in samples.
+    /// Radius in samples.
     pub(crate) radius: f32,
-    /// How much nearer a point one radius toward the viewer is.
+    /// Increase of nearness one radius toward the viewer.
     pub(crate) near_per_radius: f32,
-    /// The disc's normal in the viewer's axes, or nothing for a ball.
+    /// Normal of the disc in the viewer's axes; `None` for a ball.
     pub(crate) normal: Option<Direction>,
 }
 
-/// A disc seen from the side is drawn as if seen at this slant at most, lest it vanishes.
+/// Smallest slant at which a disc is drawn, so that a disc seen from the side stays visible.
 const MIN_FACING: f32 = 0.35;
 
 impl Disc {
-    /// The pixels that it may touch.
+    /// Pixels that the disc may touch.
     pub(crate) fn pixel_box(&self, samples: i32) -> PixelBox {
         let reach = self.reach();
         let low = [self.x - reach, self.y - reach].map(|c| c.floor() as i32);
@@ -30,26 +30,26 @@ impl Disc {
         PixelBox([low[0], low[1], high[0], high[1]].map(|c| c.div_euclid(samples)))
     }
 
-    /// At least a sample wide, so that no point is lost.
+    /// At least one sample wide, so that no point is lost.
     fn reach(&self) -> f32 {
         self.radius.max(0.75)
     }
 
-    /// How far toward the viewer the surface lies at an offset from the center in radii; nothing outside.
+    /// Height of the surface toward the viewer at an offset from the center, in radii; `None` outside.
     fn height(&self, u: f32, v: f32) -> Option<f32> {
         let flat = u * u + v * v;
         match self.normal {
             None => (flat <= 1.0).then(|| (1.0 - flat).sqrt()),
             Some(n) => {
                 let facing = n[2].max(MIN_FACING);
-                // y is down in the picture and up for the normal.
+                // y points down in the picture and up for the normal.
                 let height = -(n[0] * u - n[1] * v) / facing;
                 (flat + height * height <= 1.0).then_some(height)
             }
         }
     }
 
-    /// Offers the samples inside to the tile.
+    /// Draws the covered samples of the tile.
     pub(crate) fn draw(&self, id: u32, tile: &mut TileSamples) {
         let reach = self.reach();
         let low = [self.x - reach, self.y - reach].map(|c| c.floor() as i32);
@@ -67,7 +67,7 @@ impl Disc {
         }
     }
 
-    /// The normal at a point in samples, in the viewer's axes.
+    /// Normal at a sample position, in the viewer's axes.
     pub(crate) fn normal_at(&self, x: f32, y: f32) -> Direction {
         self.normal.unwrap_or_else(|| {
             let (u, v) = ((x - self.x) / self.reach(), (y - self.y) / self.reach());

@@ -1,4 +1,4 @@
-//! Which primitive each sample of the picture shows: a z-buffer over tiles.
+//! Z-buffer over tiles: finds the primitive shown by each sample.
 
 mod bins;
 mod disc;
@@ -8,23 +8,23 @@ pub(crate) use bins::{Bins, PixelBox};
 pub(crate) use disc::Disc;
 pub(crate) use triangle::{Corner, Triangle};
 
-/// Pixels of a tile's side: its samples fit into the processor's cache.
+/// Side of a tile in pixels; the samples of a tile fit into the processor's cache.
 pub(crate) const TILE: usize = 32;
 
-/// No primitive.
+/// Index that stands for no primitive.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// The samples of one tile, rows of `side`.
+/// Samples of one tile, in rows of `side`.
 pub(crate) struct TileSamples {
-    /// Samples of a side.
+    /// Number of samples per side.
     pub(crate) side: usize,
-    /// The corner's place in samples.
+    /// Left edge in samples.
     pub(crate) left: i32,
-    /// The corner's place in samples.
+    /// Top edge in samples.
     pub(crate) top: i32,
-    /// How near the nearest primitive is; 0 is infinitely far.
+    /// Nearness of the nearest primitive; 0 is infinitely far.
     pub(crate) near: Vec<f32>,
-    /// Which primitive it is.
+    /// Index of the nearest primitive.
     pub(crate) id: Vec<u32>,
 }
 
@@ -40,7 +40,7 @@ impl TileSamples {
         }
     }
 
-    /// The rows and columns of samples within `low..=high` (in samples of the picture), as ranges of this tile.
+    /// Clips `low..=high` (in samples of the picture) to this tile and returns the ranges of rows and columns.
     fn clip(&self, low: [i32; 2], high: [i32; 2]) -> Option<[[i32; 2]; 2]> {
         let last = self.side as i32 - 1;
         let x = [(low[0] - self.left).max(0), (high[0] - self.left).min(last)];
@@ -48,7 +48,7 @@ impl TileSamples {
         (x[0] <= x[1] && y[0] <= y[1]).then_some([x, y])
     }
 
-    /// Takes the sample for `id` if it is nearer than what is there; of equally near ones the first stays.
+    /// Sets the sample to `id` if it is nearer than the present one; of equally near primitives the first stays.
     fn offer(&mut self, at: usize, near: f32, id: u32) {
         if near > self.near[at] {
             self.near[at] = near;

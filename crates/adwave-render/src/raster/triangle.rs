@@ -1,12 +1,12 @@
-//! Samples inside a triangle, exactly.
+//! Exact coverage of samples by a triangle.
 
 use super::{PixelBox, TileSamples};
 
-/// Parts of a sample that corners are rounded to: whole numbers make the test of two triangles at their common edge exact,
-/// so that no sample between them is missed.
+/// Subsample grid for corners: integer coordinates make the edge test of two adjacent triangles exact, so that no
+/// sample between them is missed.
 const STEPS: i64 = 256;
 
-/// A corner on the grid of sample parts.
+/// Corner on the subsample grid.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Corner {
     x: i32,
@@ -15,7 +15,7 @@ pub(crate) struct Corner {
 }
 
 impl Corner {
-    /// At `x`, `y` in samples.
+    /// Rounds the position `x`, `y` (in samples) to the grid.
     pub(crate) fn new(x: f64, y: f64, near: f64) -> Self {
         let part = |c: f64| (c * STEPS as f64).round().clamp(-1e9, 1e9) as i32;
         Self { x: part(x), y: part(y), near: near as f32 }
@@ -26,33 +26,33 @@ impl Corner {
     }
 }
 
-/// A triangle of the picture.
+/// Triangle in the picture.
 #[derive(Clone, Copy)]
 pub(crate) struct Triangle(pub(crate) [Corner; 3]);
 
 impl Triangle {
-    /// Twice the signed area in square parts; positive where the corners run clockwise in the picture (y down).
+    /// Twice the signed area in squared grid units; positive if the corners run clockwise in the picture (y down).
     fn doubled_area(&self) -> i64 {
         edge(self.0[0], self.0[1], i64::from(self.0[2].x), i64::from(self.0[2].y))
     }
 
-    /// Whether the corners run counterclockwise for the viewer, as those of an outer side do.
+    /// True if the corners run counterclockwise for the viewer, as on a front side.
     pub(crate) fn faces_viewer(&self) -> bool {
         self.doubled_area() < 0
     }
 
-    /// The first and last sample center within it, columns and rows.
+    /// First and last sample center inside the bounding box, as columns and rows.
     fn sample_box(&self) -> [[i32; 2]; 2] {
         let range = |c: [i32; 3]| {
             let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
             let (steps, half) = (STEPS as i32, STEPS as i32 / 2);
-            // Centers lie at halves: the first not before `low`, the last not after `high`.
+            // Centers lie at halves: the first at or after `low`, the last at or before `high`.
             [(low - half + steps - 1).div_euclid(steps), (high - half).div_euclid(steps)]
         };
         [range(self.0.map(|c| c.x)), range(self.0.map(|c| c.y))]
     }
 
-    /// The pixels that it may touch; none where no sample is inside.
+    /// Pixels that the triangle may touch; empty if it covers no sample.
     pub(crate) fn pixel_box(&self, samples: i32) -> PixelBox {
         let [x, y] = self.sample_box();
         if x[0] > x[1] || y[0] > y[1] || self.doubled_area() == 0 {
@@ -61,7 +61,7 @@ impl Triangle {
         PixelBox([x[0], y[0], x[1], y[1]].map(|c| c.div_euclid(samples)))
     }
 
-    /// Offers the samples inside to the tile.
+    /// Draws the covered samples of the tile.
     pub(crate) fn draw(&self, id: u32, tile: &mut TileSamples) {
         let area = self.doubled_area();
         if area == 0 {
@@ -99,7 +99,7 @@ impl Triangle {
         }
     }
 
-    /// The weights of the corners at a point in samples, within [0, 1], on the surface itself: with perspective the nearer
+    /// Barycentric weights at a sample position, within [0, 1], on the surface itself: with perspective the nearer
     /// corners weigh more than in the picture.
     pub(crate) fn weights(&self, x: f32, y: f32, perspective: bool) -> [f32; 3] {
         let [a, b, c] = self.0.map(Corner::position);

@@ -5,31 +5,31 @@ use super::{Block, Fact, Figure, ImageKind, Legend, Link, Page, Section, Source,
 use crate::table::Table;
 use std::fmt::Write as _;
 
-/// Tables with more rows are saved, not shown.
+/// Tables with more rows are linked, not shown.
 const MAX_ROWS: usize = 24;
-/// Cells up to so many letters are not broken.
+/// Cells of up to this many letters are not broken.
 const SHORT_CELL: usize = 28;
-/// With more sections the table of contents is a list in place of a line.
+/// With more sections, the table of contents is a list instead of a line.
 const MAX_IN_A_LINE: usize = 9;
 
 const STYLE: &str = include_str!("style.css");
 
-/// Code that is longer may be broken between lines.
+/// Longer code may be broken between lines.
 const LONG_CODE: usize = 36;
 
-/// What the browser may load: what is in the file, and nothing else.
+/// Content security policy of a page without other files.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
-/// The same where pictures are beside the file.
-const POLICY_BESIDE: &str = "default-src 'none'; img-src data: 'self' file:; style-src 'unsafe-inline'";
+/// Content security policy of a page with pictures in files.
+const POLICY_WITH_FILES: &str = "default-src 'none'; img-src data: 'self' file:; style-src 'unsafe-inline'";
 
 pub(super) fn page(page: &Page) -> String {
-    let title = escaped(&page.title);
+    let title = escape(&page.title);
     let mut blocks = page.sections.iter().flat_map(|s| &s.blocks);
-    let beside = blocks.any(|block| match block {
-        Block::Gallery(figures) => figures.iter().any(|f| matches!(f.image.source, Source::Beside(_))),
+    let has_files = blocks.any(|block| match block {
+        Block::Gallery(figures) => figures.iter().any(|f| matches!(f.image.source, Source::File(_))),
         _ => false,
     });
-    let policy = if beside { POLICY_BESIDE } else { POLICY };
+    let policy = if has_files { POLICY_WITH_FILES } else { POLICY };
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -65,15 +65,13 @@ fn contents(sections: &[Section]) -> String {
             _ => None,
         });
         let badge = verdict.map_or(String::new(), |v| format!(" {}", badge(v)));
-        let _ =
-            writeln!(text, "<li><a href=\"#{}\">{}</a>{badge}</li>", escaped(&one.id), escaped(&one.title));
+        let _ = writeln!(text, "<li><a href=\"#{}\">{}</a>{badge}</li>", escape(&one.id), escape(&one.title));
     }
     text + "</ul>\n</nav>\n"
 }
 
 fn section(section: &Section) -> String {
-    let mut text =
-        format!("<section id=\"{}\">\n<h2>{}</h2>\n", escaped(&section.id), escaped(&section.title));
+    let mut text = format!("<section id=\"{}\">\n<h2>{}</h2>\n", escape(&section.id), escape(&section.title));
     for one in &section.blocks {
         text += &block(one);
     }
@@ -89,9 +87,9 @@ fn block(block: &Block) -> String {
         Block::Gallery(figures) => gallery(figures),
         Block::Table(table) => {
             let uri = data_uri("text/csv", table.csv().as_bytes());
-            numbers(table, &format!(" download=\"{}\" href=\"{uri}\"", escaped(&table.name)))
+            numbers(table, &format!(" download=\"{}\" href=\"{uri}\"", escape(&table.name)))
         }
-        Block::TableBeside(table, file) => numbers(table, &format!(" href=\"{}\"", path(file))),
+        Block::TableWithFile(table, file) => numbers(table, &format!(" href=\"{}\"", path(file))),
         Block::Files(links) => files(links),
     }
 }
@@ -102,7 +100,7 @@ fn badge(verdict: &Verdict) -> String {
         Tone::Mixed => "mixed",
         Tone::Bad => "bad",
     };
-    format!("<b class=\"{class}\">{}.</b>", escaped(&verdict.headline))
+    format!("<b class=\"{class}\">{}.</b>", escape(&verdict.headline))
 }
 
 fn facts(facts: &[Fact]) -> String {
@@ -112,7 +110,7 @@ fn facts(facts: &[Fact]) -> String {
             "" => String::new(),
             meaning => format!("<dd class=\"meaning\">{}</dd>", prose(meaning)),
         };
-        let (name, value) = (escaped(&fact.name), escaped(&fact.value));
+        let (name, value) = (escape(&fact.name), escape(&fact.value));
         let _ = writeln!(text, "<div><dt>{name}</dt><dd class=\"value\">{value}</dd>{meaning}</div>");
     }
     text + "</dl>\n"
@@ -138,12 +136,12 @@ fn figure(figure: &Figure) -> String {
         (width, height) => format!(" width=\"{width}\" height=\"{height}\""),
     };
     let tag = |source: &str, more: &str| {
-        format!("<img src=\"{source}\"{sides} alt=\"{}\"{more}>", escaped(&figure.alt))
+        format!("<img src=\"{source}\"{sides} alt=\"{}\"{more}>", escape(&figure.alt))
     };
     let mut picture = match &image.source {
-        Source::Beside(file) => tag(&path(file), " loading=\"lazy\""),
-        Source::Inside { light, dark } if dark.is_empty() => tag(&image.uri(light), ""),
-        Source::Inside { light, dark } => format!(
+        Source::File(file) => tag(&path(file), " loading=\"lazy\""),
+        Source::Embedded { light, dark } if dark.is_empty() => tag(&image.uri(light), ""),
+        Source::Embedded { light, dark } => format!(
             "<picture><source media=\"(prefers-color-scheme:dark)\" srcset=\"{}\">{}</picture>",
             image.uri(dark),
             tag(&image.uri(light), "")
@@ -169,9 +167,9 @@ fn legend(legend: &Legend) -> String {
                 "<div class=\"bar\"><i style=\"background:linear-gradient(to right,{})\"></i><span><b>{}</b>\
                  <em>{}</em><b>{}</b></span></div>\n",
                 colors.join(","),
-                escaped(low),
+                escape(low),
                 prose(label),
-                escaped(high)
+                escape(high)
             )
         }
         Legend::Keys(keys) => {
@@ -183,12 +181,12 @@ fn legend(legend: &Legend) -> String {
     }
 }
 
-/// A table, and what its link is made of.
+/// HTML of a table; `link` has the attributes of its link.
 fn numbers(table: &Table, link: &str) -> String {
     let mut text = format!(
         "<div class=\"table\">\n<p>{} <a{link}>{}</a></p>\n",
         prose(&table.caption),
-        escaped(&table.name)
+        escape(&table.name)
     );
     if table.rows.len() <= MAX_ROWS {
         let cells = |k: usize| table.rows.iter().filter_map(move |row| row.get(k));
@@ -214,16 +212,16 @@ fn numbers(table: &Table, link: &str) -> String {
             text,
             "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">\n<table>\n<thead>\n{}</thead>\n\
              <tbody>\n{rows}</tbody>\n</table>\n</div>\n",
-            escaped(&table.caption),
+            escape(&table.caption),
             line("th", &table.head)
         );
     } else {
-        let _ = writeln!(text, "<p>{} rows, in the file.</p>", table.rows.len());
+        let _ = writeln!(text, "<p>{} rows; see the file.</p>", table.rows.len());
     }
     text + "</div>\n"
 }
 
-/// Whether a cell lines up to the right: a number, perhaps with a unit, or nothing.
+/// Returns true for a cell that is aligned to the right: a number, with or without a unit, or an empty cell.
 fn is_number(cell: &str) -> bool {
     cell.trim_start_matches(['-', '−', '+', '–', '≥', '≤', '<', ' '])
         .chars()
@@ -233,11 +231,11 @@ fn is_number(cell: &str) -> bool {
 
 fn files(links: &[Link]) -> String {
     let item =
-        |link: &Link| format!("<li><a href=\"{}\">{}</a></li>\n", path(&link.path), escaped(&link.text));
+        |link: &Link| format!("<li><a href=\"{}\">{}</a></li>\n", path(&link.path), escape(&link.text));
     format!("<ul>\n{}</ul>\n", links.iter().map(item).collect::<String>())
 }
 
-/// A relative path as a link: what could end it or mean another scheme is written as `%XX`.
+/// A relative path as a link. Characters that could end the attribute or start a scheme are percent-encoded.
 fn path(path: &str) -> String {
     let mut text = String::new();
     for byte in path.bytes() {
@@ -250,21 +248,21 @@ fn path(path: &str) -> String {
     text
 }
 
-/// Text with code between backticks, and subscripts.
+/// HTML of text with code between backticks, and subscripts.
 fn prose(text: &str) -> String {
     if text.matches('`').count() % 2 == 1 {
         return subscripts(text);
     }
     let part = |(k, part): (usize, &str)| match k % 2 {
         0 => subscripts(part),
-        _ if part.chars().count() <= LONG_CODE => format!("<code class=\"k\">{}</code>", escaped(part)),
-        _ => format!("<code>{}</code>", escaped(part)),
+        _ if part.chars().count() <= LONG_CODE => format!("<code class=\"k\">{}</code>", escape(part)),
+        _ => format!("<code>{}</code>", escape(part)),
     };
     text.split('`').enumerate().map(part).collect()
 }
 
-/// Escaped text in which the j of `W_j`, `S_j`, `n_j` and `σ_j`, a level's number, or `(j−1)` stands below the line; a name
-/// such as `scan_1.obj` or `S_1.obj` stays as it is.
+/// Escaped text in which the j of `W_j`, `S_j`, `n_j` and `σ_j`, the number of a level, or `(j−1)` is a subscript. Names such as `scan_1.obj`
+/// or `S_1.obj` do not change.
 fn subscripts(text: &str) -> String {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);
@@ -286,17 +284,17 @@ fn subscripts(text: &str) -> String {
         };
         let index = after[..end].trim_matches(['(', ')']);
         if symbol && !index.is_empty() && ends {
-            out += &format!("{}<sub>{}</sub>", escaped(before), escaped(index));
+            out += &format!("{}<sub>{}</sub>", escape(before), escape(index));
             rest = &after[end..];
         } else {
-            out += &escaped(&rest[..=at]);
+            out += &escape(&rest[..=at]);
             rest = after;
         }
     }
-    out + &escaped(rest)
+    out + &escape(rest)
 }
 
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -305,7 +303,7 @@ fn escaped(text: &str) -> String {
             '>' => safe += "&gt;",
             '"' => safe += "&quot;",
             '\'' => safe += "&#39;",
-            // Control characters have no place in HTML, and a name may hold any.
+            // HTML does not allow control characters, but a name may contain them.
             c if c.is_control() && c != '\n' && c != '\t' => safe.push('\u{fffd}'),
             c => safe.push(c),
         }
@@ -340,6 +338,6 @@ mod tests {
 
     #[test]
     fn control_characters_do_not_reach_the_page() {
-        assert_eq!(escaped("a\0\u{1b}[31m<&>\"'"), "a\u{fffd}\u{fffd}[31m&lt;&amp;&gt;&quot;&#39;");
+        assert_eq!(escape("a\0\u{1b}[31m<&>\"'"), "a\u{fffd}\u{fffd}[31m&lt;&amp;&gt;&quot;&#39;");
     }
 }

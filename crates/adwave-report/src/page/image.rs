@@ -1,4 +1,4 @@
-//! Pictures inside a page.
+//! Encoded pictures of a page.
 
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_render::Picture;
@@ -9,23 +9,23 @@ use image::{ExtendedColorType, ImageEncoder, ImageReader};
 use std::io::Cursor;
 use thiserror::Error;
 
-/// What stands behind the page in light mode, as in its style sheet.
-pub const LIGHT_GROUND: [u8; 3] = [255; 3];
-/// What stands behind the page in dark mode, as in its style sheet.
-pub const DARK_GROUND: [u8; 3] = [20; 3];
+/// Background color of the page in light mode, as in its style sheet.
+pub const LIGHT_BACKGROUND: [u8; 3] = [255; 3];
+/// Background color of the page in dark mode, as in its style sheet.
+pub const DARK_BACKGROUND: [u8; 3] = [20; 3];
 
-/// Quality of JPEG: shading without visible blocks.
+/// JPEG quality at which shading has no visible blocks.
 const QUALITY: u8 = 86;
 
 /// A picture that cannot be put into a page.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("a picture of {width}x{height} pixels cannot be encoded: {reason}")]
 pub struct ImageError {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Why.
+    /// Reason.
     pub reason: String,
 }
 
@@ -35,53 +35,53 @@ impl ClassifiedError for ImageError {
     }
 }
 
-/// How a picture is encoded.
+/// Encoding of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageKind {
-    /// Pixels without loss.
+    /// Lossless pixels.
     Png,
-    /// Shaded pixels in few bytes.
+    /// Shaded pixels in few bytes, with loss.
     Jpeg,
-    /// Lines: a chart on white, which dark mode inverts.
+    /// A chart on white, which dark mode inverts.
     Svg,
 }
 
-/// Where a picture's bytes are.
+/// Location of a picture's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// In the page.
-    Inside {
-        /// The file for light mode.
+    /// Embedded in the page.
+    Embedded {
+        /// Bytes for light mode.
         light: Vec<u8>,
-        /// The file for dark mode; empty where it is the same.
+        /// Bytes for dark mode; empty if they are the same.
         dark: Vec<u8>,
     },
-    /// In a file beside the page, the path relative to it, with `/` between folders.
-    Beside(String),
+    /// A file; the path is relative to the page, with `/` between folders.
+    File(String),
 }
 
 /// An encoded picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
-    /// Its encoding.
+    /// Encoding.
     pub kind: ImageKind,
-    /// Pixels; 0 where that is not known.
+    /// Width in pixels; 0 if unknown.
     pub width: u32,
-    /// Pixels; 0 where that is not known.
+    /// Height in pixels; 0 if unknown.
     pub height: u32,
-    /// Its bytes.
+    /// Location of the bytes.
     pub source: Source,
 }
 
 impl Image {
-    /// A chart.
+    /// An embedded chart.
     pub fn svg(text: String, width: u32, height: u32) -> Self {
-        let source = Source::Inside { light: text.into_bytes(), dark: Vec::new() };
+        let source = Source::Embedded { light: text.into_bytes(), dark: Vec::new() };
         Self { kind: ImageKind::Svg, width, height, source }
     }
 
-    /// The picture of a file beside the page, of which `bytes` is the content.
-    pub fn beside(path: String, kind: ImageKind, bytes: &[u8]) -> Self {
+    /// A picture in a file with the content `bytes`; `path` is relative to the page.
+    pub fn from_file(path: String, kind: ImageKind, bytes: &[u8]) -> Self {
         let (width, height) = match kind {
             ImageKind::Svg => svg_size(bytes).unwrap_or_default(),
             ImageKind::Png | ImageKind::Jpeg => ImageReader::new(Cursor::new(bytes))
@@ -90,23 +90,25 @@ impl Image {
                 .and_then(|reader| reader.into_dimensions().ok())
                 .unwrap_or_default(),
         };
-        Self { kind, width, height, source: Source::Beside(path) }
+        Self { kind, width, height, source: Source::File(path) }
     }
 
-    /// A picture with a transparent ground, laid on the page's ground of each mode.
+    /// Embeds a picture with a transparent background, composited on the background of each mode.
     ///
-    /// JPEG has no transparency, and PNG of shaded surfaces takes five times its bytes: two JPEGs are the smallest that
-    /// look right in both modes.
+    /// JPEG has no transparency, and a PNG of a shaded surface takes five times as many bytes: two JPEGs are the smallest encoding that looks
+    /// right in both modes.
     ///
     /// # Errors
     /// [`ImageError`].
     pub fn shaded(picture: &Picture) -> Result<Self, ImageError> {
-        let source =
-            Source::Inside { light: jpeg(picture, LIGHT_GROUND)?, dark: jpeg(picture, DARK_GROUND)? };
+        let source = Source::Embedded {
+            light: jpeg(picture, LIGHT_BACKGROUND)?,
+            dark: jpeg(picture, DARK_BACKGROUND)?,
+        };
         Ok(Self { kind: ImageKind::Jpeg, width: picture.width, height: picture.height, source })
     }
 
-    /// Its bytes as a data URI.
+    /// Data URI of the bytes.
     pub(super) fn uri(&self, bytes: &[u8]) -> String {
         let mime = match self.kind {
             ImageKind::Png => "image/png",
@@ -117,7 +119,7 @@ impl Image {
     }
 }
 
-/// The width and height that the first tag of an SVG file names.
+/// Width and height in the first tag of an SVG file.
 fn svg_size(bytes: &[u8]) -> Option<(u32, u32)> {
     let text = std::str::from_utf8(bytes).ok()?;
     let tag = &text[text.find("<svg")?..];
@@ -134,9 +136,9 @@ pub(super) fn data_uri(mime: &str, bytes: &[u8]) -> String {
     format!("data:{mime};base64,{}", STANDARD.encode(bytes))
 }
 
-fn jpeg(picture: &Picture, ground: [u8; 3]) -> Result<Vec<u8>, ImageError> {
+fn jpeg(picture: &Picture, background: [u8; 3]) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (picture.width, picture.height);
-    let rgb = picture.rgb(ground);
+    let rgb = picture.rgb(background);
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, QUALITY)
         .write_image(&rgb, width, height, ExtendedColorType::Rgb8)
@@ -149,23 +151,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_shaded_picture_lies_on_the_ground_of_each_mode() {
+    fn a_shaded_picture_is_composited_on_the_background_of_each_mode() {
         let picture = Picture::filled(8, 8, [200, 0, 0, 0]).unwrap();
-        let Source::Inside { light, dark } = Image::shaded(&picture).unwrap().source else {
+        let Source::Embedded { light, dark } = Image::shaded(&picture).unwrap().source else {
             panic!("it is inside");
         };
-        for (bytes, ground) in [(light, LIGHT_GROUND), (dark, DARK_GROUND)] {
+        for (bytes, background) in [(light, LIGHT_BACKGROUND), (dark, DARK_BACKGROUND)] {
             let pixel = image::load_from_memory(&bytes).unwrap().into_rgb8().get_pixel(4, 4).0;
             // JPEG of one color is off by rounding.
-            assert!(pixel.iter().zip(ground).all(|(a, b)| a.abs_diff(b) <= 2), "{pixel:?} {ground:?}");
+            assert!(
+                pixel.iter().zip(background).all(|(a, b)| a.abs_diff(b) <= 2),
+                "{pixel:?} {background:?}"
+            );
         }
     }
 
     #[test]
-    fn files_beside_the_page_tell_their_size() {
+    fn pictures_in_files_report_their_size() {
         let png = Picture::filled(7, 5, [1, 2, 3, 255]).unwrap().png().unwrap();
         let size = |kind, bytes: &[u8]| {
-            let image = Image::beside("a".to_owned(), kind, bytes);
+            let image = Image::from_file("a".to_owned(), kind, bytes);
             (image.width, image.height)
         };
         assert_eq!(size(ImageKind::Png, &png), (7, 5));

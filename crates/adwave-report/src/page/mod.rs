@@ -1,34 +1,34 @@
-//! A page of sections with pictures and tables, as an HTML file that opens from a disk, without a network and without
-//! scripts, on a phone and on a wide screen, light and dark. Pictures are inside the file, or files beside it.
+//! A page of sections with pictures and tables, as an HTML file without scripts that opens from a disk, without a network, on narrow and
+//! wide screens, in light and dark mode. Pictures are embedded, or files in the same folder.
 
 mod html;
 mod image;
 
-pub use image::{DARK_GROUND, Image, ImageError, ImageKind, LIGHT_GROUND, Source};
+pub use image::{DARK_BACKGROUND, Image, ImageError, ImageKind, LIGHT_BACKGROUND, Source};
 
 use crate::table::Table;
 
-/// A page.
+/// A page of sections.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Page {
-    /// The name above all.
+    /// Title of the page.
     pub title: String,
     /// Paragraphs below the title.
     pub introduction: Vec<String>,
-    /// The parts, each with a line in the table of contents.
+    /// Sections, which the table of contents lists.
     pub sections: Vec<Section>,
-    /// The last line.
+    /// Text at the end of the page.
     pub footer: String,
 }
 
-/// A part of a page.
+/// A section of a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Section {
-    /// What a link names it by: letters and digits, unique on the page.
+    /// Anchor of links: letters and digits, unique on the page.
     pub id: String,
-    /// Its title.
+    /// Title of the section.
     pub title: String,
-    /// Its content, from top to bottom.
+    /// Content from top to bottom.
     pub blocks: Vec<Block>,
 }
 
@@ -43,7 +43,7 @@ impl Section {
         self.blocks.push(Block::Paragraph(text.into()));
     }
 
-    /// Adds a remark that is set off from the text.
+    /// Adds a note, which is set off from the text.
     pub fn note(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Note(text.into()));
     }
@@ -54,99 +54,99 @@ impl Section {
     }
 }
 
-/// A piece of a section.
+/// A block of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Block {
-    /// Text. What stands between backticks is set as code, and the j of `W_j`, `S_j`, `n_j` and `σ_j` as a subscript.
+    /// Text. Words between backticks are set as code, and the j of `W_j`, `S_j`, `n_j` and `σ_j` as a subscript.
     Paragraph(String),
-    /// A remark.
+    /// A note.
     Note(String),
-    /// A judgment and what it rests on.
+    /// A verdict and its reasons.
     Verdict(Verdict),
     /// Names with their values.
     Facts(Vec<Fact>),
-    /// Pictures side by side, below each other on a phone.
+    /// Pictures side by side, or below each other on a narrow screen.
     Gallery(Vec<Figure>),
-    /// Numbers, with a link that saves them as CSV; a long table is the link only.
+    /// A table with a link that saves it as CSV; of a long table only the link.
     Table(Table),
-    /// The same with a link to the CSV file beside the page.
-    TableBeside(Table, String),
-    /// Files beside the page.
+    /// A table with a link to a CSV file in the folder of the page.
+    TableWithFile(Table, String),
+    /// Links to files in the folder of the page.
     Files(Vec<Link>),
 }
 
-/// A judgment.
+/// A verdict.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
-    /// Whether it is good.
+    /// Color of the headline.
     pub tone: Tone,
-    /// In a few words.
+    /// Verdict in a few words.
     pub headline: String,
-    /// What it rests on.
+    /// Reasons, in a sentence.
     pub sentence: String,
 }
 
-/// How a judgment sounds; it colors it.
+/// Tone of a verdict, which decides its color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// All is well.
+    /// Positive.
     Good,
-    /// Well in part.
+    /// Partly positive.
     Mixed,
-    /// Not well.
+    /// Negative.
     Bad,
 }
 
 /// A name, its value, and what the value means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fact {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
     /// A number with its unit, or a word.
     pub value: String,
-    /// What it means; may be empty.
+    /// Explanation; may be empty.
     pub meaning: String,
 }
 
 /// A picture with its caption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// The picture.
+    /// Encoded picture.
     pub image: Image,
-    /// What it shows, for those who do not see it.
+    /// Text alternative.
     pub alt: String,
-    /// What to see.
+    /// Caption.
     pub caption: String,
-    /// What its colors stand for.
+    /// Legend of the colors.
     pub legend: Option<Legend>,
-    /// A file beside the page that opens when the picture is chosen.
+    /// File in the folder of the page that a click on the picture opens.
     pub link: Option<String>,
 }
 
-/// What colors stand for.
+/// Legend of colors.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Legend {
     /// A range of values.
     Bar {
         /// Name and unit.
         label: String,
-        /// What the first color stands for.
+        /// Value of the first color.
         low: String,
-        /// What the last color stands for.
+        /// Value of the last color.
         high: String,
-        /// From first to last, evenly spaced.
+        /// Colors from first to last, evenly spaced.
         colors: Vec<[u8; 3]>,
     },
-    /// One meaning a color.
+    /// One meaning per color.
     Keys(Vec<([u8; 3], String)>),
 }
 
-/// A file beside the page.
+/// A link to a file in the folder of the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Link {
-    /// Where it is, relative to the page, with `/` between folders.
+    /// Path relative to the page, with `/` between folders.
     pub path: String,
-    /// What is in it.
+    /// Description of the file.
     pub text: String,
 }
 

@@ -1,21 +1,21 @@
-//! Charts as pictures of a figure, and the line of points that the one-dimensional figures are about.
+//! Charts as pictures of a figure, and the line graph of the one-dimensional figures.
 
 use super::{FigureError, Outcome};
 use adwave::shape::{Graph, Shape};
 use adwave_render::Picture;
 use adwave_render::plot::{Axis, AxisScale, Chart, Mark, Series, Sheet, SparsityPattern};
 
-/// Points on the line of Figs. 2, 4 and 7.
+/// Number of points on the line of Figs. 2, 4 and 7.
 pub(super) const N_POINTS: usize = 100;
 
-/// Pixels of a chart.
+/// Size of a chart in pixels.
 const SIZE: (u32, u32) = (900, 520);
-/// Pixels of a chart among others.
+/// Size of a chart among others, in pixels.
 const SMALL: (u32, u32) = (520, 400);
-/// Pixels of a sparsity pattern.
+/// Size of a sparsity pattern in pixels.
 const PATTERN: (u32, u32) = (460, 500);
 
-/// Equal weights between neighbors on a line of points.
+/// A path graph with equal weights.
 pub(super) fn line() -> Result<Shape, FigureError> {
     let edges: Vec<_> = (1..N_POINTS as u32).map(|i| (i - 1, i, 1.0)).collect();
     Ok(Shape::Graph(Graph::new(N_POINTS, &edges)?))
@@ -37,8 +37,8 @@ pub(super) fn logarithmic(label: &str) -> Axis {
     Axis { label: label.to_owned(), scale: AxisScale::Log10, ..Axis::default() }
 }
 
-/// An axis of names.
-pub(super) fn named(label: &str, names: impl IntoIterator<Item = String>) -> Axis {
+/// An axis of categories.
+pub(super) fn categories(label: &str, names: impl IntoIterator<Item = String>) -> Axis {
     Axis { names: names.into_iter().collect(), ..linear(label) }
 }
 
@@ -46,7 +46,7 @@ impl Outcome {
     /// Adds a chart, as SVG and as PNG.
     pub(super) fn chart(self, stem: &str, caption: &str, chart: &Chart) -> Result<Self, FigureError> {
         let (width, height) = SIZE;
-        self.drawn(stem, caption, chart.svg(width, height)?, &chart.picture(width, height)?)
+        self.add_svg_and_png(stem, caption, chart.svg(width, height)?, &chart.picture(width, height)?)
     }
 
     /// Adds charts side by side, as SVG and as PNG.
@@ -54,7 +54,7 @@ impl Outcome {
         let columns = sheet.columns.clamp(1, sheet.charts.len().max(1));
         let rows = sheet.charts.len().div_ceil(columns);
         let (width, height) = (SMALL.0 * columns as u32, SMALL.1 * rows as u32);
-        self.drawn(stem, caption, sheet.svg(width, height)?, &sheet.picture(width, height)?)
+        self.add_svg_and_png(stem, caption, sheet.svg(width, height)?, &sheet.picture(width, height)?)
     }
 
     /// Adds the pattern of a matrix, as SVG and as PNG.
@@ -65,10 +65,16 @@ impl Outcome {
         pattern: &SparsityPattern,
     ) -> Result<Self, FigureError> {
         let (width, height) = PATTERN;
-        self.drawn(stem, caption, pattern.svg(width, height)?, &pattern.picture(width, height)?)
+        self.add_svg_and_png(stem, caption, pattern.svg(width, height)?, &pattern.picture(width, height)?)
     }
 
-    fn drawn(self, stem: &str, caption: &str, svg: String, picture: &Picture) -> Result<Self, FigureError> {
+    fn add_svg_and_png(
+        self,
+        stem: &str,
+        caption: &str,
+        svg: String,
+        picture: &Picture,
+    ) -> Result<Self, FigureError> {
         let png = picture.png()?;
         Ok(self.picture(&format!("{stem}.svg"), caption, svg.into_bytes()).picture(
             &format!("{stem}.png"),

@@ -1,4 +1,4 @@
-//! What every figure gets: the shapes, the size of pictures, progress.
+//! Context of all figures: models, size limits, progress.
 
 use super::models::{Model, ModelError, Models};
 use adwave::Progress;
@@ -6,35 +6,35 @@ use adwave::sample::SAMPLE_NAMES;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// The shapes that figures are made on, and how to report and stop.
+/// Models that figures are made on, and progress.
 pub struct Context<'a> {
-    /// The user's models.
+    /// Models of the user.
     pub models: Models,
-    /// Where progress goes, and what stops the work.
+    /// Progress and cancellation.
     pub progress: Progress<'a>,
-    /// Built-in shapes are no larger than this; the paper's have up to 50 000 vertices.
+    /// Largest number of vertices of built-in shapes; the models of the paper have up to 50 000.
     pub most_vertices: usize,
     made: Mutex<HashMap<(String, usize), Arc<Model>>>,
 }
 
 impl<'a> Context<'a> {
-    /// A context with those models of the user's.
+    /// A context with the models of the user.
     pub fn new(models: Models, progress: Progress<'a>) -> Self {
         Self { models, progress, most_vertices: usize::MAX, made: Mutex::default() }
     }
 
-    /// Limits the built-in shapes: a quick sketch of every figure.
+    /// Limits the size of built-in shapes, for quick sketches of the figures.
     #[must_use]
     pub fn with_most_vertices(self, most_vertices: usize) -> Self {
         Self { most_vertices, ..self }
     }
 
-    /// The first of the models that the user has.
+    /// The first of the named models that the user has.
     pub fn model(&self, names: &[&str]) -> Option<Arc<Model>> {
         names.iter().find_map(|name| self.models.get(name))
     }
 
-    /// The first of the models that the user has, else a built-in shape with about that many vertices.
+    /// The first of the named models that the user has, else a built-in shape with about `n_vertices` vertices.
     ///
     /// # Errors
     /// [`ModelError::Sample`].
@@ -47,7 +47,7 @@ impl<'a> Context<'a> {
         self.model(names).map_or_else(|| self.built_in(sample, n_vertices), Ok)
     }
 
-    /// A built-in shape with about that many vertices, made once.
+    /// A built-in shape with about `n_vertices` vertices, which is generated once.
     ///
     /// # Errors
     /// [`ModelError::Sample`].

@@ -6,88 +6,88 @@ use adwave_render::{Ball, FieldPaint, Paint, Panel, RenderParams, SharedCamera, 
 pub(super) use adwave_render::{ValueRange, View};
 use std::borrow::Cow;
 
-/// What marks a feature.
+/// Color of features.
 pub(super) const GREEN: [u8; 3] = [52, 168, 83];
-/// What marks a second kind of place.
+/// Color of a second kind of places.
 pub(super) const ORANGE: [u8; 3] = [230, 126, 34];
-/// Sides of one panel, pixels.
+/// Side of a panel in pixels.
 const PANEL: u32 = 460;
 
-/// The colors of a panel.
-enum Look {
+/// Colors of a panel.
+enum PanelColors {
     Clay,
     Colors(Vec<[u8; 3]>),
     Field { values: Vec<f64>, label: String, range: ValueRange },
 }
 
-/// A panel that owns what it shows.
-pub(super) struct Frame<'a> {
+/// A panel that owns its content.
+pub(super) struct SheetPanel<'a> {
     points: Cow<'a, [[f64; 3]]>,
     triangles: &'a [[u32; 3]],
-    look: Look,
+    colors: PanelColors,
     balls: Vec<Ball>,
     caption: String,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> SheetPanel<'a> {
     /// A model in one color.
     pub(super) fn new(model: &'a Model, caption: impl Into<String>) -> Self {
-        Self::moved(model, model.points().to_vec(), caption)
+        Self::with_points(model, model.points().to_vec(), caption)
     }
 
-    /// The faces of a model at other positions.
-    pub(super) fn moved(model: &'a Model, points: Vec<[f64; 3]>, caption: impl Into<String>) -> Self {
-        let turn = turn_of(&model.name);
+    /// A model with other positions of its vertices, in one color.
+    pub(super) fn with_points(model: &'a Model, points: Vec<[f64; 3]>, caption: impl Into<String>) -> Self {
+        let turn = upright_axes(&model.name);
         let points = match turn {
-            Some(turn) => points.iter().map(|p| turned(p, turn)).collect(),
+            Some(turn) => points.iter().map(|p| rotate_axes(p, turn)).collect(),
             None => points,
         };
         Self {
             points: Cow::Owned(points),
             triangles: &model.triangles,
-            look: Look::Clay,
+            colors: PanelColors::Clay,
             balls: Vec::new(),
             caption: caption.into(),
         }
     }
 
-    /// With a field, its range by percentiles.
+    /// Colors the model by a field, with a range by percentiles.
     pub(super) fn field(self, values: &[f64], label: &str) -> Self {
-        self.field_in(values, label, ValueRange::Auto)
+        self.field_in_range(values, label, ValueRange::Auto)
     }
 
-    /// With a field and the values that the ends of the colors stand for.
-    pub(super) fn field_in(self, values: &[f64], label: &str, range: ValueRange) -> Self {
-        let look = Look::Field { values: values.to_vec(), label: label.to_owned(), range };
-        Self { look, ..self }
+    /// Colors the model by a field, with a given range.
+    pub(super) fn field_in_range(self, values: &[f64], label: &str, range: ValueRange) -> Self {
+        let colors = PanelColors::Field { values: values.to_vec(), label: label.to_owned(), range };
+        Self { colors, ..self }
     }
 
-    /// With a saliency map; its top twentieth has the brightest color, so that a few tips do not leave the rest dark.
+    /// Colors the model by a saliency map. The top 5 % have the brightest color, so that a few tips do not leave the rest dark.
     pub(super) fn saliency(self, map: &[f64]) -> Self {
-        self.field_in(map, "saliency", ValueRange::Fixed(0.0, value_range(map, 0.0, 0.95).1))
+        self.field_in_range(map, "saliency", ValueRange::Fixed(0.0, value_range(map, 0.0, 0.95).1))
     }
 
-    /// With a color for each vertex.
+    /// Sets a color for each vertex.
     pub(super) fn colors(self, colors: Vec<[u8; 3]>) -> Self {
-        Self { look: Look::Colors(colors), ..self }
+        Self { colors: PanelColors::Colors(colors), ..self }
     }
 
-    /// With balls of the features' sizes.
+    /// Adds a ball of radius σ for each feature.
     pub(super) fn features(self, model: &Model, features: &[Feature]) -> Self {
         let places = features.iter().filter_map(|f| Some((f.position?, f.sigma)));
         self.balls(model, places, GREEN)
     }
 
-    /// With balls at places of that radius.
+    /// Adds balls with these centers and radii.
     pub(super) fn balls(
         mut self,
         model: &Model,
         places: impl IntoIterator<Item = ([f64; 3], f64)>,
         color: [u8; 3],
     ) -> Self {
-        let turn = turn_of(&model.name);
+        let turn = upright_axes(&model.name);
         self.balls.extend(places.into_iter().map(|(place, radius)| Ball {
-            center: turn.map_or(place, |turn| turned(&place, turn)),
+            center: turn.map_or(place, |turn| rotate_axes(&place, turn)),
             radius,
             color,
         }));
@@ -95,54 +95,55 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Panels in rows.
+/// A sheet of panels in rows.
 pub(super) struct Sheet<'a> {
-    frames: Vec<Frame<'a>>,
+    panels: Vec<SheetPanel<'a>>,
     columns: usize,
     camera: SharedCamera,
     view: View,
 }
 
 impl<'a> Sheet<'a> {
-    /// A sheet with that many columns, all of one scale.
+    /// A sheet with `columns` columns, all panels at the same scale.
     pub(super) fn new(columns: usize) -> Self {
-        Self { frames: Vec::new(), columns, camera: SharedCamera::Same, view: View::THREE_QUARTER }
+        Self { panels: Vec::new(), columns, camera: SharedCamera::Same, view: View::THREE_QUARTER }
     }
 
-    /// With every panel filled by its own shape.
+    /// Scales every panel to its own shape.
     pub(super) fn own_cameras(self) -> Self {
         Self { camera: SharedCamera::Own, ..self }
     }
 
-    /// Seen from there.
+    /// Sets the direction of the view.
     pub(super) fn view(self, view: View) -> Self {
         Self { view, ..self }
     }
 
     /// Adds a panel.
-    pub(super) fn push(&mut self, frame: Frame<'a>) {
-        self.frames.push(frame);
+    pub(super) fn push(&mut self, panel: SheetPanel<'a>) {
+        self.panels.push(panel);
     }
 
     /// The sheet as PNG.
     fn png(&self, context: &Context<'_>) -> Result<Vec<u8>, FigureError> {
         context.progress.step(0, 1)?;
-        let panels: Vec<Panel<'_>> = self.frames.iter().map(panel).collect();
+        let panels: Vec<Panel<'_>> = self.panels.iter().map(render_panel).collect();
         let params = RenderParams::default().with_size(PANEL, PANEL).with_view(self.view);
         Ok(grid(&panels, self.columns, self.camera, &params, context.progress.quiet())?.png()?)
     }
 
-    /// What the panels show, row by row.
+    /// Captions of the panels, row by row.
     fn legend(&self) -> String {
-        let rows = self.frames.chunks(self.columns);
-        let row =
-            |frames: &[Frame<'_>]| frames.iter().map(|f| f.caption.as_str()).collect::<Vec<_>>().join(" · ");
+        let rows = self.panels.chunks(self.columns);
+        let row = |panels: &[SheetPanel<'_>]| {
+            panels.iter().map(|f| f.caption.as_str()).collect::<Vec<_>>().join(" · ")
+        };
         rows.map(row).collect::<Vec<_>>().join("; ")
     }
 }
 
 impl Outcome {
-    /// Adds a sheet as a picture, its caption followed by what the panels show.
+    /// Adds a sheet as a picture. Its caption ends with the captions of the panels.
     pub(super) fn sheet(
         self,
         name: &str,
@@ -155,37 +156,37 @@ impl Outcome {
     }
 }
 
-fn panel<'a>(frame: &'a Frame<'_>) -> Panel<'a> {
-    let paint = match &frame.look {
-        Look::Clay => Paint::CLAY,
-        Look::Colors(colors) => Paint::Colors(colors),
-        Look::Field { values, label, range } => {
+fn render_panel<'a>(panel: &'a SheetPanel<'_>) -> Panel<'a> {
+    let paint = match &panel.colors {
+        PanelColors::Clay => Paint::CLAY,
+        PanelColors::Colors(colors) => Paint::Colors(colors),
+        PanelColors::Field { values, label, range } => {
             let range = match *range {
-                ValueRange::Auto => own_range(values),
+                ValueRange::Auto => percentile_range(values),
                 fixed @ ValueRange::Fixed(..) => fixed,
             };
             Paint::Field(FieldPaint { values, label: label.clone(), color_map: None, range })
         }
     };
     Panel {
-        surface: Surface { points: &frame.points, triangles: frame.triangles, paint },
-        balls: frame.balls.clone(),
-        caption: frame.caption.clone(),
+        surface: Surface { points: &panel.points, triangles: panel.triangles, paint },
+        balls: panel.balls.clone(),
+        caption: panel.caption.clone(),
     }
 }
 
-/// The 2nd to the 98th percentile of one field, 0 in the middle where there are both signs: levels of different size side by
-/// side would hide each other in one range.
-fn own_range(values: &[f64]) -> ValueRange {
+/// The 2nd to the 98th percentile of a field, symmetric about 0 if it has both signs. Each field has a range of its own, since levels of
+/// different magnitude would be invisible in a common one.
+fn percentile_range(values: &[f64]) -> ValueRange {
     let (low, high) = value_range(values, 0.02, 0.98);
     let most = high.max(-low);
     let (low, high) = if low < 0.0 && high > 0.0 { (-most, most) } else { (low, high) };
     if low < high && (high - low).is_finite() { ValueRange::Fixed(low, high) } else { ValueRange::Auto }
 }
 
-/// How the well-known files of a model, and the plane, whose bumps point up, have to be turned to stand upright and look at the viewer: which signed axis of the
-/// file (1 to 3) becomes x, y and z.
-fn turn_of(name: &str) -> Option<[i8; 3]> {
+/// Signed axes (1 to 3) of the usual file of a model that become x, y and z, so that the model stands upright and faces the viewer. The bumps
+/// of the plane point up.
+fn upright_axes(name: &str) -> Option<[i8; 3]> {
     match name.trim_start_matches("built-in ").split_whitespace().next()? {
         "plane" => Some([1, -3, 2]),
         "horse" => Some([2, 3, 1]),
@@ -195,6 +196,6 @@ fn turn_of(name: &str) -> Option<[i8; 3]> {
     }
 }
 
-fn turned(p: &[f64; 3], turn: [i8; 3]) -> [f64; 3] {
+fn rotate_axes(p: &[f64; 3], turn: [i8; 3]) -> [f64; 3] {
     turn.map(|axis| f64::from(axis.signum()) * p[usize::from(axis.unsigned_abs()) - 1])
 }

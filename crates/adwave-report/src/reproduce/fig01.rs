@@ -1,7 +1,7 @@
 //! Fig. 1: the framework. A shape, its bands from fine to coarse, and what is done with them.
 
-use super::draw::{Frame, Sheet};
-use super::numbers::{bands, norms, positions, walk};
+use super::draw::{Sheet, SheetPanel};
+use super::numbers::{bands, decomposer, norms, positions};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{features, saliency};
 use adwave::bands::Schedule;
@@ -14,21 +14,21 @@ use adwave::shape::{bounding_box, diagonal};
 
 const N_VERTICES: usize = 50_000;
 const N_LEVELS: usize = 8;
-/// The levels that are shown.
-const SHOWN: [usize; 4] = [2, 4, 6, 8];
-/// What rounding may leave of `S_f(J) + ΣW_f(j) − f`, relative to the size of the shape.
+/// Levels that are drawn.
+const DRAWN_LEVELS: [usize; 4] = [2, 4, 6, 8];
+/// Largest rounding error of `S_f(J) + ΣW_f(j) − f`, relative to the size of the shape.
 const ROUNDING: f64 = 1e-12;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["armadillo"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = decomposer(&model);
     let coords = model.coordinates();
-    let bands = bands(context, &walk, coords, 3, N_LEVELS)?;
+    let bands = bands(context, &decomposer, coords, 3, N_LEVELS)?;
     let size = diagonal(model.points());
     let error = rms(&bands.reconstruct(), coords, 3) / size;
 
-    let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
-    let found = features(&walk, &bands, &FeatureParams::default())?;
+    let map = saliency(&decomposer, &bands, &SaliencyParams::paper())?.map;
+    let found = features(&decomposer, &bands, &FeatureParams::default())?;
     let (low, high) = bounding_box(model.points()).ok_or("the model has no vertices")?;
     let middle = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));
     let side = |sign: f64| Region::HalfSpace {
@@ -42,21 +42,21 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let edit = Edit::new(&layers);
-    let edited = walk.request(coords, 3, &schedule).progress(context.progress).filter(&edit)?;
+    let edited = decomposer.request(coords, 3, &schedule).progress(context.progress).filter(&edit)?;
 
     let mut sheet = Sheet::new(4);
-    for j in SHOWN {
-        sheet.push(Frame::moved(&model, positions(&bands.scaling(j)), format!("S_f({j})")));
+    for j in DRAWN_LEVELS {
+        sheet.push(SheetPanel::with_points(&model, positions(&bands.scaling(j)), format!("S_f({j})")));
     }
-    for j in SHOWN {
+    for j in DRAWN_LEVELS {
         let size_of_wavelet = norms(bands.wavelet(j), 3);
-        let frame = Frame::moved(&model, positions(&bands.scaling(j)), format!("|W_f({j})|"));
-        sheet.push(frame.field(&size_of_wavelet, "|W| (model units)"));
+        let panel = SheetPanel::with_points(&model, positions(&bands.scaling(j)), format!("|W_f({j})|"));
+        sheet.push(panel.field(&size_of_wavelet, "|W| (model units)"));
     }
-    sheet.push(Frame::new(&model, "f: the shape"));
-    sheet.push(Frame::new(&model, "saliency").saliency(&map));
-    sheet.push(Frame::new(&model, format!("{} features", found.len())).features(&model, &found));
-    sheet.push(Frame::moved(&model, positions(&edited), "one half smoothed, the other enhanced"));
+    sheet.push(SheetPanel::new(&model, "f: the shape"));
+    sheet.push(SheetPanel::new(&model, "saliency").saliency(&map));
+    sheet.push(SheetPanel::new(&model, format!("{} features", found.len())).features(&model, &found));
+    sheet.push(SheetPanel::with_points(&model, positions(&edited), "one half smoothed, the other enhanced"));
 
     let mut table = Table::new(
         "fig01.csv",
@@ -76,25 +76,25 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[error <= ROUNDING, !found.is_empty()],
         format!(
-            "The bands put together differ from the shape by {} of its diagonal (rms), which is rounding; from the same \
-             bands come the map, {} features and the edit.",
+            "The sum of the bands differs from the shape by {} of its diagonal (rms), which is rounding error. The \
+             map, {} features and the edit use the same bands.",
             digits(error),
             found.len()
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .sheet(
             "fig01.png",
-            "Top: the shape smoothed to levels 2, 4, 6 and 8. Middle: what each of these levels holds. Bottom: the shape, \
-             and three things that are made of its bands.",
+            "Top: the shape smoothed to levels 2, 4, 6 and 8. Middle: the bands of these levels. Bottom: the shape, \
+             and three results of its bands.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The coordinates of the shape are split into bands: each level smooths twice as many steps as the one before, \
-             and the wavelet coefficients are what that takes away. Fine levels hold the skin, coarse ones claws, ears and \
-             limbs. The features and the edit are made with the same bands, without any further decomposition.",
+            "The coordinates of the shape are decomposed into bands: each level smooths with twice as many steps as \
+             the one before, and its wavelet coefficients are the difference. Fine levels contain the skin, coarse \
+             ones claws, ears and limbs. The features and the edit use the same bands, without another decomposition.",
         ))
 }

@@ -5,9 +5,9 @@ use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave_baselines::line::line_case;
 use adwave_render::plot::{Chart, Sheet};
 
-/// The levels of the paper's figure.
+/// Levels of the figure in the paper.
 const LEVELS: [usize; 2] = [9, 10];
-/// A mean below this is zero to rounding.
+/// Largest mean that is zero up to rounding.
 const ZERO: f64 = 1e-9;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -56,8 +56,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             dw.wavelet.mean > ZERO,
         ],
         format!(
-            "On level {}, after {} steps with each, the scaling functions reach {} (DW), {} (BDW) and {} (ADW) of {N_POINTS} \
-             points; 99 % of one are held by {}, {} and {}. The largest mean of a wavelet is {} (DW), {} (BDW) and {} (ADW).",
+            "On level {}, after {} steps each, the support of the scaling functions is {} (DW), {} (BDW) and {} (ADW) \
+             of {N_POINTS} points, and 99 % of a function lie on {}, {} and {} points. The largest mean of a wavelet \
+             is {} (DW), {} (BDW) and {} (ADW).",
             LEVELS[1],
             adw.steps,
             digits(dw.scaling.support),
@@ -83,19 +84,20 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     // Scaling functions above, wavelets below.
     sheet.charts = [0, 2, 4, 1, 3, 5].map(|k| sheet.charts[k].clone()).to_vec();
-    let outcome = Outcome::new(verdict).on(format!("a line of {N_POINTS} points")).charts(
+    let outcome = Outcome::new(verdict).add_shape(format!("a line of {N_POINTS} points")).charts(
         "fig02",
-        "The functions that peak nearest to the middle. From left to right: DW, BDW, ADW; above scaling functions, below \
-         wavelets.",
+        "The functions whose peaks are closest to the center. From left to right: DW, BDW, ADW. Top: scaling \
+         functions. Bottom: wavelets.",
         &sheet,
     )?;
     Ok(outcome
         .say(
-            "The claims are that diffusion wavelets (DW) are orthogonal but not locally supported, that the biorthogonal ones \
-             (BDW) are local but their wavelets have no zero mean, and that the admissible ones (ADW) are local with zero mean. \
+            "The paper claims that diffusion wavelets (DW) are orthogonal but not local, that biorthogonal ones (BDW) \
+             are local but do not have zero mean, and that admissible ones (ADW) are local with zero mean. \
              Level j of DW and BDW is T^(2^j − 1); ADW \
-             is taken after as many steps. So deep a level reaches the whole of so short a line with any of them; by the points that hold 99 % of a \
-             function ADW and BDW are alike, as both are the same power of the walk, and narrower than DW.",
+             is computed with the same number of steps. At such a deep level, the support of all of them is the whole \
+              of such a short line. By the points with 99 % of a function, ADW and BDW are equal, since both are the \
+              same power of the walk, and narrower than DW.",
         )
         .table(table))
 }

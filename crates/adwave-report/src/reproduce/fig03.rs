@@ -1,7 +1,7 @@
 //! Fig. 3: a scaling function and a wavelet on a surface.
 
-use super::draw::{Frame, Sheet, ValueRange, View};
-use super::numbers::{distance, extent, walk};
+use super::draw::{Sheet, SheetPanel, ValueRange, View};
+use super::numbers::{decomposer, distance, extent};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::Schedule;
 use adwave::shape::{diagonal, vertex_normals};
@@ -9,27 +9,27 @@ use adwave::shape::{diagonal, vertex_normals};
 const N_VERTICES: usize = 14_000;
 /// Levels in the table.
 const N_LEVELS: usize = 10;
-/// The wavelet that is shown is the first that is at least so wide, in parts of the diagonal.
+/// Smallest width of the wavelet that is drawn, as a share of the diagonal.
 const WIDTH: f64 = 0.045;
-/// What rounding may leave of sums that are 0 or 1.
+/// Largest rounding error of sums that are 0 or 1.
 const ROUNDING: f64 = 1e-9;
-/// Entries of a function below this part of its largest do not count as support.
+/// Entries below this share of the largest do not count as support.
 const NEGLIGIBLE: f64 = 1e-6;
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["bunny", "kitten"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = decomposer(&model);
     let size = diagonal(model.points());
-    let sigma = |j: usize| walk.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
+    let sigma = |j: usize| decomposer.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
     let center = model.points()[vertex];
-    let classes = walk.geometry().vertex_map().as_slice();
-    let areas = walk.areas();
-    // Sums are over the welded vertices: of welded vertices the first counts.
+    let classes = decomposer.geometry().vertex_map().as_slice();
+    let areas = decomposer.areas();
+    // Sums are over welded vertices: only the first vertex of each counts.
     let mut first = vec![true; model.points().len()];
-    let mut seen = vec![false; walk.geometry().n_vertices()];
+    let mut seen = vec![false; decomposer.geometry().n_vertices()];
     for (x, &class) in classes.iter().enumerate() {
         first[x] = !std::mem::replace(&mut seen[class as usize], true);
     }
@@ -55,7 +55,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut pictured = None;
     for j in 1..=N_LEVELS {
         context.progress.step(j as u64, N_LEVELS as u64)?;
-        let both = walk.basis_of_vertex(vertex, &Schedule::dyadic(j)?, adwave::Progress::none())?;
+        let both = decomposer.basis_of_vertex(vertex, &Schedule::dyadic(j)?, adwave::Progress::none())?;
         let (phi, psi) = (each(&both.scaling_function), each(&both.wavelet));
         let sum = |f: &[(usize, f64)]| f.iter().map(|v| v.1).sum::<f64>();
         let low = extent(&both.scaling_function).0;
@@ -88,7 +88,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let Some((Some(before), now)) = pictured else {
         return Err("a level and one before it are shown".into());
     };
-    // Entries are masses of vertices; by area they are values that neighbors of different size share.
+    // Entries are masses of vertices; divided by area, they are densities, which do not depend on the sizes of vertices.
     let mean_area = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
     let density = |f: &[f64]| -> Vec<f64> {
         f.iter().zip(&areas).map(|(v, a)| if *a > 0.0 { v / a * mean_area } else { f64::NAN }).collect()
@@ -96,20 +96,20 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let top = extent(&density(&before.scaling_function)).1;
     let wave = density(&now.wavelet);
     let most = wave.iter().copied().filter(|v| v.is_finite()).fold(0.0, |m: f64, v| m.max(v.abs()));
-    // Half of the center's height is full color, so that the ring shows, which is wide and shallow.
+    // The colors saturate at half of the peak, so that the wide and shallow ring is visible.
     let range = ValueRange::Fixed(-0.5 * most, 0.5 * most);
     let mut sheet = Sheet::new(3).view(View { azimuth: 0.0, elevation: 10.0 });
-    sheet.push(Frame::new(&model, format!("φ_{}", shown - 1)).field_in(
+    sheet.push(SheetPanel::new(&model, format!("φ_{}", shown - 1)).field_in_range(
         &density(&before.scaling_function),
         "φ by area",
         ValueRange::Fixed(0.0, top),
     ));
-    sheet.push(Frame::new(&model, format!("φ_{shown}")).field_in(
+    sheet.push(SheetPanel::new(&model, format!("φ_{shown}")).field_in_range(
         &density(&now.scaling_function),
         "φ by area",
         ValueRange::Fixed(0.0, top),
     ));
-    sheet.push(Frame::new(&model, format!("ψ_{shown} = φ_{} − φ_{shown}", shown - 1)).field_in(
+    sheet.push(SheetPanel::new(&model, format!("ψ_{shown} = φ_{} − φ_{shown}", shown - 1)).field_in_range(
         &wave,
         "ψ by area",
         range,
@@ -117,21 +117,21 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[sums_hold, local, oscillates],
         format!(
-            "On all {N_LEVELS} levels φ is not negative and sums to 1 and ψ sums to 0 within {ROUNDING:e}: {}. Up to level \
-             {shown} φ reaches less than half of the vertices and 95 % of |ψ| lie within 4σ: {}; ψ is positive at the \
-             vertex and negative round it: {}.",
+            "On all {N_LEVELS} levels, φ is not negative and sums to 1, and ψ sums to 0 within {ROUNDING:e}: {}. Up \
+             to level {shown}, the support of φ is less than half of the vertices and 95 % of |ψ| lie within 4σ: {}. \
+             ψ is positive at the vertex and negative around it: {}.",
             yes(sums_hold),
             yes(local),
             yes(oscillates)
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .sheet(
             "fig03.png",
             format!(
-                "The scaling functions of vertex {vertex} on levels {} and {shown}, on one scale, and their difference, the \
-                 wavelet of level {shown}.",
+                "The scaling functions of vertex {vertex} on levels {} and {shown}, in the same range of colors, and \
+                 their difference, the wavelet of level {shown}.",
                 shown - 1
             ),
             &sheet,
@@ -139,13 +139,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         )?
         .table(table)
         .say(
-            "A scaling function is where a walker from one vertex is after 2^(j−1) steps: a bump that widens and flattens \
-             level by level. The wavelet is the difference of two of them: a peak with a ring of the other sign round it, \
-             like the functions of one dimension.",
+            "A scaling function is the distribution of a random walk from one vertex after 2^(j−1) steps: a bump that \
+             becomes wider and flatter from level to level. The wavelet is the difference of two of them: a peak \
+             surrounded by a ring of the opposite sign, as in one dimension.",
         ))
 }
 
-/// The vertex that faces the viewer most among those well above the middle: the chest or forehead of a figure.
+/// The vertex near the upper center that faces the viewer most: the chest or forehead of a figure.
 fn facing_vertex(model: &super::Model) -> usize {
     let points = model.points();
     let normals = vertex_normals(points, &model.triangles);

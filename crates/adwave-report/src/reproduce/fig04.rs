@@ -10,10 +10,10 @@ use adwave_render::plot::Chart;
 const LEVELS: [usize; 3] = [0, 3, 6];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?);
+    let decomposer = Decomposer::new(&line()?);
     let f: Vec<f64> = (0..N_POINTS).map(function).collect();
     let schedule = Schedule::dyadic(LEVELS[2])?;
-    let bands = walk.request(&f, 1, &schedule).progress(context.progress).bands()?;
+    let bands = decomposer.request(&f, 1, &schedule).progress(context.progress).bands()?;
     let mut head = vec!["point".to_owned()];
     head.extend((0..=LEVELS[2]).map(|j| format!("S_f({j})")));
     head.extend((1..=LEVELS[2]).map(|j| format!("W_f({j})")));
@@ -32,7 +32,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[falls, error < 1e-12],
         format!(
-            "The total variation of S_f falls from {} at level 0 to {} at level {}; the bands add up to the function within {}.",
+            "The total variation of S_f decreases from {} at level 0 to {} at level {}. The bands add up to the \
+             function within {}.",
             digits(rough[0]),
             digits(rough[LEVELS[2]]),
             LEVELS[2],
@@ -48,17 +49,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         series,
     };
     Outcome::new(verdict)
-        .on(format!("a line of {N_POINTS} points"))
+        .add_shape(format!("a line of {N_POINTS} points"))
         .say(
-            "A step, a hat and two waves are smoothed level by level; what a level takes away stands in its wavelet \
-             coefficients. The paper shows W_f at j = 0, which eq. 5 does not define; level 1 stands in its place.",
+            "A step, a hat and two waves are smoothed level by level; the wavelet coefficients of a level are the \
+             part that it removes. The paper shows W_f at j = 0, which eq. 5 does not define; this figure shows level \
+             1 instead.",
         )
         .chart("fig04-scaling", "The function and its scaling coefficients.", &chart("Scaling coefficients", scaling))?
         .chart("fig04-wavelet", "Its wavelet coefficients.", &chart("Wavelet coefficients", wavelet))
         .map(|outcome| outcome.table(table))
 }
 
-/// A slow wave with a fast one, a hat and a step on it.
+/// A slow wave plus a fast one, a hat and a step.
 fn function(x: usize) -> f64 {
     let t = x as f64 / N_POINTS as f64;
     let fast = if t < 0.35 { 0.25 * (50.0 * t).sin() } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Fig. 5: a shape and a field on it from fine to the coarsest scale.
 
-use super::draw::{Frame, ORANGE, Sheet, ValueRange};
-use super::numbers::{bands, extent, mean_curvature, positions, walk};
+use super::draw::{ORANGE, Sheet, SheetPanel, ValueRange};
+use super::numbers::{bands, decomposer, extent, mean_curvature, positions};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::shape::{Polygons, diagonal};
@@ -9,26 +9,26 @@ use adwave_io::ShapeFile;
 use adwave_render::value_range;
 
 const N_VERTICES: usize = 14_000;
-/// As many levels as it takes until the diffusion forgets where it began: 2^23 steps.
+/// Largest number of levels, at which the diffusion is stationary: 2^23 steps.
 const MAX_LEVELS: usize = 24;
-/// The levels that are shown, beside the coarsest.
-const SHOWN: [usize; 4] = [0, 6, 9, 12];
-/// What counts as constant: the spread of a component, relative to that of the signal there.
+/// Levels that are drawn in addition to the coarsest.
+const DRAWN_LEVELS: [usize; 4] = [0, 6, 9, 12];
+/// Largest spread of a constant component, relative to that of the signal there.
 const CONSTANT: f64 = 1e-3;
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["dinosaur", "kitten", "bunny"], "creature", N_VERTICES)?;
-    let walk_of_model = walk(&model);
+    let model_decomposer = decomposer(&model);
     let size = diagonal(model.points());
-    let n_levels = levels(&walk_of_model, size);
-    let curvature = mean_curvature(&walk_of_model)?;
-    let shape = bands(context, &walk_of_model, model.coordinates(), 3, n_levels)?;
-    let field = bands(context, &walk_of_model, &curvature, 1, n_levels)?;
+    let n_levels = levels(&model_decomposer, size);
+    let curvature = mean_curvature(&model_decomposer)?;
+    let shape = bands(context, &model_decomposer, model.coordinates(), 3, n_levels)?;
+    let field = bands(context, &model_decomposer, &curvature, 1, n_levels)?;
 
     let mut table = Table::new(
         "fig05.csv",
-        "How far the scaling coefficients of one component spread, level by level",
+        "Spread of the scaling coefficients of one component, level by level",
         &[
             "level",
             "steps",
@@ -52,28 +52,28 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ]);
     }
 
-    let shown = [SHOWN[0], SHOWN[1], SHOWN[2], SHOWN[3], n_levels];
+    let shown = [DRAWN_LEVELS[0], DRAWN_LEVELS[1], DRAWN_LEVELS[2], DRAWN_LEVELS[3], n_levels];
     let (low, high) = value_range(&curvature, 0.02, 0.98);
     let mut sheet = Sheet::new(shown.len());
     for j in shown {
         let points = positions(&shape.scaling(j));
         let extent = diagonal(&points) / size;
-        let mut frame = Frame::moved(&model, points.clone(), format!("shape, S_f({j})"));
+        let mut panel = SheetPanel::with_points(&model, points.clone(), format!("shape, S_f({j})"));
         if extent < 0.02 {
-            // A point of no size cannot be seen.
-            frame = frame.balls(&model, [(points[0], 0.012 * size)], ORANGE);
+            // A single point is invisible.
+            panel = panel.balls(&model, [(points[0], 0.012 * size)], ORANGE);
         }
-        sheet.push(frame);
+        sheet.push(panel);
     }
     for j in shown {
-        let frame = Frame::new(&model, format!("curvature, S_f({j})"));
-        sheet.push(frame.field_in(&field.scaling(j), "1/model unit", ValueRange::Fixed(low, high)));
+        let panel = SheetPanel::new(&model, format!("curvature, S_f({j})"));
+        sheet.push(panel.field_in_range(&field.scaling(j), "1/model unit", ValueRange::Fixed(low, high)));
     }
 
     let cases = [
         Case {
             name: model.name.clone(),
-            walk: walk_of_model,
+            decomposer: model_decomposer,
             signal: curvature,
             coarsest: field.coarsest().to_vec(),
         },
@@ -81,7 +81,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     ];
     let mut limits = Table::new(
         "fig05-limits.csv",
-        "To which constant each connected component goes at the coarsest level",
+        "Constant of each connected component at the coarsest level",
         &[
             "shape",
             "component",
@@ -113,9 +113,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[constant, stationary, by_area],
         format!(
-            "At the coarsest level the field is constant on every component (spread below {} % of the signal's): {}. The \
-             constant is the mean by the walk's stationary distribution: {}; it is the mean by area, as eq. 10 has it: {}. \
-             Components keep constants of their own.",
+            "At the coarsest level the field is constant on every component (its spread is below {} % of that of the \
+             signal): {}. The constant is the mean weighted by the stationary distribution: {}; it is the mean \
+             weighted by area, as in eq. 10: {}. Every component has its own constant.",
             100.0 * CONSTANT,
             yes(constant),
             yes(stationary),
@@ -123,12 +123,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .sheet(
             "fig05.png",
             format!(
-                "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at one scale; a constant shape is a point, marked by \
-                 a ball. Bottom: mean curvature on the same levels, drawn on the shape with one range of colors."
+                "Top: the shape on levels 0, 6, 9, 12 and {n_levels}, at the same scale. A constant shape is a point, \
+                 marked by a ball. Bottom: mean curvature on the same levels, on the original shape, in the same range of \
+                 colors."
             ),
             &sheet,
             context,
@@ -136,21 +137,21 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         .table(table)
         .table(limits)
         .say(format!(
-            "Level {n_levels} stands for {} steps of diffusion. The shape loses its details, then its limbs, and ends as one \
-             point; the curvature ends as one number.",
+            "Level {n_levels} has {} steps of diffusion. The shape loses its details, then its limbs, and becomes a \
+             point; the curvature becomes a constant.",
             shape.steps[n_levels]
         ))
         .say(
-            "The paper's eq. 10 says that the scaling functions go to the constant 1/A(M). They go to the operator's stationary \
-             law instead, which is nearly but not exactly proportional to area, and to each component's own: nothing \
-             crosses from one component to another.",
+            "According to eq. 10 of the paper, the scaling functions converge to the constant 1/A(M). Instead they \
+             converge to the stationary distribution of the operator, which is nearly but not exactly proportional to \
+             area, separately on each component, since nothing diffuses from one component to another.",
         ))
 }
 
-/// Levels until σ is three diagonals: a walker is then anywhere with the chance that the stationary distribution gives.
-fn levels(walk: &Decomposer, size: f64) -> usize {
-    let step = walk.diffusion().step_length();
-    (SHOWN[3] + 1..MAX_LEVELS)
+/// Number of levels until σ exceeds three diagonals, when the walk is stationary.
+fn levels(decomposer: &Decomposer, size: f64) -> usize {
+    let step = decomposer.diffusion().step_length();
+    (DRAWN_LEVELS[3] + 1..MAX_LEVELS)
         .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
         .unwrap_or(MAX_LEVELS)
 }
@@ -158,12 +159,12 @@ fn levels(walk: &Decomposer, size: f64) -> usize {
 /// A signal at the coarsest level.
 struct Case {
     name: String,
-    walk: Decomposer,
+    decomposer: Decomposer,
     signal: Vec<f64>,
     coarsest: Vec<f64>,
 }
 
-/// Where one component ends.
+/// Limit of a component.
 struct Limit {
     component: usize,
     n_vertices: usize,
@@ -176,10 +177,10 @@ struct Limit {
 }
 
 impl Case {
-    /// One for every component with more than one vertex.
+    /// Limits of all components with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
-        let neighbors = self.walk.neighbors();
-        let n = self.walk.geometry().n_vertices();
+        let neighbors = self.decomposer.neighbors();
+        let n = self.decomposer.geometry().n_vertices();
         let mut component = vec![usize::MAX; n];
         let mut n_components = 0;
         for start in 0..n {
@@ -189,7 +190,7 @@ impl Case {
             }
             component[start] = n_components;
             while let Some(x) = open.pop() {
-                for &y in neighbors.of(x) {
+                for &y in neighbors.row(x) {
                     if component[y as usize] == usize::MAX {
                         component[y as usize] = n_components;
                         open.push(y as usize);
@@ -198,13 +199,13 @@ impl Case {
             }
             n_components += 1;
         }
-        let vertex_map = self.walk.geometry().vertex_map();
+        let vertex_map = self.decomposer.geometry().vertex_map();
         let (signal, coarsest) = (vertex_map.mean(&self.signal, 1), vertex_map.mean(&self.coarsest, 1));
         let mut areas = vec![0.0; n];
-        for (&class, area) in vertex_map.as_slice().iter().zip(self.walk.areas()) {
+        for (&class, area) in vertex_map.as_slice().iter().zip(self.decomposer.areas()) {
             areas[class as usize] += area;
         }
-        let law = self.walk.diffusion().stationary();
+        let law = self.decomposer.diffusion().stationary();
         let of = |k: usize| -> Vec<usize> { (0..n).filter(|&x| component[x] == k).collect() };
         let mean = |vertices: &[usize], weight: &[f64]| {
             let total: f64 = vertices.iter().map(|&x| weight[x]).sum();
@@ -228,7 +229,7 @@ impl Case {
     }
 }
 
-/// A torus and, some way off, the plane with bumps: two components with different means.
+/// A torus and a distant plane with bumps: two components with different means.
 fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     const EACH: usize = 2500;
     let (torus, plane) = (context.built_in("torus", EACH)?, context.built_in("plane", EACH)?);
@@ -239,9 +240,9 @@ fn two_components(context: &Context<'_>) -> Result<Case, FigureError> {
     let triangles: Vec<[u32; 3]> = torus.triangles.iter().copied().chain(moved).collect();
     let file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
     let both = Model::from_file("torus and plane", file)?;
-    let walk = walk(&both);
-    let signal = mean_curvature(&walk)?;
-    let n_levels = levels(&walk, diagonal(both.points()));
-    let coarsest = bands(context, &walk, &signal, 1, n_levels)?.coarsest().to_vec();
-    Ok(Case { name: both.name.clone(), walk, signal, coarsest })
+    let decomposer = decomposer(&both);
+    let signal = mean_curvature(&decomposer)?;
+    let n_levels = levels(&decomposer, diagonal(both.points()));
+    let coarsest = bands(context, &decomposer, &signal, 1, n_levels)?.coarsest().to_vec();
+    Ok(Case { name: both.name.clone(), decomposer, signal, coarsest })
 }

@@ -1,7 +1,7 @@
-//! Fig. 6: what a level costs from the fine end up, and what eigenfunctions cost from the coarse end down.
+//! Fig. 6: the cost of levels from fine to coarse, and of eigenfunctions from coarse to fine.
 
 use super::charts::logarithmic;
-use super::numbers::walk;
+use super::numbers::decomposer;
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::Schedule;
 use adwave_baselines::harmonics::Harmonics;
@@ -13,14 +13,14 @@ use std::time::Instant;
 const N_VERTICES: usize = 8000;
 const N_LEVELS: usize = 10;
 const N_HARMONICS: [usize; 4] = [25, 50, 100, 200];
-/// Times a measurement is made; the least counts.
+/// Number of repetitions of a measurement, of which the shortest counts.
 const N_RUNS: usize = 3;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["hand", "dinosaur", "kitten"], "creature", N_VERTICES)?;
     let start = Instant::now();
-    let walk = walk(&model);
-    let walking = start.elapsed().as_secs_f64();
+    let decomposer = decomposer(&model);
+    let preparing = start.elapsed().as_secs_f64();
     let head = [
         "method",
         "down to level or up to eigenfunction",
@@ -35,8 +35,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let mut sigma = 0.0;
         for _ in 0..N_RUNS {
             let start = Instant::now();
-            let bands = walk.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
-            least = least.min(walking + start.elapsed().as_secs_f64());
+            let bands =
+                decomposer.request(model.coordinates(), 3, &schedule).progress(context.progress).bands()?;
+            least = least.min(preparing + start.elapsed().as_secs_f64());
             sigma = bands.sigma[j];
         }
         table.push(["bands".to_owned(), j.to_string(), digits(sigma), digits(least)]);
@@ -63,14 +64,14 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         }
     }
     let rises = |points: &[[f64; 2]]| points.last().zip(points.first()).is_some_and(|(b, a)| b[1] > a[1]);
-    // The finest length that the harmonics reach, and what the bands cost down to there and beyond.
+    // The finest length that the harmonics reach, and the cost of the bands up to there.
     let finest = theirs.last().copied().unwrap_or([0.0, 0.0]);
     let at_finest = ours.iter().find(|p| p[0] >= finest[0]).or(ours.last()).copied().unwrap_or([0.0; 2]);
     let verdict = Verdict::from_parts(
         &[rises(&ours), rises(&theirs), at_finest[1] < finest[1]],
         format!(
-            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, with the operator. The finest length that eigenfunctions \
-             reached, {}, took them {} s; all bands up to there take {} s.",
+            "Bands take {} s for level 1 and {} s for {N_LEVELS} levels, including the operator. Eigenfunctions reach \
+             their finest length, {}, in {} s; all bands up to this length take {} s.",
             digits(ours[0][1]),
             digits(ours[N_LEVELS - 1][1]),
             digits(finest[0]),
@@ -89,12 +90,12 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         y: logarithmic("seconds"),
         series: all,
     };
-    let caption = "What it costs to reach a length: bands start at the left, eigenfunctions at the right.";
+    let caption = "Cost of reaching a length. Bands start at the left, eigenfunctions at the right.";
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .say(
-            "Bands are made from the fine end: each level doubles the steps. Eigenfunctions are made from the coarse end, and \
-             the finer the wanted detail the more of them.",
+            "Bands are computed from fine to coarse: each level doubles the number of steps. Eigenfunctions are \
+             computed from coarse to fine: finer details need more of them.",
         )
         .chart("fig06", caption, &chart)?
         .table(table))

@@ -8,14 +8,14 @@ use adwave::basis::{BasisParams, basis_by_squaring};
 use adwave_render::plot::SparsityPattern;
 
 const N_LEVELS: usize = 8;
-/// A matrix with less than this part of its entries is sparse.
+/// A matrix with less than this share of its entries is sparse.
 const SPARSE: f64 = 0.25;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let walk = Decomposer::new(&line()?);
+    let decomposer = Decomposer::new(&line()?);
     let params = BasisParams::new(Schedule::dyadic(N_LEVELS)?);
-    let basis = basis_by_squaring(walk.diffusion(), &params, context.progress)?
-        .in_shape_order(walk.geometry().vertex_map())?;
+    let basis = basis_by_squaring(decomposer.diffusion(), &params, context.progress)?
+        .to_shape_order(decomposer.geometry().vertex_map())?;
     let all = (N_POINTS * N_POINTS) as f64;
     let mut table =
         Table::new("fig07.csv", "Entries above ε = 1e-6", &["level", "steps", "entries", "part of all"]);
@@ -27,13 +27,13 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[density(1) < SPARSE, density(4) < SPARSE],
         format!(
-            "Φ₁ has {} and Φ₄ {} of all entries; on level {N_LEVELS} it is {}.",
+            "The share of nonzero entries is {} for Φ₁ and {} for Φ₄; on level {N_LEVELS} it is {}.",
             digits(density(1)),
             digits(density(4)),
             digits(density(N_LEVELS)),
         ),
     );
-    let mut outcome = Outcome::new(verdict).on(format!("a line of {N_POINTS} points"));
+    let mut outcome = Outcome::new(verdict).add_shape(format!("a line of {N_POINTS} points"));
     for j in [1, 4] {
         let rows = 0..N_POINTS as u32;
         let entries: Vec<[u32; 2]> =
@@ -47,5 +47,5 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let caption = format!("Φ of level {j}: a square for each entry above 1e-6.");
         outcome = outcome.pattern(&format!("fig07-phi{j}"), &caption, &pattern)?;
     }
-    Ok(outcome.say("The claim is that the matrices of the first levels are sparse.").table(table))
+    Ok(outcome.say("The paper claims that the matrices of the first levels are sparse.").table(table))
 }

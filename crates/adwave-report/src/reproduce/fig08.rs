@@ -1,7 +1,7 @@
-//! Fig. 8: how a saliency map comes about.
+//! Fig. 8: the construction of a saliency map.
 
-use super::draw::{Frame, Sheet};
-use super::numbers::{bands, mean_curvature, walk};
+use super::draw::{Sheet, SheetPanel};
+use super::numbers::{bands, decomposer, mean_curvature};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use crate::analysis::{saliency, saliency_per_level};
 use adwave::measure::correlation;
@@ -11,24 +11,24 @@ use adwave::shape::diagonal;
 const N_VERTICES: usize = 14_000;
 /// As in Table 2 of the paper.
 const N_LEVELS: usize = 8;
-/// What rounding may leave of the sum of the levels, relative to the map.
+/// Largest rounding error of the sum of the levels, relative to the map.
 const ROUNDING: f64 = 1e-12;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["dinosaur"], "creature", N_VERTICES)?;
-    let walk = walk(&model);
+    let decomposer = decomposer(&model);
     let size = diagonal(model.points());
-    let curvature = mean_curvature(&walk)?;
-    let bands = bands(context, &walk, &curvature, 1, N_LEVELS)?;
+    let curvature = mean_curvature(&decomposer)?;
+    let bands = bands(context, &decomposer, &curvature, 1, N_LEVELS)?;
     let params = SaliencyParams::paper();
-    let map = saliency(&walk, &bands, &params)?.map;
-    let levels = saliency_per_level(&walk, &bands, &params)?;
+    let map = saliency(&decomposer, &bands, &params)?.map;
+    let levels = saliency_per_level(&decomposer, &bands, &params)?;
 
     let mut sheet = Sheet::new(4);
-    sheet.push(Frame::new(&model, "f: mean curvature").field(&curvature, "1/model unit"));
+    sheet.push(SheetPanel::new(&model, "f: mean curvature").field(&curvature, "1/model unit"));
     let mut table = Table::new(
         "fig08.csv",
-        "What each level adds to the map",
+        "Contribution of each level to the map",
         &[
             "level",
             "sigma (% of diagonal)",
@@ -36,15 +36,15 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             "largest |W|",
             "alpha",
             "share of the map (%)",
-            "likeness of |W| at neighbors",
+            "correlation of |W| at neighbors",
         ],
     );
     let total: f64 = map.iter().sum();
     let mut sum = vec![0.0; map.len()];
-    let mut likeness = Vec::new();
+    let mut correlations = Vec::new();
     for (level, part) in &levels {
         let size_of_wavelet: Vec<f64> = bands.wavelet(level.level).iter().map(|w| w.abs()).collect();
-        likeness.push(likeness_of_neighbors(&model.triangles, &size_of_wavelet));
+        correlations.push(neighbor_correlation(&model.triangles, &size_of_wavelet));
         sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
         table.push([
             level.level.to_string(),
@@ -53,46 +53,48 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             digits(level.max),
             digits(level.alpha),
             digits(100.0 * part.iter().sum::<f64>() / total),
-            format!("{:.4}", likeness[likeness.len() - 1]),
+            format!("{:.4}", correlations[correlations.len() - 1]),
         ]);
-        let frame = Frame::new(&model, format!("|W_f({})|", level.level));
-        sheet.push(frame.field(&size_of_wavelet, "1/model unit"));
+        let panel = SheetPanel::new(&model, format!("|W_f({})|", level.level));
+        sheet.push(panel.field(&size_of_wavelet, "1/model unit"));
     }
-    sheet.push(Frame::new(&model, "Λ: saliency").saliency(&map));
+    sheet.push(SheetPanel::new(&model, "Λ: saliency").saliency(&map));
     let largest = map.iter().copied().fold(0.0, f64::max);
     let error = map.iter().zip(&sum).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest;
-    let widening = likeness.windows(2).all(|l| l[1] > l[0]);
+    let widening = correlations.windows(2).all(|l| l[1] > l[0]);
     let verdict = Verdict::from_parts(
         &[error <= ROUNDING, widening],
         format!(
-            "The map is the sum of its levels to {} of its largest value. What a level holds is larger the coarser the \
-             level: the correlation of |W| at the two ends of an edge goes from {:.2} on level {} to {:.2} on level \
+            "The map is the sum of its levels within {} of its largest value. Coarser levels have larger structures: \
+             the correlation of |W| at the two ends of an edge goes from {:.2} on level {} to {:.2} on level \
              {N_LEVELS}{}.",
             digits(error),
-            likeness[0],
+            correlations[0],
             levels[0].0.level,
-            likeness[likeness.len() - 1],
+            correlations[correlations.len() - 1],
             if widening { ", rising from level to level" } else { ", but does not rise from level to level" }
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .sheet(
             "fig08.png",
-            "Mean curvature, the sizes of its wavelet coefficients on levels 3 to 8, and the saliency map that is their sum.",
+            "Mean curvature, the magnitudes of its wavelet coefficients on levels 3 to 8, and their weighted sum, the \
+             saliency map.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "The two finest levels are skipped, as they hold the noise. Each of the others shows where curvature differs \
-             at its own size: wrinkles first, then toes and ears, then limbs. The map weighs the levels by how far their \
-             largest value stands above their mean, squared, and this decides much: see the shares in the table.",
+            "The two finest levels are skipped, since they contain the noise. Each of the others shows where the \
+             curvature differs at its size: first wrinkles, then toes and ears, then limbs. The map weights a level \
+             by the squared difference between its largest value and its mean, which has a strong effect: see the \
+             shares in the table.",
         ))
 }
 
-/// The correlation of a field at the two ends of an edge: near 1 for a field that varies slowly.
-fn likeness_of_neighbors(triangles: &[[u32; 3]], field: &[f64]) -> f64 {
+/// Correlation of a field at the two ends of edges: close to 1 for a field that varies slowly.
+fn neighbor_correlation(triangles: &[[u32; 3]], field: &[f64]) -> f64 {
     let edges = || triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let (mut a, mut b) = (Vec::new(), Vec::new());
     for (x, y) in edges().chain(edges().map(|(x, y)| (y, x))) {

@@ -1,7 +1,7 @@
 //! Fig. 11: textures. Critical points of the feature map, our saliency, our features.
 
-use super::draw::{Frame, GREEN, ORANGE, Sheet};
-use super::numbers::{bands, distance, percent, walk};
+use super::draw::{GREEN, ORANGE, Sheet, SheetPanel};
+use super::numbers::{bands, decomposer, distance, percent};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict};
 use crate::analysis::{features, saliency};
 use adwave::features::{Feature, FeatureParams};
@@ -13,7 +13,7 @@ use adwave_io::{ReadLimits, texture_colors};
 use std::path::{Path, PathBuf};
 
 const N_VERTICES: usize = 10_000;
-/// As in Table 2 of the paper for the face; one more, so that levels 2 to 6 can hold features.
+/// One more than for the face in Table 2 of the paper, so that levels 2 to 6 can have features.
 const N_LEVELS: usize = 7;
 /// The lowest threshold that the paper calls useful; the default is 2.4.
 const LOW_THETA: f64 = 1.6;
@@ -23,13 +23,13 @@ struct Textured {
     model: std::sync::Arc<Model>,
     /// Red, green and blue in [0, 1].
     colors: Vec<[f64; 3]>,
-    /// Middles and radii of the spots, where they are known.
+    /// Centers and radii of the spots, if they are known.
     spots: Vec<([f64; 3], f64)>,
 }
 
-/// What one method found.
-struct Found {
-    points: usize,
+/// Points of a method on the painted spots.
+struct SpotHits {
+    n_points: usize,
     /// Spots with a point in their inner half.
     hit: usize,
     /// Points that lie on a spot.
@@ -39,10 +39,10 @@ struct Found {
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut note = String::new();
-    let mut cases = vec![painted(context)?];
+    let mut cases = vec![paint_sphere(context)?];
     if let Some(model) = context.model(&["spot"]) {
         let path = model.path.clone().unwrap_or_default();
-        match texture_colors(&model.file, &path, picture_beside(&path).as_deref(), &ReadLimits::default()) {
+        match texture_colors(&model.file, &path, find_picture(&path).as_deref(), &ReadLimits::default()) {
             Ok(field) => {
                 let colors = (0..field.len()).map(|x| std::array::from_fn(|c| field.get(x, c))).collect();
                 cases.push(Textured { model, colors, spots: Vec::new() });
@@ -52,23 +52,23 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let mut table = Table::new(
         "fig11.csv",
-        "Points that each method finds, level by level",
+        "Points of each method, level by level",
         &["shape", "level", "maxima", "minima", "saddles", "sum of indices", "features of ours"],
     );
     let mut known = Table::new(
         "fig11-spots.csv",
-        "How the points lie to the painted spots",
-        &["method", "points", "spots with a point in their middle", "spots", "points on a spot"],
+        "Points on the painted spots",
+        &["method", "points", "spots with a point near the center", "spots", "points on a spot"],
     );
     let mut sheet = Sheet::new(4).own_cameras();
     let mut found_by = Vec::new();
     for case in &cases {
         let model = &case.model;
         let signal: Vec<f64> = case.colors.iter().map(|&rgb| luminance(rgb)).collect();
-        let walk = walk(model);
-        let bands = bands(context, &walk, &signal, 1, N_LEVELS)?;
-        let map = saliency(&walk, &bands, &SaliencyParams::paper())?.map;
-        let ours = features(&walk, &bands, &FeatureParams::default())?;
+        let decomposer = decomposer(model);
+        let bands = bands(context, &decomposer, &signal, 1, N_LEVELS)?;
+        let map = saliency(&decomposer, &bands, &SaliencyParams::paper())?.map;
+        let ours = features(&decomposer, &bands, &FeatureParams::default())?;
         // e^(−tΔ) of the same width: its mean square displacement is 4t.
         let times: Vec<f64> = bands.sigma[2..N_LEVELS].iter().map(|s| s * s / 4.0).collect();
         let theirs = feature_map(&model.shape, &signal, &times, context.progress)?;
@@ -90,22 +90,22 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         }
         let bytes = |rgb: &[f64; 3]| rgb.map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8);
         let colors: Vec<[u8; 3]> = case.colors.iter().map(bytes).collect();
-        // Less than σ, so that balls of many levels at one place leave the texture visible.
+        // Smaller than σ, so that balls of several levels do not hide the texture.
         let at = |vertex: usize, sigma: f64| (model.points()[vertex], 0.3 * sigma);
         let (saddles, extrema): (Vec<_>, Vec<_>) =
             critical.iter().partition(|(_, kind, _)| *kind == CriticalKind::Saddle);
         let place = |points: Vec<&(usize, CriticalKind, f64)>| -> Vec<([f64; 3], f64)> {
             points.into_iter().map(|p| at(p.0, p.2)).collect()
         };
-        sheet.push(Frame::new(model, format!("texture on the {}", model.name)).colors(colors.clone()));
+        sheet.push(SheetPanel::new(model, format!("texture on the {}", model.name)).colors(colors.clone()));
         sheet.push(
-            Frame::new(model, format!("feature map: {} points", critical.len()))
+            SheetPanel::new(model, format!("feature map: {} points", critical.len()))
                 .colors(colors.clone())
                 .balls(model, place(extrema), GREEN)
                 .balls(model, place(saddles), ORANGE),
         );
-        sheet.push(Frame::new(model, "saliency by ours").saliency(&map));
-        sheet.push(Frame::new(model, format!("features by ours: {}", ours.len())).colors(colors).balls(
+        sheet.push(SheetPanel::new(model, "our saliency").saliency(&map));
+        sheet.push(SheetPanel::new(model, format!("our features: {}", ours.len())).colors(colors).balls(
             model,
             ours.iter().map(|f| at(f.vertex, f.sigma)),
             GREEN,
@@ -120,20 +120,20 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             let low = FeatureParams::default().with_theta(LOW_THETA);
             let place = |found: &[Feature]| found.iter().map(|f| model.points()[f.vertex]).collect();
             let ours: Vec<[f64; 3]> = place(&ours);
-            let more: Vec<[f64; 3]> = place(&features(&walk, &bands, &low)?);
+            let more: Vec<[f64; 3]> = place(&features(&decomposer, &bands, &low)?);
             for (name, points) in [
                 ("feature map", critical),
                 ("feature map, maxima and minima", extrema),
                 ("ours, θ = 2.4", ours),
                 ("ours, θ = 1.6", more),
             ] {
-                let found = against(&case.spots, &points);
+                let found = count_hits(&case.spots, &points);
                 known.push([
                     name.to_owned(),
-                    found.points.to_string(),
+                    found.n_points.to_string(),
                     found.hit.to_string(),
                     case.spots.len().to_string(),
-                    percent(found.on as f64 / found.points as f64),
+                    percent(found.on as f64 / found.n_points as f64),
                 ]);
                 found_by.push(found);
             }
@@ -141,53 +141,53 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     }
     let [all, extrema, ours, more] = &found_by[..] else { return Err("the painted shape has spots".into()) };
     let n_spots = cases[0].spots.len();
-    let on = |found: &Found| found.on as f64 / found.points as f64;
+    let on = |found: &SpotHits| found.on as f64 / found.n_points as f64;
     let verdict = Verdict::from_parts(
         &[ours.hit * 10 >= n_spots * 8, on(ours) > on(all), on(ours) > on(extrema)],
         format!(
-            "On the painted shape, whose spots are known, ours finds {} of {n_spots} with {} points, {} of them on a spot (with θ = {LOW_THETA}: {} with {}); the \
-             feature map finds {} with {} points, {} on a spot; its maxima and minima alone find {} with {} points, {} on a \
-             spot.",
+            "On the painted shape, whose spots are known, our method finds {} of {n_spots} with {} points, {} of them \
+             on a spot (with θ = {LOW_THETA}: {} with {}). The feature map finds {} with {} points, {} on a spot; its \
+             maxima and minima alone find {} with {} points, {} on a spot.",
             ours.hit,
-            ours.points,
+            ours.n_points,
             percent(on(ours)),
             more.hit,
-            more.points,
+            more.n_points,
             all.hit,
-            all.points,
+            all.n_points,
             percent(on(all)),
             extrema.hit,
-            extrema.points,
+            extrema.n_points,
             percent(on(extrema)),
         ),
     );
     let mut outcome = Outcome::new(verdict)
         .sheet(
             "fig11.png",
-            "From left to right: the texture, critical points of the feature map (green maxima and minima, orange saddles), \
-             saliency by ours, features by ours. Balls have 0.3 of their scale's radius.",
+            "From left to right: the texture, critical points of the feature map (maxima and minima green, saddles \
+             orange), our saliency, our features. The radius of a ball is 0.3 σ.",
             &sheet,
             context,
         )?
         .table(table)
         .table(known)
         .say(format!(
-            "The signal is the luminance of a texture, on a surface that has no features of its own there. The feature map \
-             marks where the smoothed signal has a maximum, minimum or saddle; ours where what a level takes away has an \
-             extremum in place and scale, that is at the spots themselves, with their size.{note}"
+            "The signal is the luminance of a texture, on a surface without geometric features. The feature map marks \
+             maxima, minima and saddles of the smoothed signal. Our method marks extrema of the bands in place and \
+             scale, that is, the spots themselves, with their sizes.{note}"
         ))
         .say(
-            "The face with its texture that the paper uses is not public. The painted shape is a sphere with dark and light \
-             spots of three sizes on a slope from dark to light, made by rule, so that it is known where the features are.",
+            "The textured face of the paper is not public. The painted shape is a sphere with dark and light spots of \
+             three sizes on a gradient from dark to light. It is synthetic, so that the true features are known.",
         );
     for case in &cases {
-        outcome = outcome.on(case.model.label());
+        outcome = outcome.add_shape(case.model.label());
     }
     Ok(outcome)
 }
 
-/// The picture in the folder of a shape whose name begins with the shape's: what a file without materials means.
-fn picture_beside(path: &Path) -> Option<PathBuf> {
+/// Finds the picture in the folder of a shape whose name begins with that of the shape, for files without materials.
+fn find_picture(path: &Path) -> Option<PathBuf> {
     let lower =
         |path: &Path| path.file_name().map(|n| n.to_string_lossy().to_lowercase()).unwrap_or_default();
     let stem = lower(path).split('.').next().unwrap_or_default().to_owned();
@@ -202,19 +202,19 @@ fn picture_beside(path: &Path) -> Option<PathBuf> {
     found.into_iter().next()
 }
 
-/// How points lie to spots.
-fn against(spots: &[([f64; 3], f64)], points: &[[f64; 3]]) -> Found {
+/// Counts the points on spots, and the spots with a point in their inner half.
+fn count_hits(spots: &[([f64; 3], f64)], points: &[[f64; 3]]) -> SpotHits {
     let within =
         |point: &[f64; 3], part: f64| spots.iter().any(|(middle, r)| distance(point, middle) <= part * r);
-    Found {
-        points: points.len(),
+    SpotHits {
+        n_points: points.len(),
         hit: spots.iter().filter(|(m, r)| points.iter().any(|p| distance(p, m) <= 0.5 * r)).count(),
         on: points.iter().filter(|p| within(p, 1.0)).count(),
     }
 }
 
-/// A sphere with spots of three sizes, spread by the golden angle, on a slope.
-fn painted(context: &Context<'_>) -> Result<Textured, FigureError> {
+/// A sphere with spots of three sizes, distributed by the golden angle, on a gradient.
+fn paint_sphere(context: &Context<'_>) -> Result<Textured, FigureError> {
     const N_SPOTS: usize = 60;
     const RADII: [f64; 3] = [0.05, 0.08, 0.12];
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
@@ -247,9 +247,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_point_in_the_middle_finds_its_spot_and_one_outside_none() {
+    fn a_point_near_the_center_hits_its_spot_and_one_outside_hits_none() {
         let spots = [([0.0; 3], 1.0), ([10.0, 0.0, 0.0], 2.0)];
-        let found = against(&spots, &[[0.4, 0.0, 0.0], [11.5, 0.0, 0.0], [5.0, 0.0, 0.0]]);
-        assert_eq!((found.points, found.hit, found.on), (3, 1, 2));
+        let found = count_hits(&spots, &[[0.4, 0.0, 0.0], [11.5, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+        assert_eq!((found.n_points, found.hit, found.on), (3, 1, 2));
     }
 }

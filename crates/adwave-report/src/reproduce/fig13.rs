@@ -1,11 +1,11 @@
 //! Fig. 13: local edits. A letter carved and raised, one half smoothed and the other enhanced, one edit after another.
 
-use super::draw::{Frame, Sheet, View};
-use super::numbers::{distance, positions, walk};
+use super::draw::{Sheet, SheetPanel, View};
+use super::numbers::{decomposer, distance, positions};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
-use adwave::region::{Length, Place, Region};
+use adwave::region::{Length, Location, Region};
 use adwave::shape::{bounding_box, diagonal, vertex_normals};
 use adwave::{Decomposer, Progress};
 use std::f64::consts::TAU;
@@ -14,33 +14,33 @@ const SPHERE_VERTICES: usize = 10_242;
 const SPHERE_LEVELS: usize = 8;
 const N_VERTICES: usize = 25_000;
 const N_LEVELS: usize = 8;
-/// Gains of the letter that is raised: as far out as the other is carved in.
+/// Gain of the raised letter, which moves outward as far as the other moves inward.
 const RAISE: f64 = 2.0;
-/// Gains of a part that is enhanced, the finest band first.
+/// Gains of an enhanced region, the finest band first.
 const ENHANCE: [f64; N_LEVELS] = [1.5, 1.8, 2.0, 2.0, 2.0, 1.8, 1.5, 1.2];
 
 #[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut table = Table::new(
         "fig13.csv",
-        "What each edit moved (% of the diagonal; along the normals, outwards positive)",
+        "Displacements by each edit (% of the diagonal; along the normals, outward is positive)",
         &["edit", "vertices in the region", "mean in the region", "largest", "largest outside"],
     );
     let sphere = context.model_or(&["sphere"], "sphere", SPHERE_VERTICES)?;
-    let walk_of_sphere = walk(&sphere);
+    let sphere_decomposer = decomposer(&sphere);
     let letter = letter_s(sphere.points())?;
     let uniform = |gain: f64| Gains::Gains(vec![gain; SPHERE_LEVELS]);
     let mut letters = Vec::new();
     let mut edits = Vec::new();
     for (name, gain) in [("S carved", 0.0), ("S raised", RAISE)] {
         let layer = Layer { gains: uniform(gain), region: letter.clone() };
-        let after = edited(context, &walk_of_sphere, sphere.points(), SPHERE_LEVELS, &layer)?;
-        edits.push(measure(name, &sphere, &walk_of_sphere, sphere.points(), &after, &layer.region)?);
+        let after = apply_layer(context, &sphere_decomposer, sphere.points(), SPHERE_LEVELS, &layer)?;
+        edits.push(measure(name, &sphere, &sphere_decomposer, sphere.points(), &after, &layer.region)?);
         letters.push((name, after));
     }
 
     let creature = context.model_or(&["skull", "armadillo", "gargoyle"], "creature", N_VERTICES)?;
-    let walk_of_creature = walk(&creature);
+    let creature_decomposer = decomposer(&creature);
     let (low, high) = bounding_box(creature.points()).ok_or("the model has no vertices")?;
     let middle: [f64; 3] = std::array::from_fn(|c| 0.5 * (low[c] + high[c]));
     let half = |sign: f64| Region::HalfSpace {
@@ -53,18 +53,18 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let halves = [suppress(half(1.0)), enhance(half(-1.0))];
     let mut both = creature.points().to_vec();
     for layer in &halves {
-        both = edited(context, &walk_of_creature, &both, N_LEVELS, layer)?;
+        both = apply_layer(context, &creature_decomposer, &both, N_LEVELS, layer)?;
     }
 
     // One edit after another: each is applied to what the one before left.
     let chain_on = context.model_or(&["gargoyle", "dinosaur", "armadillo"], "creature", N_VERTICES)?;
-    let walk_of_chain = walk(&chain_on);
-    let extreme = |score: &dyn Fn(&[f64; 3]) -> f64| -> Place {
+    let chain_decomposer = decomposer(&chain_on);
+    let extreme = |score: &dyn Fn(&[f64; 3]) -> f64| -> Location {
         let best = (0..chain_on.points().len())
             .max_by(|&x, &y| score(&chain_on.points()[x]).total_cmp(&score(&chain_on.points()[y])));
-        Place::Vertex(best.unwrap_or(0) as u32)
+        Location::Vertex(best.unwrap_or(0) as u32)
     };
-    let ball = |center: Place, percent: f64| Region::Ball {
+    let ball = |center: Location, percent: f64| Region::Ball {
         center,
         radius: Length::PercentOfDiagonal(percent),
         falloff: None,
@@ -77,8 +77,8 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut chain = vec![("original", chain_on.points().to_vec())];
     for (name, layer) in &steps {
         let before = chain[chain.len() - 1].1.clone();
-        let after = edited(context, &walk_of_chain, &before, N_LEVELS, layer)?;
-        edits.push(measure(name, &chain_on, &walk_of_chain, &before, &after, &layer.region)?);
+        let after = apply_layer(context, &chain_decomposer, &before, N_LEVELS, layer)?;
+        edits.push(measure(name, &chain_on, &chain_decomposer, &before, &after, &layer.region)?);
         chain.push((name, after));
     }
 
@@ -95,42 +95,42 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let front = View { azimuth: 25.0, elevation: 15.0 };
     sheet = sheet.view(front);
     for (name, after) in &letters {
-        sheet.push(Frame::moved(&sphere, after.clone(), *name));
+        sheet.push(SheetPanel::with_points(&sphere, after.clone(), *name));
     }
-    sheet.push(Frame::new(&creature, "original"));
-    sheet.push(Frame::moved(&creature, both, "one half smoothed, the other enhanced"));
+    sheet.push(SheetPanel::new(&creature, "original"));
+    sheet.push(SheetPanel::with_points(&creature, both, "one half smoothed, the other enhanced"));
     for (name, after) in chain {
-        sheet.push(Frame::moved(&chain_on, after, name));
+        sheet.push(SheetPanel::with_points(&chain_on, after, name));
     }
     let untouched = edits.iter().all(|e| e.outside == 0.0);
     let (carved, raised) = (edits[0].mean, edits[1].mean);
     let verdict = Verdict::from_parts(
         &[untouched, carved < 0.0, raised > 0.0],
         format!(
-            "Suppression moves the letter by {} % of the diagonal along the normals (inwards is negative), enhancement by {} \
-             %. Outside the regions no vertex of any edit moves{}.",
+            "Suppression moves the letter by {} % of the diagonal along the normals (inward is negative), enhancement \
+             by {} %. No vertex outside the region of an edit moves{}.",
             digits(carved),
             digits(raised),
             if untouched { ", to the last bit" } else { " – but for some that did" }
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(sphere.label())
-        .on(creature.label())
-        .on(chain_on.label())
+        .add_shape(sphere.label())
+        .add_shape(creature.label())
+        .add_shape(chain_on.label())
         .sheet(
             "fig13.png",
-            "Top: a letter drawn on a sphere, carved by suppressing all bands there and raised by doubling them; a figure, \
-             and the same with one half smoothed and the other enhanced. Bottom: a sequence of edits, each applied to the \
-             result of the one before.",
+            "Top: a letter on a sphere, carved by suppressing all bands in the region and raised by doubling them; a \
+             figure, and the same figure with one half smoothed and the other enhanced. Bottom: a sequence of edits, \
+             each applied to the result of the one before.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "Edits are gains times a soft region: a stroke along the surface, a half-space, a ball by distance along the \
-             surface. On a sphere the bands of the coordinates point outwards, so that dropping them carves and doubling \
-             them raises.",
+            "An edit has gains and a soft region: a stroke along the surface, a half-space, or a ball by geodesic \
+             distance. On a sphere the bands of the coordinates point outward, so that removing them carves and \
+             doubling them raises.",
         ))
 }
 
@@ -149,11 +149,11 @@ fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
     let lower = (1..=n as usize).map(|k| arc_point(-arc, 0.25, -0.44, k));
     let on_sphere = |[x, y]: [f64; 2]| {
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-        // Turned to the side from which the sheet is seen.
+        // Rotated toward the viewer of the sheet.
         let (azimuth, elevation) = (25.0_f64.to_radians(), 15.0_f64.to_radians());
         let (y, z) = (y * elevation.cos() + z * elevation.sin(), z * elevation.cos() - y * elevation.sin());
         let (x, z) = (x * azimuth.cos() + z * azimuth.sin(), z * azimuth.cos() - x * azimuth.sin());
-        Place::Point([middle[0] + size * x, middle[1] + size * y, middle[2] + size * z])
+        Location::Point([middle[0] + size * x, middle[1] + size * y, middle[2] + size * z])
     };
     Ok(Region::Stroke {
         path: upper.chain(lower).map(on_sphere).collect(),
@@ -162,16 +162,16 @@ fn letter_s(points: &[[f64; 3]]) -> Result<Region, FigureError> {
     })
 }
 
-fn edited(
+fn apply_layer(
     context: &Context<'_>,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     points: &[[f64; 3]],
     n_levels: usize,
     layer: &Layer,
 ) -> Result<Vec<[f64; 3]>, FigureError> {
     let layers = [layer.clone()];
     let (schedule, params) = (Schedule::dyadic(n_levels)?, BandsParams::default());
-    let after = walk
+    let after = decomposer
         .request(points.as_flattened(), 3, &schedule)
         .params(&params)
         .progress(context.progress)
@@ -179,8 +179,8 @@ fn edited(
     Ok(positions(&after))
 }
 
-/// What an edit moved, in % of the diagonal.
-struct Moved {
+/// Displacements by an edit, in % of the diagonal.
+struct EditMeasure {
     name: String,
     n_inside: usize,
     mean: f64,
@@ -191,13 +191,13 @@ struct Moved {
 fn measure(
     name: &str,
     model: &Model,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     before: &[[f64; 3]],
     after: &[[f64; 3]],
     region: &Region,
-) -> Result<Moved, FigureError> {
-    let weights = region.weights(walk.metric(), &|_| None, &[], Progress::none())?;
-    let weights = weights.to_vertices(walk.geometry().vertex_map());
+) -> Result<EditMeasure, FigureError> {
+    let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
+    let weights = weights.to_vertices(decomposer.geometry().vertex_map());
     let normals = vertex_normals(before, &model.triangles);
     let unit = 100.0 / diagonal(model.points());
     let (mut sum, mut total, mut largest, mut outside, mut n_inside) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0);
@@ -213,5 +213,5 @@ fn measure(
             outside = outside.max(away);
         }
     }
-    Ok(Moved { name: name.to_owned(), n_inside, mean: sum / total, largest, outside })
+    Ok(EditMeasure { name: name.to_owned(), n_inside, mean: sum / total, largest, outside })
 }

@@ -1,7 +1,7 @@
 //! Fig. 14: four global filters.
 
-use super::draw::{Frame, Sheet};
-use super::numbers::{bands, positions, walk};
+use super::draw::{Sheet, SheetPanel};
+use super::numbers::{bands, decomposer, positions};
 use super::{Context, FigureError, Model, Outcome, Table, Verdict, digits};
 use adwave::bands::{BandsParams, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset};
@@ -13,9 +13,9 @@ use std::sync::Arc;
 
 /// As in Table 2 of the paper.
 const N_LEVELS: usize = 7;
-/// The coarsest bands lie at the edge of what a filter reaches: half of them is in S_f(J), which no filter changes.
+/// Number of coarsest bands that are ignored: half of their content is in S_f(J), which no filter changes.
 const N_EDGE: usize = 2;
-/// The titles of the columns.
+/// Titles and presets of the columns.
 const COLUMNS: [(&str, Preset); 4] = [
     ("suppression", Preset::SuppressPaper),
     ("enhancement", Preset::Enhance),
@@ -24,17 +24,18 @@ const COLUMNS: [(&str, Preset); 4] = [
 ];
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
-    let wanted: [(&[&str], &str, usize); 2] = [
+    let requests: [(&[&str], &str, usize); 2] = [
         (&["gargoyle", "armadillo", "skull"], "creature", 25_011),
         (&["buddha", "dinosaur", "bunny"], "plane", 25_003),
     ];
-    let models: Vec<Arc<Model>> = wanted
+    let models: Vec<Arc<Model>> = requests
         .iter()
         .map(|(names, sample, n)| context.model_or(names, sample, *n))
         .collect::<Result<_, _>>()?;
     let mut table = Table::new(
         "fig14.csv",
-        "Detail after each filter by detail before: energy of the bands of the normals, split by the operator of the original",
+        "Detail after each filter divided by detail before: energy of the bands of the normals, with the operator \
+         of the original",
         &["shape", "filter", "fine detail", "middle detail", "moved, rms (% of diagonal)"],
     );
     let n_fine = N_LEVELS.div_ceil(3);
@@ -42,23 +43,23 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut sheet = Sheet::new(5).own_cameras();
     let (mut as_named, mut failed) = (Vec::new(), Vec::new());
     for model in &models {
-        let walk = walk(model);
-        // By the normals of a surface detail of every size counts as it is seen; in the coordinates the coarse bands are
-        // larger by far and reach into the fine ones.
+        let decomposer = decomposer(model);
+        // In the normals, details of every size count as they are seen; in the coordinates, the coarse bands are far larger and leak into
+        // the fine ones.
         let detail = |points: &[[f64; 3]]| -> Result<[f64; 2], FigureError> {
             let normals = vertex_normals(points, &model.triangles);
-            let split = bands(context, &walk, normals.as_flattened(), 3, N_LEVELS)?;
+            let split = bands(context, &decomposer, normals.as_flattened(), 3, N_LEVELS)?;
             let energy =
                 |levels: Range<usize>| levels.flat_map(|k| split.wavelet(k + 1)).map(|w| w * w).sum::<f64>();
             Ok([energy(0..n_fine), energy(n_fine..N_LEVELS - N_EDGE)])
         };
         let before = detail(model.points())?;
-        sheet.push(Frame::new(model, format!("original {}", model.name)));
+        sheet.push(SheetPanel::new(model, format!("original {}", model.name)));
         for (name, preset) in COLUMNS {
             let layers = [Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }];
             let edit = Edit::new(&layers);
             let params = BandsParams::default();
-            let after = walk
+            let after = decomposer
                 .request(model.coordinates(), 3, &schedule)
                 .params(&params)
                 .progress(context.progress)
@@ -78,16 +79,17 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             }
             let moved = 100.0 * rms(after.as_flattened(), model.coordinates(), 3) / diagonal(model.points());
             table.push([model.name.clone(), short.to_owned(), digits(fine), digits(other), digits(moved)]);
-            sheet.push(Frame::moved(model, after, name));
+            sheet.push(SheetPanel::with_points(model, after, name));
         }
     }
     let n = as_named.iter().filter(|&&holds| holds).count();
     let verdict = Verdict::from_parts(
         &as_named,
         format!(
-            "{n} of {} results are what their filter is named after, measured by the bands of the normals: suppression \
-             leaves less than half of the fine detail and less of the middle, enhancement has more of both, band 1 takes more than half of the middle \
-             and less of the fine, band 2 raises the middle and has less of the fine.{}",
+            "{n} of {} filters do what their names say, measured by the bands of the normals: suppression leaves less \
+             than half of the fine detail and reduces the middle, enhancement increases both, band 1 removes more \
+             than half of the middle and less of the fine detail, band 2 increases the middle and reduces the fine \
+             detail.{}",
             as_named.len(),
             if failed.is_empty() { String::new() } else { format!(" Not: {}.", failed.join(", ")) }
         ),
@@ -95,19 +97,19 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let mut outcome = Outcome::new(verdict)
         .sheet(
             "fig14.png",
-            "From left to right: the original, suppression, enhancement, and the two band filters.",
+            "From left to right: the original, suppression, enhancement and the two band filters.",
             &sheet,
             context,
         )?
         .table(table)
         .say(
-            "One gain a band, everywhere alike. Suppression takes all seven bands away; enhancement strengthens all, the \
-             fine ones most; band 1 keeps the finest three and drops the rest, so that fine texture sits on a smooth body; \
-             band 2 does the opposite and doubles what is in the middle. Bands overlap in frequency, so that no filter acts \
-             on one size of detail alone.",
+            "Each band has one gain for the whole shape. Suppression removes all seven bands. Enhancement amplifies \
+             all, the fine ones most. Band 1 keeps the finest three and removes the rest, which gives fine texture on \
+             a smooth body. Band 2 does the opposite and doubles the middle. Bands overlap in frequency, so that no \
+             filter affects details of a single size only.",
         );
     for model in &models {
-        outcome = outcome.on(model.label());
+        outcome = outcome.add_shape(model.label());
     }
     Ok(outcome)
 }

@@ -1,7 +1,7 @@
 //! Fig. 15: global filters by ours and by manifold harmonics.
 
-use super::draw::{Frame, Sheet};
-use super::numbers::{norms, percent, positions, walk};
+use super::draw::{Sheet, SheetPanel};
+use super::numbers::{decomposer, norms, percent, positions};
 use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::Decomposer;
 use adwave::bands::{BandsParams, Schedule};
@@ -15,13 +15,13 @@ use std::time::Instant;
 const N_VERTICES: usize = 10_000;
 /// As in Table 2 of the paper.
 const N_LEVELS: usize = 7;
-/// Eigenfunctions: so many that little is left above the last for the widest smoothing.
+/// Number of eigenfunctions, such that the low-pass filter is small above the last one.
 const N_HARMONICS: usize = 500;
-/// Gain of the middle band when it is enhanced.
+/// Gain of the enhanced middle band.
 const GAIN: f64 = 2.0;
-/// From which level to which the band reaches that is enhanced.
+/// First and last level of the enhanced band.
 const BAND: [usize; 2] = [5, 7];
-/// Results are similar when they differ by less than this part of what the filter changed.
+/// Largest difference of similar results, as a share of the change by the filter.
 const SIMILAR: f64 = 0.35;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -30,11 +30,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let size = diagonal(model.points());
 
     let start = Instant::now();
-    let walk = walk(&model);
+    let decomposer = decomposer(&model);
     let schedule = Schedule::dyadic(N_LEVELS)?;
     let our_preparing = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let bands = walk.request(coords, 3, &schedule).progress(context.progress).bands()?;
+    let bands = decomposer.request(coords, 3, &schedule).progress(context.progress).bands()?;
     let our_low = bands.coarsest().to_vec();
     let our_band = {
         let (fine, coarse) = (&bands.scaling(BAND[0]), &bands.scaling(BAND[1]));
@@ -58,7 +58,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
     let mut table = Table::new(
         "fig15.csv",
-        "The same two filters by both",
+        "Two filters by both methods",
         &["filter", "quantity", "ours", "manifold harmonics"],
     );
     let mut differences = Vec::new();
@@ -79,11 +79,11 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         );
         row("difference of the two, rms (% of diagonal)", 100.0 * difference / size, None);
         let apart: Vec<f64> = ours.iter().zip(theirs).map(|(a, b)| (a - b) / size * 100.0).collect();
-        sheet.push(Frame::new(&model, format!("original {}", model.name)));
-        sheet.push(Frame::moved(&model, positions(ours), format!("{name}, ours")));
-        sheet.push(Frame::moved(&model, positions(theirs), format!("{name}, harmonics")));
-        let frame = Frame::moved(&model, positions(ours), "difference of the two");
-        sheet.push(frame.field(&norms(&apart, 3), "% of diagonal"));
+        sheet.push(SheetPanel::new(&model, format!("original {}", model.name)));
+        sheet.push(SheetPanel::with_points(&model, positions(ours), format!("{name}, ours")));
+        sheet.push(SheetPanel::with_points(&model, positions(theirs), format!("{name}, harmonics")));
+        let panel = SheetPanel::with_points(&model, positions(ours), "difference of the two");
+        sheet.push(panel.field(&norms(&apart, 3), "% of diagonal"));
     }
     let mut row = |quantity: &str, a: String, b: String| {
         table.push(["both".to_owned(), quantity.to_owned(), a, b]);
@@ -92,7 +92,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     row("filter (s)", digits(our_filtering), digits(their_filtering));
     row("products or eigenfunctions", bands.info.products.to_string(), harmonics.len().to_string());
     row("gain of the low-pass at the last frequency", String::new(), digits(heat(last, N_LEVELS)));
-    let locality = edit_one_half(&walk, coords, context, &schedule)?;
+    let locality = edit_one_half(&decomposer, coords, context, &schedule)?;
     row("vertices moved by an edit of one half (%)", digits(100.0 * locality), String::new());
 
     let (ours, theirs) = (our_preparing + our_filtering, their_preparing + their_filtering);
@@ -100,9 +100,9 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let verdict = Verdict::from_parts(
         &[similar, ours < theirs, locality < 0.6],
         format!(
-            "The results differ by {} (low-pass) and {} (middle raised) of what the filter changed; below {} they count as \
-             similar. Ours took {} s with all that has to be prepared, {} harmonics {} s. Ours can be confined to a part: an \
-             edit of one half moves {} of the vertices; harmonics are global.",
+            "The difference of the results is {} (low-pass) and {} (middle raised) of the change by the filter; below \
+             {} they are similar. Our method takes {} s including all preparation, {} harmonics take {} s. Our method \
+             can be confined to a region: an edit of one half moves {} of the vertices. Harmonics are global.",
             percent(differences[0]),
             percent(differences[1]),
             percent(SIMILAR),
@@ -113,26 +113,27 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ),
     );
     Ok(Outcome::new(verdict)
-        .on(model.label())
+        .add_shape(model.label())
         .sheet(
             "fig15.png",
-            "Top: low-pass, bottom: a middle band doubled. From left to right: the original, ours, manifold harmonics, and \
-             by how much they differ.",
+            "Top: low-pass. Bottom: a middle band doubled. From left to right: the original, our method, manifold \
+             harmonics, and their difference.",
             &sheet,
             context,
         )?
         .table(table)
         .say(format!(
-            "Both methods apply the same gains of frequency: ours as a polynomial of the diffusion operator, the other by {N_HARMONICS} \
-             eigenfunctions of the Laplacian. They differ in what a Laplacian is (one counts edges by length, the other \
-             angles) and, for the low-pass, in what lies above the last eigenfunction. Where only low frequencies are \
-             wanted and the eigenfunctions are at hand already, the harmonics are as good a tool.",
+            "Both methods apply the same frequency response: ours as a polynomial of the diffusion operator, the \
+             other by {N_HARMONICS} eigenfunctions of the Laplacian. They differ in the Laplacian (one is based on \
+             edge lengths, the other on angles) and, for the low-pass, in the frequencies above the last \
+             eigenfunction. If only low frequencies are needed and the eigenfunctions are available, harmonics are an \
+             equally good tool.",
         )))
 }
 
-/// Which part of the vertices moves when one half is smoothed.
+/// Share of the vertices that move when one half is smoothed.
 fn edit_one_half(
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     coords: &[f64],
     context: &Context<'_>,
     schedule: &Schedule,
@@ -149,7 +150,7 @@ fn edit_one_half(
     let layers = [Layer { gains: Gains::Preset(Preset::SuppressPaper), region }];
     let (edit, params) = (Edit::new(&layers), BandsParams::default());
     let after = positions(
-        &walk.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,
+        &decomposer.request(coords, 3, schedule).params(&params).progress(context.progress).filter(&edit)?,
     );
     let moved = points.iter().zip(&after).filter(|(a, b)| a != b).count();
     Ok(moved as f64 / points.len().max(1) as f64)

@@ -1,4 +1,4 @@
-//! The list of what can be made.
+//! The list of figures and tables.
 
 use super::{
     Context, FigureError, Outcome, fig01, fig02, fig03, fig04, fig05, fig06, fig07, fig08, fig09, fig10,
@@ -8,15 +8,15 @@ use super::{
 /// A figure or table of the paper.
 #[derive(Clone, Copy)]
 pub struct Figure {
-    /// `fig1` … `fig15`, `table1`, `table2`.
+    /// Name: `fig1` … `fig15`, `table1`, `table2`.
     pub name: &'static str,
-    /// The folder that its files go to: `fig01` … `table2`.
+    /// Folder of its files: `fig01` … `table2`.
     pub folder: &'static str,
-    /// What the paper shows.
+    /// Title.
     pub title: &'static str,
-    /// The models that it can be made on; built-in shapes stand in for those that are missing.
+    /// Models that it can be made on; built-in shapes replace missing ones.
     pub models: &'static [&'static str],
-    /// Makes it.
+    /// Function that makes it.
     pub(super) make: fn(&Context<'_>) -> Result<Outcome, FigureError>,
 }
 
@@ -162,10 +162,10 @@ pub const FIGURES: &[Figure] = &[
     },
 ];
 
-/// The figures that are named, in the order of the paper, each once; `all` names all, and so does no name.
+/// Selects figures by name, in the order of the paper and each once. `all` selects all figures, and so does an empty list.
 ///
 /// # Errors
-/// The first name that names nothing.
+/// The first name that is not the name of a figure.
 pub fn select(names: &[String]) -> Result<Vec<&'static Figure>, String> {
     let is = |figure: &Figure, name: &str| {
         let name = name.to_ascii_lowercase();

@@ -1,24 +1,24 @@
-//! `index.html`: all figures on one page, with pictures and numbers in folders beside it.
+//! `index.html`: all figures on one page; pictures and numbers are files in folders.
 
-use super::{Made, Verdict};
+use super::{ReproducedFigure, Verdict};
 use crate::page::{self, Block, Figure, Image, ImageKind, Link, Page, Section, Tone};
 
-/// The page, links relative to the folder of all figures.
-pub(super) fn html(made: &[Made]) -> String {
+/// HTML of the page, with links relative to its folder.
+pub(super) fn html(made: &[ReproducedFigure]) -> String {
     let page = Page {
         title: "The paper, reproduced".to_owned(),
         introduction: vec![
             "Figures and tables of Hou & Qin, Admissible Diffusion Wavelets and Their Applications in Space-Frequency \
-             Processing (IEEE TVCG 2013). Each verdict is computed from the numbers beside it."
+             Processing (IEEE TVCG 2013). Each verdict is computed from the numbers next to it."
                 .to_owned(),
         ],
         sections: made.iter().map(section).collect(),
-        footer: format!("Made by adwave {}.", env!("CARGO_PKG_VERSION")),
+        footer: format!("ReproducedFigure by adwave {}.", env!("CARGO_PKG_VERSION")),
     };
     page.html()
 }
 
-fn section(one: &Made) -> Section {
+fn section(one: &ReproducedFigure) -> Section {
     let outcome = &one.outcome;
     let mut section = Section::new(&outcome.id, format!("{}: {}", outcome.id, outcome.title));
     section.push(Block::Verdict(verdict(&outcome.verdict)));
@@ -26,7 +26,7 @@ fn section(one: &Made) -> Section {
         if outcome.shapes.is_empty() { String::new() } else { format!(" on {}", outcome.shapes.join(", ")) };
     section.say(format!("`{}`{on}, in {:.1} s", outcome.command, one.seconds));
     let names: Vec<&str> = outcome.pictures.iter().map(|p| p.name.as_str()).collect();
-    // An SVG that has a PNG beside it is the same picture, linked and not shown twice.
+    // An SVG with a PNG of the same stem is the same picture: it is linked, not shown.
     let (twins, shown): (Vec<_>, Vec<_>) = outcome.pictures.iter().partition(|p| {
         p.name.strip_suffix(".svg").is_some_and(|stem| names.contains(&format!("{stem}.png").as_str()))
     });
@@ -35,7 +35,7 @@ fn section(one: &Made) -> Section {
         let svg = picture.name.strip_suffix(".svg").is_some();
         let kind = if svg { ImageKind::Svg } else { ImageKind::Png };
         section.push(Block::Gallery(vec![Figure {
-            image: Image::beside(file.clone(), kind, &picture.bytes),
+            image: Image::from_file(file.clone(), kind, &picture.bytes),
             alt: picture.caption.clone(),
             caption: picture.caption.clone(),
             legend: None,
@@ -50,7 +50,7 @@ fn section(one: &Made) -> Section {
         section.say(paragraph);
     }
     for table in &outcome.tables {
-        section.push(Block::TableBeside(table.clone(), format!("{}/{}", one.folder, table.name)));
+        section.push(Block::TableWithFile(table.clone(), format!("{}/{}", one.folder, table.name)));
     }
     section
 }

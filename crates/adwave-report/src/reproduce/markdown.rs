@@ -1,6 +1,6 @@
 //! The page of all figures as Markdown with small pictures, for a repository.
 
-use super::{Made, PictureFile, ReproduceError, Table, write};
+use super::{PictureFile, ReproduceError, ReproducedFigure as Made, Table, write};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, imageops};
@@ -123,7 +123,7 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
         let [width, height] = [width, height].map(|side| (scale * side).round().max(1.0) as u32);
         image = image.resize_exact(width, height, imageops::FilterType::Lanczos3);
     }
-    let image = on_white(&image);
+    let image = composite_on_white(&image);
     let mut png = Vec::new();
     image.write_with_encoder(PngEncoder::new_with_quality(
         &mut png,
@@ -138,8 +138,8 @@ fn small(folder: &str, picture: &PictureFile) -> image::ImageResult<Option<(Stri
     Ok(Some((format!("{name}.jpg"), jpeg)))
 }
 
-/// Without transparency, which JPEG does not have.
-fn on_white(image: &DynamicImage) -> DynamicImage {
+/// Composites a picture on white, since JPEG has no transparency.
+fn composite_on_white(image: &DynamicImage) -> DynamicImage {
     let mut white = image::RgbaImage::from_pixel(image.width(), image.height(), image::Rgba([255; 4]));
     imageops::overlay(&mut white, &image.to_rgba8(), 0, 0);
     DynamicImage::ImageRgb8(DynamicImage::ImageRgba8(white).to_rgb8())

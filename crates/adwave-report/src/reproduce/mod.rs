@@ -1,7 +1,7 @@
-//! Every figure and table of the paper, reproduced with this method and the baselines it is compared with.
+//! All figures and tables of the paper, reproduced with this method and the baselines that it is compared with.
 //!
-//! [`FIGURES`] lists them, [`reproduce()`] makes those that are asked for and writes each as it is done: its pictures and
-//! numbers in a folder of its own, and a page of all. One file here for each figure.
+//! [`FIGURES`] lists them. [`reproduce()`] makes the requested ones and writes each when it is finished: its pictures and numbers to a folder of
+//! its own, and a page of all. Each figure has a file here.
 
 mod charts;
 mod context;
@@ -42,10 +42,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
 
-/// Whatever a figure's making can fail with.
+/// Error of making a figure.
 pub type FigureError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Why figures are not made.
+/// Error of [`reproduce()`].
 #[derive(Debug, Error)]
 pub enum ReproduceError {
     /// The folder or a file in it cannot be written.
@@ -53,18 +53,18 @@ pub enum ReproduceError {
     Write {
         /// The folder or file.
         path: String,
-        /// Why.
+        /// Reason.
         source: FigureError,
     },
-    /// Figures that cannot be made; the others are written.
+    /// Some figures cannot be made; the others are written.
     #[error("{} cannot be made: {}", .0.join(", "), .1)]
     Figures(
-        /// Their names.
+        /// Names of these figures.
         Vec<&'static str>,
-        /// Why the first of them cannot.
+        /// Reason for the first of them.
         FigureError,
     ),
-    /// The call was told to stop; the figures before are written.
+    /// The caller cancelled the call; the figures before are written.
     #[error("stopped on request")]
     Cancelled,
 }
@@ -79,49 +79,49 @@ impl ClassifiedError for ReproduceError {
     }
 }
 
-/// Where the files go.
+/// Destination of the files.
 #[derive(Clone, Debug)]
 pub struct Target {
-    /// The folder for pictures, numbers and `index.html`.
+    /// Folder for pictures, numbers and `index.html`.
     pub folder: PathBuf,
-    /// A Markdown file of the same, with small pictures in a folder beside it.
+    /// Markdown file of the same content; its small pictures go to a folder next to it.
     pub markdown: Option<PathBuf>,
 }
 
-/// What is said while figures are made.
+/// Progress of [`reproduce()`].
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
-    /// A figure is begun.
+    /// A figure is started.
     Started(&'a Figure),
     /// A figure is written.
-    Finished(&'a Made),
+    Finished(&'a ReproducedFigure),
 }
 
-/// A figure that is written.
+/// A figure that has been written.
 #[derive(Clone, Debug)]
-pub struct Made {
-    /// What came of it.
+pub struct ReproducedFigure {
+    /// Pictures, numbers and verdict.
     pub outcome: Outcome,
-    /// How long it took.
+    /// Seconds of making it.
     pub seconds: f64,
-    /// Its folder's name.
+    /// Name of its folder.
     pub folder: &'static str,
-    /// Its files, in the folder of all.
+    /// Paths of its files.
     pub files: Vec<PathBuf>,
 }
 
-/// Makes `figures` and writes them to `target`, each as it is done: `figNN/…`, `index.html`, and the Markdown file at the
-/// end. Files of other names in the folder stay.
+/// Makes `figures` and writes each to `target` when it is finished: `figNN/…`, `index.html`, and the Markdown file at the end. Other files in the
+/// folder are not touched.
 ///
 /// # Errors
-/// [`ReproduceError`]; what cannot be written shows before the first figure is made.
+/// [`ReproduceError`]. A folder that cannot be written is reported before the first figure is made.
 pub fn reproduce(
     figures: &[&Figure],
     context: &Context<'_>,
     target: &Target,
     on: &mut dyn FnMut(Event<'_>),
-) -> Result<Vec<Made>, ReproduceError> {
-    let mut made: Vec<Made> = Vec::new();
+) -> Result<Vec<ReproducedFigure>, ReproduceError> {
+    let mut made: Vec<ReproducedFigure> = Vec::new();
     let (mut failed, mut cause) = (Vec::new(), None);
     write::check(target)?;
     write::index(&target.folder, &made)?;
@@ -131,7 +131,7 @@ pub fn reproduce(
         let mut outcome = match (figure.make)(context) {
             _ if context.progress.step(1, 1).is_err() => return Err(ReproduceError::Cancelled),
             Ok(outcome) => outcome,
-            // A model that one figure cannot be made on is no reason to leave out the others.
+            // The other figures are made even if a model does not suit this one.
             Err(error) => {
                 failed.push(figure.name);
                 cause.get_or_insert(error);
@@ -143,7 +143,7 @@ pub fn reproduce(
         outcome.command = format!("adwave reproduce {} -o out", figure.name);
         let files = write::figure(&target.folder, figure.folder, &outcome)?;
         let seconds = start.elapsed().as_secs_f64();
-        made.push(Made { outcome, seconds, folder: figure.folder, files });
+        made.push(ReproducedFigure { outcome, seconds, folder: figure.folder, files });
         write::index(&target.folder, &made)?;
         on(Event::Finished(&made[made.len() - 1]));
     }
@@ -156,7 +156,7 @@ pub fn reproduce(
     }
 }
 
-/// `path` for messages.
-fn shown(path: &Path) -> String {
+/// The path as text for messages.
+fn display_path(path: &Path) -> String {
     path.display().to_string()
 }

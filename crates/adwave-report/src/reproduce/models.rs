@@ -1,4 +1,4 @@
-//! The paper's models, found by name in folders that the user has.
+//! The models of the paper, found by name in folders of the user.
 
 use adwave::sample::{Sample, SampleError};
 use adwave::shape::{Shape, triangulate};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// The models that figures ask for, each with other names that files of it have.
+/// Models that figures use, each with alternative names of its files.
 pub const MODELS: [(&str, &[&str]); 15] = [
     ("armadillo", &[]),
     ("dinosaur", &["dino"]),
@@ -28,47 +28,47 @@ pub const MODELS: [(&str, &[&str]); 15] = [
     ("dragon", &[]),
 ];
 
-/// Folders below folders that are looked into.
-const DEEPEST: usize = 12;
-/// Files and folders that are looked at.
+/// Largest depth of the search.
+const MAX_DEPTH: usize = 12;
+/// Largest number of files and folders of the search.
 const MAX_ENTRIES: usize = 200_000;
 
-/// Why the models cannot be used.
+/// Error of finding or reading models.
 #[derive(Debug, Error)]
 pub enum ModelError {
-    /// A folder is not there or may not be read.
+    /// A folder does not exist or cannot be read.
     #[error("the folder of models {folder} cannot be read: {source}")]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         folder: String,
-        /// Why.
+        /// Reason.
         source: std::io::Error,
     },
     /// None of the models is in the folders.
-    #[error("no model of the paper is in {folders}; looked for files named after {}", names())]
+    #[error("there is no model of the paper in {folders}; file names must contain one of {}", names())]
     None {
         /// The folders.
         folders: String,
     },
-    /// A model's file is malformed.
+    /// The file of a model is malformed.
     #[error("the model '{name}' cannot be read: {source}")]
     Read {
         /// The model.
         name: &'static str,
-        /// Why; names the file.
+        /// Reason, which names the file.
         source: Box<ReadError>,
     },
-    /// A model's file holds no shape.
+    /// The file of a model has no shape.
     #[error("the model '{name}' in {path} cannot be used: {source}")]
     Shape {
         /// The model.
         name: &'static str,
-        /// Its file.
+        /// Path of its file.
         path: String,
-        /// Why.
+        /// Reason.
         source: ShapeFileError,
     },
-    /// A built-in shape cannot be made.
+    /// A built-in shape cannot be generated.
     #[error(transparent)]
     Sample(#[from] SampleError),
 }
@@ -89,45 +89,45 @@ fn names() -> String {
     MODELS.map(|(name, _)| name).join(", ")
 }
 
-/// A shape to make figures on.
+/// A shape that figures are made on.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// `armadillo`, or `built-in creature`.
+    /// Name, such as `armadillo` or `built-in creature`.
     pub name: String,
-    /// What was read; a built-in shape without a file.
+    /// Content of its file, or a built-in shape.
     pub file: ShapeFile,
-    /// Where it was read from.
+    /// Path of its file; `None` for a built-in shape.
     pub path: Option<PathBuf>,
-    /// The shape: a mesh where there are faces, else a cloud.
+    /// The shape: a mesh if the file has faces, else a cloud.
     pub shape: Shape,
-    /// The faces, cut into triangles.
+    /// Triangulated faces.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Model {
-    /// A built-in shape with about that many vertices.
+    /// A built-in shape with about `n_vertices` vertices.
     ///
     /// # Errors
     /// [`ModelError::Sample`].
     pub fn built_in(sample: &str, n_vertices: usize) -> Result<Self, ModelError> {
-        let made = Sample::by_name(sample, Some(n_vertices))?;
+        let made = Sample::from_name(sample, Some(n_vertices))?;
         let name = format!("built-in {sample}");
         Self::new(name, ShapeFile::from_mesh(made.points, made.faces), None)
             .map_err(|source| ModelError::Shape { name: "built-in", path: sample.to_owned(), source })
     }
 
-    /// The same faces with other positions.
+    /// A copy with other positions of the vertices.
     ///
     /// # Panics
-    /// Unless there is one finite position per vertex.
+    /// If there is not one finite position per vertex.
     #[must_use]
-    pub fn moved(&self, name: &str, points: Vec<[f64; 3]>) -> Self {
+    pub fn with_points(&self, name: &str, points: Vec<[f64; 3]>) -> Self {
         let mut file = self.file.clone();
         file.set_points(points).expect("one position per vertex");
         Self::new(name.to_owned(), file, None).expect("as many finite points with the same faces")
     }
 
-    /// Its vertices without the faces.
+    /// The vertices as a cloud.
     ///
     /// # Panics
     /// Never: the points of a shape are those of a cloud.
@@ -138,7 +138,7 @@ impl Model {
             .expect("finite points are a cloud")
     }
 
-    /// A shape that was put together.
+    /// A model from a shape that was assembled in memory.
     ///
     /// # Errors
     /// [`ShapeFileError`].
@@ -158,23 +158,23 @@ impl Model {
         self.file.points()
     }
 
-    /// Positions in one list, as a signal of three channels.
+    /// Positions as a signal of three channels.
     pub fn coordinates(&self) -> &[f64] {
         self.points().as_flattened()
     }
 
-    /// Whether it comes with the program.
+    /// Returns true for a built-in shape.
     pub fn is_built_in(&self) -> bool {
         self.path.is_none()
     }
 
-    /// `armadillo (43243 vertices)`.
+    /// Name with the number of vertices, such as `armadillo (43243 vertices)`.
     pub fn label(&self) -> String {
         format!("{} ({} vertices)", self.name, self.points().len())
     }
 }
 
-/// The user's models that were found.
+/// Models that were found in folders of the user.
 #[derive(Clone, Debug, Default)]
 pub struct Models {
     found: BTreeMap<&'static str, PathBuf>,
@@ -182,8 +182,8 @@ pub struct Models {
 }
 
 impl Models {
-    /// Looks through folders and the folders in them, an earlier folder before a later one. A file counts as a model when
-    /// one word of its name is the model's; the name alone is preferred, then the larger file.
+    /// Searches folders recursively; earlier folders have precedence. A file is a model if one word of its name is the name of the model. A file
+    /// named exactly like the model is preferred, then the larger file.
     ///
     /// # Errors
     /// [`ModelError::Folder`] when a folder cannot be read, [`ModelError::None`] when no file is a model.
@@ -199,9 +199,9 @@ impl Models {
                 if n_entries > MAX_ENTRIES {
                     break;
                 }
-                // A link to a folder is not followed: it may lead back.
+                // Links to folders are not followed, since they may form a cycle.
                 let Ok(kind) = std::fs::symlink_metadata(&path) else { continue };
-                if kind.is_dir() && depth < DEEPEST {
+                if kind.is_dir() && depth < MAX_DEPTH {
                     let inner = std::fs::read_dir(&path).into_iter().flatten().flatten();
                     stack.extend(inner.map(|e| (e.path(), depth + 1)));
                 } else if !kind.is_dir() && Format::from_path(&path).is_some_and(Format::can_read) {
@@ -214,11 +214,11 @@ impl Models {
         let mut found = BTreeMap::new();
         for (name, others) in MODELS {
             let names = || std::iter::once(&name).chain(others);
-            // The first of the best, so that an earlier folder wins.
+            // The first of the best, so that earlier folders have precedence.
             let best = files
                 .iter()
                 .rev()
-                .filter(|(path, _)| names().any(|n| fits(path, n)))
+                .filter(|(path, _)| names().any(|n| matches_name(path, n)))
                 .max_by_key(|(path, size)| (names().any(|n| stem(path) == *n), *size));
             if let Some((path, _)) = best {
                 found.insert(name, path.clone());
@@ -231,7 +231,7 @@ impl Models {
         Ok(Self { found, read: BTreeMap::new() })
     }
 
-    /// Reads those of the models that were found, so that a broken file shows before any long work.
+    /// Reads the named models that were found, so that a broken file is reported before any long computation.
     ///
     /// # Errors
     /// [`ModelError::Read`] or [`ModelError::Shape`], naming the model and its file.
@@ -254,19 +254,19 @@ impl Models {
         self.read.get(name).cloned()
     }
 
-    /// The models that were found, with their files.
-    pub fn found(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+    /// Models that were found, with their files.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         self.found.iter().map(|(&name, path)| (name, path.as_path()))
     }
 }
 
-/// The name without its endings, in small letters.
+/// File name without extensions, in lower case.
 fn stem(path: &Path) -> String {
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().to_lowercase());
     name.split('.').next().unwrap_or_default().to_owned()
 }
 
-fn fits(path: &Path, name: &str) -> bool {
+fn matches_name(path: &Path, name: &str) -> bool {
     stem(path).split(|c: char| !c.is_alphabetic()).any(|word| word == name)
 }
 
@@ -277,7 +277,7 @@ mod tests {
     const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
     #[test]
-    fn a_file_is_the_model_that_a_word_of_its_name_says() {
+    fn a_word_of_the_file_name_decides_the_model() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| {
             let path = folder.path().join(name);
@@ -291,7 +291,7 @@ mod tests {
         write("dino.ply", "ply\n");
         write("horse.txt.bak", TRIANGLE);
         let mut models = Models::search(&[folder.path().to_owned()]).unwrap();
-        let found: Vec<_> = models.found().map(|(name, path)| (name, stem(path))).collect();
+        let found: Vec<_> = models.files().map(|(name, path)| (name, stem(path))).collect();
         let expected = [("bunny", "stanford-bunny"), ("dinosaur", "dino"), ("face", "face")];
         assert_eq!(found, expected.map(|(a, b)| (a, b.to_owned())));
         models.read(&["bunny", "face"]).unwrap();
@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_without_models_says_what_was_looked_for() {
+    fn the_error_for_a_folder_without_models_lists_their_names() {
         let folder = tempfile::tempdir().unwrap();
         let error = Models::search(&[folder.path().to_owned()]).unwrap_err().to_string();
         assert!(error.contains("armadillo") && error.contains("kitten"), "{error}");

@@ -6,34 +6,34 @@ use adwave::signal::{SurfaceSignal, surface_signal};
 use adwave::vector::{norm, subtract};
 use adwave::{Decomposer, Progress};
 
-/// The prepared geometry of a model as the paper has it.
-pub(super) fn walk(model: &Model) -> Decomposer {
+/// Prepared geometry of a model, with the operator of the paper.
+pub(super) fn decomposer(model: &Model) -> Decomposer {
     Decomposer::new(&model.shape)
 }
 
-/// The bands of a signal on dyadic levels.
+/// Bands of a signal on dyadic levels.
 pub(super) fn bands(
     context: &Context<'_>,
-    walk: &Decomposer,
+    decomposer: &Decomposer,
     signal: &[f64],
     n_channels: usize,
     n_levels: usize,
 ) -> Result<Bands, FigureError> {
     let schedule = Schedule::dyadic(n_levels)?;
-    Ok(walk.request(signal, n_channels, &schedule).progress(context.progress).bands()?)
+    Ok(decomposer.request(signal, n_channels, &schedule).progress(context.progress).bands()?)
 }
 
-/// The mean curvature of a mesh or cloud, in 1/model unit.
-pub(super) fn mean_curvature(walk: &Decomposer) -> Result<Vec<f64>, FigureError> {
-    Ok(surface_signal(walk.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
+/// Mean curvature of a mesh or cloud, in 1/model unit.
+pub(super) fn mean_curvature(decomposer: &Decomposer) -> Result<Vec<f64>, FigureError> {
+    Ok(surface_signal(decomposer.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
 }
 
-/// The Euclidean norm of each vertex's channels.
+/// Euclidean norm of the channels of each vertex.
 pub(super) fn norms(values: &[f64], n_channels: usize) -> Vec<f64> {
     values.chunks_exact(n_channels).map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
 }
 
-/// Largest and smallest of the finite values.
+/// Smallest and largest finite value.
 pub(super) fn extent(values: &[f64]) -> (f64, f64) {
     let finite = values.iter().copied().filter(|v| v.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
@@ -49,7 +49,7 @@ pub(super) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     norm(&subtract(a, b))
 }
 
-/// `12 %`.
+/// Formats a share, such as `12 %`.
 pub(super) fn percent(share: f64) -> String {
     if share.is_nan() { "–".to_owned() } else { format!("{:.0} %", 100.0 * share) }
 }

@@ -1,20 +1,20 @@
-//! What the making of a figure or table gives.
+//! The result of making a figure or table.
 
 use crate::table::Table;
 
-/// Whether a figure came out as the paper claims, each with a sentence that gives the numbers it rests on.
+/// Comparison of a figure with the claim of the paper; each variant has a sentence with the numbers it is based on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// All of the claim.
+    /// The whole claim holds.
     AsClaimed(String),
-    /// A part of the claim.
+    /// A part of the claim holds.
     PartlyAsClaimed(String),
-    /// None of the claim.
+    /// No part of the claim holds.
     NotAsClaimed(String),
 }
 
 impl Verdict {
-    /// As claimed where all `parts` of a claim hold, not as claimed where none does.
+    /// The verdict on a claim: as claimed if all `parts` hold, not as claimed if none does.
     ///
     /// ```
     /// use adwave_report::reproduce::Verdict;
@@ -40,7 +40,7 @@ impl Verdict {
         }
     }
 
-    /// One word for machines.
+    /// The verdict as a keyword for programs.
     pub fn keyword(&self) -> &'static str {
         match self {
             Self::AsClaimed(_) => "as-claimed",
@@ -49,7 +49,7 @@ impl Verdict {
         }
     }
 
-    /// The numbers it rests on.
+    /// The sentence with the numbers it is based on.
     pub fn sentence(&self) -> &str {
         match self {
             Self::AsClaimed(text) | Self::PartlyAsClaimed(text) | Self::NotAsClaimed(text) => text,
@@ -60,32 +60,32 @@ impl Verdict {
 /// A picture as a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureFile {
-    /// Its name with the ending `.png` or `.svg`; unique within the figure.
+    /// File name with the extension `.png` or `.svg`; unique within the figure.
     pub name: String,
-    /// What to see.
+    /// Caption.
     pub caption: String,
-    /// Its content.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
 /// A figure or table reproduced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Outcome {
-    /// `fig1` … `table2`; filled in by [`reproduce`](super::reproduce()).
+    /// Name, `fig1` … `table2`; set by [`reproduce`](super::reproduce()).
     pub id: String,
-    /// What the paper shows; filled in by [`reproduce`](super::reproduce()).
+    /// Title; set by [`reproduce`](super::reproduce()).
     pub title: String,
-    /// The command that makes it; filled in by [`reproduce`](super::reproduce()).
+    /// Command that makes it; set by [`reproduce`](super::reproduce()).
     pub command: String,
-    /// Which shapes it was made on.
+    /// Shapes that it was made on.
     pub shapes: Vec<String>,
-    /// Pictures; where an SVG and a PNG share their stem, they are the same picture.
+    /// Pictures. An SVG and a PNG with the same stem are the same picture.
     pub pictures: Vec<PictureFile>,
-    /// The numbers behind them.
+    /// Numbers of the figure.
     pub tables: Vec<Table>,
-    /// What to see, in paragraphs.
+    /// Explanation, in paragraphs.
     pub text: Vec<String>,
-    /// Whether it came out as claimed.
+    /// Comparison with the claim of the paper.
     pub verdict: Verdict,
 }
 
@@ -106,7 +106,7 @@ impl Outcome {
 
     /// Adds a shape that it was made on.
     #[must_use]
-    pub fn on(mut self, shape: impl Into<String>) -> Self {
+    pub fn add_shape(mut self, shape: impl Into<String>) -> Self {
         let shape = shape.into();
         if !self.shapes.contains(&shape) {
             self.shapes.push(shape);

@@ -5,13 +5,13 @@ use super::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave_baselines::line::{LineCase, line_case};
 use adwave_baselines::multiscale::Downsampled;
 
-/// The levels that are measured.
+/// Levels that are measured.
 const LEVELS: [usize; 3] = [4, 9, 10];
-/// Orthogonal or biorthogonal to rounding.
+/// Largest defect of functions that are orthogonal or biorthogonal up to rounding.
 const ORTHOGONAL: f64 = 1e-8;
-/// A mean below this is zero to rounding.
+/// Largest mean that is zero up to rounding.
 const ZERO: f64 = 1e-9;
-/// A reconstruction within this is lossless.
+/// Largest error of a lossless reconstruction.
 const LOSSLESS: f64 = 1e-8;
 
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
@@ -19,7 +19,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let cases = line_case(&line()?, &LEVELS)?;
     let mut table = Table::new(
         "table1.csv",
-        "What the paper ticks, as numbers",
+        "Properties of the table in the paper, as numbers",
         &[
             "kind",
             "level",
@@ -48,10 +48,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
             c.steps.to_string(),
             c.count.to_string(),
             digits(c.defect),
-            kept(c, 0, |d| d.kept.len().to_string()),
-            kept(c, 0, |d| digits(d.defect)),
-            kept(c, 1, |d| d.kept.len().to_string()),
-            kept(c, 1, |d| digits(d.defect)),
+            downsampled(c, 0, |d| d.kept.len().to_string()),
+            downsampled(c, 0, |d| digits(d.defect)),
+            downsampled(c, 1, |d| d.kept.len().to_string()),
+            downsampled(c, 1, |d| digits(d.defect)),
             digits(c.scaling.support),
             digits(c.wavelet.support),
             digits(c.scaling.core),
@@ -81,42 +81,44 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ("BDW are no wider than DW", all("BDW", &narrower)),
         ("ADW are no wider than DW", all("ADW", &narrower)),
         ("the wavelets of ADW have zero mean", all("ADW", &|c| c.wavelet.mean < ZERO)),
-        ("those of BDW have not", all("BDW", &|c| c.wavelet.mean > ZERO)),
-        ("those of DW have not", all("DW", &|c| c.wavelet.mean > ZERO)),
-        ("all rebuild the signal", cases.iter().all(|c| c.error < LOSSLESS)),
+        ("the wavelets of BDW do not", all("BDW", &|c| c.wavelet.mean > ZERO)),
+        ("the wavelets of DW do not", all("DW", &|c| c.wavelet.mean > ZERO)),
+        ("all reconstruct the signal", cases.iter().all(|c| c.error < LOSSLESS)),
     ];
     let failed: Vec<&str> = claims.iter().filter(|c| !c.1).map(|c| c.0).collect();
     let sentence = if failed.is_empty() {
-        "Every claim holds: orthogonality of DW, biorthogonality of BDW and, of as many functions as the rank, of ADW, locality, \
-         zero mean, reconstruction.".to_owned()
+        "Every claim holds: orthogonality of DW, biorthogonality of BDW and of ADW downsampled to the rank, \
+         locality, zero mean, reconstruction."
+            .to_owned()
     } else {
-        format!("Not borne out: {}.", failed.join("; "))
+        format!("Not confirmed: {}.", failed.join("; "))
     };
     let verdict = Verdict::from_parts(&claims.map(|c| c.1), sentence);
     Ok(Outcome::new(verdict)
-        .on(format!("a line of {N_POINTS} points"))
+        .add_shape(format!("a line of {N_POINTS} points"))
         .say(
-            "A wavelet is admissible when Σ |F_ψ(k)|²/k of section 3.2 is finite, which asks for F_ψ(0) = 0. F are the \
-             coefficients in the cosines of the line, its manifold harmonics, of the wavelet nearest to the middle, at unit \
-             length.",
+            "A wavelet is admissible if Σ |F_ψ(k)|²/k of section 3.2 is finite, which requires F_ψ(0) = 0. F are the \
+             coefficients of the wavelet closest to the center, scaled to unit norm, in the cosines of the line, its \
+             manifold harmonics.",
         )
         .say(
-            "Support counts points above 1e-6 of the largest. All kinds are compared after as many steps of the walk: level j of DW and \
-             BDW is T^(2^j − 1).",
+            "The support is the number of points above 1e-6 of the largest value. All kinds are compared after the \
+             same number of steps: level j of DW and BDW is T^(2^j − 1).",
         )
         .say(
-            "The functions of ADW, one per vertex, overlap, as their defect shows. The paper's footnote says that they can be made \
-             biorthogonal by downsampling to the rank: with as many kept as a rank-revealing QR counts above 1e-6, each has a dual.",
+            "The functions of ADW, one per vertex, overlap, as their defect shows. According to a footnote of the \
+             paper, they can be made biorthogonal by downsampling to the rank: if a rank-revealing QR with threshold \
+             1e-6 selects the functions, each has a dual.",
         )
         .table(table))
 }
 
-/// A number about the scaling functions (0) or wavelets (1) that are kept by their rank.
-fn kept(case: &LineCase, which: usize, number: impl Fn(&Downsampled) -> String) -> String {
+/// Formats a number about the downsampled scaling functions (0) or wavelets (1).
+fn downsampled(case: &LineCase, which: usize, number: impl Fn(&Downsampled) -> String) -> String {
     case.downsampled.as_ref().map_or(String::new(), |d| number(&d[which]))
 }
 
-/// `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for ψ of unit length, F its coefficients in the orthonormal cosines of the line.
+/// Computes `Σ_{k≥1} |F(k)|²/k` and `|F(0)|²` for a wavelet scaled to unit norm, where F are its coefficients in the orthonormal cosines of the line.
 fn admissibility(wavelet: &[f64]) -> [f64; 2] {
     let n = wavelet.len();
     let square: f64 = wavelet.iter().map(|v| v * v).sum();

@@ -1,10 +1,10 @@
-//! Files of figures, and the page of all.
+//! Writing of the files of figures and of the page of all.
 
 use super::index::html;
-use super::{Made, Outcome, ReproduceError, Target, shown};
+use super::{Outcome, ReproduceError, ReproducedFigure, Target, display_path};
 use std::path::{Path, PathBuf};
 
-/// Makes the folders and finds out whether they can be written to.
+/// Creates the folders and checks that they are writable.
 pub(super) fn check(target: &Target) -> Result<(), ReproduceError> {
     let mut folders = vec![target.folder.clone()];
     folders.extend(target.markdown.as_deref().and_then(Path::parent).map(Path::to_owned));
@@ -21,7 +21,7 @@ pub(super) fn check(target: &Target) -> Result<(), ReproduceError> {
     }
 }
 
-/// Writes the files of one figure, and gives their names.
+/// Writes the files of one figure. Returns their paths.
 pub(super) fn figure(root: &Path, folder: &str, outcome: &Outcome) -> Result<Vec<PathBuf>, ReproduceError> {
     let folder = root.join(folder);
     std::fs::create_dir_all(&folder).map_err(|e| failed(&folder, e))?;
@@ -37,16 +37,16 @@ pub(super) fn figure(root: &Path, folder: &str, outcome: &Outcome) -> Result<Vec
     Ok(files)
 }
 
-/// Replaces a file as a whole.
+/// Replaces a file atomically.
 pub(super) fn bytes(path: &Path, content: &[u8]) -> Result<(), ReproduceError> {
     adwave_io::atomic_write(path, |out| Ok(out.write_all(content)?)).map_err(|e| failed(path, e))
 }
 
 pub(super) fn failed(path: &Path, source: impl Into<super::FigureError>) -> ReproduceError {
-    ReproduceError::Write { path: shown(path), source: source.into() }
+    ReproduceError::Write { path: display_path(path), source: source.into() }
 }
 
 /// Writes `index.html`.
-pub(super) fn index(root: &Path, made: &[Made]) -> Result<(), ReproduceError> {
+pub(super) fn index(root: &Path, made: &[ReproducedFigure]) -> Result<(), ReproduceError> {
     bytes(&root.join("index.html"), html(made).as_bytes())
 }

@@ -1,98 +1,97 @@
-//! The bands: how wide, how strong, and what they look like.
+//! The bands section: widths, energies and pictures of the bands.
 
 use super::Subject;
-use super::drawing::{FieldLook, Frame, Scale, Studio};
+use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::detail::detail_loss;
 use crate::page::{Block, Figure, Image, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave_render::plot::{Axis, Chart, Mark, Series};
 
-/// At how many levels the shape is shown.
-const MAX_SHOWN: usize = 4;
-/// Sides of a chart, pixels: its letters can still be read where a phone shows it at five sixths of that.
+/// Largest number of levels that are drawn.
+const MAX_DRAWN: usize = 4;
+/// Size of a chart in pixels. Its text is still legible if a narrow screen scales it to five sixths.
 const CHART: (u32, u32) = (420, 300);
 
-/// One level in numbers.
+/// Statistics of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandSummary {
     /// j, from 1.
     pub level: usize,
-    /// n_j.
+    /// Number of steps n_j.
     pub steps: f64,
-    /// σ_j in model units; hops on a graph.
+    /// Width σ_j in model units, or in hops on a graph.
     pub sigma: f64,
-    /// Root of the mean square of W_j by area, in units of the signal.
+    /// Root mean square of W_j, weighted by area, in units of the signal.
     pub rms: f64,
     /// Largest ‖W_j‖ of a vertex, in units of the signal.
     pub max: f64,
-    /// The mean square of W_j by that of the signal about its mean; NaN for a constant signal.
+    /// Mean square of W_j divided by the variance of the signal; NaN for a constant signal.
     pub energy_share: f64,
-    /// The mean square of W_j by the sum of those of all bands; NaN for a constant signal.
+    /// Mean square of W_j divided by the sum over all bands; NaN for a constant signal.
     pub detail_share: f64,
-    /// What is lost where the bands 1 … j are dropped: the greatest ‖f − S_j‖ of a vertex, in units of the signal.
+    /// Loss when the bands 1 … j are dropped: the largest ‖f − S_j‖ of a vertex, in units of the signal.
     pub greatest_loss: f64,
-    /// Root of the mean square of ‖f − S_j‖ by area, in units of the signal.
+    /// Root mean square of ‖f − S_j‖, weighted by area, in units of the signal.
     pub rms_loss: f64,
 }
 
 pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Section, Vec<BandSummary>) {
     let mut section = Section::new("bands", "Bands");
     section.say(format!("There are {}.", subject.levels_reason));
-    let spread = Spread::new(subject);
-    let bands = summaries(subject, &spread);
-    section.push(Block::Table(table(subject, &bands, &spread)));
+    let energies = BandEnergies::new(subject);
+    let bands = summaries(subject, &energies);
+    section.push(Block::Table(table(subject, &bands, &energies)));
     section.push(Block::Table(losses(subject, &bands)));
-    if !spread.total.is_finite() || spread.total <= 0.0 {
-        section.note(
-            "The signal is the same everywhere: every band is 0, and there are no shares of its energy.",
-        );
+    if !energies.total.is_finite() || energies.total <= 0.0 {
+        section.note("The signal is constant: every band is 0, and shares of its energy are undefined.");
     }
-    match chart(subject, &bands).and_then(|shares| Ok([shares, decay(subject)?])) {
+    match energy_chart(subject, &bands).and_then(|shares| Ok([shares, decay_chart(subject)?])) {
         Ok(charts) => section.gallery(Ok(charts.into_iter().flatten().collect())),
         Err(why) => section.note(format!("No chart: {why}.")),
     }
     if studio.can_draw() {
         section.say(if subject.is_geometry() {
-            "The shape smoothed: the positions S_j, all in one scale.".to_owned()
+            "The smoothed shape: the positions S_j, at the same scale.".to_owned()
         } else {
-            format!("The signal smoothed: S_j of {}, all with the same colors.", subject.scalar_name())
+            format!("The smoothed signal: S_j of {}, in the same range of colors.", subject.scalar_name())
         });
         section.gallery(smoothed(subject, studio));
-        section.say("What the bands hold: W_j on the shape as it is, each with colors of its own range.");
+        section.say("The bands: W_j on the original shape, each in its own range of colors.");
         section.gallery(magnitudes(subject, studio));
     }
     (section, bands)
 }
 
-/// The levels that are shown, spread evenly from the first to the last.
-fn shown(n_levels: usize) -> Vec<usize> {
-    let n = n_levels.min(MAX_SHOWN);
+/// Levels that are drawn, evenly spaced from the first to the last.
+fn select_levels(n_levels: usize) -> Vec<usize> {
+    let n = n_levels.min(MAX_DRAWN);
     (0..n).map(|k| 1 + (2 * k * (n_levels - 1) + n - 1) / (2 * (n - 1)).max(1)).collect()
 }
 
-/// Mean squares under the areas of the vertices, which are 0 where the signal has no value.
-struct Spread {
-    /// Of the signal about its mean.
+/// Mean squares weighted by the areas of the vertices, which are 0 where the signal has no value.
+struct BandEnergies {
+    /// Variance of the signal.
     total: f64,
-    /// Of the rest S_J about its mean.
+    /// Variance of the rest S_J.
     rest: f64,
+    /// Mean square of each band.
     bands: Vec<f64>,
 }
 
-impl Spread {
+impl BandEnergies {
     fn new(subject: &Subject<'_>) -> Self {
-        let (bands, areas) = (subject.bands, subject.walk.areas());
-        let about_mean = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas);
+        let (bands, areas) = (subject.bands, subject.decomposer.areas());
+        let variance = |signal: &[f64]| weighted_variance(signal, bands.n_channels, &areas);
         Self {
-            total: about_mean(subject.values),
-            rest: about_mean(bands.coarsest()),
+            total: variance(subject.values),
+            rest: variance(bands.coarsest()),
             bands: bands.energy(&areas).expect("one area per vertex"),
         }
     }
 }
 
-/// `Σ μ(x)‖f(x) − f̄‖² / Σ μ(x)`; every vertex counts alike where no area is above 0.
-fn about_mean(signal: &[f64], n_channels: usize, areas: &[f64]) -> f64 {
+/// Variance `Σ μ(x)‖f(x) − f̄‖² / Σ μ(x)`; the weights are equal if no area is positive.
+fn weighted_variance(signal: &[f64], n_channels: usize, areas: &[f64]) -> f64 {
     let all_alike = areas.iter().sum::<f64>() <= 0.0;
     let weight = |x: usize| if all_alike { 1.0 } else { areas[x] };
     let rows = || signal.chunks_exact(n_channels).enumerate().filter(|&(x, _)| weight(x) > 0.0);
@@ -106,19 +105,19 @@ fn about_mean(signal: &[f64], n_channels: usize, areas: &[f64]) -> f64 {
         .sum()
 }
 
-/// The bands in numbers, fine to coarse. O(vertices × levels).
+/// Statistics of all bands, fine to coarse. O(vertices × levels).
 pub fn band_summaries(subject: &Subject<'_>) -> Vec<BandSummary> {
-    summaries(subject, &Spread::new(subject))
+    summaries(subject, &BandEnergies::new(subject))
 }
 
-fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
+fn summaries(subject: &Subject<'_>, energies: &BandEnergies) -> Vec<BandSummary> {
     let bands = subject.bands;
-    // Rounding alone leaves a constant signal a spread of about 1e-32 of its square.
+    // By rounding, a constant signal has a variance of about 1e-32 of its square.
     let size = subject.values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-    let constant = spread.total <= (1e-13 * size).powi(2);
-    let all: f64 = spread.bands.iter().sum();
+    let constant = energies.total <= (1e-13 * size).powi(2);
+    let all: f64 = energies.bands.iter().sum();
     let share = |energy: f64, of: f64| if constant { f64::NAN } else { energy / of };
-    let losses = detail_loss(bands, &subject.walk.areas());
+    let losses = detail_loss(bands, &subject.decomposer.areas());
     (1..=bands.n_levels())
         .map(|level| {
             let max = bands
@@ -127,14 +126,14 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
                 .map(|row| row.iter().map(|w| w * w).sum::<f64>())
                 .filter(|square| square.is_finite())
                 .fold(0.0, f64::max);
-            let energy = spread.bands[level - 1];
+            let energy = energies.bands[level - 1];
             BandSummary {
                 level,
                 steps: bands.steps[level],
                 sigma: bands.sigma[level],
                 rms: energy.sqrt(),
                 max: max.sqrt(),
-                energy_share: share(energy, spread.total),
+                energy_share: share(energy, energies.total),
                 detail_share: share(energy, all),
                 greatest_loss: losses[level - 1].greatest,
                 rms_loss: losses[level - 1].rms,
@@ -143,12 +142,12 @@ fn summaries(subject: &Subject<'_>, spread: &Spread) -> Vec<BandSummary> {
         .collect()
 }
 
-fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table {
+fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) -> Table {
     let (width, unit) = (subject.width_unit(), subject.unit());
     let mut table = Table::new(
         "bands.csv",
-        "The bands, fine to coarse. The signal's energy is its mean square about its mean; that of a band is the mean square \
-         of W_j. Neighboring bands overlap, so the shares of the signal's energy do not add up to 100 %.",
+        "The bands, fine to coarse. The energy of the signal is its variance; the energy of a band is the mean square of W_j. \
+         Neighboring bands overlap, so that the shares of the signal's energy do not add up to 100 %.",
         &[
             "level j",
             "steps n_j",
@@ -171,34 +170,43 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], spread: &Spread) -> Table
     ];
     for (k, band) in bands.iter().enumerate() {
         let [sigma, percent, rms, max, energy, detail] = columns.each_ref().map(|cells| cells[k].clone());
-        table.push([band.level.to_string(), count(band.steps), sigma, percent, rms, max, energy, detail]);
+        table.push([
+            band.level.to_string(),
+            format_steps(band.steps),
+            sigma,
+            percent,
+            rms,
+            max,
+            energy,
+            detail,
+        ]);
     }
     let constant = bands.iter().all(|b| b.energy_share.is_nan());
-    let rest = if constant { NONE.to_owned() } else { digits(100.0 * spread.rest / spread.total) };
+    let rest = if constant { NONE.to_owned() } else { digits(100.0 * energies.rest / energies.total) };
     let none = || NONE.to_owned();
     let name = format!("rest S_{}", bands.len());
-    table.push([name, none(), none(), none(), digits(spread.rest.sqrt()), none(), rest, none()]);
-    table.without_empty_columns()
+    table.push([name, none(), none(), none(), digits(energies.rest.sqrt()), none(), rest, none()]);
+    table.drop_empty_columns()
 }
 
-/// What each level leaves out.
+/// Table of the loss when bands are dropped.
 fn losses(subject: &Subject<'_>, bands: &[BandSummary]) -> Table {
     let (width, unit) = (subject.width_unit(), subject.unit());
     let mut table = Table::new(
         "detail.csv",
-        "What is lost when everything finer than level j is dropped, which is what `adwave filter --gains` does with j zeros and \
-         then ones: the distance of the signal f from S_j over the vertices, rms by area.",
+        "The loss when the bands up to level j are dropped, as `adwave filter --gains` does with j zeros followed by ones: the \
+         distance of the signal f from S_j over the vertices; the rms is weighted by area.",
         &[
             "bands dropped",
             &format!("σ_j, {width}"),
-            &format!("greatest |f − S_j|, {unit}"),
-            "greatest, % of the diagonal",
+            &format!("largest |f − S_j|, {unit}"),
+            "largest, % of the diagonal",
             &format!("rms |f − S_j|, {unit}"),
             "rms, % of the diagonal",
         ],
     );
     let numbers = |value: &dyn Fn(&BandSummary) -> f64| column(&bands.iter().map(value).collect::<Vec<_>>());
-    // Of another signal than the shape a percentage of the diagonal means nothing.
+    // A percentage of the diagonal has a meaning only if the signal is the shape.
     let percent = |loss: f64| if subject.is_geometry() { subject.percent(loss) } else { f64::NAN };
     let columns = [
         numbers(&|b| b.sigma),
@@ -213,11 +221,11 @@ fn losses(subject: &Subject<'_>, bands: &[BandSummary]) -> Table {
         let dropped = if band.level == 1 { "1".to_owned() } else { format!("1 to {}", band.level) };
         table.push([dropped, sigma, greatest, greatest_percent, rms, rms_percent]);
     }
-    table.without_empty_columns()
+    table.drop_empty_columns()
 }
 
-/// Energy by level; nothing without two levels that have some.
-fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>, String> {
+/// Chart of the energy by level; `None` if fewer than two levels have any.
+fn energy_chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>, String> {
     let strong = bands.iter().filter(|b| b.detail_share > 0.0);
     let Some(most) = strong.clone().max_by(|a, b| a.detail_share.total_cmp(&b.detail_share)) else {
         return Ok(None);
@@ -226,8 +234,7 @@ fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>,
         return Ok(None);
     }
     let caption = format!(
-        "Where the details are: the share of each band in the energy of all bands. The strongest is band {}, of {}, with \
-         {:.0} %.",
+        "Share of each band in the energy of all bands. The strongest is band {}, of {}, with {:.0} %.",
         most.level,
         width(subject, most.sigma),
         100.0 * most.detail_share,
@@ -248,27 +255,27 @@ fn chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<Figure>,
         y: Axis { label: "share, %".to_owned(), ..Axis::default() },
         series: vec![Series { label: String::new(), mark: Mark::Bars, points: points.collect() }],
     };
-    plotted(&chart, &format!("A bar for the energy of each band: {alt}."), caption).map(Some)
+    chart_figure(&chart, &format!("A bar chart of the energy of each band: {alt}."), caption).map(Some)
 }
 
-/// How much is left of a signal after each level; for the shape itself it is nearly all.
-fn decay(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
-    let (bands, areas) = (subject.bands, subject.walk.areas());
-    let rms = |signal: &[f64]| about_mean(signal, bands.n_channels, &areas).sqrt();
+/// Chart of the standard deviation after each level; `None` for the shape itself, of which nearly everything remains.
+fn decay_chart(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
+    let (bands, areas) = (subject.bands, subject.decomposer.areas());
+    let rms = |signal: &[f64]| weighted_variance(signal, bands.n_channels, &areas).sqrt();
     let left: Vec<f64> = bands.all_scaling().chunks_exact(subject.values.len()).map(rms).collect();
     let (first, last) = (left[0], left[bands.n_levels()]);
     if subject.is_geometry() || !(first > 0.0 && left.iter().all(|v| v.is_finite())) {
         return Ok(None);
     }
     let caption = format!(
-        "How {} evens out: the standard deviation of S_j, from S_0, the signal itself, to S_{}. Of {} at first, {} is left.",
+        "How {} evens out: the standard deviation of S_j, from S_0, the signal itself, to S_{}. It decreases from {} to {}.",
         subject.signal,
         bands.n_levels(),
         digits(first),
         digits(last),
     );
     let chart = Chart {
-        title: "What is left of the signal".to_owned(),
+        title: "Standard deviation of the smoothed signal".to_owned(),
         x: Axis {
             label: "level, fine to coarse".to_owned(),
             names: (0..left.len()).map(|j| j.to_string()).collect(),
@@ -283,11 +290,11 @@ fn decay(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
     };
     let alt =
         format!("The standard deviation of the smoothed signal by level: {}.", column(&left).join(", "));
-    plotted(&chart, &alt, caption).map(Some)
+    chart_figure(&chart, &alt, caption).map(Some)
 }
 
 /// A chart as a figure of the page.
-fn plotted(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> {
+fn chart_figure(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> {
     let svg = chart.svg(CHART.0, CHART.1).map_err(|e| e.to_string())?;
     Ok(Figure {
         image: Image::svg(svg, CHART.0, CHART.1),
@@ -300,55 +307,58 @@ fn plotted(chart: &Chart, alt: &str, caption: String) -> Result<Figure, String> 
 
 fn smoothed(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure>, String> {
     let bands = subject.bands;
-    let scale = Scale::of(&subject.scalar(subject.values));
+    let scale = Scale::from_percentiles(&subject.scalar(subject.values));
     let scaling = bands.all_scaling();
-    let frames: Vec<Frame<'_>> = shown(bands.n_levels())
+    let specs: Vec<PictureSpec<'_>> = select_levels(bands.n_levels())
         .into_iter()
         .map(|j| {
             let caption =
                 format!("S_{j}, after {}: {}.", steps(bands.steps[j]), width(subject, bands.sigma[j]));
-            let frame = Frame::plain(format!("{} smoothed to level {j}", subject.signal), caption);
+            let spec = PictureSpec::plain(format!("{} smoothed to level {j}", subject.signal), caption);
             if subject.is_geometry() {
-                frame.at(scaling[(j * subject.values.len())..][..subject.values.len()].as_chunks().0)
+                spec.with_positions(
+                    scaling[(j * subject.values.len())..][..subject.values.len()].as_chunks().0,
+                )
             } else {
                 let values = subject.scalar(&bands.scaling(j));
-                frame.field(FieldLook::new(values, subject.scalar_name(), scale))
+                spec.field(FieldLook::new(values, subject.scalar_name(), scale))
             }
         })
         .collect();
-    studio.draw(&frames)
+    studio.draw(&specs)
 }
 
 fn magnitudes(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Result<Vec<Figure>, String> {
     let bands = subject.bands;
-    let frames: Vec<Frame<'_>> = shown(bands.n_levels())
+    let specs: Vec<PictureSpec<'_>> = select_levels(bands.n_levels())
         .into_iter()
         .map(|j| {
             let values = subject.scalar(bands.wavelet(j));
             let signed = bands.n_channels == 1;
-            let scale = if signed { Scale::of(&values) } else { Scale::from_zero(&values, 0.99) };
+            let scale =
+                if signed { Scale::from_percentiles(&values) } else { Scale::from_zero(&values, 0.99) };
             let name = if signed { format!("W_{j}") } else { format!("|W_{j}|") };
             let caption = format!("{name}, of {}.", width(subject, bands.sigma[j]));
-            Frame::plain(format!("Band {j} of {}", subject.signal), caption).field(FieldLook::new(
+            PictureSpec::plain(format!("Band {j} of {}", subject.signal), caption).field(FieldLook::new(
                 values,
                 if subject.is_geometry() { format!("{name}, model units") } else { name },
                 scale,
             ))
         })
         .collect();
-    studio.draw(&frames)
+    studio.draw(&specs)
 }
 
 fn steps(n: f64) -> String {
-    if n == 1.0 { "1 step".to_owned() } else { format!("{} steps", count(n)) }
+    if n == 1.0 { "1 step".to_owned() } else { format!("{} steps", format_steps(n)) }
 }
 
-/// A whole number of steps as it is, others with four digits.
-fn count(n: f64) -> String {
+/// Formats a number of steps: an integer exactly, other numbers with four digits.
+fn format_steps(n: f64) -> String {
     if n.fract() == 0.0 { n.to_string() } else { digits(n) }
 }
 
-/// `width σ = 0.05 model units, 2 % of the diagonal`.
+/// Describes a width, such as `width σ = 0.05 model units, 2 % of the diagonal`.
 fn width(subject: &Subject<'_>, sigma: f64) -> String {
     let percent = subject.percent(sigma);
     let of_diagonal =
@@ -361,18 +371,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_that_are_shown_are_spread_from_the_first_to_the_last() {
-        assert_eq!(shown(1), [1]);
-        assert_eq!(shown(3), [1, 2, 3]);
-        assert_eq!(shown(8), [1, 3, 6, 8]);
-        assert_eq!(shown(6), [1, 3, 4, 6]);
+    fn drawn_levels_are_evenly_spaced_from_the_first_to_the_last() {
+        assert_eq!(select_levels(1), [1]);
+        assert_eq!(select_levels(3), [1, 2, 3]);
+        assert_eq!(select_levels(8), [1, 3, 6, 8]);
+        assert_eq!(select_levels(6), [1, 3, 4, 6]);
     }
 
     #[test]
-    fn mean_squares_are_those_known_by_hand() {
+    fn variances_equal_values_computed_by_hand() {
         // Values 0 and 4 with weights 3 and 1: the mean is 1, and (3·1 + 1·9)/4 = 3.
-        assert_eq!(about_mean(&[0.0, 4.0], 1, &[3.0, 1.0]), 3.0);
-        assert_eq!(about_mean(&[0.0, 4.0, f64::NAN], 1, &[3.0, 1.0, 0.0]), 3.0);
-        assert_eq!(about_mean(&[0.0, 0.0, 4.0, 2.0], 2, &[0.0, 0.0]), 5.0);
+        assert_eq!(weighted_variance(&[0.0, 4.0], 1, &[3.0, 1.0]), 3.0);
+        assert_eq!(weighted_variance(&[0.0, 4.0, f64::NAN], 1, &[3.0, 1.0, 0.0]), 3.0);
+        assert_eq!(weighted_variance(&[0.0, 0.0, 4.0, 2.0], 2, &[0.0, 0.0]), 5.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures of the shape for the page: one camera, and the colors' meaning beside them.
+//! Pictures of the shape for the page, with one camera, and their legends.
 
 use super::Viewpoint;
 use crate::page::{Figure, Image, Legend};
@@ -14,25 +14,25 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Instant;
 
-/// Sides of a picture, pixels: sharp on a phone's screen, and some 30 kB.
+/// Side of a picture in pixels: sharp on a narrow screen, and about 30 kB.
 const SIDE: u32 = 560;
-/// Empty rows that stay above and below.
+/// Number of empty rows above and below the shape.
 const MARGIN: u32 = 10;
-/// A picture is at least so high.
+/// Smallest height of a picture.
 const MIN_HEIGHT: u32 = 160;
-/// Shapes of more vertices are thinned out before they are drawn.
+/// Shapes with more vertices are thinned out before they are drawn.
 const MAX_VERTICES: usize = 250_000;
-/// Cells along the diagonal of which one vertex each is kept: as wide as a pixel where the shape fills the picture.
+/// Number of cells along the diagonal, each of which keeps one vertex: a cell is about as wide as a pixel.
 const CELLS: f64 = 800.0;
-/// Colors of a legend's bar; a browser mixes those between.
+/// Number of colors in the bar of a legend; a browser interpolates between them.
 const N_STOPS: u32 = 16;
 
-/// The shape as it is drawn, and the camera.
+/// The shape as it is drawn, with the camera.
 pub(crate) struct Studio<'a> {
     points: &'a [[f64; 3]],
     triangles: Vec<[u32; 3]>,
-    /// The vertices that are drawn; all where there is no list.
-    kept: Option<Vec<u32>>,
+    /// Vertices that are drawn; `None` if all are.
+    drawn_vertices: Option<Vec<u32>>,
     view: View,
     up: Up,
     progress: Progress<'a>,
@@ -40,44 +40,44 @@ pub(crate) struct Studio<'a> {
     seconds: f64,
 }
 
-/// What a picture shows.
-pub(crate) struct Frame<'a> {
-    /// Other positions for the vertices.
+/// Content of a picture.
+pub(crate) struct PictureSpec<'a> {
+    /// Positions of the vertices, if not those of the shape.
     pub(crate) points: Option<Cow<'a, [[f64; 3]]>>,
-    /// Its colors.
+    /// Field that colors the shape.
     pub(crate) field: Option<FieldLook>,
-    /// Balls on it.
+    /// Balls that are drawn with it.
     pub(crate) balls: Vec<Ball>,
-    /// What it shows, in a few words.
+    /// Text alternative.
     pub(crate) alt: String,
-    /// What to see.
+    /// Caption.
     pub(crate) caption: String,
 }
 
-impl<'a> Frame<'a> {
-    /// The shape as it is, in one color.
+impl<'a> PictureSpec<'a> {
+    /// The shape in one color.
     pub(crate) fn plain(alt: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { points: None, field: None, balls: Vec::new(), alt: alt.into(), caption: caption.into() }
     }
 
-    /// At other positions.
-    pub(crate) fn at(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
+    /// Sets the positions of the vertices.
+    pub(crate) fn with_positions(self, points: impl Into<Cow<'a, [[f64; 3]]>>) -> Self {
         Self { points: Some(points.into()), ..self }
     }
 
-    /// With a field.
+    /// Colors the shape by a field.
     pub(crate) fn field(self, look: FieldLook) -> Self {
         Self { field: Some(look), ..self }
     }
 
-    /// With balls.
+    /// Adds balls.
     pub(crate) fn balls(self, balls: Vec<Ball>) -> Self {
         Self { balls, ..self }
     }
 }
 
 /// Positions and values of the vertices that are drawn.
-type Shown<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
+type DrawnValues<'a> = (Cow<'a, [[f64; 3]]>, Option<Cow<'a, [f64]>>);
 
 /// A field with its colors.
 pub(crate) struct FieldLook {
@@ -86,7 +86,7 @@ pub(crate) struct FieldLook {
     scale: Scale,
 }
 
-/// Which values the ends of the colors stand for.
+/// Range of values that the colors span.
 #[derive(Clone, Copy)]
 pub(crate) struct Scale {
     low: f64,
@@ -95,21 +95,21 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// From 0 to the value below which that share of the values lies.
+    /// Scale from 0 to the quantile `share` of the values.
     pub(crate) fn from_zero(values: &[f64], share: f64) -> Self {
         Self::new(0.0, value_range(values, 0.0, share).1)
     }
 
-    /// Symmetric about 0, up to the size below which that share of the sizes lies.
+    /// Scale symmetric about 0, up to the quantile `share` of the absolute values.
     pub(crate) fn about_zero(values: &[f64], share: f64) -> Self {
         let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
         let most = value_range(&sizes, 0.0, share).1;
         Self::new(-most, most)
     }
 
-    /// From the 1st to the 99th percentile; symmetric about 0 for a field of both signs.
-    pub(crate) fn of(values: &[f64]) -> Self {
-        /// A field whose smaller side reaches this part of its larger side has both signs.
+    /// Scale from the 1st to the 99th percentile; symmetric about 0 for a field with both signs.
+    pub(crate) fn from_percentiles(values: &[f64]) -> Self {
+        /// A field has both signs if its smaller side reaches this share of its larger side.
         const BOTH_SIGNS: f64 = 0.1;
         let (low, high) = value_range(values, 0.01, 0.99);
         if -low > BOTH_SIGNS * high.max(0.0) && high > BOTH_SIGNS * (-low).max(0.0) {
@@ -120,10 +120,10 @@ impl Scale {
     }
 
     fn new(low: f64, high: f64) -> Self {
-        // Wider than the largest number cannot be divided by.
+        // The width of the range must be finite.
         let (low, high) = (low.clamp(-1e300, 1e300), high.clamp(-1e300, 1e300));
         let name = if low < 0.0 && high > 0.0 { "coolwarm" } else { "viridis" };
-        let map = ColorMap::from_name(name).expect("a name of the list");
+        let map = ColorMap::from_name(name).expect("a color map that exists");
         if low < high {
             return Self { low, high, map };
         }
@@ -133,7 +133,7 @@ impl Scale {
 }
 
 impl FieldLook {
-    /// A field of one value per vertex; the label is its name and unit.
+    /// A field with one value per vertex; `label` has its name and unit.
     pub(crate) fn new(values: Vec<f64>, label: impl Into<String>, scale: Scale) -> Self {
         Self { values, label: label.into(), scale }
     }
@@ -166,16 +166,16 @@ impl<'a> Studio<'a> {
             _ => Vec::new(),
         };
         let start = Instant::now();
-        let (kept, triangles) = if points.len() > MAX_VERTICES {
-            let (kept, triangles) = thinned(points, &triangles, shape.diagonal() / CELLS, progress)?;
-            (Some(kept), triangles)
+        let (drawn_vertices, triangles) = if points.len() > MAX_VERTICES {
+            let (drawn, triangles) = thin_out(points, &triangles, shape.diagonal() / CELLS, progress)?;
+            (Some(drawn), triangles)
         } else {
             (None, triangles)
         };
         Ok(Self {
             points,
             triangles,
-            kept,
+            drawn_vertices,
             progress: progress.quiet(),
             view: viewpoint.view.unwrap_or(View::THREE_QUARTER),
             up: viewpoint.up,
@@ -184,72 +184,72 @@ impl<'a> Studio<'a> {
         })
     }
 
-    /// Whether there is anything to draw.
+    /// Returns true if the shape has positions.
     pub(crate) fn can_draw(&self) -> bool {
         !self.points.is_empty()
     }
 
-    /// Which axis points up.
+    /// Axis that points up.
     pub(crate) fn up(&self) -> Up {
         self.up
     }
 
-    /// How many of the vertices are drawn, where not all are.
+    /// Number of vertices that are drawn; `None` if all are.
     pub(crate) fn n_drawn(&self) -> Option<usize> {
-        self.kept.as_ref().map(Vec::len)
+        self.drawn_vertices.as_ref().map(Vec::len)
     }
 
-    /// Pictures made.
+    /// Number of pictures drawn so far.
     pub(crate) fn n_pictures(&self) -> usize {
         self.n_pictures
     }
 
-    /// What they took.
+    /// Seconds of drawing so far.
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// Pictures of one scale and place, so that they can be compared; none of a shape without positions.
+    /// Draws pictures with the same camera, so that they can be compared; none for a shape without positions.
     ///
     /// # Errors
-    /// Why they cannot be drawn, in words.
-    pub(crate) fn draw(&mut self, frames: &[Frame<'_>]) -> Result<Vec<Figure>, String> {
+    /// A message, if they cannot be drawn.
+    pub(crate) fn draw(&mut self, specs: &[PictureSpec<'_>]) -> Result<Vec<Figure>, String> {
         let start = Instant::now();
-        let pictures = self.pictures(self.view, frames)?;
-        self.figures(start, &pictures, frames)
+        let pictures = self.pictures(self.view, specs)?;
+        self.figures(start, &pictures, specs)
     }
 
-    /// As [`draw`](Self::draw), and then `behind` from the opposite side, all equally high.
+    /// Draws `front` as [`draw`](Self::draw) does and `back` from the opposite side, all of the same height.
     ///
     /// # Errors
-    /// Why they cannot be drawn, in words.
+    /// A message, if they cannot be drawn.
     pub(crate) fn draw_both(
         &mut self,
-        front: Vec<Frame<'_>>,
-        behind: Vec<Frame<'_>>,
+        front: Vec<PictureSpec<'_>>,
+        back: Vec<PictureSpec<'_>>,
     ) -> Result<Vec<Figure>, String> {
         let start = Instant::now();
         let View { azimuth, elevation } = self.view;
         let mut pictures = self.pictures(self.view, &front)?;
-        pictures.extend(self.pictures(View { azimuth: azimuth + 180.0, elevation }, &behind)?);
-        let frames: Vec<Frame<'_>> = front.into_iter().chain(behind).collect();
-        self.figures(start, &pictures, &frames)
+        pictures.extend(self.pictures(View { azimuth: azimuth + 180.0, elevation }, &back)?);
+        let specs: Vec<PictureSpec<'_>> = front.into_iter().chain(back).collect();
+        self.figures(start, &pictures, &specs)
     }
 
-    /// The pictures without the rows above and below that are empty in all of them, each with what its frame says.
+    /// Crops the rows above and below that are empty in all pictures, and adds captions and legends.
     fn figures(
         &mut self,
         start: Instant,
         pictures: &[Picture],
-        frames: &[Frame<'_>],
+        specs: &[PictureSpec<'_>],
     ) -> Result<Vec<Figure>, String> {
         let rows = used_rows(pictures);
         let figures: Vec<Figure> = pictures
             .iter()
-            .zip(frames)
+            .zip(specs)
             .map(|(picture, f)| {
                 let picture =
-                    picture.cropped(0, rows.start, SIDE, rows.len() as u32).map_err(|e| e.to_string())?;
+                    picture.crop(0, rows.start, SIDE, rows.len() as u32).map_err(|e| e.to_string())?;
                 Ok(Figure {
                     image: Image::shaded(&picture).map_err(|e| e.to_string())?,
                     alt: f.alt.clone(),
@@ -264,18 +264,18 @@ impl<'a> Studio<'a> {
         Ok(figures)
     }
 
-    fn pictures(&self, view: View, frames: &[Frame<'_>]) -> Result<Vec<Picture>, String> {
-        if !self.can_draw() || frames.is_empty() {
+    fn pictures(&self, view: View, specs: &[PictureSpec<'_>]) -> Result<Vec<Picture>, String> {
+        if !self.can_draw() || specs.is_empty() {
             return Ok(Vec::new());
         }
-        let shown: Vec<Shown<'_>> = frames
+        let shown: Vec<DrawnValues<'_>> = specs
             .iter()
             .map(|f| {
                 let points = f.points.as_deref().unwrap_or(self.points);
-                (self.taken(points), f.field.as_ref().map(|look| self.taken(&look.values)))
+                (self.select_drawn(points), f.field.as_ref().map(|look| self.select_drawn(&look.values)))
             })
             .collect();
-        let panels: Vec<Panel<'_>> = frames
+        let panels: Vec<Panel<'_>> = specs
             .iter()
             .zip(&shown)
             .map(|(f, (points, values))| self.panel(f, points, values.as_deref()))
@@ -295,11 +295,11 @@ impl<'a> Studio<'a> {
 
     fn panel<'p>(
         &'p self,
-        frame: &Frame<'_>,
+        spec: &PictureSpec<'_>,
         points: &'p [[f64; 3]],
         values: Option<&'p [f64]>,
     ) -> Panel<'p> {
-        let paint = match (&frame.field, values) {
+        let paint = match (&spec.field, values) {
             (Some(look), Some(values)) => Paint::Field(FieldPaint {
                 values,
                 label: String::new(),
@@ -310,24 +310,24 @@ impl<'a> Studio<'a> {
         };
         Panel {
             surface: Surface { points, triangles: &self.triangles, paint },
-            balls: frame.balls.clone(),
+            balls: spec.balls.clone(),
             caption: String::new(),
         }
     }
 
-    /// The values of the vertices that are drawn.
-    fn taken<'v, T: Copy>(&self, values: &'v [T]) -> Cow<'v, [T]>
+    /// Values of the vertices that are drawn.
+    fn select_drawn<'v, T: Copy>(&self, values: &'v [T]) -> Cow<'v, [T]>
     where
         [T]: ToOwned<Owned = Vec<T>>,
     {
-        match &self.kept {
+        match &self.drawn_vertices {
             None => Cow::Borrowed(values),
-            Some(kept) => Cow::Owned(kept.iter().map(|&v| values[v as usize]).collect()),
+            Some(drawn) => Cow::Owned(drawn.iter().map(|&v| values[v as usize]).collect()),
         }
     }
 }
 
-/// The rows that are not empty in all of the pictures, and a few more.
+/// Rows that are not empty in all pictures, with a margin.
 fn used_rows(pictures: &[Picture]) -> Range<u32> {
     let is_used = |row: &[u8]| row.chunks_exact(4).any(|pixel| pixel[3] > 0);
     let row = 4 * SIDE as usize;
@@ -335,14 +335,14 @@ fn used_rows(pictures: &[Picture]) -> Range<u32> {
         || pictures.iter().flat_map(|p| p.rgba.chunks_exact(row).enumerate()).filter(|(_, r)| is_used(r));
     let first = used().map(|(y, _)| y as u32).min().unwrap_or(0);
     let last = used().map(|(y, _)| y as u32).max().unwrap_or(SIDE - 1);
-    // A flat shape seen from its edge still gets a picture that is wide, not a line.
+    // A flat shape that is seen from its edge still gets a picture of some height.
     let room = MARGIN.max(MIN_HEIGHT.saturating_sub(last + 1 - first) / 2);
     first.saturating_sub(room)..(last + 1 + room).min(SIDE)
 }
 
-/// The first vertex of each cell of that width, by rising index, and the triangles whose corners are in three cells, each
-/// once. Only pictures are made of it: what it leaves out is smaller than a pixel.
-fn thinned(
+/// Thins out a mesh for drawing: the first vertex of each cell of width `cell`, by ascending index, and the distinct triangles whose corners are
+/// in three cells. The details that it drops are smaller than a pixel.
+fn thin_out(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
     cell: f64,
@@ -364,7 +364,7 @@ fn thinned(
         .iter()
         .map(|t| t.map(|v| cell_of[v as usize]))
         .filter(|[a, b, c]| a != b && b != c && c != a)
-        // The same triangle begins at its smallest corner, whichever way round it goes.
+        // Rotate the smallest corner to the front, which preserves the orientation.
         .map(|[a, b, c]| {
             if a < b && a < c {
                 [a, b, c]
@@ -386,7 +386,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_thinned_mesh_has_a_vertex_a_cell_and_no_triangle_twice() {
+    fn a_thinned_mesh_has_one_vertex_per_cell_and_no_duplicate_triangles() {
         // A strip of 8 × 2 vertices a tenth of a cell apart, but for the last two, which are a cell further on.
         let points: Vec<[f64; 3]> = (0..16)
             .map(|i| {
@@ -396,34 +396,34 @@ mod tests {
             .collect();
         let triangles: Vec<[u32; 3]> =
             (0..14).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
-        let (kept, thin) = thinned(&points, &triangles, 1.0, Progress::none()).unwrap();
+        let (kept, thin) = thin_out(&points, &triangles, 1.0, Progress::none()).unwrap();
         assert_eq!(kept, [0, 1, 14, 15]);
         assert_eq!(thin.len(), 2);
     }
 
     #[test]
-    fn rows_that_are_empty_everywhere_are_cut_off() {
+    fn rows_that_are_empty_in_all_pictures_are_cropped() {
         let mut picture = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
         assert_eq!(used_rows(std::slice::from_ref(&picture)), 0..SIDE);
-        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
-        let other = Picture::filled(SIDE, SIDE, [0; 4]).unwrap();
+        picture.place(&Picture::blank(1, 1, [9, 9, 9, 255]).unwrap(), 3, 100);
+        let other = Picture::blank(SIDE, SIDE, [0; 4]).unwrap();
         let rows = used_rows(&[other.clone(), picture.clone()]);
         assert!(
             rows.contains(&100) && (MIN_HEIGHT - 1..=MIN_HEIGHT).contains(&(rows.len() as u32)),
             "{rows:?}"
         );
-        picture.place(&Picture::filled(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);
+        picture.place(&Picture::blank(1, 1, [9, 9, 9, 255]).unwrap(), 3, 500);
         assert_eq!(used_rows(&[picture, other]), 100 - MARGIN..501 + MARGIN);
     }
 
     #[test]
-    fn scales_have_a_width_whatever_the_values() {
+    fn scales_have_a_positive_width_for_all_values() {
         for values in [&[0.0; 5][..], &[-3.0; 5], &[f64::NAN; 3], &[], &[-1e308, 1e308]] {
-            for scale in [Scale::of(values), Scale::from_zero(values, 0.95)] {
+            for scale in [Scale::from_percentiles(values), Scale::from_zero(values, 0.95)] {
                 assert!(scale.low < scale.high && (scale.high - scale.low).is_finite(), "{values:?}");
             }
         }
-        let both = Scale::of(&[-1.0, 0.5, 0.25]);
+        let both = Scale::from_percentiles(&[-1.0, 0.5, 0.25]);
         assert_eq!((both.low, both.high, both.map.name()), (-1.0, 1.0, "coolwarm"));
     }
 }

@@ -1,7 +1,7 @@
-//! The places where a level stands out, each with its size.
+//! The features section: places where a level stands out, with their sizes.
 
 use super::Subject;
-use super::drawing::{Frame, Studio};
+use super::drawing::{PictureSpec, Studio};
 use super::place::Places;
 use crate::analysis::features;
 use crate::page::{Block, Figure, Legend, Section};
@@ -10,15 +10,15 @@ use adwave::features::{Feature, FeatureParams};
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
-/// Features that are listed.
+/// Largest number of features in the table.
 const MAX_LISTED: usize = 15;
 
-/// The features in short.
+/// The features of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureSummary {
-    /// Strongest first.
+    /// Features, the strongest first.
     pub features: Vec<Feature>,
-    /// What they took.
+    /// Seconds of the computation.
     pub seconds: f64,
 }
 
@@ -26,10 +26,10 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();
-    let mut found = match features(subject.walk, subject.bands, &params) {
+    let mut found = match features(subject.decomposer, subject.bands, &params) {
         Ok(found) => found,
         Err(why) => {
-            section.note(format!("There are none: {why}."));
+            section.note(format!("No features: {why}."));
             return (section, None);
         }
     };
@@ -37,38 +37,38 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
     section.say(format!(
-        "A feature is a {} where |W_j| is larger than at its neighbors, there and on the levels below and above, and at \
-         least {} times the mean of its level. Levels 2 to {} can have some. Its radius is σ_j.",
+        "A feature is a {} where |W_j| is larger than at its neighbors, on the same level and on the levels below and above, and \
+         at least {} times the mean of its level. Levels 2 to {} can have features. The radius of a feature is σ_j.",
         subject.vertex(),
         params.theta,
         n_levels - 1
     ));
     if found.is_empty() {
-        section.note(format!("No {} stands out like that.", subject.vertex()));
+        section.note(format!("No {} is a feature.", subject.vertex()));
         return (section, Some(FeatureSummary { features: found, seconds }));
     }
     section.say(match found.len() {
-        1 => "There is one.".to_owned(),
-        n => format!("There are {n}."),
+        1 => "There is one feature.".to_owned(),
+        n => format!("There are {n} features."),
     });
     section.gallery(pictures(subject, studio, &found));
-    section.push(Block::Table(by_level(subject, &found)));
-    section.push(Block::Table(strongest(subject, studio, &found)));
+    section.push(Block::Table(level_table(subject, &found)));
+    section.push(Block::Table(strongest_table(subject, studio, &found)));
     (section, Some(FeatureSummary { features: found, seconds }))
 }
 
-/// The levels that have features, by rising level, and how many each has.
+/// Levels that have features, ascending, with their numbers of features.
 fn counts(found: &[Feature]) -> Vec<(usize, usize)> {
     let mut levels: Vec<usize> = found.iter().map(|f| f.level).collect();
     levels.sort_unstable();
     levels.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
 }
 
-fn by_level(subject: &Subject<'_>, found: &[Feature]) -> Table {
+fn level_table(subject: &Subject<'_>, found: &[Feature]) -> Table {
     let unit = subject.width_unit();
     let mut table = Table::new(
         "features-by-level.csv",
-        "How many features each level has.",
+        "Number of features on each level.",
         &["level j", &format!("σ_j, {unit}"), "features"],
     );
     for (level, count) in counts(found) {
@@ -77,12 +77,12 @@ fn by_level(subject: &Subject<'_>, found: &[Feature]) -> Table {
     table
 }
 
-fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> Table {
+fn strongest_table(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> Table {
     let unit = subject.width_unit();
     let signed = subject.bands.n_channels == 1;
     let places = Places::new(subject, studio.up());
     let caption = format!(
-        "The strongest features{}. The strength is |W_j| by its mean over the level{}.",
+        "The strongest features{}. The strength is |W_j| divided by its mean over the level{}.",
         if found.len() > MAX_LISTED { format!(", {MAX_LISTED} of {}", found.len()) } else { String::new() },
         if signed { "; the sign is that of W_j: + where the signal is above its surroundings" } else { "" },
     );
@@ -111,7 +111,7 @@ fn strongest(subject: &Subject<'_>, studio: &Studio<'_>, found: &[Feature]) -> T
             f.position.map_or_else(none, |p| subject.position(p)),
         ]);
     }
-    table.without_empty_columns()
+    table.drop_empty_columns()
 }
 
 fn pictures(
@@ -120,9 +120,9 @@ fn pictures(
     found: &[Feature],
 ) -> Result<Vec<Figure>, String> {
     let levels = counts(found);
-    let map = ColorMap::from_name("turbo").expect("a name of the list");
+    let map = ColorMap::from_name("turbo").expect("a color map that exists");
     let last = subject.bands.n_levels().saturating_sub(1).max(3) as f64;
-    // Without the ends of the map, which are nearly black.
+    // The ends of the map are nearly black.
     let color = |level: usize| map.color(0.12 + 0.76 * (level as f64 - 2.0) / (last - 2.0));
     let balls: Vec<Ball> = found
         .iter()
@@ -136,11 +136,11 @@ fn pictures(
         };
         Some(Legend::Keys(levels.iter().map(key).collect()))
     };
-    let front = Frame::plain(
+    let front = PictureSpec::plain(
         format!("Features of {}", subject.name),
         "A ball for each feature, of radius σ_j, colored by level. Features on the far side are hidden.",
     );
-    let back = Frame::plain(
+    let back = PictureSpec::plain(
         format!("Features of {} from the opposite side", subject.name),
         "The same from the opposite side.",
     );

@@ -1,4 +1,4 @@
-//! What a shape consists of, what is unusual about it, and what that means for its bands.
+//! The health of a shape: its parts, its irregularities, and their effect on the bands.
 
 use super::Subject;
 use crate::page::{Block, Fact, Section, Tone, Verdict};
@@ -7,12 +7,12 @@ use adwave::operator::OperatorKind;
 use adwave::shape::{Health, Shape, bounding_box};
 
 pub(super) fn section(subject: &Subject<'_>) -> (Section, Health) {
-    let health = subject.walk.health();
+    let health = subject.decomposer.health();
     let mut section = Section::new("health", "Health");
-    let odd = oddities(subject, &health);
-    section.push(Block::Verdict(verdict(subject, &health, &odd)));
-    if !odd.is_empty() {
-        section.push(Block::Facts(odd));
+    let irregularities = irregularities(subject, &health);
+    section.push(Block::Verdict(verdict(subject, &health, &irregularities)));
+    if !irregularities.is_empty() {
+        section.push(Block::Facts(irregularities));
     }
     section.push(Block::Facts(facts(subject, &health)));
     (section, health)
@@ -22,42 +22,46 @@ fn fact(name: &str, value: impl Into<String>, meaning: &str) -> Fact {
     Fact { name: name.to_owned(), value: value.into(), meaning: meaning.to_owned() }
 }
 
-/// Counts that are 0 when all is well: how many, of what, and what it means.
-fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
-    let vertices_left_out = subject.walk.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+/// Irregularities that the shape has, with their counts and effects.
+fn irregularities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
+    let n_masked = subject.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
     let counts = [
         (
             "Edges on a border",
             health.n_boundary_edges,
-            "Edges of one face only: the surface is open there. Averages lean inwards at a border, so bands are larger along it.",
+            "Edges of a single face: the surface is open there. Averages at a border are biased inward, so that bands are larger along it.",
         ),
         (
-            "Edges of three faces or more",
+            "Edges of three or more faces",
             health.n_non_manifold_edges,
-            "The surface branches there; diffusion goes along every branch.",
+            "The surface branches there; diffusion follows every branch.",
         ),
         (
-            "Edges where orientation flips",
+            "Edges where the orientation flips",
             health.n_misoriented_edges,
-            "Two faces run the same way along them, so their normals disagree. Bands do not use normals; curvature does.",
+            "Two faces traverse them in the same direction, so their normals disagree. Bands do not use normals; curvature does.",
         ),
-        ("Faces without area", health.n_zero_area_faces, "They join their corners but weigh nothing."),
+        ("Faces without area", health.n_zero_area_faces, "They connect their corners but have no weight."),
         (
             "Repeated faces",
             health.n_repeated_faces,
-            "Faces with the vertices of an earlier one: they weigh twice.",
+            "Faces with the same vertices as an earlier face: they count twice.",
         ),
         (
             "Vertices at another's position",
             health.n_welded,
-            "Taken as one welded vertex; results are given to each of them.",
+            "They are one welded vertex; each of them gets its results.",
         ),
-        ("Vertices without neighbors", health.n_isolated, "Nothing to average with: every band is 0 there."),
-        ("Vertices of no face", health.n_unreferenced, "Points that the surface does not use."),
+        (
+            "Vertices without neighbors",
+            health.n_isolated,
+            "There is nothing to average with: every band is 0 there.",
+        ),
+        ("Vertices of no face", health.n_unreferenced, "Points that no face uses."),
         (
             "Vertices without a value",
-            vertices_left_out,
-            "The signal is NaN there: they are masked, and no result has a value there.",
+            n_masked,
+            "The signal is NaN there: these vertices are masked and have no results.",
         ),
     ];
     counts
@@ -70,7 +74,7 @@ fn oddities(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         .collect()
 }
 
-fn verdict(subject: &Subject<'_>, health: &Health, odd: &[Fact]) -> Verdict {
+fn verdict(subject: &Subject<'_>, health: &Health, irregularities: &[Fact]) -> Verdict {
     let n_parts = health.n_components - health.n_isolated;
     let kind = match subject.shape {
         Shape::Mesh(_) if health.is_closed() => "A closed surface",
@@ -81,62 +85,65 @@ fn verdict(subject: &Subject<'_>, health: &Health, odd: &[Fact]) -> Verdict {
     let parts = match n_parts {
         0 => "without an edge".to_owned(),
         1 => "in one part".to_owned(),
-        n => format!("in {n} parts, which do not see each other"),
+        n => format!("in {n} unconnected parts"),
     };
-    if odd.is_empty() {
+    if irregularities.is_empty() {
         return Verdict {
             tone: Tone::Good,
             headline: "Nothing unusual".to_owned(),
             sentence: format!("{kind} {parts}."),
         };
     }
-    let list: Vec<String> = odd.iter().map(|f| format!("{}: {}", f.name.to_lowercase(), f.value)).collect();
+    let list: Vec<String> =
+        irregularities.iter().map(|f| format!("{}: {}", f.name.to_lowercase(), f.value)).collect();
     Verdict {
         tone: Tone::Mixed,
-        headline: match odd.len() {
-            1 => "One thing to know".to_owned(),
-            n => format!("{n} things to know"),
+        headline: match irregularities.len() {
+            1 => "One irregularity".to_owned(),
+            n => format!("{n} irregularities"),
         },
-        sentence: format!("{kind} {parts}. It can be worked with as it is; {}.", list.join(", ")),
+        sentence: format!("{kind} {parts}. It can be processed as it is; {}.", list.join(", ")),
     }
 }
 
 fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = counts(subject, health);
     list.extend(sizes(subject, health));
-    let diffusion = subject.walk.diffusion();
-    let (edge, step) = (subject.walk.mean_length(), diffusion.step_length());
+    let diffusion = subject.decomposer.diffusion();
+    let (edge, step) = (subject.decomposer.mean_length(), diffusion.step_length());
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
-        let kind = subject.walk.operator_kind();
+        let kind = subject.decomposer.operator_kind();
         let meaning = match (subject.shape, kind) {
             (Shape::Mesh(_), OperatorKind::Walk) => {
-                "Mean over the edges; the operator's kernel is as wide as that."
+                "Mean over the edges, and the width of the operator's kernel."
             }
             (Shape::Mesh(_), OperatorKind::Surface) => "Mean over the edges.",
             (_, OperatorKind::Walk) => {
-                "Mean distance to the nearest neighbors; the operator's kernel is as wide as that."
+                "Mean distance to the nearest neighbors, and the width of the operator's kernel."
             }
             (_, OperatorKind::Surface) => "Mean distance to the neighbors on the surface.",
         };
         let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
-    let (name, meaning) = match subject.walk.operator_kind() {
+    let (name, meaning) = match subject.decomposer.operator_kind() {
         OperatorKind::Walk => ("walk", "A lazy random walk over the edges, as in the paper."),
-        OperatorKind::Surface => ("surface", "Heat on the surface: widths that hardly depend on the mesh."),
+        OperatorKind::Surface => {
+            ("surface", "Heat diffusion on the surface; its widths hardly depend on the mesh.")
+        }
     };
     list.push(fact("Diffusion operator", name.to_owned(), meaning));
     list.push(fact(
         "Step of the diffusion operator",
         format!("{} {unit}", digits(step)),
-        "Root mean square length s of one step; after n steps σ = s·√n.",
+        "Root mean square length s of a step; after n steps, σ = s·√n.",
     ));
     if !subject.fields.is_empty() {
         list.push(fact(
             "Fields in the file",
             subject.fields.join(", "),
-            "Each can be reported with `--field`.",
+            "Each can be the signal of a report, with `--field`.",
         ));
     }
     list
@@ -155,24 +162,24 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     if let Shape::Mesh(_) = subject.shape {
         let polygons = match health.n_polygons {
             0 => String::new(),
-            n => format!("{} of them have more than three corners and are cut into triangles.", grouped(n)),
+            n => format!("{} of them have more than three corners and are triangulated.", grouped(n)),
         };
         list.push(fact("Faces", grouped(health.n_faces), &polygons));
     }
     let edges = match subject.shape {
         Shape::Mesh(_) => "Distinct, after welding.",
-        Shape::Cloud(_) => "Pairs of neighbors that the diffusion steps between.",
+        Shape::Cloud(_) => "Pairs of neighbors.",
         Shape::Graph(_) => "",
     };
     list.push(fact("Edges", grouped(health.n_edges), edges));
     list.push(fact(
         "Parts",
         grouped(health.n_components - health.n_isolated),
-        "Connected over edges. Nothing is averaged across a gap.",
+        "Connected by edges. Nothing is averaged across gaps.",
     ));
     if let Shape::Mesh(_) = subject.shape {
         list.push(if health.is_closed() {
-            fact("Surface", "closed", "Every edge has two faces: it has an inside.")
+            fact("Surface", "closed", "Every edge has two faces: the surface encloses a volume.")
         } else {
             fact("Surface", "open", "Some edges do not have two faces.")
         });
@@ -185,17 +192,20 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     if let Shape::Mesh(_) = subject.shape {
         list.push(fact("Area", format!("{} model units²", digits(health.area)), ""));
         if let Some(volume) = health.volume {
-            let meaning =
-                if volume < 0.0 { "Negative: the faces look inwards." } else { "Enclosed by the surface." };
+            let meaning = if volume < 0.0 {
+                "Negative: the faces are oriented inward."
+            } else {
+                "Enclosed by the surface."
+            };
             list.push(fact("Volume", format!("{} model units³", digits(volume)), meaning));
         }
         if let Some(euler) = health.euler_characteristic {
             let n_parts = (health.n_components - health.n_isolated) as i64;
             let meaning = if health.is_closed() && health.volume.is_some() && n_parts == 1 && euler % 2 == 0 {
                 match (2 - euler) / 2 {
-                    0 => "V − E + F; a sphere in kind, without a hole through it.".to_owned(),
-                    1 => "V − E + F; a torus in kind, with one hole through it.".to_owned(),
-                    n => format!("V − E + F; {n} holes through it."),
+                    0 => "V − E + F; topologically a sphere.".to_owned(),
+                    1 => "V − E + F; topologically a torus.".to_owned(),
+                    n => format!("V − E + F; genus {n}."),
                 }
             } else {
                 "V − E + F.".to_owned()
@@ -214,8 +224,8 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         ));
         list.push(fact(
             "Diagonal",
-            format!("{} model units", digits(subject.walk.diagonal())),
-            "Of the bounding box: the size of the shape, which percentages of lengths refer to.",
+            format!("{} model units", digits(subject.decomposer.diagonal())),
+            "Diagonal of the bounding box; percentages of lengths refer to it.",
         ));
     }
     list

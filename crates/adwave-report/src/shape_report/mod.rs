@@ -1,6 +1,6 @@
-//! The report of one shape: its health, its bands, where it stands out, what the presets do to it, and how long each took.
+//! The report of one shape: its health, bands, saliency, features, presets and timings.
 //!
-//! A section that a shape has no room for says why; a report is made of every shape that has a diffusion operator.
+//! Every shape with a diffusion operator has a report. A section that does not apply to a shape explains why.
 
 mod bands;
 pub(crate) mod drawing;
@@ -26,51 +26,51 @@ use adwave::{Cancelled, Decomposer, Progress};
 use adwave_render::{Up, View};
 use drawing::Studio;
 
-/// The name of the coordinates as a signal.
+/// Name of the coordinates as a signal.
 pub const COORDS: &str = "coords";
 
-/// The name of the difference between two versions of a shape as a signal.
+/// Name of the difference between two versions of a shape as a signal.
 pub const DIFFERENCE: &str = "difference";
 
-/// Sections, for progress.
+/// Number of sections, for progress.
 const N_SECTIONS: u64 = 6;
 
-/// What a report is about: a shape that is split into bands.
+/// Subject of a report: a shape with a signal that is decomposed into bands.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
-    /// What it is called: a file's name.
+    /// Name of the shape, usually of its file.
     pub name: &'a str,
-    /// The file's format, or what else it comes from.
+    /// Format of the file, or another origin.
     pub format: &'a str,
-    /// The names of the fields that the file has.
+    /// Names of the fields in the file.
     pub fields: &'a [String],
-    /// The shape.
+    /// The shape itself.
     pub shape: &'a Shape,
-    /// Its diffusion operator, with the vertices masked where the signal is NaN.
-    pub walk: &'a Decomposer,
-    /// The name of the signal: [`COORDS`], or that of a field.
+    /// Prepared geometry and diffusion operator. Vertices where the signal is NaN are masked.
+    pub decomposer: &'a Decomposer,
+    /// Name of the signal: [`COORDS`], or the name of a field.
     pub signal: &'a str,
-    /// The signal: n_vertices × n_channels, in the order of the shape.
+    /// Values of the signal, n_vertices × n_channels, in the order of the shape.
     pub values: &'a [f64],
-    /// The normals of the file, three numbers for each vertex, where it has some.
+    /// Normals of the file, three numbers per vertex, if it has any.
     pub normals: Option<&'a [f64]>,
-    /// The signal's bands.
+    /// Bands of the signal.
     pub bands: &'a Bands,
-    /// Why there are so many levels.
+    /// Explanation of the number of levels.
     pub levels_reason: &'a str,
-    /// The command that makes the report.
+    /// Command that makes the report.
     pub command: &'a str,
-    /// What took how many seconds before.
+    /// Seconds of the steps before the report.
     pub seconds: &'a [(&'a str, f64)],
 }
 
 impl Subject<'_> {
-    /// Whether the signal is the shape itself.
+    /// Returns true if the signal is the positions of the vertices.
     fn is_geometry(&self) -> bool {
         self.signal == COORDS && self.shape.points().is_some() && self.bands.n_channels == 3
     }
 
-    /// The unit of the signal, in words.
+    /// Unit of the signal, in words.
     fn unit(&self) -> String {
         if self.is_geometry() || self.signal == DIFFERENCE {
             "model units".to_owned()
@@ -79,25 +79,25 @@ impl Subject<'_> {
         }
     }
 
-    /// The unit of the widths σ, in words.
+    /// Unit of the widths σ, in words.
     fn width_unit(&self) -> &'static str {
         if self.shape.points().is_some() { "model units" } else { "hops" }
     }
 
-    /// The word for a vertex.
+    /// Word for a vertex of this shape.
     fn vertex(&self) -> &'static str {
         if let Shape::Graph(_) = self.shape { "node" } else { "vertex" }
     }
 
-    /// The word for several.
+    /// Word for several vertices of this shape.
     fn vertices(&self) -> &'static str {
         if let Shape::Graph(_) = self.shape { "nodes" } else { "vertices" }
     }
 
-    /// A point with decimals of a ten-thousandth of the shape.
+    /// Formats a point to a ten-thousandth of the size of the shape.
     fn position(&self, point: [f64; 3]) -> String {
-        // Of a shape without extent this is infinite, which the cast saturates.
-        let decimals = 4_i32.saturating_sub(self.walk.diagonal().log10().floor() as i32);
+        // For a shape without extent this is infinite; the cast saturates.
+        let decimals = 4_i32.saturating_sub(self.decomposer.diagonal().log10().floor() as i32);
         let far = point.iter().any(|c| c.abs() >= 1e9);
         let cell = |c: f64| match decimals {
             0..=9 if !far => format!("{c:.*}", decimals as usize).replace('-', "−"),
@@ -107,13 +107,13 @@ impl Subject<'_> {
         point.map(cell).join(", ")
     }
 
-    /// A width in % of the diagonal.
+    /// A width in % of the diagonal; NaN if the diagonal is 0.
     fn percent(&self, width: f64) -> f64 {
-        let diagonal = self.walk.diagonal();
+        let diagonal = self.decomposer.diagonal();
         if diagonal > 0.0 { 100.0 * width / diagonal } else { f64::NAN }
     }
 
-    /// The length of the signal's row at each vertex; of a single channel the value itself.
+    /// Norm of the signal at each vertex; for a single channel the value itself.
     pub(crate) fn scalar(&self, signal: &[f64]) -> Vec<f64> {
         match self.bands.n_channels {
             1 => signal.to_vec(),
@@ -121,45 +121,45 @@ impl Subject<'_> {
         }
     }
 
-    /// The signal's name, between bars where its length is meant.
+    /// Name of the signal, between bars if the norm is meant.
     pub(crate) fn scalar_name(&self) -> String {
         if self.bands.n_channels == 1 { self.signal.to_owned() } else { format!("|{}|", self.signal) }
     }
 }
 
-/// From where the pictures are seen.
+/// Viewpoint of the pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Viewpoint {
-    /// Where the viewer stands; the second picture of a shape is from the opposite side.
+    /// Direction of the view; the second picture of a shape is from the opposite side.
     pub view: Option<View>,
-    /// Which axis points up.
+    /// Axis that points up.
     pub up: Up,
 }
 
-/// A report.
+/// The report of a shape.
 #[derive(Clone, Debug)]
 pub struct ShapeReport {
-    /// The page.
+    /// The HTML page.
     pub page: Page,
-    /// The numbers of its first section.
+    /// Numbers of the health section.
     pub health: Health,
-    /// One a level.
+    /// One entry per level.
     pub bands: Vec<BandSummary>,
-    /// What stands out; none where there are too few levels.
+    /// The saliency map in numbers; `None` if there are too few levels.
     pub saliency: Option<SaliencySummary>,
-    /// The features; none where there are too few levels.
+    /// The features; `None` if there are too few levels.
     pub features: Option<FeatureSummary>,
-    /// One a preset.
+    /// One entry per preset.
     pub presets: Vec<PresetSummary>,
-    /// What took how many seconds, those of [`Subject::seconds`] first.
+    /// Seconds of each step, those of [`Subject::seconds`] first.
     pub seconds: Vec<(String, f64)>,
-    /// How many pictures of the shape are on the page.
+    /// Number of pictures of the shape on the page.
     pub n_pictures: usize,
 }
 
-/// Makes the report of a shape. O(vertices × levels), and for each of some 20 pictures O(vertices + pixels).
+/// Makes the report of a shape. O(vertices × levels), and O(vertices + pixels) for each of about 20 pictures.
 ///
-/// Whatever cannot be computed or drawn is said in its section.
+/// If something cannot be computed or drawn, its section explains why.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -233,13 +233,13 @@ fn introduction(subject: &Subject<'_>) -> Vec<String> {
     };
     vec![
         format!(
-            "A report of {}: what it is made of, and what its bands hold. The signal that is split into bands is {signal}.",
+            "A report on {}: its geometry and its bands. The signal that is decomposed into bands is {signal}.",
             subject.name
         ),
         format!(
-            "S_j is the signal after n_j small steps of averaging between neighbors, which smooth away what is narrower than \
-             about σ_j, in {}. Band j, W_j = S_(j−1) − S_j, is what goes from one to the next: the details of about that width. \
-             The bands W_1 … W_J and the rest S_J add up to the signal; J is the number of levels.",
+            "S_j is the signal after n_j small steps of averaging between neighbors, which remove details narrower than about \
+             σ_j, in {}. Band W_j = S_(j−1) − S_j contains the details of about that width. The bands W_1 … W_J and the rest S_J \
+             add up to the signal; J is the number of levels.",
             subject.width_unit()
         ),
     ]

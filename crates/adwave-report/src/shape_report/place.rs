@@ -1,21 +1,21 @@
-//! Places in words, and patches of vertices that hang together.
+//! Places in words, and patches of connected vertices.
 
 use super::Subject;
 use adwave_render::Up;
 
-/// An axis along which a shape is this part of its diagonal, or less, is not spoken of.
+/// Words for an axis are omitted if the extent of the shape along it is at most this share of its longest side.
 const FLAT: f64 = 0.05;
 
-/// Where points are on a shape, as seen from its front.
+/// Describes positions on a shape as seen from its front.
 pub(super) struct Places {
     low: [f64; 3],
     high: [f64; 3],
-    /// Up, right, and toward the viewer: the axis, and 1 or −1 for its direction.
+    /// Axis and direction (1 or −1) of up, right and toward the viewer.
     axes: [(usize, f64); 3],
 }
 
 impl Places {
-    /// None for a shape without positions.
+    /// `None` for a shape without positions.
     pub(super) fn new(subject: &Subject<'_>, up: Up) -> Option<Self> {
         let (low, high) = adwave::shape::bounding_box(subject.shape.points()?)?;
         let axes = match up {
@@ -26,7 +26,7 @@ impl Places {
         Some(Self { low, high, axes })
     }
 
-    /// `top, left, front`: in which third of the bounding box a point is, without the middle thirds.
+    /// Third of the bounding box that a point is in, such as `top, left, front`; middle thirds are omitted.
     pub(super) fn words(&self, p: &[f64; 3]) -> String {
         const NAMES: [[&str; 2]; 3] = [["bottom", "top"], ["left", "right"], ["back", "front"]];
         let size = |k: usize| self.high[k] - self.low[k];
@@ -49,26 +49,26 @@ impl Places {
     }
 }
 
-/// Welded vertices that hang together over its edges.
+/// A connected set of welded vertices.
 pub(super) struct Patch {
-    /// The one with the largest value.
+    /// Vertex with the largest value.
     pub(super) peak: usize,
-    /// How many there are.
+    /// Number of vertices.
     pub(super) n_vertices: usize,
-    /// The sum of their values.
+    /// Sum of the values.
     pub(super) sum: f64,
 }
 
-/// The patches of welded vertices whose value is above a threshold, that with the largest sum first.
+/// Patches of welded vertices whose values exceed a threshold, the one with the largest sum first.
 pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> Vec<Patch> {
-    let neighbors = subject.walk.neighbors();
-    let mut waiting: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
+    let neighbors = subject.decomposer.neighbors();
+    let mut unvisited: Vec<bool> = values.iter().map(|&v| v > threshold).collect();
     let mut found = Vec::new();
     for first in 0..values.len() {
-        if !waiting[first] {
+        if !unvisited[first] {
             continue;
         }
-        waiting[first] = false;
+        unvisited[first] = false;
         let mut stack = vec![first];
         let mut patch = Patch { peak: first, n_vertices: 0, sum: 0.0 };
         while let Some(x) = stack.pop() {
@@ -77,8 +77,8 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
             if values[x] > values[patch.peak] {
                 patch.peak = x;
             }
-            for &y in neighbors.of(x) {
-                if std::mem::take(&mut waiting[y as usize]) {
+            for &y in neighbors.row(x) {
+                if std::mem::take(&mut unvisited[y as usize]) {
                     stack.push(y as usize);
                 }
             }
@@ -89,8 +89,8 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
     found
 }
 
-/// The first vertex of the shape that is this welded vertex.
+/// First vertex of the shape that belongs to a welded vertex.
 pub(super) fn vertex_of(subject: &Subject<'_>, class: usize) -> usize {
-    let classes = subject.walk.geometry().vertex_map().as_slice();
+    let classes = subject.decomposer.geometry().vertex_map().as_slice();
     classes.iter().position(|&c| c as usize == class).unwrap_or(class)
 }

@@ -1,7 +1,7 @@
-//! The four ready-made filters, and what each changes.
+//! The presets section: the effect of each preset filter.
 
 use super::Subject;
-use super::drawing::{FieldLook, Frame, Scale, Studio};
+use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::page::{Block, Figure, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
@@ -9,32 +9,32 @@ use adwave::shape::{Shape, enclosed_volume};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A preset in numbers.
+/// Effect of a preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PresetSummary {
-    /// What it is called on the command line.
+    /// Name of the preset.
     pub name: &'static str,
-    /// g_1 … g_J.
+    /// Gains g_1 … g_J.
     pub gains: Vec<f64>,
-    /// Root of the mean square of what it changes at a vertex, in units of the signal.
+    /// Root mean square of the change at a vertex, in units of the signal.
     pub rms: f64,
-    /// The most that it changes at a vertex, in units of the signal.
+    /// Largest change at a vertex, in units of the signal.
     pub max: f64,
-    /// The vertex that changes most; none where no vertex changes.
+    /// Vertex with the largest change; `None` if no vertex changes.
     pub vertex: Option<usize>,
-    /// Volume after by volume before, of a closed surface whose positions are the signal.
+    /// Volume after the preset divided by the volume before, for a closed surface whose positions are the signal.
     pub volume_ratio: Option<f64>,
-    /// What it took.
+    /// Seconds of the computation.
     pub seconds: f64,
 }
 
-/// A preset's result.
-struct Edited {
+/// Result of a preset.
+struct PresetResult {
     summary: PresetSummary,
     values: Vec<f64>,
 }
 
-/// `volume` is that of the shape as it is, where it encloses one.
+/// The section of the presets; `volume` is that of the original shape, if it encloses one.
 pub(super) fn section(
     subject: &Subject<'_>,
     studio: &mut Studio<'_>,
@@ -42,30 +42,37 @@ pub(super) fn section(
 ) -> (Section, Vec<PresetSummary>) {
     let mut section = Section::new("presets", "Presets");
     section.say(
-        "Five ready-made filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, and all \
-         are put together again. A gain of 1 keeps a band, 0 drops it, more than 1 strengthens it; the rest S_J stays.",
+        "Five filters, as `adwave filter --preset NAME` applies them: each band is multiplied by a gain, then the bands are added \
+         up. A gain of 1 keeps a band, 0 removes it, more than 1 amplifies it. The rest S_J does not change.",
     );
-    let edited: Vec<Edited> =
-        Preset::ALL.iter().map(|&preset| edit(subject, preset.name(), preset, volume)).collect();
+    let edited: Vec<PresetResult> =
+        Preset::ALL.iter().map(|&preset| apply_preset(subject, preset.name(), preset, volume)).collect();
     section.gallery(pictures(subject, studio, &edited));
     let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
     section.push(Block::Table(table(subject, &summaries)));
     (section, summaries)
 }
 
-/// What a preset does, in words that hold for any number of levels.
-pub(crate) fn words(preset: &str) -> &'static str {
+/// Describes a preset, for any number of levels.
+pub(crate) fn describe_preset(preset: &str) -> &'static str {
     match preset {
-        "suppress" => "smooths, and keeps limbs and volume: `1 − (1 − Φⁿ)²`",
-        "suppress-paper" => "drops every band: smooth, and thin parts shrink (the paper's)",
-        "enhance" => "strengthens every band, the fine ones most: crisp",
-        "band1" => "keeps the finest third of the bands, drops the others: fine texture on a smooth body",
-        _ => "drops the finest third of the bands, doubles the others: a caricature without texture",
+        "suppress" => "smooths and preserves limbs and volume: `1 − (1 − Φⁿ)²`",
+        "suppress-paper" => "removes every band, as in the paper: smooth, but thin parts shrink",
+        "enhance" => "amplifies every band, the fine ones most: crisp",
+        "band1" => {
+            "keeps the finest third of the bands and removes the others: fine texture on a smooth body"
+        }
+        _ => "removes the finest third of the bands and doubles the others: a caricature without texture",
     }
 }
 
-/// `f + Σ_j (g_j − 1)·W_j`, which is eq. 18 by the telescoping sum.
-fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset, volume: Option<f64>) -> Edited {
+/// Computes `f + Σ_j (g_j − 1)·W_j`, which equals eq. 18 by the telescoping sum.
+fn apply_preset(
+    subject: &Subject<'_>,
+    name: &'static str,
+    preset: Preset,
+    volume: Option<f64>,
+) -> PresetResult {
     let (bands, n_channels) = (subject.bands, subject.bands.n_channels);
     let gains = preset.gains(bands.n_levels());
     let start = Instant::now();
@@ -94,7 +101,7 @@ fn edit(subject: &Subject<'_>, name: &'static str, preset: Preset, volume: Optio
         volume_ratio: volume_ratio(subject, &values, volume),
         seconds,
     };
-    Edited { summary, values }
+    PresetResult { summary, values }
 }
 
 fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> Option<f64> {
@@ -102,7 +109,7 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> O
         return None;
     }
     let before = volume.filter(|v| *v != 0.0)?;
-    let geometry = subject.walk.geometry();
+    let geometry = subject.decomposer.geometry();
     let points = geometry.vertex_map().positions(values.as_chunks().0);
     Some(enclosed_volume(&points, geometry.triangles()) / before)
 }
@@ -110,36 +117,36 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> O
 fn pictures(
     subject: &Subject<'_>,
     studio: &mut Studio<'_>,
-    edited: &[Edited],
+    edited: &[PresetResult],
 ) -> Result<Vec<Figure>, String> {
     let original = subject.scalar(subject.values);
-    let scale = Scale::of(&original);
-    let frame = |values: &[f64], alt: String, caption: String| {
-        let frame = Frame::plain(alt, caption);
+    let scale = Scale::from_percentiles(&original);
+    let spec = |values: &[f64], alt: String, caption: String| {
+        let spec = PictureSpec::plain(alt, caption);
         if subject.is_geometry() {
-            frame.at(values.as_chunks().0.to_vec())
+            spec.with_positions(values.as_chunks().0.to_vec())
         } else {
-            frame.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
+            spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
         }
     };
-    let mut frames =
-        vec![frame(subject.values, format!("{} as it is", subject.name), "As it is.".to_owned())];
-    for Edited { summary, values } in edited {
+    let mut specs =
+        vec![spec(subject.values, format!("Original {}", subject.name), "The original.".to_owned())];
+    for PresetResult { summary, values } in edited {
         let name = summary.name;
-        frames.push(frame(
+        specs.push(spec(
             values,
             format!("{} after {name}", subject.name),
-            format!("`{name}` {}. {}.", words(name), changed(subject, summary)),
+            format!("`{name}` {}. {}.", describe_preset(name), describe_change(subject, summary)),
         ));
     }
-    studio.draw(&frames)
+    studio.draw(&specs)
 }
 
-/// How much a preset changes, in a sentence.
-fn changed(subject: &Subject<'_>, summary: &PresetSummary) -> String {
+/// Describes the change by a preset, in a sentence.
+fn describe_change(subject: &Subject<'_>, summary: &PresetSummary) -> String {
     let percent = subject.percent(summary.rms);
     if !subject.is_geometry() {
-        format!("It changes by {} (rms)", digits(summary.rms))
+        format!("The signal changes by {} (rms)", digits(summary.rms))
     } else if percent.is_finite() {
         format!("Vertices move by {percent:.2} % of the diagonal (rms)")
     } else {
@@ -153,10 +160,10 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
     let mut table = Table::new(
         "presets.csv",
         &format!(
-            "What each preset changes, all {} counting alike{}.",
+            "Change by each preset, with equal weights for all {}{}.",
             subject.vertices(),
             if summaries.iter().any(|s| s.volume_ratio.is_some()) {
-                ", and what is left of the volume"
+                ", and the remaining volume"
             } else {
                 ""
             }
@@ -165,9 +172,9 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
             "preset",
             "gains, fine to coarse",
             &format!("{what} (rms), {unit}"),
-            &format!("{what} at most, {unit}"),
+            &format!("{what} (largest), {unit}"),
             &format!("at {}", subject.vertex()),
-            "volume, % of before",
+            "volume, % of the original",
         ],
     );
     let numbers =
@@ -184,5 +191,5 @@ fn table(subject: &Subject<'_>, summaries: &[PresetSummary]) -> Table {
             s.volume_ratio.map_or_else(|| NONE.to_owned(), |r| format!("{:.2}", 100.0 * r)),
         ]);
     }
-    table.without_empty_columns()
+    table.drop_empty_columns()
 }

@@ -1,4 +1,4 @@
-//! What took how long.
+//! The timings section.
 
 use super::Subject;
 use crate::page::{Block, Section};
@@ -13,8 +13,8 @@ pub(super) fn section(subject: &Subject<'_>, seconds: &[(String, f64)]) -> Secti
     table.push(["sum".to_owned(), format!("{:.3}", seconds.iter().map(|s| s.1).sum::<f64>())]);
     section.push(Block::Table(table));
     section.say(format!(
-        "{} {} × {} channel{}, on {} thread{}. Operator is what is prepared once for a shape, bands is the splitting; presets \
-         are sums of the bands that are there. Numbers and pictures do not depend on the number of threads.",
+        "{} {} × {} channel{}, on {} thread{}. Operator is the preparation of the shape, bands is the decomposition; presets are \
+         sums of these bands. Numbers and pictures do not depend on the number of threads.",
         grouped(subject.bands.n_vertices),
         subject.vertices(),
         subject.bands.n_channels,

@@ -1,8 +1,8 @@
-//! A studio that a test asks, by requests as a browser writes them.
+//! Test client: a studio in this process, and HTTP requests as a browser sends them.
 
 use adwave::Progress;
 use adwave_io::{ReadLimits, read_path};
-use adwave_studio::{Finished, Opened, StudioError, StudioParams, serve};
+use adwave_studio::{StudioError, StudioInput, StudioOutcome, StudioParams, serve};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -16,7 +16,7 @@ pub(crate) struct Studio {
     pub(crate) host: String,
     pub(crate) token: String,
     stop: &'static AtomicBool,
-    thread: Option<JoinHandle<Result<Finished, StudioError>>>,
+    thread: Option<JoinHandle<Result<StudioOutcome, StudioError>>>,
 }
 
 pub(crate) struct Answer {
@@ -34,7 +34,7 @@ impl Answer {
         String::from_utf8_lossy(&self.body).into_owned()
     }
 
-    /// The one line of a refusal.
+    /// One-line message of an error response.
     pub(crate) fn error(&self) -> String {
         let error = self.json()["error"].as_str().unwrap_or_default().to_owned();
         assert!(!error.is_empty() && !error.contains('\n'), "{}", self.text());
@@ -46,28 +46,29 @@ impl Answer {
     }
 }
 
-/// What `path` holds, as the command opens it.
-pub(crate) fn opened(path: &Path) -> Opened {
+/// Opens a file like the command does.
+pub(crate) fn opened(path: &Path) -> StudioInput {
     let file = read_path(path, &ReadLimits::default()).unwrap();
     let shape = file.to_shape().unwrap();
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
-    Opened { name, path: Some(path.to_path_buf()), file, shape }
+    StudioInput { name, path: Some(path.to_path_buf()), file, shape }
 }
 
 impl Studio {
-    /// A studio on a file, whose edits are kept in `kept_in`.
-    pub(crate) fn on(path: &Path, kept_in: &Path) -> Self {
-        Self::of(opened(path), kept_in)
+    /// Starts a studio on a file, with edits stored in `autosave_folder`.
+    pub(crate) fn on(path: &Path, autosave_folder: &Path) -> Self {
+        Self::of(opened(path), autosave_folder)
     }
 
-    pub(crate) fn of(opened: Opened, kept_in: &Path) -> Self {
-        // For as long as the process runs: a server must not outlive its flag.
+    pub(crate) fn of(opened: StudioInput, autosave_folder: &Path) -> Self {
+        // Leaked, because the server must not outlive its flag.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let (send, receive) = mpsc::channel();
-        let params = StudioParams { kept_in: Some(kept_in.to_path_buf()), ..StudioParams::default() };
+        let params =
+            StudioParams { autosave_folder: Some(autosave_folder.to_path_buf()), ..StudioParams::default() };
         let thread = std::thread::spawn(move || {
             serve(opened, &params, Progress::none().with_cancel(stop), |served| {
-                send.send(served.address.clone()).unwrap();
+                send.send(served.url.clone()).unwrap();
             })
         });
         let address = receive.recv_timeout(Duration::from_mins(1)).expect("the studio is served");
@@ -76,7 +77,7 @@ impl Studio {
         Self { host: host.to_owned(), token: token.to_owned(), stop, thread: Some(thread) }
     }
 
-    /// A request with these headers and no others but those that HTTP needs.
+    /// Sends a request with only these headers and those that HTTP requires.
     pub(crate) fn bare(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(Duration::from_mins(2))).unwrap();
@@ -89,7 +90,7 @@ impl Studio {
             head += &format!("{name}: {value}\r\n");
         }
         stream.write_all((head + "\r\n").as_bytes()).unwrap();
-        // A refusal may come before all was read.
+        // An error response may arrive before the whole request was read.
         let _ = stream.write_all(body);
         let mut all = Vec::new();
         let _ = stream.read_to_end(&mut all);
@@ -119,14 +120,14 @@ impl Studio {
         self.ask("POST", path, content.to_string().as_bytes())
     }
 
-    /// Stops it as Ctrl-C does.
-    pub(crate) fn end(mut self) -> Finished {
+    /// Stops the studio like Ctrl-C does.
+    pub(crate) fn end(mut self) -> StudioOutcome {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 
-    /// Waits until it ends by itself.
-    pub(crate) fn finished(mut self) -> Finished {
+    /// Waits until the studio ends.
+    pub(crate) fn finished(mut self) -> StudioOutcome {
         self.thread.take().unwrap().join().unwrap().unwrap()
     }
 }
@@ -137,7 +138,7 @@ impl Drop for Studio {
     }
 }
 
-/// A body that came in chunks.
+/// Joins a chunked body.
 fn joined(mut body: &[u8]) -> Vec<u8> {
     let mut all = Vec::new();
     while let Some(at) = body.windows(2).position(|w| w == b"\r\n") {

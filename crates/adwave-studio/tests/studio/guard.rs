@@ -1,4 +1,4 @@
-//! Each rule of who may ask, by a request that breaks it.
+//! Access control: each rule is tested with a request that breaks it.
 
 use crate::client::Studio;
 use adwave_io::{ShapeFile, write_path};
@@ -26,13 +26,13 @@ fn only_who_has_the_token_is_given_anything() {
         {
             let refused = studio.bare(method, path, &headers, b"");
             assert_eq!(refused.status, 401, "{wrong:?}");
-            assert!(refused.error().contains("token"), "{}", refused.error());
+            assert!(refused.error().contains("no longer valid"), "{}", refused.error());
         }
     }
-    // By the address is no way to give it: addresses are written down by many.
+    // The token is not accepted in the query, because addresses are logged.
     let refused = studio.bare("GET", &format!("/api/shapes?token={}", studio.token), &[], b"");
     assert_eq!(refused.status, 401);
-    // The page itself has nothing of the shape in it.
+    // The page itself contains no data of the shape.
     assert_eq!(studio.bare("GET", "/", &[], b"").status, 200);
     assert!(studio.token.len() >= 22, "at least 128 bits");
 }
@@ -71,7 +71,7 @@ fn other_pages_are_refused_even_with_the_token() {
     ] {
         let answer = studio.bare("GET", "/api/shapes", &[(name, value), ("Authorization", &right)], b"");
         assert_eq!(answer.status, status, "{name}: {value}");
-        // No answer lets another origin read it.
+        // No response permits another origin to read it.
         assert!(!answer.head.contains("access-control-allow"), "{}", answer.head);
     }
     let preflight = [("Origin", "http://evil.example"), ("Access-Control-Request-Method", "PUT")];

@@ -1,4 +1,4 @@
-//! The server of the studio, asked as a browser asks it.
+//! Tests of the server of the studio, by requests as a browser sends them.
 
 mod client;
 mod guard;

@@ -1,23 +1,23 @@
-//! What the page is given, against the library; the saved file against the recipe replayed.
+//! Responses to the page compared with the library; saved files compared with a replay of the recipe.
 
 use crate::client::{Studio, opened};
 use adwave::bands::Schedule;
 use adwave::filter::Edit;
-use adwave::positions::settle;
+use adwave::positions::constrain_positions;
 use adwave::sample::Sample;
 use adwave::shape::Shape;
 use adwave::{Decomposer, LevelSpec, Progress};
 use adwave_io::{
     ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
 };
-use adwave_studio::Opened;
+use adwave_studio::StudioInput;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A creature in a folder of its own.
+/// Writes a creature to a temporary folder.
 pub(crate) fn creature(folder: &TempDir, n_vertices: usize) -> PathBuf {
-    let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
     let path = folder.path().join("creature.ply");
     write_path(&ShapeFile::from_mesh(sample.points, sample.faces), &path, None).unwrap();
     path
@@ -31,10 +31,10 @@ pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
     json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free"})
 }
 
-/// The file that a recipe makes of another, as `adwave filter --recipe` does it.
+/// Applies a recipe to a file, like `adwave filter --recipe`.
 fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let recipe = parse_recipe(recipe).unwrap();
-    let Opened { mut file, shape, .. } = opened(path);
+    let StudioInput { mut file, shape, .. } = opened(path);
     let decomposer = Decomposer::new(&shape);
     let LevelSpec::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
     let points = shape.points().unwrap();
@@ -43,8 +43,10 @@ fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let field = |name: &str| region_field(&file, &decomposer, name);
     editor.set_edit(&Edit::new(&recipe.layers).with_fields(&field, &[])).unwrap();
     let edited = editor.into_edited().as_chunks().0.to_vec();
-    file.set_points(settle(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap())
-        .unwrap();
+    file.set_points(
+        constrain_positions(&decomposer, points, edited, &recipe.positions, Progress::none()).unwrap(),
+    )
+    .unwrap();
     let mut bytes = Vec::new();
     write_bytes(&file, file.format().unwrap(), &mut bytes).unwrap();
     bytes
@@ -75,7 +77,7 @@ fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
     let bytes = std::fs::read(saved).unwrap();
     assert_eq!(bytes, replayed(&path, &recipe));
     assert_eq!(studio.get("/api/shapes/1/download?format=ply").body, bytes);
-    // The page's own numbers: positions, the sum of the bands, the exact result.
+    // Data of the page: positions, the sum of the bands, and the exact result.
     let info = studio.get("/api/shapes/1").json();
     let (n, center) = (info["n_vertices"].as_u64().unwrap() as usize, &info["center"]);
     let exact = read_path(saved, &ReadLimits::default()).unwrap();
@@ -86,7 +88,7 @@ fn a_saved_shape_has_the_bytes_of_its_recipe_replayed() {
         }
     }
     let finished = studio.end();
-    assert_eq!((finished.recipe, finished.points.len(), finished.done), (recipe, n, false));
+    assert_eq!((finished.recipe, finished.points.len(), finished.is_done), (recipe, n, false));
 }
 
 #[test]
@@ -137,7 +139,7 @@ fn an_edit_is_there_again_on_the_next_visit() {
     let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
     let document = edit(3, &[layer(&vec![0.25; n_levels], &Value::Null)]);
     assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
-    // An edit that is not newer is refused, with the one that is kept; the same again is not.
+    // An edit that is not newer is rejected with the stored one; an identical edit is accepted.
     let stale = studio.put("/api/shapes/1/edit", &edit(3, &[]));
     assert_eq!((stale.status, &stale.json()["edit"]), (409, &document));
     assert!(stale.error().contains("revision 3"));
@@ -149,7 +151,7 @@ fn an_edit_is_there_again_on_the_next_visit() {
     assert_eq!(again.get("/api/shapes/1/edit").json(), document);
     assert_eq!(again.get("/api/shapes/1/exact").body, exact);
     again.end();
-    // Another shape in the same place is another one.
+    // Another shape at the same path does not resume the edit.
     creature(&folder, 2500);
     let other = Studio::on(&path, &kept);
     assert_eq!(other.get("/api/shapes/1").json()["resumed"], false);
@@ -191,7 +193,7 @@ fn recipes_weights_fields_features_and_other_shapes() {
     assert_eq!(studio.ask("DELETE", &format!("/api/shapes/{id}"), b"").status, 200);
     assert_eq!(studio.ask("GET", &format!("/api/shapes/{id}"), b"").status, 404);
     assert_eq!(studio.post("/api/done", &json!({})).status, 200);
-    assert!(studio.finished().done);
+    assert!(studio.finished().is_done);
 }
 
 #[test]
@@ -248,7 +250,7 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         assert!(refused.error().contains(said), "{said}: {}", refused.error());
     }
     assert_eq!(studio.get("/api/shapes/1/edit").json()["revision"], 0);
-    // Gains whose result no file could hold: the edit before them stays, in the numbers as well.
+    // Gains with an overflowing result are rejected, and the previous edit and positions stay.
     let good = edit(1, &[layer(&vec![2.0; n_levels], &Value::Null)]);
     assert_eq!(studio.put("/api/shapes/1/edit", &good).status, 200);
     let exact = studio.get("/api/shapes/1/exact").body;
@@ -265,17 +267,17 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
         ("PUT", "levels", "{\"lengths\": [-1]}", 400, "length"),
         ("PUT", "recipe", "layer = 3", 400, "line"),
         ("PUT", "recipe", "field = 'color'", 400, "color"),
-        ("POST", "weights", "[", 400, "no region"),
+        ("POST", "weights", "[", 400, "invalid region"),
         ("POST", "save", "{\"name\": \"../up.ply\"}", 400, "without folders"),
         ("POST", "save", "{\"name\": \"/etc/up.ply\"}", 400, "without folders"),
         ("POST", "save", "{\"name\": \"creature.ply\"}", 400, "is the file that was opened"),
         ("POST", "save", "{\"name\": \"creature.doc\"}", 400, "known format"),
         ("POST", "denoise", "{\"strength\": -3}", 400, "strength"),
-        ("GET", "field?name=../secret", "", 400, "no field"),
-        ("GET", "field?name=other.npy", "", 400, "no field"),
+        ("GET", "field?name=../secret", "", 400, "has no field"),
+        ("GET", "field?name=other.npy", "", 400, "has no field"),
         ("GET", "features?theta=much", "", 400, "theta"),
         ("GET", "download?format=doc", "", 400, "'doc'"),
-        ("GET", "nothing", "", 404, "there is no"),
+        ("GET", "nothing", "", 404, "not found"),
     ] {
         let refused = studio.ask(method, &format!("/api/shapes/1/{at}"), body.as_bytes());
         assert_eq!(refused.status, status, "{at}: {}", refused.text());
@@ -305,7 +307,7 @@ fn distances_are_measured_on_the_surface_that_the_page_is_given() {
     let path = creature(&folder, 3000);
     let studio = Studio::on(&path, folder.path());
     let body = studio.get("/api/shapes/1/surface").body;
-    let Opened { shape, .. } = opened(&path);
+    let StudioInput { shape, .. } = opened(&path);
     let (points, map) = (shape.points().unwrap(), Decomposer::new(&shape).geometry().vertex_map().clone());
     let (positions, places) = body.split_at(24 * points.len());
     let positions: Vec<f64> = positions.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
@@ -339,7 +341,7 @@ fn regions_are_made_of_the_surface_its_fields_and_each_other() {
     let smoothed =
         json!({"painted": [{"add": half}, {"smooth": {"region": {"all": [brush, front]}, "by": "2%"}}]});
     assert!(mask(smoothed).body.iter().any(|w| (20..235).contains(w)));
-    // Fields of the shape itself: of the opened shape, in the ranges that the page is told.
+    // Fields of regions belong to the original shape, with the range that the page receives.
     for name in ["saliency", "mean-curvature", "band-2"] {
         let values = studio.get(&format!("/api/shapes/1/field?of=region&name={name}")).floats();
         let (low, high) = values.iter().fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(*v), h.max(*v)));

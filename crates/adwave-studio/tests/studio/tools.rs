@@ -1,4 +1,4 @@
-//! Requests side by side; the page in one file, other methods, the report.
+//! Concurrent requests, the exported page, comparison with other methods, and the report.
 
 use crate::client::Studio;
 use crate::server::{creature, edit, layer};
@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 #[test]
 fn many_requests_at_once_are_all_answered() {
-    // A thread that waits for its share of one request takes up another meanwhile: no lock may be waited for there.
+    // A pool thread that waits steals work of another request; waiting for a lock there would deadlock.
     let folder = TempDir::new().unwrap();
     let studio = Studio::on(&creature(&folder, 4000), folder.path());
     let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
@@ -58,7 +58,7 @@ fn the_page_in_one_file_has_all_within_itself() {
     assert_eq!((&head["n_vertices"], &head["rules"]), (&json!(n), &json!(false)));
     let at = (4 + size).next_multiple_of(4);
     assert_eq!(content[at..at + 12 * n], positions);
-    // The mask is the last, up to a multiple of four.
+    // The mask is last, padded to a multiple of four.
     let mask = content.len() - n.next_multiple_of(4);
     assert_eq!(content[mask..mask + n], studio.post("/api/shapes/1/weights", &ball).body);
 }
@@ -93,7 +93,7 @@ fn a_report_is_at_an_address_that_nobody_guesses() {
     let folder = TempDir::new().unwrap();
     let studio = Studio::on(&creature(&folder, 2000), folder.path());
     let path = studio.post("/api/shapes/1/report", &json!({})).json()["path"].as_str().unwrap().to_owned();
-    // As a browser opens it: without the token.
+    // Browsers open it without the token.
     let page = |path: &str| studio.bare("GET", path, &[], b"");
     let report = page(&format!("/{path}"));
     assert!(report.status == 200 && report.text().contains("creature.ply"), "{}", report.text());

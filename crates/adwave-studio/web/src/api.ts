@@ -1,13 +1,13 @@
-/** Requests to the server. Whatever goes wrong is an `ApiError` whose message is a sentence for people. */
+/** Requests to the server. Every failure is an `ApiError` whose message can be shown to the user. */
 
 import type {
   CompareMethod,
   Comparison,
   Edit,
+  EditSummary,
   Feature,
   FieldInfo,
   Level,
-  Moved,
   Region,
   Shape,
   ShapeList,
@@ -17,7 +17,7 @@ import { text } from './text';
 export class ApiError extends Error {
   constructor(
     message: string,
-    /** 0 where there was no answer at all. */
+    /** HTTP status; 0 if the server did not answer. */
     readonly status: number,
     readonly body: unknown = null,
   ) {
@@ -27,8 +27,8 @@ export class ApiError extends Error {
 
 const TOKEN = 'adwave-token';
 
-/** The token is in the fragment of the page's address once; from then on this tab remembers it. */
-export function takeToken(): string {
+/** Reads the access token from the fragment of the address once, and remembers it for this tab. */
+export function readToken(): string {
   const fragment = location.hash.slice(1);
   if (fragment) {
     sessionStorage.setItem(TOKEN, fragment);
@@ -41,7 +41,7 @@ export function takeToken(): string {
 export class Api {
   constructor(
     readonly token: string,
-    /** Where the page is, with a slash at the end. */
+    /** Base address of the page, ending in a slash. */
     readonly root: string = new URL('.', location.href).href,
   ) {}
 
@@ -62,7 +62,7 @@ export class Api {
       parsed = JSON.parse(body);
       sentence = (parsed as { error?: string }).error ?? '';
     } catch {
-      // Not JSON: the text itself is shown.
+      // The body is not JSON: it is shown as text.
     }
     if (response.status === 401) sentence ||= text.oldToken;
     throw new ApiError(sentence || text.badAnswer(response.status), response.status, parsed);
@@ -107,7 +107,7 @@ export class Api {
     return this.json(`shapes/${id}/edit`);
   }
 
-  putEdit(id: number, edit: Edit, keepalive = false): Promise<Moved> {
+  putEdit(id: number, edit: Edit, keepalive = false): Promise<EditSummary> {
     return this.json(`shapes/${id}/edit`, { method: 'PUT', body: JSON.stringify(edit), keepalive });
   }
 
@@ -119,7 +119,7 @@ export class Api {
     return new Uint8Array(await response.arrayBuffer());
   }
 
-  /** A field as it is shown, or as a region sees it. */
+  /** Fetches a field, for display or as regions use it. */
   async field(
     id: number,
     name: string,
@@ -159,7 +159,7 @@ export class Api {
     return this.json(`shapes/${id}/denoise`, { method: 'POST', body: JSON.stringify({ strength }) });
   }
 
-  /** The shape by another method, as smooth as the edit that is kept. */
+  /** Fetches the positions of another method of the same roughness as the stored edit. */
   async compare(
     id: number,
     method: CompareMethod,
@@ -170,17 +170,17 @@ export class Api {
     return { positions: new Float32Array(await response.arrayBuffer()), about };
   }
 
-  /** Where the report of the edited shape is. */
+  /** Creates the report of the edited shape; returns its path. */
   report(id: number): Promise<{ path: string }> {
     return this.json(`shapes/${id}/report`, { method: 'POST' });
   }
 
-  /** The shape with its sliders as one file. */
+  /** Fetches the shape with working sliders as one HTML file. */
   async page(id: number): Promise<Blob> {
     return (await this.fetch(`shapes/${id}/page`)).blob();
   }
 
-  async done(): Promise<void> {
+  async endStudio(): Promise<void> {
     await this.fetch('done', { method: 'POST' });
   }
 }

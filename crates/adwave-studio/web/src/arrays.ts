@@ -1,65 +1,65 @@
 /**
- * The shape as the graphics have it: positions, normals, bands and masks of its vertices, as it was opened (`base`), after the edit as
- * the worker gave it (`edited`), as another method has it (`other`), and the same with fewer triangles.
+ * GPU buffers of the shape: positions, normals, bands and masks of the original (`base`), of the edited shape as computed
+ * by the worker (`edited`), of a compared method (`comparison`), and coarse versions with fewer triangles.
  */
 
 import { BufferAttribute, BufferGeometry } from 'three';
-import { Compact } from './compact';
-import { replace } from './geometry';
+import { setAttributeArray } from './geometry';
 import { maskPacks } from './shader';
+import { VertexSubset } from './vertex-subset';
 
-/** Triangles up to which a moving shape is drawn in full: without and with a graphics processor. */
+/** Largest number of triangles drawn in full during motion, without and with a GPU. */
 const MOVING_LIMIT = { software: 60_000, hardware: 4_000_000 };
-/** Triangles from which the shader sums what moves. */
+/** Number of triangles from which the shader sums the bands during motion. */
 const LARGE = { software: 60_000, hardware: 300_000 };
 
-/** What is to be drawn of a shape. */
-export interface Drawn {
+/** Geometry to draw. */
+export interface DrawnGeometry {
   geometry: BufferGeometry;
-  /** Whether the shader adds the bands to its positions. */
+  /** True if the shader adds the bands to the positions. */
   summed: boolean;
-  /** Whether it has fewer triangles. */
+  /** True for a coarse version with fewer triangles. */
   few: boolean;
 }
 
 export class ShapeArrays {
   nLevels = 0;
   cloud = false;
-  /** Whether the edit is drawn as a sum by the shader. */
+  /** True while the edit is drawn as a sum of bands by the shader. */
   live = false;
-  /** Of the bands, by level − 1, as the shader needs them. */
+  /** Scales of the bands for the shader, by level − 1. */
   scales: number[] = [];
   private readonly base = new BufferGeometry();
   private readonly edited = new BufferGeometry();
-  /** Another shape of the same vertices, shown in place of the one that was opened. */
-  private readonly other = new BufferGeometry();
+  /** Positions of a compared method, shown instead of the original. */
+  private readonly comparison = new BufferGeometry();
   private hasEdited = false;
-  private hasOther = false;
+  private hasComparison = false;
   private bands: Int16Array[] = [];
-  /** Fewer triangles, as opened and after the edit. */
-  private coarse: { base: Compact; edited: Compact } | null = null;
+  /** Coarse versions of the original and of the edited shape. */
+  private coarse: { base: VertexSubset; edited: VertexSubset } | null = null;
   private nTriangles = 0;
   private n = 0;
 
   constructor(
     private readonly software: boolean,
-    /** Called when what is drawn is another. */
-    private readonly changed: () => void,
+    /** Called when the picture must be redrawn. */
+    private readonly onChange: () => void,
   ) {}
 
-  /** A new shape; what there was is cleared before. */
+  /** Sets a new shape; the previous one must be cleared before. */
   setShape(positions: Float32Array, triangles: Uint32Array, cloud: boolean): BufferGeometry {
     this.n = positions.length / 3;
     this.cloud = cloud;
     this.nTriangles = triangles.length / 3;
     this.base.setAttribute('position', new BufferAttribute(positions, 3));
     const all = cloud ? null : new BufferAttribute(triangles, 1);
-    for (const geometry of [this.base, this.edited, this.other]) geometry.setIndex(all);
+    for (const geometry of [this.base, this.edited, this.comparison]) geometry.setIndex(all);
     return this.base;
   }
 
   clear(): void {
-    for (const geometry of [this.base, this.edited, this.other]) {
+    for (const geometry of [this.base, this.edited, this.comparison]) {
       geometry.dispose();
       for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
       geometry.setIndex(null);
@@ -68,11 +68,11 @@ export class ShapeArrays {
     this.coarse?.edited.geometry.dispose();
     this.coarse = null;
     this.hasEdited = false;
-    this.hasOther = false;
+    this.hasComparison = false;
     this.setLevels(0);
   }
 
-  /** Whether moving sliders are summed by the shader; else the worker is fast enough, and its normals are smooth. */
+  /** True if the shader sums the bands while a slider moves; for small shapes the worker is fast enough and gives smooth normals. */
   get large(): boolean {
     return (
       this.n > 0 &&
@@ -80,60 +80,60 @@ export class ShapeArrays {
     );
   }
 
-  /** Whether a moving shape needs fewer triangles. */
+  /** True if the shape needs a coarse version during motion. */
   get heavy(): boolean {
     return this.nTriangles > (this.software ? MOVING_LIMIT.software : MOVING_LIMIT.hardware);
   }
 
-  /** Whether there are fewer triangles for a shape that needs them while it moves. */
+  /** True if a coarse version is needed and available. */
   get hasFew(): boolean {
     return this.heavy && this.coarse !== null;
   }
 
-  /** Normals of the shape as it was opened. */
+  /** Sets the normals of the original shape. */
   setNormals(normals: Int8Array): void {
     this.base.setAttribute('normal', new BufferAttribute(normals, 4, true));
-    this.coarse?.base.take('normal', normals, 4, true);
-    this.changed();
+    this.coarse?.base.copyAttribute('normal', normals, 4, true);
+    this.onChange();
   }
 
   setEdited(positions: Float32Array, normals: Int8Array): void {
-    replace(this.edited, 'position', positions, 3, false);
-    replace(this.edited, 'normal', normals, 4, true);
+    setAttributeArray(this.edited, 'position', positions, 3, false);
+    setAttributeArray(this.edited, 'normal', normals, 4, true);
     this.shareAttributes(this.edited);
-    this.coarse?.edited.take('position', positions, 3, false);
-    this.coarse?.edited.take('normal', normals, 4, true);
+    this.coarse?.edited.copyAttribute('position', positions, 3, false);
+    this.coarse?.edited.copyAttribute('normal', normals, 4, true);
     this.hasEdited = true;
     this.live = false;
-    this.changed();
+    this.onChange();
   }
 
-  /** Forgets the edited shape: what is shown is the shape as it was opened. */
+  /** Discards the edited shape, so that the original is shown. */
   setUnedited(): void {
     this.hasEdited = false;
     this.live = false;
-    this.changed();
+    this.onChange();
   }
 
-  /** Another shape of the same vertices in place of the one that was opened, or that one again. */
-  setOther(positions: Float32Array | null, normals: Int8Array | null): void {
-    this.hasOther = positions !== null;
+  /** Shows a compared method instead of the original; `null` shows the original again. */
+  setComparison(positions: Float32Array | null, normals: Int8Array | null): void {
+    this.hasComparison = positions !== null;
     if (positions && normals) {
-      replace(this.other, 'position', positions, 3, false);
-      replace(this.other, 'normal', normals, 4, true);
-      this.shareAttributes(this.other);
+      setAttributeArray(this.comparison, 'position', positions, 3, false);
+      setAttributeArray(this.comparison, 'normal', normals, 4, true);
+      this.shareAttributes(this.comparison);
     }
-    this.changed();
+    this.onChange();
   }
 
-  /** What is not of a position is that of the shape as it was opened. */
+  /** Shares all attributes of the original other than positions and normals. */
   private shareAttributes(geometry: BufferGeometry): void {
     for (const [name, attribute] of Object.entries(this.base.attributes)) {
       if (name !== 'position' && name !== 'normal') geometry.setAttribute(name, attribute);
     }
   }
 
-  /** Other levels, whose bands have not come yet. */
+  /** Sets the number of levels and discards all bands. */
   setLevels(nLevels: number): void {
     const few = this.coarse ? [this.coarse.base.geometry] : [];
     for (const geometry of [this.base, this.edited, ...few]) {
@@ -146,34 +146,35 @@ export class ShapeArrays {
   }
 
   setBand(level: number, scale: number, values: Int16Array): void {
-    // What the shader sees is value / 32767.
+    // The shader reads normalized integers, value / 32767.
     this.scales[level - 1] = scale * 32767;
     if (maskPacks(this.nLevels, 0) === null) return;
     this.bands[level - 1] = values;
     if (this.heavy) {
-      // Only the few vertices that are drawn while it moves need them there.
-      this.coarse?.base.take(`band${level - 1}`, values, 4, true);
+      // Only the coarse version is summed by the shader.
+      this.coarse?.base.copyAttribute(`band${level - 1}`, values, 4, true);
       return;
     }
     if (!this.large) return;
     const attribute = new BufferAttribute(values, 4, true);
     this.base.setAttribute(`band${level - 1}`, attribute);
-    // What is drawn is what is sent to the graphics: not only when a slider is moved first.
+    // Attaching the band to the drawn geometry uploads it now instead of at the first slider movement.
     if (this.hasEdited) this.edited.setAttribute(`band${level - 1}`, attribute);
-    this.changed();
+    this.onChange();
   }
 
-  /** Fewer triangles, which have all that the others have. */
+  /** Sets the coarse triangles and copies all attributes for them. */
   setCoarse(triangles: Uint32Array): void {
-    const base = new Compact(triangles, this.n);
-    const edited = new Compact(triangles, this.n);
-    takeAll(base, this.base);
-    for (const [j, values] of this.bands.entries()) if (values) base.take(`band${j}`, values, 4, true);
-    if (this.hasEdited) takeAll(edited, this.edited);
+    const base = new VertexSubset(triangles, this.n);
+    const edited = new VertexSubset(triangles, this.n);
+    copyAllAttributes(base, this.base);
+    for (const [j, values] of this.bands.entries())
+      if (values) base.copyAttribute(`band${j}`, values, 4, true);
+    if (this.hasEdited) copyAllAttributes(edited, this.edited);
     this.coarse = { base, edited };
   }
 
-  /** Values of one layer's mask from vertex `from` on. */
+  /** Updates the mask of a slot from vertex `from` on. */
   setMask(slot: number, from: number, bytes: Uint8Array): void {
     if (slot > 7) return;
     const name = `masks${slot >> 2}`;
@@ -188,24 +189,24 @@ export class ShapeArrays {
     attribute.addUpdateRange(4 * from, 4 * bytes.length);
     attribute.needsUpdate = true;
     for (const few of this.coarse ? [this.coarse.base, this.coarse.edited] : []) {
-      if (few.geometry.hasAttribute(name)) few.takeRange(name, array, from, from + bytes.length);
-      else few.take(name, array, 4, true);
+      if (few.geometry.hasAttribute(name)) few.copyRange(name, array, from, from + bytes.length);
+      else few.copyAttribute(name, array, 4, true);
     }
-    this.changed();
+    this.onChange();
   }
 
-  /** A number of each vertex, for colors. */
+  /** Sets one number per vertex, shown as colors. */
   setScalar(values: Float32Array): void {
-    replace(this.base, 'scalar', values, 1, false);
+    setAttributeArray(this.base, 'scalar', values, 1, false);
     if (this.hasEdited) this.edited.setAttribute('scalar', this.base.getAttribute('scalar'));
-    this.coarse?.base.take('scalar', values, 1, false);
-    this.coarse?.edited.take('scalar', values, 1, false);
+    this.coarse?.base.copyAttribute('scalar', values, 1, false);
+    this.coarse?.edited.copyAttribute('scalar', values, 1, false);
   }
 
-  /** The shape as it was opened (or the other one in its place), or the present edit; with few triangles where there are any. */
-  drawn(before: boolean, few: boolean): Drawn {
-    // The other shape has no coarse triangles of its own: it is drawn in full.
-    if (before && this.hasOther) return { geometry: this.other, summed: false, few: false };
+  /** Selects the original (or the compared method) or the edited shape; its coarse version if `few` and available. */
+  selectGeometry(before: boolean, few: boolean): DrawnGeometry {
+    // The compared method has no coarse version.
+    if (before && this.hasComparison) return { geometry: this.comparison, summed: false, few: false };
     const summed = !before && this.live && this.nLevels > 0;
     const which = !before && !summed && this.hasEdited ? 'edited' : 'base';
     const coarse = few ? this.coarse : null;
@@ -213,9 +214,9 @@ export class ShapeArrays {
   }
 }
 
-function takeAll(few: Compact, all: BufferGeometry): void {
+function copyAllAttributes(few: VertexSubset, all: BufferGeometry): void {
   for (const [name, attribute] of Object.entries(all.attributes)) {
     const { array, itemSize, normalized } = attribute as BufferAttribute;
-    few.take(name, array, itemSize, normalized);
+    few.copyAttribute(name, array, itemSize, normalized);
   }
 }

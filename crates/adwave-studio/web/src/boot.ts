@@ -1,9 +1,9 @@
-/** Starts what takes longest, the arrays of the shape, before the rest of the page is read. */
+/** Entry point: starts fetching the arrays of the shape before the rest of the page is loaded. */
 
-import { Api, takeToken } from './api';
+import { Api, readToken } from './api';
 import type { Shape } from './protocol';
 
-export interface Early {
+export interface ShapeRequest {
   id: number;
   shape: Promise<Shape>;
   positions: Promise<Float32Array<ArrayBuffer>>;
@@ -11,16 +11,16 @@ export interface Early {
 }
 
 const started = performance.now();
-const api = new Api(takeToken());
+const api = new Api(readToken());
 
-export function fetchShape(from: Api, id: number): Early {
+export function fetchShape(from: Api, id: number): ShapeRequest {
   const early = {
     id,
     shape: from.shape(id),
     positions: from.floats(`shapes/${id}/positions`),
     triangles: from.indices(`shapes/${id}/triangles`),
   };
-  // Whoever waits for them sees the error; nobody does before the rest of the page is there.
+  // Errors are reported by the code that awaits these promises, once the page is loaded.
   for (const promise of [early.shape, early.positions, early.triangles]) promise.catch(() => {});
   return early;
 }

@@ -1,24 +1,24 @@
-/** The brush: its settings, and a stroke from pointer to region. */
+/** Settings of the brush, its panel, and the conversion of strokes to regions. */
 
 import type { BrushMode, BrushShape } from './compute/messages';
 import { check, h, segments, slider } from './dom';
-import { short } from './lengths';
+import { formatNumber } from './lengths';
 import type { BrushStroke, Region } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
-/** Stamps along a stroke, in radii. */
+/** Distance of stamps along a stroke, in radii. */
 export const SPACING = 0.15;
 
 export interface Brush {
-  /** In percent of the diagonal. */
+  /** Radius in percent of the diagonal. */
   radius: number;
   strength: number;
-  /** Width of the fall, as part of the radius. */
+  /** Width of the soft edge, relative to the radius. */
   falloff: number;
   mode: BrushMode;
   symmetric: boolean;
-  /** Leaves out what is turned away from the viewer. */
+  /** Paints only faces that are turned to the viewer. */
   frontOnly: boolean;
 }
 
@@ -31,17 +31,17 @@ export const brush: Brush = {
   frontOnly: false,
 };
 
-/** The cosine between normal and viewer from which on a front face is painted in full. */
+/** Cosine between normal and viewing direction above which a front face is painted in full. */
 const FRONT_FALLOFF = 0.2;
-/** What a stroke smooths by, in radii. */
+/** Blur length of a softening stroke, in radii. */
 const SMOOTHING = 0.25;
 
-/** The brush in model units. `pressure` of a pen makes it smaller; `invert` swaps adding and subtracting. */
+/** Returns the brush in model units. The pressure of a pen scales it; `invert` swaps painting and erasing. */
 export function brushShape(studio: Studio, pressure: number, invert: boolean): BrushShape {
   const opposite: BrushMode = brush.mode === 'subtract' ? 'add' : 'subtract';
   const { diagonal, center } = studio.shape!;
   const radius = (brush.radius / 100) * diagonal * pressure;
-  // The plane of symmetry is x = 0 where the shape is about it, else the middle.
+  // The mirror plane is x = 0 if the shape is centered there, otherwise the center of the shape.
   const mirror = Math.abs(center[0]) < 0.02 * diagonal ? -center[0] : 0;
   return {
     radius,
@@ -56,39 +56,65 @@ export function brushShape(studio: Studio, pressure: number, invert: boolean): B
   };
 }
 
-/** Distance from the middle at which the brush has half its weight. */
+/** Distance from the center at which the brush has half its weight. */
 export function halfRadius(shape: BrushShape): number {
   return shape.radius - shape.falloff / 2;
 }
 
-/** How far a stroke that smooths blurs. */
-export function smoothing(shape: BrushShape): number {
+/** Blur length of a softening stroke, in model units. */
+export function smoothingRadius(shape: BrushShape): number {
   return SMOOTHING * shape.radius;
 }
 
-/** A stroke as a region has it. */
-export function strokeOf(indices: number[], shape: BrushShape): BrushStroke {
+/** Converts a stroke to its form in a region. */
+export function toStroke(indices: number[], shape: BrushShape): BrushStroke {
   const stamps: Region = { vertices: { indices, radius: shape.radius, falloff: shape.falloff } };
   const seen: Region = shape.facing ? { all: [stamps, { facing: shape.facing }] } : stamps;
   const region: Region = shape.strength < 1 ? { faded: { factor: shape.strength, region: seen } } : seen;
-  if (shape.mode === 'smooth') return { smooth: { region, by: smoothing(shape) } };
+  if (shape.mode === 'smooth') return { smooth: { region, by: smoothingRadius(shape) } };
   return shape.mode === 'subtract' ? { subtract: region } : { add: region };
 }
 
-/** What a stroke makes of the region that was there. */
-export function painted(before: Region | null, indices: number[], shape: BrushShape): Region {
+/** Appends a stroke to a region. */
+export function appendStroke(before: Region | null, indices: number[], shape: BrushShape): Region {
   const strokes = !before ? [] : 'painted' in before ? before.painted : [{ add: before }];
-  return { painted: [...strokes, strokeOf(indices, shape)] };
+  return { painted: [...strokes, toStroke(indices, shape)] };
 }
 
-/** The list of vertices within the last stroke of a region, which is filled once the worker has said it. */
-export function stampsOf(region: Region): number[] {
+/** Returns the stamped vertices of the last stroke, a list that is filled when the worker reports them. */
+export function lastStamps(region: Region): number[] {
   if (!('painted' in region)) return [];
   const stroke = region.painted.at(-1)!;
   let inner = 'add' in stroke ? stroke.add : 'subtract' in stroke ? stroke.subtract : stroke.smooth.region;
   if ('faded' in inner) inner = inner.faded.region;
   if ('all' in inner) inner = inner.all[0]!;
   return 'vertices' in inner ? inner.vertices.indices : [];
+}
+
+/** Creates the buttons that pick detail and apply it to a layer. */
+function matchButtons(studio: Studio): HTMLElement {
+  return h(
+    'div',
+    { class: 'row' },
+    h(
+      'button',
+      {
+        type: 'button',
+        title: text.pickDetailHint,
+        onclick: () => {
+          studio.showMessage(text.pickDetailClick);
+          studio.onPickVertex = (vertex) =>
+            studio.detail.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
+        },
+      },
+      text.pickDetail,
+    ),
+    h(
+      'button',
+      { type: 'button', title: text.applyDetailHint, onclick: () => studio.detail.applyToLayer() },
+      text.applyDetail,
+    ),
+  );
 }
 
 export function brushPanel(studio: Studio): HTMLElement {
@@ -98,14 +124,14 @@ export function brushPanel(studio: Studio): HTMLElement {
       type: 'button',
       class: 'wide',
       'aria-pressed': 'false',
-      onclick: () => studio.setBrush(!studio.brushOn),
+      onclick: () => studio.setBrush(!studio.isBrushOn),
     },
     text.brushOn,
   );
   const radius = slider(
     text.radius,
     { min: 0.5, max: 30, step: 0.5, value: brush.radius },
-    (v) => (studio.shape ? short((v / 100) * studio.shape.diagonal) : `${v} %`),
+    (v) => (studio.shape ? formatNumber((v / 100) * studio.shape.diagonal) : `${v} %`),
     (v) => {
       brush.radius = v;
     },
@@ -123,25 +149,8 @@ export function brushPanel(studio: Studio): HTMLElement {
       mode.set(m);
     },
   );
-  const match = h('div', { class: 'row' });
-  match.append(
-    h(
-      'button',
-      {
-        type: 'button',
-        title: text.takeHint,
-        onclick: () => {
-          studio.say(text.takeClick);
-          studio.pickNext = (vertex) =>
-            studio.detail.take(vertex, (brush.radius / 100) * studio.shape!.diagonal);
-        },
-      },
-      text.take,
-    ),
-    h('button', { type: 'button', title: text.giveHint, onclick: () => studio.detail.give() }, text.give),
-  );
   studio.on('tool', () => {
-    toggle.setAttribute('aria-pressed', String(studio.brushOn));
+    toggle.setAttribute('aria-pressed', String(studio.isBrushOn));
     radius.set(brush.radius);
     mode.set(brush.mode);
   });
@@ -150,7 +159,7 @@ export function brushPanel(studio: Studio): HTMLElement {
   });
   studio.on('shape', () => {
     radius.set(brush.radius);
-    // Points have no sides.
+    // Points have no front side.
     front.hidden = studio.shape!.kind !== 'mesh';
   });
   return h(
@@ -180,6 +189,6 @@ export function brushPanel(studio: Studio): HTMLElement {
       brush.symmetric = on;
     }),
     front,
-    h('details', {}, h('summary', {}, text.matching), match),
+    h('details', {}, h('summary', {}, text.matching), matchButtons(studio)),
   );
 }

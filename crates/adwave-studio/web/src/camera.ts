@@ -1,4 +1,4 @@
-/** The camera: turns about a pivot, pans with it, zooms to the cursor. */
+/** Camera: rotates about a pivot, pans, and zooms to the cursor. */
 
 import { Matrix4, PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import type { Ray } from './compute/pick';
@@ -21,7 +21,7 @@ export class Camera {
   readonly pivot = new Vector3();
   distance = 1;
   trackball = false;
-  /** The axis that stands upright. */
+  /** Upright axis. */
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
   private radius = 1;
@@ -44,7 +44,7 @@ export class Camera {
     return this.up === 'y' ? new Vector3(0, 1, 0) : new Vector3(0, 0, 1);
   }
 
-  /** The direction from the pivot to the viewer. */
+  /** Direction from the pivot to the viewer. */
   toward(): number[] {
     return this.three.getWorldDirection(new Vector3()).negate().toArray();
   }
@@ -73,7 +73,7 @@ export class Camera {
     this.update();
   }
 
-  /** From in front, a little from above and from the side. */
+  /** Resets to the start view: front, slightly from above and from the side. */
   start(): void {
     const direction = new Vector3(0.45, 0.28, 1);
     if (this.up === 'z') direction.set(direction.x, -direction.z, direction.y);
@@ -85,7 +85,7 @@ export class Camera {
     this.lookFrom(new Vector3(0, 0, 1).applyQuaternion(this.three.quaternion));
   }
 
-  /** Turns by a movement of the pointer in pixels. */
+  /** Rotates by a pointer movement in pixels. */
   turn(dx: number, dy: number): void {
     const q = this.three.quaternion;
     const speed = Math.PI / Math.min(this.width, this.height);
@@ -97,7 +97,7 @@ export class Camera {
       const up = this.upVector();
       const yaw = new Quaternion().setFromAxisAngle(up, -dx * speed);
       const turned = yaw.multiply(q.clone().multiply(pitch));
-      // Never over the pole, where the turntable would flip.
+      // The turntable stops before the pole, where it would flip.
       const above = new Vector3(0, 1, 0).applyQuaternion(turned).dot(up);
       if (above > 0.01 || above > new Vector3(0, 1, 0).applyQuaternion(q).dot(up)) q.copy(turned);
       else q.premultiply(new Quaternion().setFromAxisAngle(up, -dx * speed));
@@ -112,7 +112,7 @@ export class Camera {
     this.update();
   }
 
-  /** Length of a pixel at the pivot. */
+  /** Size of a pixel at the pivot, in model units. */
   get pixel(): number {
     return (2 * this.distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / this.height;
   }
@@ -123,7 +123,7 @@ export class Camera {
     this.update();
   }
 
-  /** Makes the distance `factor` times what it is and keeps the place under (x, y) of the canvas where it is. */
+  /** Multiplies the distance by `factor` and keeps the point under (x, y) of the canvas fixed. */
   zoom(factor: number, x: number, y: number): void {
     const next = Math.min(this.radius * 50, Math.max(this.radius * 1e-3, this.distance * factor));
     const f = next / this.distance;
@@ -150,7 +150,7 @@ export class Camera {
     this.three.updateMatrixWorld();
   }
 
-  /** The ray through a place of the canvas. */
+  /** Ray through a point of the canvas. */
   ray(x: number, y: number): Ray {
     const through = new Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, 0.5).unproject(
       this.three,
@@ -164,7 +164,7 @@ export class Camera {
     };
   }
 
-  /** Where a point is on the canvas, and pixels a unit there. */
+  /** Projects a point to the canvas; `scale` is in pixels per model unit there. */
   project(point: readonly number[]): { x: number; y: number; scale: number } {
     const p = new Vector3(point[0]!, point[1]!, point[2]!);
     const depth = p.clone().sub(this.three.position).dot(this.three.getWorldDirection(new Vector3()));

@@ -1,14 +1,14 @@
-/** A scalar field as colors, with a bar in its units. */
+/** Coloring by a scalar field, with a legend in its units. */
 
 import { colorAt, type MapName, type RangeRule, rangeOf } from './colors';
 import { h, select } from './dom';
-import { short } from './lengths';
+import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
-/** Not the change and the bands, which the page knows by itself. */
-function isOther(field: FieldName): boolean {
+/** True for fields of the server; the page computes displacement and band sizes itself. */
+function isServerField(field: FieldName): boolean {
   return field.name !== 'change' && !/^band-\d+$/.test(field.name);
 }
 
@@ -16,7 +16,7 @@ export interface Coloring {
   controls: HTMLElement[];
   legend: HTMLElement;
   toggleChange(): void;
-  /** The value at a vertex in words; nothing where nothing is colored. */
+  /** Text with the value at a vertex; empty without coloring. */
   valueAt(v: number): string;
 }
 
@@ -65,7 +65,7 @@ export function coloring(studio: Studio): Coloring {
   const byHand = () => {
     if (!Number.isFinite(low.valueAsNumber) || !Number.isFinite(high.valueAsNumber)) return;
     if (low.valueAsNumber >= high.valueAsNumber) {
-      studio.say(text.badRange, 'error');
+      studio.showMessage(text.badRange, 'error');
       return;
     }
     rule = { low: low.valueAsNumber, high: high.valueAsNumber };
@@ -105,7 +105,7 @@ export function coloring(studio: Studio): Coloring {
     }
     legendTitle.textContent = unit ? `${title} (${unit})` : title;
     numbers.replaceChildren(
-      ...[0, 0.5, 1].map((t) => h('span', {}, short(range[0] + t * (range[1] - range[0])))),
+      ...[0, 0.5, 1].map((t) => h('span', {}, formatNumber(range[0] + t * (range[1] - range[0])))),
     );
     if (document.activeElement !== low) low.value = range[0].toPrecision(4);
     if (document.activeElement !== high) high.value = range[1].toPrecision(4);
@@ -128,7 +128,7 @@ export function coloring(studio: Studio): Coloring {
     try {
       if (name === 'change' || name.startsWith('band-')) {
         const level = name === 'change' ? 0 : Number(name.slice(5));
-        if (name === 'change') await studio.display.settled();
+        if (name === 'change') await studio.display.waitUntilSettled();
         const answer = await studio.engine.call('scalar', level ? { band: level } : 'change');
         if (mine !== asked) return;
         values = answer.values;
@@ -145,7 +145,7 @@ export function coloring(studio: Studio): Coloring {
       }
     } catch (error) {
       if (mine !== asked) return;
-      studio.say((error as Error).message, 'error');
+      studio.showMessage((error as Error).message, 'error');
       if (changed) void color('none');
       return;
     }
@@ -168,25 +168,25 @@ export function coloring(studio: Studio): Coloring {
       h(
         'optgroup',
         { label: text.fields },
-        ...shape.fields.filter(isOther).map((f) => h('option', { value: `field-${f.name}` }, f.label)),
+        ...shape.fields.filter(isServerField).map((f) => h('option', { value: `field-${f.name}` }, f.label)),
       ),
       h(
         'optgroup',
         { label: text.bandSizes },
         ...shape.levels.map((l) =>
-          h('option', { value: `band-${l.level}` }, text.band(l.level, short(l.sigma))),
+          h('option', { value: `band-${l.level}` }, text.band(l.level, formatNumber(l.sigma))),
         ),
       ),
     );
     void color('none');
   }
   studio.on('levels', listColors);
-  // Fields of the edited shape follow it.
+  // Fields of the edited shape are fetched again after an edit.
   let later = 0;
   studio.on('moved', () => {
     const edited =
       colored === 'change' || studio.shape?.fields.some((f) => f.edited && colored === `field-${f.name}`);
-    if (!edited || (colored !== 'change' && studio.saver?.state !== 'kept')) return;
+    if (!edited || (colored !== 'change' && studio.saver?.state !== 'saved')) return;
     window.clearTimeout(later);
     later = window.setTimeout(() => void color(colored), 60);
   });
@@ -195,6 +195,6 @@ export function coloring(studio: Studio): Coloring {
     controls: [h('label', { class: 'field' }, h('span', {}, text.colors), colorSelect), colorOptions],
     legend,
     toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
-    valueAt: (v) => (values ? `, ${title} ${short(values[v]!)}${unit ? ` ${unit}` : ''}` : ''),
+    valueAt: (v) => (values ? `, ${title} ${formatNumber(values[v]!)}${unit ? ` ${unit}` : ''}` : ''),
   };
 }

@@ -1,4 +1,4 @@
-/** Color maps, built in code, and what of a field they show. */
+/** Color maps and the displayed range of a field. */
 
 export type MapName = 'viridis' | 'diverging' | 'gray';
 
@@ -15,7 +15,7 @@ const VIRIDIS: Rgb[] = [
   [-5.435455855934631, 4.645852612178535, 26.3124352495832],
 ];
 
-/** Blue, pale, red: even in lightness on both sides. */
+/** Blue, pale, red, with symmetric lightness. */
 const DIVERGING: Rgb[] = [
   [0.13, 0.28, 0.6],
   [0.37, 0.57, 0.82],
@@ -24,7 +24,7 @@ const DIVERGING: Rgb[] = [
   [0.6, 0.11, 0.16],
 ];
 
-/** The color at t in [0, 1], each component in [0, 255]. */
+/** Color at t in [0, 1], each component in [0, 255]. */
 export function colorAt(map: MapName, t: number): Rgb {
   const s = Math.min(1, Math.max(0, t));
   let rgb: Rgb;
@@ -40,8 +40,8 @@ export function colorAt(map: MapName, t: number): Rgb {
   return rgb.map((x) => Math.round(255 * Math.min(1, Math.max(0, x)))) as Rgb;
 }
 
-/** 256 colors as RGBA. */
-export function table(map: MapName): Uint8Array<ArrayBuffer> {
+/** Table of 256 RGBA colors. */
+export function colorTable(map: MapName): Uint8Array<ArrayBuffer> {
   const out = new Uint8Array(4 * 256);
   for (let i = 0; i < 256; i++) out.set([...colorAt(map, i / 255), 255], 4 * i);
   return out;
@@ -49,10 +49,10 @@ export function table(map: MapName): Uint8Array<ArrayBuffer> {
 
 export type RangeRule = 'most' | 'all' | { low: number; high: number };
 
-/** The range of a field that is shown: `most` leaves out 2 % at each end; a diverging field is symmetric about 0. */
+/** Displayed range of a field. `most` spans the 2nd to the 98th percentile; a diverging field is symmetric about 0. */
 export function rangeOf(values: Float32Array, rule: RangeRule, diverging: boolean): [number, number] {
   if (typeof rule === 'object') return [rule.low, rule.high];
-  // Of large fields an even sample is enough.
+  // An even sample is enough for large fields.
   const step = Math.max(1, Math.floor(values.length / 20_000));
   const sample: number[] = [];
   for (let v = 0; v < values.length; v += step) if (Number.isFinite(values[v]!)) sample.push(values[v]!);

@@ -1,4 +1,4 @@
-/** A dialog of the browser, with a title and a way out. */
+/** Modal dialog with a title and a close button. */
 
 import { h, iconButton } from './dom';
 import { text } from './text';
@@ -15,7 +15,7 @@ export function dialog(title: string, ...content: (Node | null)[]): HTMLDialogEl
     h('div', { class: 'content' }, ...content),
   );
   box.addEventListener('close', () => box.remove());
-  // A click beside it closes it.
+  // A click outside closes the dialog.
   box.addEventListener('pointerdown', (event) => {
     if (event.target !== box) return;
     const r = box.getBoundingClientRect();

@@ -1,4 +1,7 @@
-/** From the document to the picture: a sum of bands by the shader while a large shape moves, then positions and normals by the worker. */
+/**
+ * Updates the picture from the document: the shader sums bands while a large shape moves, then the worker computes
+ * positions and normals.
+ */
 
 import type { EditAnswer, WorkerLayer } from './compute/messages';
 import { globalGains } from './compute/positions';
@@ -6,9 +9,9 @@ import type { Masks } from './masks';
 import { type Doc, needsServer } from './state';
 import type { Studio } from './studio';
 
-/** Milliseconds of rest after which positions and normals are computed exactly on shapes that are large: after a step, after a move. */
+/** Milliseconds of rest before positions and normals of large shapes are computed: after a step, after a movement. */
 const REST = { step: 30, move: 120 };
-/** That a layer has a mask, where the shader has its values. */
+/** Placeholder for the mask of a layer whose values the shader has. */
 const NO_MASK = new Uint8Array(0);
 
 export class Display {
@@ -16,21 +19,21 @@ export class Display {
   private settleAgain = false;
   private restTimer = 0;
   private waiters: (() => void)[] = [];
-  private shown: Doc | null = null;
-  /** What the worker said last of a layer whose place cannot be known. */
+  private shownDoc: Doc | null = null;
+  /** Last problem that the worker reported about the region of a layer. */
   private problem: string | null = null;
 
   constructor(
     private readonly studio: Studio,
     private readonly masks: Masks,
   ) {
-    const { view, watch } = studio;
-    view.drawn = (began) => watch.frameDrawn(began, this.shown === studio.doc, () => view.finish());
+    const { view, timings } = studio;
+    view.onDrawn = (began) => timings.recordFrame(began, this.shownDoc === studio.doc, () => view.finish());
   }
 
   /**
-   * Shows the present document: by the shader where the shape is large, else by the worker within a frame. A step is drawn at once;
-   * what moves is drawn by the next frame, whatever number of moves there are until then.
+   * Shows the present document: with the shader for large shapes, otherwise with the worker within a frame. A step is drawn
+   * immediately; movements are drawn once per frame.
    */
   show(step: boolean): void {
     const { view } = this.studio;
@@ -54,11 +57,11 @@ export class Display {
       .map((l) => ({ slot: this.masks.slot(l.key), slopes: l.gains.map((g) => l.opacity * (g - 1)) }));
     if (!layers.every((l) => !l.region || this.masks.has(l.key))) return false;
     const shown = view.setGains(globalGains(terms, nLevels), masked);
-    if (shown) this.shown = doc;
+    if (shown) this.shownDoc = doc;
     return shown;
   }
 
-  /** Exact positions and normals of the present document; while that is computed, the next one waits. */
+  /** Computes positions and normals of the present document; a later request waits for the current one. */
   settle(): void {
     window.clearTimeout(this.restTimer);
     this.restTimer = 0;
@@ -80,8 +83,8 @@ export class Display {
     });
   }
 
-  /** Resolves when what is drawn is the present document, exactly. */
-  settled(): Promise<void> {
+  /** Resolves when the picture shows the present document exactly. */
+  waitUntilSettled(): Promise<void> {
     if (!this.settling && !this.restTimer) return Promise.resolve();
     return new Promise((done) => this.waiters.push(done));
   }
@@ -91,7 +94,7 @@ export class Display {
     const { doc, saver, regions, view } = studio;
     const { generation } = studio.session;
     const isOld = () => generation !== studio.session.generation;
-    const { news, ids } = regions.newsOf(doc.layers.map((l) => l.region));
+    const { updates, ids } = regions.updatesFor(doc.layers.map((l) => l.region));
     const layers: WorkerLayer[] = doc.layers.map((l, i) => ({
       key: l.key,
       on: l.on,
@@ -100,29 +103,33 @@ export class Display {
       region: ids[i]!,
     }));
     const exact =
-      needsServer(doc, studio.shape!.kind === 'cloud') && saver?.state === 'kept' && !saver.pending;
+      needsServer(doc, studio.shape!.kind === 'cloud') && saver?.state === 'saved' && !saver.hasUnsavedStep;
     try {
-      const answer = await studio.engine.call('edit', { layers, regions: news, exact });
+      const answer = await studio.engine.call('edit', { layers, regions: updates, exact });
       if (isOld()) return;
-      studio.watch.timings.settle.push(answer.took);
-      if (answer.problem && answer.problem !== this.problem) studio.say(answer.problem, 'error');
+      studio.timings.records.settle.push(answer.took);
+      if (answer.problem && answer.problem !== this.problem) studio.showMessage(answer.problem, 'error');
       this.problem = answer.problem;
       if (doc === studio.doc || !view.arrays.large) {
         view.arrays.setEdited(answer.positions, answer.normals);
-        this.shown = doc;
+        this.shownDoc = doc;
       }
-      if (doc === studio.doc) this.tellMoved(answer);
+      if (doc === studio.doc) this.updateDisplacement(answer);
     } catch (error) {
-      // The next time the worker learns these regions again.
-      regions.forget(news);
-      if (!isOld()) studio.say((error as Error).message, 'error');
+      // These regions are sent to the worker again next time.
+      regions.markUnknown(updates);
+      if (!isOld()) studio.showMessage((error as Error).message, 'error');
     }
   }
 
-  private tellMoved({ greatest, rms, volume: after }: EditAnswer): void {
+  private updateDisplacement({ greatest, rms, volume: after }: EditAnswer): void {
     const { studio } = this;
     const before = studio.shape!.volume;
-    studio.moved = { greatest, rms, volume: before !== null && after !== null ? [before, after] : null };
+    studio.displacement = {
+      greatest,
+      rms,
+      volume: before !== null && after !== null ? [before, after] : null,
+    };
     studio.emit('moved');
   }
 }

@@ -1,9 +1,9 @@
-/** Elements in one expression. */
+/** Helpers that build HTML elements. */
 
 type Props = Record<string, unknown>;
 type Child = Node | string | null | undefined | false;
 
-/** An element: `on…` are listeners, `class`, `aria-…`, `data-…` and what is no property are attributes. */
+/** Creates an element: `on…` are listeners; `class`, `aria-…`, `data-…` and unknown names are attributes. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   props: Props = {},
@@ -22,7 +22,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Lines of icons on a grid of 16. */
+/** SVG paths of the icons on a 16 × 16 grid. */
 const ICONS = {
   undo: 'M6 3 2.5 6.5 6 10 M3 6.5h6.5a4 4 0 0 1 0 8H6',
   redo: 'M10 3l3.5 3.5L10 10 M13 6.5H6.5a4 4 0 0 0 0 8H10',
@@ -53,7 +53,7 @@ export function icon(name: IconName): SVGSVGElement {
   return svg;
 }
 
-/** A button with an icon; its name is for screen readers and the tool tip. */
+/** Creates an icon button; the label is its accessible name and tooltip. */
 export function iconButton(
   name: IconName,
   label: string,
@@ -67,7 +67,7 @@ export function iconButton(
   );
 }
 
-/** A choice of a few, as buttons side by side. */
+/** Creates a segmented control. */
 export function segments<T extends string>(
   label: string,
   choices: readonly (readonly [T, string])[],
@@ -85,12 +85,12 @@ export function segments<T extends string>(
   });
 }
 
-/** A horizontal slider with its name and a number. */
+/** Creates a horizontal slider with its label and value. */
 export function slider(
   label: string,
   range: { min: number; max: number; step: number; value: number },
   show: (value: number) => string,
-  moved: (value: number, done: boolean) => void,
+  onMove: (value: number, done: boolean) => void,
 ): HTMLElement & { set(value: number): void } {
   const number = h('output', {}, show(range.value));
   const input = h('input', {
@@ -105,7 +105,7 @@ export function slider(
     const value = input.valueAsNumber;
     number.textContent = show(value);
     input.setAttribute('aria-valuetext', show(value));
-    moved(value, done);
+    onMove(value, done);
   };
   input.addEventListener('input', () => tell(false));
   input.addEventListener('change', () => tell(true));
@@ -133,13 +133,13 @@ export function select<T extends string>(
   return h('label', { class: 'field' }, h('span', {}, label), element);
 }
 
-/** A check box with its name. */
+/** Creates a labeled check box. */
 export function check(label: string, checked: boolean, set: (on: boolean) => void): HTMLLabelElement {
   const box = h('input', { type: 'checkbox', checked, onchange: () => set(box.checked) });
   return h('label', { class: 'check' }, box, h('span', {}, label));
 }
 
-/** Offers bytes as a file. */
+/** Downloads a blob as a file. */
 export function download(blob: Blob, name: string): void {
   const url = URL.createObjectURL(blob);
   const a = h('a', { href: url, download: name });
@@ -149,7 +149,7 @@ export function download(blob: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-/** Asks for a file. */
+/** Opens the file chooser of the browser. */
 export function chooseFile(accept: string, chosen: (file: File) => void): void {
   const input = h('input', { type: 'file', accept, hidden: true });
   input.addEventListener('change', () => {

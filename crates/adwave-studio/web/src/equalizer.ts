@@ -1,14 +1,15 @@
-/** The equalizer: one native slider a band, upright, with its width, its gain, solo and mute. */
+/** Equalizer: one vertical native slider per band with its width, gain, solo and mute. */
 
 import { h } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
-import { short } from './lengths';
-import { openLevels } from './levels';
-import { fitted, withGain } from './state';
+import { formatNumber } from './lengths';
+import { openLevels } from './levels-dialog';
+import type { Level } from './protocol';
+import { fitGains, withGain } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
-interface Column {
+interface BandColumn {
   root: HTMLElement;
   input: HTMLInputElement;
   number: HTMLInputElement;
@@ -17,195 +18,142 @@ interface Column {
   mute: HTMLButtonElement;
 }
 
-export function equalizer(studio: Studio): HTMLElement {
-  let columns: Column[] = [];
-  /** Gains before solo or mute, to go back to: by layer and band (0: all). */
-  const kept = new Map<string, number[]>();
-  const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equalizer });
-  const presets = h('select', { 'aria-label': text.presets });
-  const drawButton = h(
-    'button',
-    { type: 'button', 'aria-pressed': 'false', title: text.drawHint },
-    text.draw,
-  );
-  const whose = h('span', { class: 'whose' });
-  let drawing = false;
+/** Sets the gain of a band in the selected layer, as one step or as part of a gesture. */
+function setGain(studio: Studio, level: number, gain: number, step: boolean): void {
+  studio.timings.startSliderTiming();
+  studio.view.markMoving();
+  const doc = withGain(studio.doc, studio.layer.key, level, gain);
+  if (step) {
+    studio.history.preview(doc);
+    studio.history.end();
+  } else studio.history.preview(doc);
+}
 
-  drawButton.addEventListener('click', () => {
-    drawing = !drawing;
-    drawButton.setAttribute('aria-pressed', String(drawing));
-    bands.classList.toggle('drawing', drawing);
-  });
-  presets.addEventListener('change', () => {
-    const preset = studio.shape?.presets[Number(presets.value)];
-    if (preset) studio.changeLayer({ gains: fitted(preset.gains, studio.nLevels) }, true);
-    presets.value = '';
-  });
+/** Solo and mute of bands; remembers the gains before. */
+class SoloMute {
+  /** Gains before solo or mute, by layer and band (0: all bands). */
+  private readonly gainsBefore = new Map<string, number[]>();
 
-  const setGain = (level: number, gain: number, step: boolean) => {
-    studio.watch.sliderTouched();
-    studio.view.touch();
-    const doc = withGain(studio.doc, studio.layer.key, level, gain);
-    if (step) {
-      studio.history.preview(doc);
-      studio.history.end();
-    } else studio.history.preview(doc);
-  };
+  constructor(private readonly studio: Studio) {}
 
-  const solo = (level: number) => {
+  solo(level: number): void {
+    const { studio, gainsBefore } = this;
     const { gains, key } = studio.layer;
     const alone = gains.every((g, j) => j === level - 1 || g === 0) && gains.length > 1;
-    const before = kept.get(`${key}.0`);
-    if (alone) studio.changeLayer({ gains: before ?? fitted([], gains.length) }, true);
+    const before = gainsBefore.get(`${key}.0`);
+    if (alone) studio.changeLayer({ gains: before ?? fitGains([], gains.length) }, true);
     else {
       const someAlone = gains.filter((g) => g !== 0).length === 1 && before !== undefined;
-      if (!someAlone) kept.set(`${key}.0`, gains);
+      if (!someAlone) gainsBefore.set(`${key}.0`, gains);
       const own = (someAlone ? before[level - 1]! : gains[level - 1]!) || 1;
       studio.changeLayer({ gains: gains.map((_, j) => (j === level - 1 ? own : 0)) }, true);
     }
-  };
+  }
 
-  const mute = (level: number) => {
+  mute(level: number): void {
+    const { studio, gainsBefore } = this;
     const { gains, key } = studio.layer;
     const name = `${key}.${level}`;
     if (gains[level - 1] === 0)
-      studio.changeLayer({ gains: gains.with(level - 1, kept.get(name)?.[0] || 1) }, true);
+      studio.changeLayer({ gains: gains.with(level - 1, gainsBefore.get(name)?.[0] || 1) }, true);
     else {
-      kept.set(name, [gains[level - 1]!]);
+      gainsBefore.set(name, [gains[level - 1]!]);
       studio.changeLayer({ gains: gains.with(level - 1, 0) }, true);
     }
-  };
-
-  function column(level: number, sigma: number): Column {
-    const size = short(sigma);
-    const name = text.band(level, size);
-    const input = h('input', {
-      type: 'range',
-      class: 'gain',
-      min: '0',
-      max: String(SLIDER_MAX),
-      step: '1',
-      'aria-label': name,
-      'aria-orientation': 'vertical',
-      title: text.sliderHint,
-      disabled: true,
-      oninput: () => setGain(level, gainOf(input.valueAsNumber), false),
-      onchange: () => studio.history.end(),
-      ondblclick: () => setGain(level, 1, true),
-    });
-    const number = h('input', {
-      class: 'number',
-      type: 'text',
-      inputMode: 'decimal',
-      'aria-label': text.gainOf(name),
-      disabled: true,
-      onchange: () => {
-        const gain = Number(number.value.replace(',', '.'));
-        if (number.value.trim() !== '' && gain >= 0 && gain <= GREATEST_TYPED) setGain(level, gain, true);
-        else studio.say(text.badGain(GREATEST_TYPED), 'error');
-        refresh();
-      },
-    });
-    const meter = h('i', { class: 'meter' });
-    const soloButton = h(
-      'button',
-      {
-        type: 'button',
-        'aria-label': text.solo(name),
-        title: text.solo(name),
-        'aria-pressed': 'false',
-        onclick: () => solo(level),
-      },
-      'S',
-    );
-    const muteButton = h(
-      'button',
-      {
-        type: 'button',
-        'aria-label': text.mute(name),
-        title: text.mute(name),
-        'aria-pressed': 'false',
-        onclick: () => mute(level),
-      },
-      'M',
-    );
-    const root = h(
-      'div',
-      { class: 'band', 'data-level': String(level) },
-      number,
-      h('div', { class: 'track' }, h('div', { class: 'rail' }, meter, h('i', { class: 'fill' })), input),
-      h('div', { class: 'sm' }, soloButton, muteButton),
-      h('span', { class: 'sigma', title: text.sigma(size) }, size),
-    );
-    return { root, input, number, meter, solo: soloButton, mute: muteButton };
   }
+}
 
-  function rebuild(): void {
-    const levels = studio.shape?.levels ?? [];
-    columns = levels.map((l) => column(l.level, l.sigma));
-    bands.replaceChildren(...columns.map((c) => c.root));
-    bands.classList.toggle('many', columns.length > 10);
-    presets.replaceChildren(
-      h('option', { value: '' }, text.presets),
-      ...(studio.shape?.presets ?? []).map((p, i) =>
-        h('option', { value: String(i) }, text.presetNames[p.name] ?? p.name),
-      ),
-    );
-    enable();
-    refresh();
-  }
+/** Creates the controls of one band; `refresh` shows the gains again after invalid input. */
+function bandColumn(
+  studio: Studio,
+  soloMute: SoloMute,
+  { level, sigma }: Level,
+  refresh: () => void,
+): BandColumn {
+  const size = formatNumber(sigma);
+  const name = text.band(level, size);
+  const input = h('input', {
+    type: 'range',
+    class: 'gain',
+    min: '0',
+    max: String(SLIDER_MAX),
+    step: '1',
+    'aria-label': name,
+    'aria-orientation': 'vertical',
+    title: text.sliderHint,
+    disabled: true,
+    oninput: () => setGain(studio, level, gainOf(input.valueAsNumber), false),
+    onchange: () => studio.history.end(),
+    ondblclick: () => setGain(studio, level, 1, true),
+  });
+  const number = h('input', {
+    class: 'number',
+    type: 'text',
+    inputMode: 'decimal',
+    'aria-label': text.gainOf(name),
+    disabled: true,
+    onchange: () => {
+      const gain = Number(number.value.replace(',', '.'));
+      if (number.value.trim() !== '' && gain >= 0 && gain <= GREATEST_TYPED)
+        setGain(studio, level, gain, true);
+      else studio.showMessage(text.badGain(GREATEST_TYPED), 'error');
+      refresh();
+    },
+  });
+  const meter = h('i', { class: 'meter' });
+  const soloButton = h(
+    'button',
+    {
+      type: 'button',
+      'aria-label': text.solo(name),
+      title: text.solo(name),
+      'aria-pressed': 'false',
+      onclick: () => soloMute.solo(level),
+    },
+    'S',
+  );
+  const muteButton = h(
+    'button',
+    {
+      type: 'button',
+      'aria-label': text.mute(name),
+      title: text.mute(name),
+      'aria-pressed': 'false',
+      onclick: () => soloMute.mute(level),
+    },
+    'M',
+  );
+  const root = h(
+    'div',
+    { class: 'band', 'data-level': String(level) },
+    number,
+    h('div', { class: 'track' }, h('div', { class: 'rail' }, meter, h('i', { class: 'fill' })), input),
+    h('div', { class: 'sm' }, soloButton, muteButton),
+    h('span', { class: 'sigma', title: text.sigma(size) }, size),
+  );
+  return { root, input, number, meter, solo: soloButton, mute: muteButton };
+}
 
-  function enable(): void {
-    for (const [j, c] of columns.entries()) {
-      const there = studio.arrived.has(j + 1);
-      c.input.disabled = !there;
-      c.number.disabled = !there;
-      c.root.classList.toggle('waiting', !there);
-    }
-  }
-
-  function refresh(): void {
-    const { gains } = studio.layer;
-    const alone = gains.filter((g) => g !== 0).length === 1 && gains.length > 1;
-    for (const [j, c] of columns.entries()) {
-      const gain = gains[j] ?? 1;
-      const position = String(positionOf(gain));
-      if (c.input.value !== position && gainOf(c.input.valueAsNumber) !== gain) c.input.value = position;
-      c.input.setAttribute('aria-valuetext', text.times(gainText(gain)));
-      c.root.style.setProperty('--at', String(Number(position) / SLIDER_MAX));
-      if (document.activeElement !== c.number) c.number.value = gainText(gain);
-      c.root.classList.toggle('changed', gain !== 1);
-      c.mute.setAttribute('aria-pressed', String(gain === 0 && !alone));
-      c.solo.setAttribute('aria-pressed', String(alone && gain !== 0));
-    }
-    const layer = studio.layer;
-    const index = studio.doc.layers.indexOf(layer);
-    whose.textContent = studio.doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
-  }
-
-  /** Bars of |W_j| under the cursor, beside each other on a scale of the largest. */
-  function meters(): void {
-    const most = Math.max(...studio.spectrum, 0);
-    for (const [j, c] of columns.entries()) {
-      const x = studio.spectrum[j] ?? 0;
-      c.meter.style.height = most > 0 ? `${(100 * x) / most}%` : '0';
-      c.root.title = x > 0 ? text.detailHere(short(x)) : '';
-    }
-  }
-
-  // A curve drawn over the bands: every column under the pointer takes its height.
+/** Lets the pointer draw a gain curve over the bands while `isDrawing` is true. */
+function enableCurveDrawing(
+  studio: Studio,
+  bands: HTMLElement,
+  columns: () => readonly BandColumn[],
+  isDrawing: () => boolean,
+): void {
+  // Drawing a curve: every column under the pointer takes the height of the pointer.
   let last: { level: number; position: number } | null = null;
   const drawAt = (event: PointerEvent) => {
-    const hit = columns.findIndex((c) => {
+    const hit = columns().findIndex((c) => {
       const r = c.root.getBoundingClientRect();
       return event.clientX >= r.left && event.clientX < r.right;
     });
-    if (hit < 0 || !studio.arrived.has(hit + 1)) return;
-    const track = columns[hit]!.input.getBoundingClientRect();
+    if (hit < 0 || !studio.loadedBands.has(hit + 1)) return;
+    const track = columns()[hit]!.input.getBoundingClientRect();
     const position = Math.round(
       SLIDER_MAX * Math.min(1, Math.max(0, (track.bottom - 8 - event.clientY) / (track.height - 16))),
     );
-    // Near the middle it is the middle that is meant.
+    // Positions near the middle snap to gain 1.
     const at = Math.abs(position - 100) < 4 ? 100 : position;
     const from = last ?? { level: hit + 1, position: at };
     let doc = studio.doc;
@@ -213,15 +161,15 @@ export function equalizer(studio: Studio): HTMLElement {
     for (let k = 0; k <= n; k++) {
       const level = from.level + (n ? k * Math.sign(hit + 1 - from.level) : 0);
       const p = n ? from.position + ((at - from.position) * k) / n : at;
-      if (studio.arrived.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
+      if (studio.loadedBands.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
     }
     last = { level: hit + 1, position: at };
-    studio.watch.sliderTouched();
-    studio.view.touch();
+    studio.timings.startSliderTiming();
+    studio.view.markMoving();
     studio.history.preview(doc);
   };
   bands.addEventListener('pointerdown', (event) => {
-    if (!drawing || (event.target as Element).closest('button, .number')) return;
+    if (!isDrawing() || (event.target as Element).closest('button, .number')) return;
     event.preventDefault();
     bands.setPointerCapture(event.pointerId);
     last = null;
@@ -237,11 +185,98 @@ export function equalizer(studio: Studio): HTMLElement {
       studio.history.end();
     });
   }
+}
 
+/** Shows |W_j| under the cursor as bars, relative to the largest. */
+function showSpectrum(columns: readonly BandColumn[], spectrum: readonly number[]): void {
+  const most = Math.max(...spectrum, 0);
+  for (const [j, c] of columns.entries()) {
+    const x = spectrum[j] ?? 0;
+    c.meter.style.height = most > 0 ? `${(100 * x) / most}%` : '0';
+    c.root.title = x > 0 ? text.detailHere(formatNumber(x)) : '';
+  }
+}
+
+/** Shows the gains of a layer in the columns. */
+function showGains(columns: readonly BandColumn[], gains: readonly number[]): void {
+  const alone = gains.filter((g) => g !== 0).length === 1 && gains.length > 1;
+  for (const [j, c] of columns.entries()) {
+    const gain = gains[j] ?? 1;
+    const position = String(positionOf(gain));
+    if (c.input.value !== position && gainOf(c.input.valueAsNumber) !== gain) c.input.value = position;
+    c.input.setAttribute('aria-valuetext', text.times(gainText(gain)));
+    c.root.style.setProperty('--at', String(Number(position) / SLIDER_MAX));
+    if (document.activeElement !== c.number) c.number.value = gainText(gain);
+    c.root.classList.toggle('changed', gain !== 1);
+    c.mute.setAttribute('aria-pressed', String(gain === 0 && !alone));
+    c.solo.setAttribute('aria-pressed', String(alone && gain !== 0));
+  }
+}
+
+export function equalizer(studio: Studio): HTMLElement {
+  let columns: BandColumn[] = [];
+  let drawing = false;
+  const soloMute = new SoloMute(studio);
+  const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equalizer });
+  const presets = h('select', { 'aria-label': text.presets });
+  const drawButton = h(
+    'button',
+    { type: 'button', 'aria-pressed': 'false', title: text.drawHint },
+    text.draw,
+  );
+  const whose = h('span', { class: 'whose' });
+  drawButton.addEventListener('click', () => {
+    drawing = !drawing;
+    drawButton.setAttribute('aria-pressed', String(drawing));
+    bands.classList.toggle('drawing', drawing);
+  });
+  presets.addEventListener('change', () => {
+    const preset = studio.shape?.presets[Number(presets.value)];
+    if (preset) studio.changeLayer({ gains: fitGains(preset.gains, studio.nLevels) }, true);
+    presets.value = '';
+  });
+
+  function rebuild(): void {
+    const levels = studio.shape?.levels ?? [];
+    columns = levels.map((l) => bandColumn(studio, soloMute, l, refresh));
+    bands.replaceChildren(...columns.map((c) => c.root));
+    bands.classList.toggle('many', columns.length > 10);
+    presets.replaceChildren(
+      h('option', { value: '' }, text.presets),
+      ...(studio.shape?.presets ?? []).map((p, i) =>
+        h('option', { value: String(i) }, text.presetNames[p.name] ?? p.name),
+      ),
+    );
+    enable();
+    refresh();
+  }
+
+  function enable(): void {
+    for (const [j, c] of columns.entries()) {
+      const there = studio.loadedBands.has(j + 1);
+      c.input.disabled = !there;
+      c.number.disabled = !there;
+      c.root.classList.toggle('waiting', !there);
+    }
+  }
+
+  function refresh(): void {
+    showGains(columns, studio.layer.gains);
+    const { layer, doc } = studio;
+    const index = doc.layers.indexOf(layer);
+    whose.textContent = doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
+  }
+
+  enableCurveDrawing(
+    studio,
+    bands,
+    () => columns,
+    () => drawing,
+  );
   studio.on('levels', rebuild);
   studio.on('band', enable);
   studio.on(['doc', 'selected'], refresh);
-  studio.on('spectrum', meters);
+  studio.on('spectrum', () => showSpectrum(columns, studio.spectrum));
 
   return h(
     'section',
@@ -258,7 +293,7 @@ export function equalizer(studio: Studio): HTMLElement {
         'button',
         {
           type: 'button',
-          onclick: () => studio.changeLayer({ gains: fitted([], studio.nLevels) }, true),
+          onclick: () => studio.changeLayer({ gains: fitGains([], studio.nLevels) }, true),
         },
         text.reset,
       ),

@@ -1,13 +1,14 @@
-/** Files: open, save, download, recipe, picture; tabs for several shapes. */
+/** Opening, saving and downloading files, and the tabs of open shapes. */
 
+import { ApiError } from './api';
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
-import type { Edit } from './protocol';
+import type { Edit, ReadableFormat, Shape } from './protocol';
 import { toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
-import { tools } from './tools';
+import { toolSections } from './tools';
 
 export class Files {
   constructor(
@@ -15,15 +16,15 @@ export class Files {
     private readonly fetchShape: typeof FetchShape,
   ) {}
 
-  async go(id: number): Promise<void> {
+  async showShape(id: number): Promise<void> {
     try {
       await this.studio.session.open(this.fetchShape(this.studio.api, id));
     } catch (error) {
-      this.studio.say((error as Error).message, 'error');
+      this.studio.showMessage((error as Error).message, 'error');
     }
   }
 
-  async list(): Promise<void> {
+  async refreshShapes(): Promise<void> {
     this.studio.shapes = await this.studio.api.shapes();
     this.studio.emit('shapes');
   }
@@ -31,41 +32,43 @@ export class Files {
   async openFile(file: File): Promise<void> {
     const { studio } = this;
     if (/\.toml$/i.test(file.name)) {
-      await this.try(async () => studio.session.takeRecipe(await file.text()));
+      await this.reportErrors(async () => studio.session.applyRecipe(await file.text()));
       return;
     }
     if (/\.edit\.json$/i.test(file.name)) {
-      await this.try(async () => studio.session.takeEdit(JSON.parse(await file.text()) as Edit));
+      await this.reportErrors(async () => studio.session.applyEdit(JSON.parse(await file.text()) as Edit));
       return;
     }
-    studio.say(text.reading(file.name));
-    await this.try(async () => {
+    studio.showMessage(text.reading(file.name));
+    await this.reportErrors(async () => {
       const { id } = await studio.api.open(file, file.name);
-      await this.list();
-      await this.go(id);
+      await this.refreshShapes();
+      await this.showShape(id);
     });
   }
 
   async close(id: number): Promise<void> {
     const { studio } = this;
-    await this.try(async () => {
+    await this.reportErrors(async () => {
       const next = studio.shapes.shapes.find((s) => s.id !== id);
       if (!next) {
-        studio.say(text.lastShape);
+        studio.showMessage(text.lastShape);
         return;
       }
-      if (studio.shape?.id === id) await this.go(next.id);
+      if (studio.shape?.id === id) await this.showShape(next.id);
       await studio.api.close(id);
-      await this.list();
+      await this.refreshShapes();
     });
   }
 
-  /** Does it, and says what went wrong. */
-  async try(what: () => Promise<void>): Promise<void> {
+  /** Runs an action and shows its error, if any. */
+  async reportErrors(what: () => Promise<void>): Promise<void> {
     try {
       await what();
     } catch (error) {
-      this.studio.say((error as Error).message, 'error');
+      const formats = error instanceof ApiError ? readableFormats(error.body) : null;
+      const link = formats && { label: text.readableFormats, onclick: () => showFormats(formats) };
+      this.studio.showMessage((error as Error).message, 'error', link ?? undefined);
     }
   }
 
@@ -76,143 +79,70 @@ export class Files {
   async save(name: string | null = null, replace = false): Promise<void> {
     const { studio } = this;
     if (!studio.shape) return;
-    await this.try(async () => {
-      await studio.saver?.sent();
+    await this.reportErrors(async () => {
+      await studio.saver?.waitUntilSent();
       const { path, notes } = await studio.api.save(studio.shape!.id, name, replace);
-      studio.say([text.saved(path), ...notes].join(' '));
+      studio.showMessage([text.saved(path), ...notes].join(' '));
     });
   }
 
-  /** The name of the shape without its ending. */
+  /** Name of the shape without its extension. */
   get stem(): string {
     return stem(this.studio.shape!.name);
   }
 
-  /** Ends the studio; who opened it, the command or Python, has the edit then. */
-  async done(): Promise<void> {
-    await this.try(async () => {
-      await this.studio.saver?.sent();
-      await this.studio.api.done();
+  /** Ends the studio; the command or Python session that started it receives the edit. */
+  async quitStudio(): Promise<void> {
+    await this.reportErrors(async () => {
+      await this.studio.saver?.waitUntilSent();
+      await this.studio.api.endStudio();
       document
         .getElementById('app')!
         .replaceChildren(h('p', { class: 'fatal', role: 'status' }, text.finished));
     });
   }
 
-  /** The edit as a file, for the studio that is started next: it needs no server. */
+  /** Downloads the edit as a file, without the server, to be opened in the next studio. */
   saveEdit(): void {
     const edit = JSON.stringify(toEdit(this.studio.doc, 0));
     download(new Blob([edit], { type: 'application/json' }), `${this.stem}.edit.json`);
   }
 
-  /** The shape with working sliders, as one file. */
+  /** Downloads the shape with working sliders as one HTML file. */
   async page(): Promise<void> {
     const { studio } = this;
-    studio.say(text.working);
-    await this.try(async () => {
-      await studio.saver?.sent();
+    studio.showMessage(text.working);
+    await this.reportErrors(async () => {
+      await studio.saver?.waitUntilSent();
       const page = await studio.api.page(studio.shape!.id);
       download(new Blob([page], { type: 'text/html' }), `${this.stem}.html`);
-      studio.say(text.pageMade((page.size / 1e6).toFixed(1)));
+      studio.showMessage(text.pageMade((page.size / 1e6).toFixed(1)));
     });
   }
 
   async picture(): Promise<void> {
-    await this.try(async () => download(await this.studio.view.picture(), `${this.stem}.png`));
+    await this.reportErrors(async () => download(await this.studio.view.picture(), `${this.stem}.png`));
   }
 
-  /** All that leaves the studio, in one dialog. */
-  menu(): void {
-    const { studio } = this;
-    const { shape } = studio;
+  /** Opens the dialog for saving, downloads and tools. */
+  openMenu(): void {
+    const { shape } = this.studio;
     if (!shape) return;
-    const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
-    const format = h(
-      'select',
-      { 'aria-label': text.format },
-      ...shape.formats.map((f) => h('option', { value: f }, f)),
-    );
-    const own = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
-    if (own) format.value = own;
-    const button = (label: string, act: () => void, kind = '') =>
-      h('button', { type: 'button', class: kind, onclick: act }, label);
-    let replace = false;
+    const close = () => box.close();
     const box = dialog(
       text.file,
-      h('h3', {}, text.save),
-      h('p', {}, text.saveNote),
+      ...this.saveSection(close),
+      ...this.downloadSection(shape, close),
+      ...this.recipeSection(shape, close),
+      ...toolSections(this.studio, this, close),
+      h('h3', {}, text.quit),
+      h('p', {}, text.quitNote),
       h(
         'div',
         { class: 'row' },
-        name,
-        button(
-          text.save,
-          () => {
-            box.close();
-            void this.save(name.value.trim() || null, replace);
-          },
-          'primary',
-        ),
-      ),
-      check(text.saveReplace, false, (on) => {
-        replace = on;
-      }),
-      h('h3', {}, text.downloads),
-      h(
-        'div',
-        { class: 'row' },
-        format,
-        button(
-          text.download,
-          () =>
-            void this.try(async () => {
-              await studio.saver?.sent();
-              const kind = format.value.toLowerCase();
-              const ending = kind === 'gifti' ? 'gii' : kind.replace('-ascii', '');
-              download(await studio.api.download(shape.id, kind), `${this.stem}-edited.${ending}`);
-            }),
-        ),
-      ),
-      h(
-        'div',
-        { class: 'row' },
-        button(text.picture, () => void this.picture()),
-        button(text.pageGo, () => {
-          box.close();
-          void this.page();
-        }),
-      ),
-      h('p', { class: 'hint' }, text.pageNote),
-      h('h3', {}, text.recipe),
-      h('p', {}, text.recipeNote),
-      h(
-        'div',
-        { class: 'row' },
-        button(
-          text.recipeSave,
-          () =>
-            void this.try(async () => {
-              await studio.saver?.sent();
-              const recipe = await studio.api.recipe(shape.id);
-              download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
-            }),
-        ),
-        button(text.recipeOpen, () =>
-          chooseFile('.toml', (file) => {
-            box.close();
-            void this.try(async () => studio.session.takeRecipe(await file.text()));
-          }),
-        ),
-      ),
-      ...tools(studio, this, () => box.close()),
-      h('h3', {}, text.finish),
-      h('p', {}, text.finishNote),
-      h(
-        'div',
-        { class: 'row' },
-        button(text.done, () => {
-          box.close();
-          void this.done();
+        button(text.quit, () => {
+          close();
+          void this.quitStudio();
         }),
       ),
       shape.notes.length ? h('h3', {}, text.notes) : null,
@@ -220,7 +150,81 @@ export class Files {
     );
   }
 
-  /** The shapes that are open, as tabs. */
+  private saveSection(close: () => void): Node[] {
+    const name = h('input', { type: 'text', placeholder: text.saveNameHint, 'aria-label': text.saveName });
+    let replace = false;
+    const save = () => {
+      close();
+      void this.save(name.value.trim() || null, replace);
+    };
+    return [
+      h('h3', {}, text.save),
+      h('p', {}, text.saveNote),
+      h('div', { class: 'row' }, name, button(text.save, save, 'primary')),
+      check(text.saveReplace, false, (on) => {
+        replace = on;
+      }),
+    ];
+  }
+
+  private downloadSection(shape: Shape, close: () => void): Node[] {
+    const { studio } = this;
+    const format = h(
+      'select',
+      { 'aria-label': text.format },
+      ...shape.formats.map((f) => h('option', { value: f }, text.formatName(f))),
+    );
+    const current = shape.formats.find((f) => f.toLowerCase() === shape.format?.toLowerCase());
+    if (current) format.value = current;
+    const downloadShape = () =>
+      void this.reportErrors(async () => {
+        await studio.saver?.waitUntilSent();
+        const id = format.value.toLowerCase();
+        const extension = id === 'gifti' ? 'gii' : id.replace('-ascii', '');
+        download(await studio.api.download(shape.id, id), `${this.stem}-edited.${extension}`);
+      });
+    return [
+      h('h3', {}, text.downloads),
+      h('div', { class: 'row' }, format, button(text.download, downloadShape)),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.picture, () => void this.picture()),
+        button(text.pageGo, () => {
+          close();
+          void this.page();
+        }),
+      ),
+      h('p', { class: 'hint' }, text.pageNote),
+    ];
+  }
+
+  private recipeSection(shape: Shape, close: () => void): Node[] {
+    const { studio } = this;
+    const downloadRecipe = () =>
+      void this.reportErrors(async () => {
+        await studio.saver?.waitUntilSent();
+        const recipe = await studio.api.recipe(shape.id);
+        download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
+      });
+    const openRecipe = () =>
+      chooseFile('.toml', (file) => {
+        close();
+        void this.reportErrors(async () => studio.session.applyRecipe(await file.text()));
+      });
+    return [
+      h('h3', {}, text.recipe),
+      h('p', {}, text.recipeNote),
+      h(
+        'div',
+        { class: 'row' },
+        button(text.recipeSave, downloadRecipe),
+        button(text.recipeOpen, openRecipe),
+      ),
+    ];
+  }
+
+  /** Creates the tabs of the open shapes. */
   tabs(): HTMLElement {
     const { studio } = this;
     const nav = h('nav', { class: 'tabs', 'aria-label': text.shapes });
@@ -237,7 +241,7 @@ export class Files {
                 type: 'button',
                 'aria-current': here ? 'page' : undefined,
                 title: s.name,
-                onclick: () => void this.go(s.id),
+                onclick: () => void this.showShape(s.id),
               },
               s.name,
             ),
@@ -253,7 +257,7 @@ export class Files {
     return nav;
   }
 
-  /** Files may be dropped anywhere. */
+  /** Accepts files dropped anywhere on the page. */
   acceptDrops(target: HTMLElement): void {
     target.addEventListener('dragover', (e) => {
       e.preventDefault();
@@ -268,6 +272,27 @@ export class Files {
       for (const file of e.dataTransfer?.files ?? []) void this.openFile(file);
     });
   }
+}
+
+function button(label: string, onclick: () => void, kind = ''): HTMLButtonElement {
+  return h('button', { type: 'button', class: kind, onclick }, label);
+}
+
+/** Returns the supported formats that the server lists in its error about an unknown one. */
+function readableFormats(body: unknown): ReadableFormat[] | null {
+  const formats = (body as { readable_formats?: ReadableFormat[] } | null)?.readable_formats;
+  return Array.isArray(formats) ? formats : null;
+}
+
+function showFormats(formats: ReadableFormat[]): void {
+  dialog(
+    text.readableFormats,
+    h(
+      'ul',
+      { class: 'formats' },
+      ...formats.map((f) => h('li', {}, f.title, ' ', h('small', {}, f.extensions.join(' ')))),
+    ),
+  );
 }
 
 function stem(name: string): string {

@@ -1,11 +1,11 @@
-/** The scale of a slider: 0 … 200, with gain 1 in the middle, 0 at the bottom, 4 at the top. */
+/** Scale of a gain slider: positions 0 … 200 with gain 0 at the bottom, 1 in the middle and 4 at the top. */
 
 export const SLIDER_MAX = 200;
 export const GREATEST_GAIN = 4;
-/** What can be typed; the server takes any gain. */
+/** Largest gain that can be typed; the server accepts any gain. */
 export const GREATEST_TYPED = 100;
 
-/** Below the middle the gain is proportional to the height, above it each step multiplies. */
+/** Gain of a slider position: linear below the middle, exponential above. */
 export function gainOf(position: number): number {
   const s = Math.min(SLIDER_MAX, Math.max(0, position)) / 100;
   const gain = s <= 1 ? s : GREATEST_GAIN ** (s - 1);

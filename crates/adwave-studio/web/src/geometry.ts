@@ -1,8 +1,8 @@
-/** Arrays as attributes, and how large a shape is. */
+/** Bounding sphere of positions, and updates of vertex attributes. */
 
 import { BufferAttribute, type BufferGeometry } from 'three';
 
-/** The middle of the bounding box, and how far the vertices reach from it. */
+/** Center of the bounding box, and the largest distance of a vertex from it. */
 export function boundingSphere(p: Float32Array): { center: number[]; radius: number } {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -23,8 +23,8 @@ export function boundingSphere(p: Float32Array): { center: number[]; radius: num
   return { center, radius: Math.sqrt(radius) };
 }
 
-/** Puts an array into an attribute: of the same size into the buffer that is there. */
-export function replace(
+/** Sets the array of an attribute; reuses the buffer if size and type are the same. */
+export function setAttributeArray(
   geometry: BufferGeometry,
   name: string,
   array: Float32Array | Int8Array,

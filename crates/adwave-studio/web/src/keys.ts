@@ -1,11 +1,11 @@
-/** The keyboard. */
+/** Keyboard shortcuts. */
 
-import { reshape } from './areas';
 import { brush } from './brush';
 import { dialog } from './dialog';
 import { h } from './dom';
 import type { Files } from './files';
-import type { Look } from './look';
+import type { LookPanel } from './look-panel';
+import { reshape } from './region-panel';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
@@ -21,10 +21,13 @@ export function showKeys(): void {
         h('dd', {}, what),
       ]),
     ),
+    h('h3', {}, text.about),
+    h('p', {}, text.license),
+    h('p', {}, h('a', { href: 'third-party-notices.txt', target: '_blank', rel: 'noopener' }, text.notices)),
   );
 }
 
-export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Files): void {
+export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, files: Files): void {
   const { view } = studio;
   const views = { '1': ['front', 'back'], '3': ['right', 'left'], '7': ['top', 'bottom'] } as const;
 
@@ -48,10 +51,10 @@ export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Fi
     const number = (e.code.match(/^(?:Digit|Numpad)([137])$/) ?? [])[1] as keyof typeof views | undefined;
     if (number) {
       view.camera.look(views[number][e.shiftKey ? 1 : 0]);
-      view.touch();
+      view.markMoving();
     } else if (e.key === '?') showKeys();
     else if (e.key === '\\') studio.setBefore(true);
-    else if (key === 'b') studio.setBrush(!studio.brushOn);
+    else if (key === 'b') studio.setBrush(!studio.isBrushOn);
     else if (key === 'n') {
       brush.mode = brush.mode === 'add' ? 'subtract' : 'add';
       studio.emit('tool');
@@ -60,7 +63,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Fi
       studio.emit('tool');
     } else if (key === 'g') reshape(studio, e.shiftKey ? 'shrink' : 'grow');
     else if (key === 'u') reshape(studio, 'blur');
-    else if (key === 'Enter' && studio.drawing) studio.drawing.end();
+    else if (key === 'Enter' && studio.lineDrawing) studio.lineDrawing.end();
     else if (key === '[') stage.resizeBrush(1 / 1.15);
     else if (key === ']') stage.resizeBrush(1.15);
     else if (key === 's') look.toggleSplit();
@@ -69,7 +72,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Fi
     else if (key === 'f' || key === 'Home') {
       if (key === 'Home' && target instanceof HTMLInputElement) return;
       view.camera.frame();
-      view.touch();
+      view.markMoving();
     } else if (key === 'l') studio.addLayer(text.layerName(studio.doc.layers.length + 1), null);
     else if (key === 'e')
       document.querySelector<HTMLInputElement>('.band input.gain:not(:disabled)')?.focus();
@@ -78,18 +81,18 @@ export function listenToKeys(studio: Studio, stage: Stage, look: Look, files: Fi
       const i = layers.indexOf(studio.layer) + (key === '.' ? 1 : -1);
       if (layers[i]) studio.select(layers[i].key);
     } else if (key === 'Escape') {
-      if (!stage.escape() && studio.brushOn) studio.setBrush(false);
+      if (!stage.escape() && studio.isBrushOn) studio.setBrush(false);
     } else if (target === view.canvas && e.key.startsWith('Arrow')) {
       const [dx, dy] = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[
         e.key
       ] as [number, number];
       if (e.shiftKey) view.camera.pan(dx, dy);
       else view.camera.turn(dx, dy);
-      view.touch();
+      view.markMoving();
     } else if (target === view.canvas && (key === '+' || key === '-' || key === '=')) {
       const r = view.canvas.getBoundingClientRect();
       view.camera.zoom(key === '-' ? 1.15 : 1 / 1.15, r.width / 2, r.height / 2);
-      view.touch();
+      view.markMoving();
     } else return;
     e.preventDefault();
   });

@@ -1,14 +1,16 @@
+/** Lengths in model units, and the formatting of numbers. */
+
 import type { Length } from './protocol';
 
-/** A length in model units: a number is one already, `"2%"` is of the diagonal. */
-export function lengthOf(length: Length, diagonal: number): number {
+/** Converts a length to model units; `"2%"` is relative to the diagonal. */
+export function toModelUnits(length: Length, diagonal: number): number {
   if (typeof length === 'number') return length;
   const text = length.trim();
   return text.endsWith('%') ? (Number(text.slice(0, -1)) / 100) * diagonal : Number(text);
 }
 
-/** A number with three significant digits, as short as it gets. */
-export function short(x: number, digits = 3): string {
+/** Formats a number with three significant digits. */
+export function formatNumber(x: number, digits = 3): string {
   if (!Number.isFinite(x)) return '–';
   if (x === 0) return '0';
   const size = Math.abs(x);
@@ -21,8 +23,8 @@ export function short(x: number, digits = 3): string {
   return text.replace('-', '−');
 }
 
-/** A count with thin spaces between thousands. */
-export function count(n: number): string {
+/** Formats a count with thin spaces between thousands. */
+export function formatCount(n: number): string {
   return Math.round(n)
     .toString()
     .replace(/\B(?=(\d{3})+$)/g, '\u202f');

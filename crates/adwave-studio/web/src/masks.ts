@@ -1,25 +1,25 @@
-/** The masks of the layers as the shader has them: each in a slot of its own. */
+/** Masks of the layers in the slots of the shader. */
 
 import type { ShapeArrays } from './arrays';
 import type { DocLayer } from './state';
 
 export class Masks {
   private readonly masks = new Map<number, Uint8Array>();
-  /** The layer whose mask is in each slot. */
+  /** Layer key of each slot. */
   private slots: number[] = [];
   private n = 0;
 
   constructor(private readonly arrays: ShapeArrays) {}
 
-  /** Another shape. */
-  begin(nVertices: number): void {
+  /** Resets for another shape. */
+  reset(nVertices: number): void {
     this.n = nVertices;
     this.masks.clear();
     this.slots = [];
   }
 
-  /** The worker says what a mask is from a vertex on. */
-  hear(key: number, from: number, bytes: Uint8Array): void {
+  /** Updates a mask from a vertex on, as reported by the worker. */
+  updateMask(key: number, from: number, bytes: Uint8Array): void {
     let mask = this.masks.get(key);
     if (!mask) {
       mask = new Uint8Array(this.n);
@@ -34,13 +34,13 @@ export class Masks {
     return this.masks.has(key);
   }
 
-  /** The slot of a layer; −1 where it has none. */
+  /** Slot of a layer; −1 if it has none. */
   slot(key: number): number {
     return this.slots.indexOf(key);
   }
 
-  /** Gives the layers that have a region their slots. */
-  take(layers: readonly DocLayer[]): void {
+  /** Assigns slots to the layers that have a region. */
+  assignSlots(layers: readonly DocLayer[]): void {
     const slots = layers.filter((l) => l.region).map((l) => l.key);
     if (slots.length === this.slots.length && slots.every((k, i) => k === this.slots[i])) return;
     const old = this.slots;

@@ -1,4 +1,4 @@
-/** The shaders of the shape with what they are told: colors, a scalar field, the edit as a sum of bands. */
+/** Shader materials of the shape and their uniforms: colors, a scalar field, and the edit as a sum of bands. */
 
 import {
   DataTexture,
@@ -10,10 +10,10 @@ import {
   Vector3,
   Vector4,
 } from 'three';
-import { type MapName, table } from './colors';
+import { colorTable, type MapName } from './colors';
 import { fragmentShader, maskPacks, type Variant, vertexShader } from './shader';
 
-/** What layers with a mask do, by slot: opacity · (gain − 1) of each band. */
+/** Effect of a masked layer: opacity · (gain − 1) of each band, by slot. */
 export type Masked = readonly { slot: number; slopes: readonly number[] }[];
 
 export class Materials {
@@ -21,14 +21,14 @@ export class Materials {
   hasScalar = false;
   tinted = false;
   private readonly made = new Map<string, RawShaderMaterial>();
-  /** The edit as uniforms of the sum; their lengths are part of its shader. */
+  /** Uniforms of the sum of bands; their lengths are part of the shader. */
   private sums = noSums();
   private readonly tints = [new Vector4(), new Vector4()];
   private readonly texture: DataTexture;
   private readonly shared: Record<string, { value: unknown }>;
 
   constructor() {
-    this.texture = new DataTexture(table('viridis'), 256, 1);
+    this.texture = new DataTexture(colorTable('viridis'), 256, 1);
     this.texture.magFilter = LinearFilter;
     this.texture.minFilter = LinearFilter;
     this.texture.needsUpdate = true;
@@ -70,18 +70,18 @@ export class Materials {
 
   setScalarRange(range: [number, number], map: MapName): void {
     (this.shared['range']!.value as Vector2).set(...range);
-    this.texture.image.data!.set(table(map));
+    this.texture.image.data!.set(colorTable(map));
     this.texture.needsUpdate = true;
   }
 
-  /** Tints what is in the mask of a slot; null: nothing. */
+  /** Tints the mask of a slot; `null` turns the tint off. */
   setTint(slot: number | null): void {
     for (const tint of this.tints) tint.set(0, 0, 0, 0);
     if (slot !== null) this.tints[slot >> 2]?.setComponent(slot & 3, 1);
     this.tinted = slot !== null && slot < 8;
   }
 
-  /** Of other levels or more masks other shaders are made. */
+  /** Discards the sums: other levels or more masks need other shaders. */
   forgetSums(): void {
     this.sums = noSums();
     for (const [key, material] of this.made) {
@@ -91,7 +91,7 @@ export class Materials {
     }
   }
 
-  /** The edit as uniforms, `scales` those of the bands. False where the shader cannot do it. */
+  /** Sets the uniforms of the edit; `scales` belong to the bands. Returns false if the shader cannot sum the edit. */
   setSums(
     global: ArrayLike<number>,
     masked: Masked,

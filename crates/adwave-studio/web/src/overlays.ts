@@ -1,4 +1,4 @@
-/** What is drawn over the shape: the brush's circle, balls at features, edges. */
+/** Overlays of the shape: the circle of the brush, balls at features, edges. */
 
 import {
   BufferAttribute,
@@ -56,7 +56,7 @@ export class Overlays {
     this.edgeInk = edges;
   }
 
-  /** Pixels a unit has at distance 1. */
+  /** Pixels per model unit at distance 1. */
   setPixels(pixels: number): void {
     this.balls.material.uniforms['pixels']!.value = pixels;
   }
@@ -108,7 +108,7 @@ export class Overlays {
     return this.wires !== null;
   }
 
-  /** Shows the edges of a shape at these positions, or hides them. */
+  /** Shows or hides the edges of a geometry. */
   placeEdges(shown: boolean, of: BufferGeometry): void {
     if (!this.wires) return;
     this.wires.visible = shown;

@@ -1,4 +1,4 @@
-/** What the page and the server say to each other, as PROTOCOL.md has it. */
+/** Types of requests and responses, as described in PROTOCOL.md. */
 
 export type Place = { vertex: number } | { point: number[] };
 export type Length = number | string;
@@ -21,8 +21,7 @@ export type Region =
   | { all: Region[] };
 
 /**
- * One stroke of a brush: the larger of what is there and r, the smaller of what is there and 1 − r, or what is there blurred by a
- * length to the part r.
+ * One stroke of a brush with region weights r on a mask m: max(m, r), min(m, 1 − r), or m + r · (blurred m − m).
  */
 export type BrushStroke = { add: Region } | { subtract: Region } | { smooth: { region: Region; by: Length } };
 
@@ -63,7 +62,7 @@ export interface FieldName {
 export interface Shape {
   id: number;
   name: string;
-  /** Of the file; none for a built-in shape. */
+  /** Format of the file; `null` for a built-in shape. */
   format: string | null;
   formats: string[];
   kind: string;
@@ -82,7 +81,7 @@ export interface Shape {
   resumed: boolean;
 }
 
-export interface Moved {
+export interface EditSummary {
   revision: number;
   greatest: number;
   rms: number;
@@ -104,6 +103,12 @@ export interface FieldInfo {
   diverging: boolean;
 }
 
+/** A format that can be read. */
+export interface ReadableFormat {
+  title: string;
+  extensions: string[];
+}
+
 export interface ShapeList {
   version: string;
   shapes: { id: number; name: string }[];
@@ -113,8 +118,8 @@ export type CompareMethod = 'taubin' | 'harmonics';
 
 export interface Comparison {
   how: { degree: number; frequency: number } | { harmonics: number; t: number };
-  /** Rms distance of a vertex from the mean of its neighbors. */
+  /** Root mean square distance of a vertex from the mean of its neighbors, in model units. */
   roughness: { before: number; edit: number; other: number };
-  /** Rms distance that vertices are moved. */
+  /** Root mean square displacement, in model units. */
   rms: { edit: number; other: number };
 }

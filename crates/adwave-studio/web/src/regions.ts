@@ -1,12 +1,12 @@
-/** Regions by number: the worker is sent each once, and of a painted one that has a stroke more only the stroke. */
+/** Numbering of regions: each is sent to the worker once, and an appended stroke is sent alone. */
 
-import type { RegionNews } from './compute/messages';
+import type { RegionUpdate } from './compute/messages';
 import type { Region } from './protocol';
 
 export class Regions {
   private readonly ids = new WeakMap<Region, number>();
-  /** Which region a stroke was painted on. */
-  private readonly parents = new WeakMap<Region, Region>();
+  /** Region that the last stroke was appended to. */
+  private readonly strokeParents = new WeakMap<Region, Region>();
   private n = 0;
   private sent = new Set<number>();
 
@@ -19,34 +19,34 @@ export class Regions {
     return id;
   }
 
-  /** `child` is `parent` with one stroke more. */
-  follows(child: Region, parent: Region): void {
-    this.parents.set(child, parent);
+  /** Registers that `child` is `parent` with one stroke appended. */
+  registerStroke(child: Region, parent: Region): void {
+    this.strokeParents.set(child, parent);
   }
 
-  /** The numbers of some regions, and what the worker does not know of them yet. */
-  newsOf(regions: readonly (Region | null)[]): { news: RegionNews[]; ids: (number | null)[] } {
-    const news: RegionNews[] = [];
+  /** Returns the numbers of regions, and the updates that the worker needs. */
+  updatesFor(regions: readonly (Region | null)[]): { updates: RegionUpdate[]; ids: (number | null)[] } {
+    const updates: RegionUpdate[] = [];
     const ids = regions.map((region) => {
       if (!region) return null;
       const id = this.id(region);
-      if (!this.sent.has(id)) news.push([id, this.told(region)]);
+      if (!this.sent.has(id)) updates.push([id, this.encodeUpdate(region)]);
       this.sent.add(id);
       return id;
     });
-    return { news, ids };
+    return { updates, ids };
   }
 
-  private told(region: Region): RegionNews[1] {
-    const parent = this.parents.get(region);
+  private encodeUpdate(region: Region): RegionUpdate[1] {
+    const parent = this.strokeParents.get(region);
     if (!parent || !('painted' in parent) || !('painted' in region)) return region;
     const known = this.id(parent);
     return this.sent.has(known) ? { extends: known, stroke: region.painted.at(-1)! } : region;
   }
 
-  /** The worker does not know these, or none at all. */
-  forget(news?: readonly RegionNews[]): void {
-    if (!news) this.sent = new Set();
-    for (const [id] of news ?? []) this.sent.delete(id);
+  /** Marks updates as not received by the worker; all of them if none are given. */
+  markUnknown(updates?: readonly RegionUpdate[]): void {
+    if (!updates) this.sent = new Set();
+    for (const [id] of updates ?? []) this.sent.delete(id);
   }
 }

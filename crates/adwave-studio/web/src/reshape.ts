@@ -1,16 +1,16 @@
-/** Regions made of the one that is there: grown, shrunk, blurred. */
+/** Growing, shrinking and blurring of regions. */
 
-import { lengthOf } from './lengths';
+import { toModelUnits } from './lengths';
 import type { Region } from './protocol';
 
 export type Change = 'grow' | 'shrink' | 'blur';
 
 /**
- * The region after a change by a length, in model units. The same change twice is one by more: lengths of growing add up, of blurs
- * their squares.
+ * Applies a change by a length in model units. Repeated changes are merged: lengths of growing add up, squared lengths of
+ * blurs add up.
  */
-export function reshaped(region: Region, change: Change, by: number, diagonal: number): Region {
-  const length = (l: number | string) => lengthOf(l, diagonal);
+export function reshapeRegion(region: Region, change: Change, by: number, diagonal: number): Region {
+  const length = (l: number | string) => toModelUnits(l, diagonal);
   switch (change) {
     case 'grow':
       if ('grown' in region) {
@@ -19,7 +19,7 @@ export function reshaped(region: Region, change: Change, by: number, diagonal: n
       return { grown: { by, region } };
     case 'shrink': {
       const outside = 'not' in region ? region.not : { not: region };
-      return { not: reshaped(outside, 'grow', by, diagonal) };
+      return { not: reshapeRegion(outside, 'grow', by, diagonal) };
     }
     case 'blur':
       if ('blurred' in region) {

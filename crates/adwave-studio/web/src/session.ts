@@ -1,28 +1,28 @@
-/** The shape of the server that is open on the page: fetched with its bands and its edit, and what replaces its levels or its edit. */
+/** The displayed shape of the server: fetching it with bands and edit, and replacing its levels or its edit. */
 
-import type { Early } from './boot';
+import type { ShapeRequest } from './boot';
 import { coarseTriangles } from './compute/coarse';
-import type { Edit, Level, Moved } from './protocol';
-import { keptAfterReload, Saver } from './saver';
+import type { Edit, EditSummary, Level } from './protocol';
+import { fetchEditAfterReload, Saver } from './saver';
 import { type Doc, fromEdit, isNeutral, needsServer } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
-/** Triangles of a large shape while it moves. */
+/** Number of triangles of the coarse version. */
 const COARSE = 45_000;
-/** Triangles of a shape that is first drawn with fewer. */
+/** Number of triangles above which the coarse version is drawn first. */
 const COARSE_FIRST = 200_000;
 
 export class Session {
-  /** Another number when another shape or other levels are there: what was asked for before is too late. */
+  /** Counter of shapes and levels; responses to requests of an older generation are ignored. */
   generation = 0;
 
   constructor(private readonly studio: Studio) {}
 
-  /** Opens a shape of the server: its picture first, then its bands, coarse to fine. */
-  async open(early: Early): Promise<void> {
+  /** Opens a shape of the server: first its picture, then its bands from coarse to fine. */
+  async open(early: ShapeRequest): Promise<void> {
     const { studio } = this;
-    const { view, watch, api } = studio;
+    const { view, timings, api } = studio;
     const generation = ++this.generation;
     studio.saver?.close();
     const [shape, positions, triangles] = await Promise.all([early.shape, early.positions, early.triangles]);
@@ -35,16 +35,16 @@ export class Session {
     const coarsen = () => view.arrays.setCoarse(coarseTriangles(positions, triangles, COARSE));
     const few = view.arrays.heavy && shape.n_triangles > COARSE_FIRST;
     if (few) {
-      // Fewer triangles are there sooner; all of them follow when the page is at rest.
+      // The coarse version is ready sooner; the full one is drawn when the page is at rest.
       coarsen();
-      view.touch();
+      view.markMoving();
     }
     view.draw();
-    if (!watch.timings.firstPixels) {
+    if (!timings.records.firstPixels) {
       view.finish();
-      watch.timings.firstPixels = performance.now();
+      timings.records.firstPixels = performance.now();
     }
-    studio.forgetShape();
+    studio.resetForShape();
     view.setLevels(shape.levels.length);
     const normals = studio.engine.call('shape', {
       url: `${api.root}api/shapes/${shape.id}/`,
@@ -58,9 +58,9 @@ export class Session {
       triangles,
     });
     const bands = this.readBands(generation);
-    const edit = await keptAfterReload(api, shape.id);
+    const edit = await fetchEditAfterReload(api, shape.id);
     if (generation !== this.generation) return;
-    this.begin(fromEdit(edit, shape.levels.length), edit.revision);
+    this.startEditing(fromEdit(edit, shape.levels.length), edit.revision);
     studio.emit('shape');
     studio.emit('levels');
     void normals.then(({ normals }) => {
@@ -68,26 +68,26 @@ export class Session {
     });
     await bands;
     if (generation !== this.generation) return;
-    // Until then the worker sums what a slider moves.
+    // Until the coarse version is ready, the worker sums the bands while a slider moves.
     if (view.arrays.heavy && !few) coarsen();
     if (!isNeutral(studio.doc)) studio.display.settle();
     void studio.engine.call('warm', {});
   }
 
-  /** A document from the server becomes the present one, and what is done to it from here on is kept there. */
-  private begin(doc: Doc, revision: number): void {
+  /** Starts editing a document of the server; further steps are saved there. */
+  private startEditing(doc: Doc, revision: number): void {
     const { studio } = this;
-    studio.saver?.leave();
-    studio.saver = new Saver(studio.api, studio.shape!.id, revision, (moved) => this.hear(moved));
-    studio.startFrom(doc);
+    studio.saver?.detach();
+    studio.saver = new Saver(studio.api, studio.shape!.id, revision, (moved) => this.handleSaved(moved));
+    studio.resetDocument(doc);
     studio.emit('saving');
   }
 
-  /** The server has kept the edit, or could not. */
-  private hear(moved: Moved | null): void {
+  /** Handles a finished or failed save. */
+  private handleSaved(moved: EditSummary | null): void {
     const { studio } = this;
     if (moved) {
-      studio.moved = moved;
+      studio.displacement = moved;
       studio.emit('moved');
       if (needsServer(studio.doc, studio.shape!.kind === 'cloud')) studio.display.settle();
     }
@@ -100,34 +100,34 @@ export class Session {
     try {
       await studio.engine.call('bands', { nLevels: studio.nLevels, shared });
     } catch (error) {
-      if (generation === this.generation) studio.say((error as Error).message, 'error');
+      if (generation === this.generation) studio.showMessage((error as Error).message, 'error');
     }
   }
 
-  /** Other levels: bands are fetched anew, and gains of another number of levels are dropped by the server. */
+  /** Replaces the levels and fetches the new bands. The server resets gains if their number changes. */
   async setLevels(what: unknown): Promise<void> {
     const { studio } = this;
     const { shape, api } = studio;
     if (!shape) return;
-    await studio.saver?.whileReplaced(async () => {
+    await studio.saver?.pauseDuring(async () => {
       const levels = await api.levels(shape.id, what);
-      this.startLevels(levels, await api.edit(shape.id));
+      this.replaceLevels(levels, await api.edit(shape.id));
     });
     await this.readLevels();
-    // Presets have as many gains as there are levels.
+    // Presets depend on the number of levels.
     const { presets } = await api.shape(shape.id);
     studio.shape = { ...studio.shape!, presets };
     studio.emit('levels');
   }
 
-  private startLevels(levels: Level[], edit: Edit): void {
+  private replaceLevels(levels: Level[], edit: Edit): void {
     const { studio } = this;
     this.generation++;
     studio.shape = { ...studio.shape!, levels };
-    studio.arrived.clear();
+    studio.loadedBands.clear();
     studio.view.setLevels(levels.length);
     studio.view.arrays.setUnedited();
-    this.begin(fromEdit(edit, levels.length), edit.revision);
+    this.startEditing(fromEdit(edit, levels.length), edit.revision);
     studio.emit('levels');
   }
 
@@ -137,31 +137,31 @@ export class Session {
     if (generation === this.generation) this.studio.display.settle();
   }
 
-  /** A recipe from a file: its levels and its edit. */
-  async takeRecipe(recipe: string): Promise<void> {
+  /** Applies the levels and the edit of a recipe. */
+  async applyRecipe(recipe: string): Promise<void> {
     const { studio } = this;
-    await studio.saver?.whileReplaced(async () => {
+    await studio.saver?.pauseDuring(async () => {
       const { levels, edit } = await studio.api.putRecipe(studio.shape!.id, recipe);
-      this.startLevels(levels, edit);
+      this.replaceLevels(levels, edit);
     });
     await this.readLevels();
   }
 
-  /** An edit from a file, as one step. */
-  takeEdit(edit: Edit): void {
+  /** Applies an edit from a file as one step. */
+  applyEdit(edit: Edit): void {
     const { nLevels, history } = this.studio;
     const fits = Array.isArray(edit.layers) && edit.layers.every((l) => l.gains.length === nLevels);
     if (!fits) throw new Error(text.badEdit(nLevels));
     history.commit(fromEdit(edit, nLevels));
   }
 
-  /** After a conflict: what another page made of the edit. */
-  takeTheirs(): void {
+  /** Replaces the edit by the conflicting one of another page. */
+  acceptConflictingEdit(): void {
     const { saver, nLevels, display } = this.studio;
-    const edit = saver?.theirs;
+    const edit = saver?.conflictingEdit;
     if (!edit) return;
     saver.resolve(false);
-    this.begin(fromEdit(edit, nLevels), edit.revision);
+    this.startEditing(fromEdit(edit, nLevels), edit.revision);
     display.settle();
   }
 }

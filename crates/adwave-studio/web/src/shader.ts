@@ -1,24 +1,24 @@
-/** Shaders of the shape: bands as vertex attributes, so that moving a slider is changing a uniform. */
+/** Shaders of the shape: bands are vertex attributes, so that a slider only changes a uniform. */
 
-/** Attributes of a vertex that WebGL 2 promises. */
+/** Number of vertex attributes that WebGL 2 guarantees. */
 const MOST_ATTRIBUTES = 16;
 
-/** How many packs of four masks fit beside `nLevels` bands, or null where the worker has to do it all. */
+/** Number of packs of four masks that fit beside `nLevels` bands; `null` if the bands alone do not fit. */
 export function maskPacks(nLevels: number, nMasks: number): number | null {
   const packs = Math.ceil(nMasks / 4);
-  // Position, normal and scalar are always there.
+  // Position, normal and scalar are always attributes.
   return packs <= 2 && 3 + nLevels + packs <= MOST_ATTRIBUTES ? packs : null;
 }
 
-/** What a shader is written for. Each gets its own: without a graphics processor a branch costs even where it is not taken. */
+/** Variant of the shader. Variants are used instead of branches, which cost time in software rendering even if not taken. */
 export interface Variant {
-  /** Bands that are summed: 0 where the positions are those to be drawn. */
+  /** Number of summed bands; 0 if the positions are final. */
   nLevels: number;
-  /** Packs of four masks that the sum needs. */
+  /** Number of packs of four masks in the sum. */
   packs: number;
   cloud: boolean;
   clay: boolean;
-  /** Normals by derivatives in place of those of the vertices. */
+  /** Computes normals from derivatives instead of vertex normals. */
   flat: boolean;
   scalar: boolean;
   tint: boolean;
@@ -63,7 +63,7 @@ ${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5, 64.0);' : ''}
 }`;
 }
 
-const CLAY = `  // Fired clay: a broad highlight from above, a dark edge.
+const CLAY = `  // Clay: a broad highlight from above, dark silhouettes.
   float rim = 1.0 - n.z;
   float top = smoothstep(-0.6, 1.0, dot(n, vec3(-0.35, 0.76, 0.55)));
   float shine = max(0.0, dot(n, vec3(-0.3, 0.55, 0.78)));
@@ -79,7 +79,7 @@ export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): st
   if (dot(q, q) > 1.0) discard;
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
   if (n.z < 0.0) n = -n;`;
-  // What is turned away is seen from within: darker, and lit as if it faced the viewer.
+  // Back faces are darker, and lit as if they faced the viewer.
   const facing = flat
     ? '  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));\n  float side = gl_FrontFacing ? 1.0 : 0.62;'
     : '  float side = gl_FrontFacing ? 1.0 : 0.62;\n  vec3 n = normalize(gl_FrontFacing ? vNormal : -vNormal);';
@@ -116,11 +116,11 @@ uniform vec4 ink;
 out vec4 color;
 void main() { color = ink; }`;
 
-/** Balls of a width in model units, shaded as if they were round. */
+/** Points with a diameter in model units, shaded as balls. */
 export const ballVertex = `precision highp float;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-uniform float pixels; // pixels a unit at distance 1
+uniform float pixels; // pixels per model unit at distance 1
 in vec3 position;
 in float size;
 in float sign;

@@ -1,6 +1,6 @@
-/** The pointer over the picture: camera, brush, what is under the cursor. */
+/** Pointer input on the picture: camera, brush and picking. */
 
-import { brush, brushShape, halfRadius, painted, SPACING, smoothing, stampsOf } from './brush';
+import { appendStroke, brush, brushShape, halfRadius, lastStamps, SPACING, smoothingRadius } from './brush';
 import type { BrushShape, PickAnswer } from './compute/messages';
 import type { Ray } from './compute/pick';
 import { flatRing } from './compute/ring';
@@ -11,10 +11,10 @@ interface Stroke {
   pointer: number;
   key: number;
   shape: BrushShape;
-  /** Where the last stamp was, on the canvas. */
+  /** Position of the last stamp on the canvas. */
   x: number;
   y: number;
-  /** Distance of stamps on the canvas. */
+  /** Distance of stamps on the canvas, in pixels. */
   spacing: number;
   rays: Ray[];
   busy: boolean;
@@ -22,7 +22,7 @@ interface Stroke {
   stamped: number;
 }
 
-/** Pixels that a click may move. */
+/** Largest pointer movement of a click, in pixels. */
 const CLICK = 4;
 
 export class Stage {
@@ -33,83 +33,83 @@ export class Stage {
   private turning: 'turn' | 'pan' | null = null;
   private moved = 0;
   private pinch = { distance: 0, angle: 0, x: 0, y: 0 };
-  /** The place under the cursor, on the surface. */
-  private over: PickAnswer | null = null;
-  private deciding: { id: number; x: number; y: number; invert: boolean; pressure: number } | null = null;
-  clicked: ((answer: PickAnswer, x: number, y: number) => void) | null = null;
+  /** Result of the last pick under the cursor. */
+  private hoverAnswer: PickAnswer | null = null;
+  private pendingPress: { id: number; x: number; y: number; invert: boolean; pressure: number } | null = null;
+  onClick: ((answer: PickAnswer, x: number, y: number) => void) | null = null;
 
   constructor(
     private readonly studio: Studio,
     private readonly canvas: HTMLCanvasElement,
   ) {
-    canvas.addEventListener('pointerdown', (e) => this.down(e));
-    canvas.addEventListener('pointermove', (e) => this.move(e));
-    canvas.addEventListener('pointerup', (e) => this.up(e));
-    canvas.addEventListener('pointercancel', (e) => this.up(e));
-    canvas.addEventListener('pointerleave', () => this.leave());
+    canvas.addEventListener('pointerdown', (e) => this.onPointerDown(e));
+    canvas.addEventListener('pointermove', (e) => this.onPointerMove(e));
+    canvas.addEventListener('pointerup', (e) => this.onPointerUp(e));
+    canvas.addEventListener('pointercancel', (e) => this.onPointerUp(e));
+    canvas.addEventListener('pointerleave', () => this.onPointerLeave());
     canvas.addEventListener('contextmenu', (e) => e.preventDefault());
     canvas.addEventListener('dblclick', (e) => void this.setPivot(e));
-    canvas.addEventListener('wheel', (e) => this.wheel(e), { passive: false });
+    canvas.addEventListener('wheel', (e) => this.onWheel(e), { passive: false });
     studio.on('tool', () => {
-      if (!studio.brushOn) studio.view.showRing(null, null);
-      canvas.classList.toggle('brushing', studio.brushOn);
+      if (!studio.isBrushOn) studio.view.showRing(null, null);
+      canvas.classList.toggle('brushing', studio.isBrushOn);
     });
   }
 
-  private at(e: MouseEvent): { x: number; y: number } {
+  private canvasPoint(e: MouseEvent): { x: number; y: number } {
     const r = this.canvas.getBoundingClientRect();
     return { x: e.clientX - r.left, y: e.clientY - r.top };
   }
 
-  private down(e: PointerEvent): void {
+  private onPointerDown(e: PointerEvent): void {
     if (!this.studio.shape) return;
     this.canvas.focus({ preventScroll: true });
     this.canvas.setPointerCapture(e.pointerId);
-    const place = this.at(e);
+    const place = this.canvasPoint(e);
     this.pointers.set(e.pointerId, place);
     this.moved = 0;
     if (this.pointers.size === 2) {
-      // A second finger: what was begun is a turn, not a stroke.
-      this.deciding = null;
-      if (this.stroke) this.end('drop');
+      // A second finger starts a camera gesture and cancels the stroke.
+      this.pendingPress = null;
+      if (this.stroke) this.endStroke('drop');
       this.turning = null;
       this.startPinch();
       return;
     }
     const pans = e.button === 1 || e.button === 2 || e.shiftKey;
-    if (this.studio.brushOn && !pans && e.button === 0 && !this.studio.pickNext) {
+    if (this.studio.isBrushOn && !pans && e.button === 0 && !this.studio.onPickVertex) {
       const pressure = e.pointerType === 'pen' && e.pressure > 0 ? 0.3 + 0.7 * e.pressure : 1;
-      this.deciding = { id: e.pointerId, ...place, invert: e.ctrlKey || e.metaKey, pressure };
-      void this.decide(this.deciding);
+      this.pendingPress = { id: e.pointerId, ...place, invert: e.ctrlKey || e.metaKey, pressure };
+      void this.resolvePress(this.pendingPress);
       return;
     }
     this.turning = pans ? 'pan' : 'turn';
   }
 
-  /** On the surface the brush paints; beside it the pointer turns the shape. */
-  private async decide(begun: NonNullable<Stage['deciding']>): Promise<void> {
+  /** Decides by picking: the brush paints on the surface; off the surface the pointer rotates the shape. */
+  private async resolvePress(begun: NonNullable<Stage['pendingPress']>): Promise<void> {
     const { studio } = this;
     const shape = brushShape(studio, begun.pressure, begun.invert);
     const ray = studio.view.camera.ray(begun.x, begun.y);
     const answer = await studio.engine.call('pick', { ray, ring: null });
-    if (this.deciding !== begun) {
+    if (this.pendingPress !== begun) {
       return;
     }
-    this.deciding = null;
+    this.pendingPress = null;
     if (!answer.hit) {
       if (this.pointers.has(begun.id)) this.turning = 'turn';
       return;
     }
     if (!studio.layer.region) {
-      // Painting on what acts everywhere makes a layer of its own; both are one step.
+      // Painting on a layer without a region creates a new layer; both are one undo step.
       studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
-      studio.say(text.paintedLayer);
+      studio.showMessage(text.paintedLayer);
     }
     try {
-      await studio.showMask(studio.layer, shape.mode === 'smooth' ? smoothing(shape) : null);
+      await studio.showMask(studio.layer, shape.mode === 'smooth' ? smoothingRadius(shape) : null);
     } catch (error) {
       studio.history.cancel();
-      studio.say((error as Error).message, 'error');
+      studio.showMessage((error as Error).message, 'error');
       return;
     }
     const scale = studio.view.camera.project(answer.hit.point).scale;
@@ -132,7 +132,7 @@ export class Stage {
     const { stroke, studio } = this;
     if (!stroke || stroke.busy) return;
     if (stroke.rays.length === 0) {
-      if (stroke.ended) await this.finish(stroke);
+      if (stroke.ended) await this.commitStroke(stroke);
       return;
     }
     stroke.busy = true;
@@ -145,34 +145,34 @@ export class Stage {
         ring: halfRadius(stroke.shape),
       });
       stroke.stamped += answer.stamped;
-      if (answer.stamped) studio.watch.timings.stamp.push(answer.stampTook);
+      if (answer.stamped) studio.timings.records.stamp.push(answer.stampTook);
       studio.view.showRing(answer.outer, answer.inner);
       studio.showSpectrum(answer.spectrum);
       if (answer.stamped) {
-        studio.view.touch();
+        studio.view.markMoving();
         studio.display.show(false);
       }
     } catch (error) {
-      studio.say((error as Error).message, 'error');
+      studio.showMessage((error as Error).message, 'error');
       stroke.ended = 'drop';
     }
     stroke.busy = false;
     void this.paint();
   }
 
-  private end(how: 'keep' | 'drop'): void {
+  private endStroke(how: 'keep' | 'drop'): void {
     if (!this.stroke) return;
     this.stroke.ended = how;
     if (how === 'drop') this.stroke.rays = [];
     void this.paint();
   }
 
-  private async finish(stroke: Stroke): Promise<void> {
+  private async commitStroke(stroke: Stroke): Promise<void> {
     const { studio } = this;
     this.stroke = null;
     const keep = stroke.ended === 'keep' && stroke.stamped > 0;
     const layer = studio.doc.layers.find((l) => l.key === stroke.key);
-    const region = layer ? painted(layer.region, [], stroke.shape) : null;
+    const region = layer ? appendStroke(layer.region, [], stroke.shape) : null;
     const child = region ? studio.regions.id(region) : -1;
     const { indices } = await studio.engine.call('paintEnd', {
       key: stroke.key,
@@ -185,14 +185,14 @@ export class Stage {
       studio.display.settle();
       return;
     }
-    stampsOf(region).push(...indices);
-    if (layer?.region) studio.regions.follows(region, layer.region);
+    lastStamps(region).push(...indices);
+    if (layer?.region) studio.regions.registerStroke(region, layer.region);
     studio.changeLayer({ region }, false, stroke.key);
     studio.history.end();
   }
 
-  private move(e: PointerEvent): void {
-    const place = this.at(e);
+  private onPointerMove(e: PointerEvent): void {
+    const place = this.canvasPoint(e);
     const before = this.pointers.get(e.pointerId);
     if (!before) {
       this.hover(place);
@@ -206,19 +206,19 @@ export class Stage {
     if (this.pointers.size === 2) {
       this.movePinch();
     } else if (this.stroke?.pointer === e.pointerId) {
-      // Browsers merge samples of a frame; a stroke follows all of them.
+      // Browsers coalesce the samples of a frame; a stroke follows all of them.
       const samples = e.getCoalescedEvents?.() ?? [];
-      for (const sample of samples.length ? samples : [e]) this.along(this.at(sample));
+      for (const sample of samples.length ? samples : [e]) this.addRays(this.canvasPoint(sample));
       void this.paint();
       return;
     } else if (this.turning === 'turn') camera.turn(dx, dy);
     else if (this.turning === 'pan') camera.pan(dx, dy);
     else return;
-    this.studio.view.touch();
+    this.studio.view.markMoving();
   }
 
-  /** Rays at even distances from the last stamp to here. */
-  private along(place: { x: number; y: number }): void {
+  /** Adds rays at even distances from the last stamp to the pointer. */
+  private addRays(place: { x: number; y: number }): void {
     const stroke = this.stroke!;
     let length = Math.hypot(place.x - stroke.x, place.y - stroke.y);
     while (length >= stroke.spacing) {
@@ -230,16 +230,16 @@ export class Stage {
     }
   }
 
-  private up(e: PointerEvent): void {
+  private onPointerUp(e: PointerEvent): void {
     if (!this.pointers.delete(e.pointerId)) return;
     if (this.stroke?.pointer === e.pointerId) {
-      this.end(e.type === 'pointercancel' ? 'drop' : 'keep');
+      this.endStroke(e.type === 'pointercancel' ? 'drop' : 'keep');
       return;
     }
     const clicked = this.moved < CLICK && this.turning === 'turn' && e.button === 0;
     if (this.pointers.size === 0) this.turning = null;
     else this.turning = 'turn';
-    if (clicked) void this.click(this.at(e));
+    if (clicked) void this.click(this.canvasPoint(e));
   }
 
   private async click(place: { x: number; y: number }): Promise<void> {
@@ -247,31 +247,31 @@ export class Stage {
     const ray = studio.view.camera.ray(place.x, place.y);
     const answer = await studio.engine.call('pick', { ray, ring: null });
     if (answer.hit) studio.lastVertex = answer.hit.vertex;
-    if (studio.pickNext) {
+    if (studio.onPickVertex) {
       if (!answer.hit) {
-        studio.say(text.missed);
+        studio.showMessage(text.missed);
         return;
       }
-      const next = studio.pickNext;
-      studio.pickNext = null;
+      const next = studio.onPickVertex;
+      studio.onPickVertex = null;
       next(answer.hit.vertex);
       return;
     }
-    this.clicked?.(answer, place.x, place.y);
+    this.onClick?.(answer, place.x, place.y);
   }
 
-  /** Gives up the stroke that is going on, or a pick that was asked for. */
+  /** Cancels the current stroke, line or pick; returns false if there is none. */
   escape(): boolean {
-    if (this.studio.drawing) {
-      this.studio.drawing.cancel();
+    if (this.studio.lineDrawing) {
+      this.studio.lineDrawing.cancel();
       return true;
     }
-    if (this.studio.pickNext) {
-      this.studio.pickNext = null;
+    if (this.studio.onPickVertex) {
+      this.studio.onPickVertex = null;
       return true;
     }
     if (!this.stroke) return false;
-    this.end('drop');
+    this.endStroke('drop');
     return true;
   }
 
@@ -290,45 +290,45 @@ export class Stage {
       const place = this.hoverNext;
       this.hoverNext = null;
       const shape = brushShape(studio, 1, false);
-      const ring = studio.brushOn ? { radius: shape.radius, half: halfRadius(shape) } : null;
+      const ring = studio.isBrushOn ? { radius: shape.radius, half: halfRadius(shape) } : null;
       const answer = await studio.engine.call('pick', {
         ray: studio.view.camera.ray(place.x, place.y),
         ring,
       });
-      studio.watch.timings.pick.push(answer.took);
-      this.over = answer;
-      if (studio.brushOn && !this.stroke) {
+      studio.timings.records.pick.push(answer.took);
+      this.hoverAnswer = answer;
+      if (studio.isBrushOn && !this.stroke) {
         const flat = answer.hit && !answer.outer ? flatRing(answer.hit, shape.radius) : null;
-        // The circle moves over the shape: fewer triangles will do.
+        // The moving circle is drawn over the coarse version.
         studio.view.showRing(answer.outer ?? flat, answer.inner);
-        studio.view.touch();
+        studio.view.markMoving();
       }
       studio.showSpectrum(answer.spectrum);
-      // One pick a frame is all that can be seen.
+      // More than one pick per frame would not be visible.
       await new Promise((done) => requestAnimationFrame(done));
     }
   }
 
-  private leave(): void {
+  private onPointerLeave(): void {
     this.hoverNext = null;
-    this.over = null;
+    this.hoverAnswer = null;
     if (!this.stroke) this.studio.view.showRing(null, null);
   }
 
   get hovered(): PickAnswer | null {
-    return this.over;
+    return this.hoverAnswer;
   }
 
-  private wheel(e: WheelEvent): void {
+  private onWheel(e: WheelEvent): void {
     e.preventDefault();
-    const { x, y } = this.at(e);
+    const { x, y } = this.canvasPoint(e);
     const lines = e.deltaMode === 1 ? 16 : 1;
-    if (this.studio.brushOn && e.altKey) {
+    if (this.studio.isBrushOn && e.altKey) {
       this.resizeBrush(e.deltaY > 0 ? 1 / 1.1 : 1.1);
       return;
     }
     this.studio.view.camera.zoom(Math.exp(Math.max(-60, Math.min(60, e.deltaY * lines)) * 0.0025), x, y);
-    this.studio.view.touch();
+    this.studio.view.markMoving();
   }
 
   resizeBrush(factor: number): void {
@@ -338,14 +338,14 @@ export class Stage {
   }
 
   private async setPivot(e: MouseEvent): Promise<void> {
-    const { x, y } = this.at(e);
+    const { x, y } = this.canvasPoint(e);
     const answer = await this.studio.engine.call('pick', {
       ray: this.studio.view.camera.ray(x, y),
       ring: null,
     });
     if (!answer.hit) return;
     this.studio.view.camera.setPivot(answer.hit.point);
-    this.studio.view.touch();
+    this.studio.view.markMoving();
   }
 
   private startPinch(): void {
@@ -358,14 +358,14 @@ export class Stage {
     };
   }
 
-  /** Two fingers: the distance zooms; together they turn where one finger paints, else pan. */
+  /** Two fingers: pinching zooms; moving together rotates in brush mode and pans otherwise. */
   private movePinch(): void {
     const { camera } = this.studio.view;
     const before = this.pinch;
     this.startPinch();
     const now = this.pinch;
     if (before.distance > 0 && now.distance > 0) camera.zoom(before.distance / now.distance, now.x, now.y);
-    if (this.studio.brushOn) camera.turn(now.x - before.x, now.y - before.y);
+    if (this.studio.isBrushOn) camera.turn(now.x - before.x, now.y - before.y);
     else camera.pan(now.x - before.x, now.y - before.y);
     camera.roll(now.angle - before.angle);
   }

@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { painted } from './brush';
+import { appendStroke } from './brush';
 import { colorAt, rangeOf } from './colors';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
-import { count, lengthOf, short } from './lengths';
+import { formatCount, formatNumber, toModelUnits } from './lengths';
 import { maskPacks, vertexShader } from './shader';
 import { fromEdit, History, isNeutral, toEdit, withGain, withLayer } from './state';
 
@@ -78,7 +78,7 @@ test('a stroke on a region that was not painted begins with it', () => {
     mirror: null,
   };
   const ball = { ball: { center: { vertex: 1 }, radius: 2 } };
-  expect(painted(ball, [4], shape)).toEqual({
+  expect(appendStroke(ball, [4], shape)).toEqual({
     painted: [
       { add: ball },
       { subtract: { faded: { factor: 0.5, region: { vertices: { indices: [4], radius: 1, falloff: 1 } } } } },
@@ -87,14 +87,14 @@ test('a stroke on a region that was not painted begins with it', () => {
 });
 
 test('lengths and numbers', () => {
-  expect([lengthOf(3, 10), lengthOf('2%', 10), lengthOf('0.5', 10)]).toEqual([3, 0.2, 0.5]);
-  expect([short(0.0123456), short(-2), short(1e6), short(Number.NaN)]).toEqual([
+  expect([toModelUnits(3, 10), toModelUnits('2%', 10), toModelUnits('0.5', 10)]).toEqual([3, 0.2, 0.5]);
+  expect([formatNumber(0.0123456), formatNumber(-2), formatNumber(1e6), formatNumber(Number.NaN)]).toEqual([
     '0.0123',
     '−2',
     '1.00e6',
     '–',
   ]);
-  expect(count(1234567)).toBe('1\u202f234\u202f567');
+  expect(formatCount(1234567)).toBe('1\u202f234\u202f567');
 });
 
 test('colors', () => {

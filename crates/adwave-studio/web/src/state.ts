@@ -1,12 +1,12 @@
 /**
- * The edit as a document that never changes: each step makes a new one that shares what stayed the same. Undo is a list
- * of documents. The camera is not in it, nor what is only looked at.
+ * The edit as an immutable document: each step creates a new one that shares unchanged parts. Undo is a list of documents.
+ * Camera and view settings are not part of it.
  */
 
 import type { Along, Border, Edit, Layer, Region, VolumeRule } from './protocol';
 
 export interface DocLayer extends Layer {
-  /** Tells layers apart on this page; not sent. */
+  /** Identifies the layer on this page; not sent to the server. */
   readonly key: number;
 }
 
@@ -24,7 +24,7 @@ export function newKey(): number {
 }
 
 export function fromEdit(edit: Edit, nLevels: number): Doc {
-  const layers = edit.layers.map((l) => ({ ...l, key: newKey(), gains: fitted(l.gains, nLevels) }));
+  const layers = edit.layers.map((l) => ({ ...l, key: newKey(), gains: fitGains(l.gains, nLevels) }));
   if (layers.length === 0) layers.push(newLayer('', nLevels));
   return { layers, along: edit.along, border: edit.border, volume: edit.volume };
 }
@@ -43,8 +43,8 @@ export function newLayer(name: string, nLevels: number, region: Region | null = 
   return { key: newKey(), name, on: true, opacity: 1, gains: new Array<number>(nLevels).fill(1), region };
 }
 
-/** `gains` with exactly `n` numbers: 1 where there are none. */
-export function fitted(gains: readonly number[], n: number): number[] {
+/** Returns exactly `n` gains, filled up with 1. */
+export function fitGains(gains: readonly number[], n: number): number[] {
   return Array.from({ length: n }, (_, j) => gains[j] ?? 1);
 }
 
@@ -58,15 +58,15 @@ export function withGain(doc: Doc, key: number, level: number, gain: number): Do
   return withLayer(doc, key, { gains: layer.gains.with(level - 1, gain) });
 }
 
-/** Whether the edit changes nothing. */
+/** True if the edit changes nothing. */
 export function isNeutral(doc: Doc): boolean {
   return doc.layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
 }
 
-/** Rules that only the server applies: the page shows its positions once it has the edit. */
+/** True if only the server can apply the constraints; the page then shows its positions. */
 export function needsServer(doc: Doc, cloud: boolean): boolean {
   return (
-    // A cloud moves along its normals where nothing else is said.
+    // By default a cloud moves along its normals.
     (doc.along === null ? cloud && !isNeutral(doc) : doc.along !== 'free') ||
     (doc.border !== null && doc.border !== 'natural') ||
     doc.volume === 'keep'
@@ -77,7 +77,7 @@ export class History {
   doc: Doc;
   private past: Doc[] = [];
   private future: Doc[] = [];
-  /** The document before the gesture that is going on, which will be one step. */
+  /** Document before the current gesture, which becomes one step. */
   private start: Doc | null = null;
 
   constructor(
@@ -99,13 +99,13 @@ export class History {
     return this.past.length;
   }
 
-  /** One step. */
+  /** Adds one step. */
   commit(doc: Doc): void {
     this.preview(doc);
     this.end();
   }
 
-  /** Part of a gesture: `end` makes one step of all of it. */
+  /** Adds to the current gesture, which `end` turns into one step. */
   preview(doc: Doc): void {
     if (doc === this.doc) return;
     this.start ??= this.doc;
@@ -117,7 +117,7 @@ export class History {
     const start = this.start;
     this.start = null;
     if (!start || start === this.doc) return;
-    if (sameEdit(start, this.doc)) return; // moved back to where it was: no step
+    if (sameEdit(start, this.doc)) return; // the gesture returned to its start: no step
     this.past.push(start);
     this.future = [];
     this.changed(true);

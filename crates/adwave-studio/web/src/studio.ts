@@ -1,9 +1,9 @@
-/** What the parts of the page share: the shape, its document, the worker, the picture, and what is selected. */
+/** Shared state of the page: the shape, its document, the worker, the picture and the selection. */
 
 import type { Api } from './api';
 import { rangeOf } from './colors';
-import type { News } from './compute/messages';
-import { Detail } from './detail';
+import type { WorkerEvent } from './compute/messages';
+import { DetailTransfer } from './detail-transfer';
 import { Display } from './display';
 import { Engine } from './engine';
 import { Masks } from './masks';
@@ -12,9 +12,9 @@ import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
 import { type Doc, type DocLayer, History, newLayer, withLayer } from './state';
-import type { Compared } from './tools';
+import { Timings } from './timings';
+import type { ShownComparison } from './tools';
 import type { View } from './view';
-import { Watch } from './watch';
 
 export type Topic =
   | 'shape'
@@ -32,33 +32,39 @@ export type Topic =
   | 'drawing'
   | 'theme';
 
+/** A link at the end of a message. */
+export interface MessageLink {
+  label: string;
+  onclick: () => void;
+}
+
 export class Studio {
   shape: Shape | null = null;
   shapes: ShapeList = { version: '', shapes: [] };
   history = new History({ layers: [newLayer('', 0)], along: null, border: null, volume: null }, () => {});
   saver: Saver | null = null;
   selected = 0;
-  readonly arrived = new Set<number>();
-  /** What the last computation said, until the server says it in double precision. */
-  moved: { greatest: number; rms: number; volume: [number, number] | null } | null = null;
+  readonly loadedBands = new Set<number>();
+  /** Displacement from the last computation; replaced by the server's double precision values. */
+  displacement: { greatest: number; rms: number; volume: [number, number] | null } | null = null;
   spectrum: number[] = [];
-  /** What stands in place of the shape as it was opened. */
-  compared: Compared | null = null;
-  brushOn = false;
-  readonly watch = new Watch();
+  /** Compared method shown instead of the original. */
+  comparison: ShownComparison | null = null;
+  isBrushOn = false;
+  readonly timings = new Timings();
   readonly engine: Engine;
   readonly regions = new Regions();
-  readonly detail = new Detail(this);
+  readonly detail = new DetailTransfer(this);
   readonly session = new Session(this);
   readonly display: Display;
-  /** Whether the mask of the selected layer is shown as a tint. */
+  /** True if the mask of the selected layer is tinted. */
   tint = true;
-  /** The vertex that was clicked last, where a ball begins. */
+  /** Last clicked vertex, the default center of a ball. */
   lastVertex: number | null = null;
-  /** A line that is being drawn, click by click. */
-  drawing: { end: () => void; cancel: () => void } | null = null;
-  /** Takes the next vertex that is clicked in place of what a click does. */
-  pickNext: ((vertex: number) => void) | null = null;
+  /** Line that is being drawn click by click. */
+  lineDrawing: { end: () => void; cancel: () => void } | null = null;
+  /** Receives the next clicked vertex instead of the default action. */
+  onPickVertex: ((vertex: number) => void) | null = null;
   private readonly listeners = new Map<Topic, (() => void)[]>();
   private readonly masks: Masks;
 
@@ -66,9 +72,9 @@ export class Studio {
     readonly api: Api,
     readonly view: View,
     worker: Worker,
-    readonly say: (sentence: string, kind?: 'info' | 'error') => void,
+    readonly showMessage: (sentence: string, kind?: 'info' | 'error', link?: MessageLink) => void,
   ) {
-    this.engine = new Engine(worker, (news) => this.hear(news));
+    this.engine = new Engine(worker, (event) => this.handleWorkerEvent(event));
     this.masks = new Masks(view.arrays);
     this.display = new Display(this, this.masks);
   }
@@ -97,56 +103,56 @@ export class Studio {
     return this.shape?.levels.length ?? 0;
   }
 
-  /** Another shape is there: nothing is known of it yet. */
-  forgetShape(): void {
-    this.masks.begin(this.shape!.n_vertices);
-    this.regions.forget();
-    this.arrived.clear();
-    this.moved = null;
-    this.compared = null;
+  /** Resets the state that depends on the shape. */
+  resetForShape(): void {
+    this.masks.reset(this.shape!.n_vertices);
+    this.regions.markUnknown();
+    this.loadedBands.clear();
+    this.displacement = null;
+    this.comparison = null;
     this.emit('compared');
   }
 
-  /** A document from the server becomes the present one, without a past. */
-  startFrom(doc: Doc): void {
-    this.history = new History(doc, (committed) => this.changed(committed));
+  /** Replaces the document and clears the undo history. */
+  resetDocument(doc: Doc): void {
+    this.history = new History(doc, (committed) => this.handleDocumentChange(committed));
     this.selected = doc.layers[0]!.key;
-    this.masks.take(doc.layers);
+    this.masks.assignSlots(doc.layers);
     this.updateTint();
     this.emit('doc');
     this.emit('selected');
   }
 
-  private hear(news: News): void {
-    if (news.news === 'band') {
-      this.view.arrays.setBand(news.level, news.scale, news.values);
-      this.arrived.add(news.level);
+  private handleWorkerEvent(event: WorkerEvent): void {
+    if (event.event === 'band') {
+      this.view.arrays.setBand(event.level, event.scale, event.values);
+      this.loadedBands.add(event.level);
       const now = performance.now();
-      if (this.arrived.size === 1) this.watch.timings.firstSlider = now;
-      if (this.arrived.size === this.nLevels) this.watch.timings.slidersLive = now;
+      if (this.loadedBands.size === 1) this.timings.records.firstSlider = now;
+      if (this.loadedBands.size === this.nLevels) this.timings.records.slidersLive = now;
       this.emit('band');
       return;
     }
-    this.masks.hear(news.key, news.from, news.bytes);
+    this.masks.updateMask(event.key, event.from, event.bytes);
   }
 
-  /** The document changed: by a step, or (not `committed`) within a gesture. */
-  private changed(committed: boolean): void {
+  /** Handles a change of the document: a step if `committed`, otherwise part of a gesture. */
+  private handleDocumentChange(committed: boolean): void {
     if (!this.doc.layers.some((l) => l.key === this.selected)) {
       this.selected = this.doc.layers.at(-1)!.key;
       this.emit('selected');
     }
-    this.masks.take(this.doc.layers);
+    this.masks.assignSlots(this.doc.layers);
     this.updateTint();
     this.display.show(committed);
-    if (committed) this.saver?.changed(this.doc, this.display.settled());
+    if (committed) this.saver?.saveStep(this.doc, this.display.waitUntilSettled());
     this.emit('doc');
   }
 
   updateTint(): void {
     const slot = this.masks.slot(this.selected);
-    // Two shapes are compared in one color.
-    this.view.setTint(this.tint && slot >= 0 && !this.compared ? slot : null);
+    // Comparisons are shown without tint.
+    this.view.setTint(this.tint && slot >= 0 && !this.comparison ? slot : null);
   }
 
   select(key: number): void {
@@ -156,22 +162,22 @@ export class Studio {
   }
 
   setBefore(on: boolean): void {
-    if (this.view.before === on) return;
-    this.view.before = on;
+    if (this.view.showsOriginal === on) return;
+    this.view.showsOriginal = on;
     this.view.request();
     this.emit('before');
   }
 
   undo(): void {
-    this.watch.sliderTouched();
-    if (!this.history.undo()) this.watch.sliderLeft();
+    this.timings.startSliderTiming();
+    if (!this.history.undo()) this.timings.cancelSliderTiming();
   }
 
   redo(): void {
     this.history.redo();
   }
 
-  /** Changes the selected layer, as one step or part of a gesture. */
+  /** Changes a layer, as one step or as part of a gesture. */
   changeLayer(change: Partial<DocLayer>, step: boolean, key = this.selected): void {
     const doc = withLayer(this.doc, key, change);
     if (step) this.history.commit(doc);
@@ -188,20 +194,20 @@ export class Studio {
     return layer.key;
   }
 
-  /** The worker gets the mask of a layer before it is painted on, and blurs it for a stroke that smooths by a length. */
+  /** Prepares the mask of a layer in the worker for painting; `smoothing` is the blur length of a softening stroke. */
   async showMask(layer: DocLayer, smoothing: number | null): Promise<void> {
     if (!layer.region) return;
-    const { news, ids } = this.regions.newsOf([layer.region]);
+    const { updates, ids } = this.regions.updatesFor([layer.region]);
     try {
-      await this.engine.call('mask', { key: layer.key, id: ids[0]!, regions: news, smoothing });
+      await this.engine.call('mask', { key: layer.key, id: ids[0]!, regions: updates, smoothing });
     } catch (error) {
-      this.regions.forget(news);
+      this.regions.markUnknown(updates);
       throw error;
     }
   }
 
   setBrush(on: boolean): void {
-    this.brushOn = on;
+    this.isBrushOn = on;
     this.emit('tool');
   }
 
@@ -210,7 +216,7 @@ export class Studio {
     this.emit('spectrum');
   }
 
-  /** The range of a field that 2 % at each end are left out of. */
+  /** Range of a field from the 2nd to the 98th percentile. */
   async fieldRange(name: string): Promise<[number, number]> {
     const { values } = await this.api.field(this.shape!.id, name, 'region');
     return rangeOf(values, 'most', false);

@@ -1,15 +1,15 @@
-/** Other commands as panels: denoise, compare with other methods, report, the page in one file. */
+/** Tools of the file dialog: comparison with other methods, report and denoising. */
 
 import { dialog } from './dialog';
 import { h } from './dom';
 import type { Files } from './files';
-import { short } from './lengths';
+import { formatNumber } from './lengths';
 import type { CompareMethod, Comparison } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
-/** A shape by another method, beside the edit. */
-export interface Compared {
+/** Another method shown beside the edit. */
+export interface ShownComparison {
   method: CompareMethod;
   about: Comparison;
 }
@@ -18,8 +18,8 @@ function button(label: string, onclick: () => void): HTMLButtonElement {
   return h('button', { type: 'button', onclick }, label);
 }
 
-/** The sections of the tools; `close` closes the dialog that they are in. */
-export function tools(studio: Studio, files: Files, close: () => void): Node[] {
+/** Creates the sections of the tools; `close` closes the surrounding dialog. */
+export function toolSections(studio: Studio, files: Files, close: () => void): Node[] {
   const shape = studio.shape!;
   const strength = h('input', {
     type: 'number',
@@ -29,12 +29,12 @@ export function tools(studio: Studio, files: Files, close: () => void): Node[] {
     value: '1',
     'aria-label': text.strength,
   });
-  /** Closes the dialog, says that it takes a while, and does it with the edit kept by the server. */
+  /** Closes the dialog, shows a message, and runs a tool after the edit is saved. */
   const work = (what: () => Promise<void>) => {
     close();
-    studio.say(text.working);
-    void files.try(async () => {
-      await studio.saver?.sent();
+    studio.showMessage(text.working);
+    void files.reportErrors(async () => {
+      await studio.saver?.waitUntilSent();
       await what();
     });
   };
@@ -47,7 +47,7 @@ export function tools(studio: Studio, files: Files, close: () => void): Node[] {
       { class: 'row' },
       button(text.compareMethods.taubin, () => compare('taubin')),
       button(text.compareMethods.harmonics, () => compare('harmonics')),
-      studio.compared
+      studio.comparison
         ? button(text.compareEnd, () => {
             endComparison(studio);
             close();
@@ -84,9 +84,9 @@ export function tools(studio: Studio, files: Files, close: () => void): Node[] {
       button(text.denoiseGo, () =>
         work(async () => {
           const made = await studio.api.denoise(shape.id, strength.valueAsNumber || 1);
-          await files.list();
-          await files.go(made.id);
-          studio.say(text.denoised(made.noise));
+          await files.refreshShapes();
+          await files.showShape(made.id);
+          studio.showMessage(text.denoised(made.noise));
         }),
       ),
     ),
@@ -98,25 +98,25 @@ async function showComparison(studio: Studio, method: CompareMethod): Promise<vo
   const { positions, about } = await studio.api.compare(id, method);
   if (studio.shape?.id !== id) return;
   const { normals } = await studio.engine.call('normals', { positions });
-  studio.view.arrays.setOther(positions, normals);
-  studio.compared = { method, about };
+  studio.view.arrays.setComparison(positions, normals);
+  studio.comparison = { method, about };
   studio.emit('compared');
 }
 
 export function endComparison(studio: Studio): void {
-  studio.view.arrays.setOther(null, null);
-  studio.compared = null;
+  studio.view.arrays.setComparison(null, null);
+  studio.comparison = null;
   studio.emit('compared');
 }
 
-/** What is beside the edit, with its numbers and a way to end it. */
+/** Creates the panel with the figures of a comparison and a button to end it. */
 export function comparisonPanel(studio: Studio): HTMLElement {
   const panel = h('aside', { class: 'comparison', hidden: true, 'aria-label': text.compare });
   const show = () => {
-    const { compared } = studio;
-    panel.hidden = compared === null;
-    if (!compared) return;
-    const { about, method } = compared;
+    const { comparison } = studio;
+    panel.hidden = comparison === null;
+    if (!comparison) return;
+    const { about, method } = comparison;
     const row = (name: string, edit: string, other: string) =>
       h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, edit), h('td', {}, other));
     panel.replaceChildren(
@@ -137,11 +137,11 @@ export function comparisonPanel(studio: Studio): HTMLElement {
         h(
           'tbody',
           {},
-          row(text.roughness, short(about.roughness.edit), short(about.roughness.other)),
-          row(text.rms, short(about.rms.edit), short(about.rms.other)),
+          row(text.roughness, formatNumber(about.roughness.edit), formatNumber(about.roughness.other)),
+          row(text.rms, formatNumber(about.rms.edit), formatNumber(about.rms.other)),
         ),
       ),
-      h('p', { class: 'hint' }, how(about)),
+      h('p', { class: 'hint' }, describeStrength(about)),
       button(text.compareEnd, () => endComparison(studio)),
     );
   };
@@ -149,8 +149,8 @@ export function comparisonPanel(studio: Studio): HTMLElement {
   return panel;
 }
 
-function how({ how }: Comparison): string {
+function describeStrength({ how }: Comparison): string {
   return 'degree' in how
-    ? text.howTaubin(how.degree, short(how.frequency))
-    : text.howHarmonics(how.harmonics, short(how.t));
+    ? text.howTaubin(how.degree, formatNumber(how.frequency))
+    : text.howHarmonics(how.harmonics, formatNumber(how.t));
 }

@@ -1,7 +1,7 @@
 /**
- * The picture: when it is drawn, with how many pixels and triangles, and what stands beside what. The shape is drawn in one of three
- * ways: as it was opened, after the edit with smooth normals as the worker gave it, or while something moves as a sum of bands by the
- * shader.
+ * Renderer: schedules frames and chooses resolution, triangles and the split of the picture. The shape is drawn in one of
+ * three ways: the original, the edited positions with smooth normals from the worker, or, during motion, the sum of bands
+ * in the shader.
  */
 
 import {
@@ -29,10 +29,10 @@ const COLORS: Record<Theme, { surface: number; accent: number; paper: number; in
   dark: { surface: 0xbdbbb6, accent: 0x4aa3ff, paper: 0x17181a, ink: 0xf2f2f0 },
 };
 
-// Colors are those of the screen, as the style sheet has them; the shaders write them as they are.
+// Colors are sRGB values as in the style sheet; the shaders write them unchanged.
 ColorManagement.enabled = false;
 
-/** Pixels of the picture a pixel of the screen while a large shape moves without a graphics processor. */
+/** Pixel ratio of the picture while a large shape moves without a GPU. */
 const MOVING_RATIO = 0.6;
 /** Milliseconds after the last movement until all triangles are drawn again. */
 const REST = 160;
@@ -43,12 +43,12 @@ export class View {
   readonly rendererName: string;
   readonly arrays: ShapeArrays;
   style: Style = 'shaded';
-  /** Shows the shape as it was opened. */
-  before = false;
-  /** Where the picture is divided into before and after, as part of its width; null: it is not. */
+  /** Shows the original shape. */
+  showsOriginal = false;
+  /** Position of the divider between before and after, relative to the width; `null` without a split. */
   split: number | null = null;
-  /** Called after each frame that was drawn. */
-  drawn: ((began: number) => void) | null = null;
+  /** Called after each frame. */
+  onDrawn: ((began: number) => void) | null = null;
   private readonly software: boolean;
   private readonly scene = new Scene();
   private readonly materials = new Materials();
@@ -70,8 +70,8 @@ export class View {
     const info = gl.getExtension('WEBGL_debug_renderer_info');
     this.rendererName = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
     this.software = /llvmpipe|swiftshader|softpipe|software|basic render/i.test(this.rendererName);
-    // Without a graphics processor every pixel costs; with one, two by two pixels smooth the edges, and without
-    // the memory that a multisampled picture takes.
+    // Without a GPU every pixel costs time. With one, 2 × 2 supersampling smooths the edges and needs less memory
+    // than multisampling.
     this.renderer.setPixelRatio(this.software ? 1 : Math.max(2, Math.min(3, devicePixelRatio)));
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = 'srgb-linear';
@@ -88,7 +88,7 @@ export class View {
     this.request();
   }
 
-  /** A new shape. Positions are relative to its center. */
+  /** Sets a new shape; positions are relative to its center. */
   setShape(positions: Float32Array, triangles: Uint32Array, cloud: boolean, meanLength: number): void {
     this.clear();
     this.pointSize = meanLength * 1.4;
@@ -118,7 +118,7 @@ export class View {
     this.materials.forgetSums();
   }
 
-  /** Tints what is in the mask of a slot; null: nothing. */
+  /** Tints the mask of a slot; `null` turns the tint off. */
   setTint(slot: number | null): void {
     this.materials.setTint(slot);
     this.request();
@@ -138,7 +138,7 @@ export class View {
     this.request();
   }
 
-  /** The edit as a sum by the shader; false where it cannot do it. */
+  /** Shows the edit as a sum in the shader; returns false if the shader cannot sum it. */
   setGains(global: ArrayLike<number>, masked: Masked): boolean {
     const { arrays } = this;
     if (arrays.heavy && !arrays.hasFew) return false;
@@ -173,8 +173,8 @@ export class View {
     this.request();
   }
 
-  /** Something is being moved: for a moment fewer triangles will do. */
-  touch(): void {
+  /** Marks a movement: for a moment the coarse version is drawn. */
+  markMoving(): void {
     window.clearTimeout(this.moving);
     this.moving = window.setTimeout(() => {
       this.moving = 0;
@@ -191,7 +191,7 @@ export class View {
     });
   }
 
-  /** Draws now, in place of the frame that was asked for. */
+  /** Draws now instead of in the requested frame. */
   draw(): void {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
@@ -210,7 +210,7 @@ export class View {
     this.overlays.setPixels(perPixel);
     renderer.clear();
     if (this.split === null) {
-      this.drawHalf(this.before, coarse);
+      this.drawHalf(this.showsOriginal, coarse);
     } else {
       const ratio = renderer.getPixelRatio();
       const x = Math.round((this.split * width) / ratio);
@@ -221,12 +221,12 @@ export class View {
       this.drawHalf(false, coarse);
       renderer.setScissorTest(false);
     }
-    this.drawn?.(began);
+    this.onDrawn?.(began);
   }
 
   /**
-   * Fewer pixels for what moves. Other pixels are a new canvas, which takes half as long as the picture: a single step keeps those
-   * of the shape at rest, and a slider that is held keeps the few.
+   * Reduces the resolution during motion. Changing it allocates a new canvas, which takes half as long as drawing: a single
+   * step keeps the full resolution, and a slider that is held keeps the reduced one.
    */
   private setRatio(coarse: boolean): void {
     const now = this.renderer.getPixelRatio();
@@ -237,14 +237,14 @@ export class View {
   private drawHalf(before: boolean, coarse: boolean): void {
     const body = this.body!;
     const { materials, arrays } = this;
-    const { geometry, summed, few } = arrays.drawn(before, coarse);
+    const { geometry, summed, few } = arrays.selectGeometry(before, coarse);
     body.geometry = geometry;
     body.material = materials.get({
       nLevels: summed ? arrays.nLevels : 0,
       packs: summed ? materials.packs : 0,
       cloud: arrays.cloud,
       clay: this.style === 'matcap',
-      // Normals of the shape as it was opened do not fit the live sum.
+      // The normals of the original do not fit the sum.
       flat: summed || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
       tint: materials.tinted && !before && !materials.hasScalar,
@@ -253,7 +253,7 @@ export class View {
     this.renderer.render(this.scene, this.camera.three);
   }
 
-  /** Waits until all that was drawn is finished, by reading a pixel. */
+  /** Waits until drawing has finished, by reading a pixel. */
   finish(): void {
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
@@ -263,7 +263,7 @@ export class View {
     this.draw();
     return new Promise((done, failed) => {
       this.canvas.toBlob(
-        (blob) => (blob ? done(blob) : failed(new Error('The picture could not be made.'))),
+        (blob) => (blob ? done(blob) : failed(new Error('The picture could not be created.'))),
         'image/png',
       );
     });

@@ -1,4 +1,4 @@
-//! Made clouds of any size, to try the rest on: written as they are made, in the memory of some blocks.
+//! Synthetic clouds of any size for tests, generated and written block by block in little memory.
 
 mod scene;
 
@@ -9,16 +9,17 @@ use adwave::Progress;
 use adwave_io::{LasLayout, LasWriter};
 use rayon::prelude::*;
 
-use crate::TilesError;
-use scene::{FORMAT, OFFSET, RECORD, SCALE, Scene};
+use crate::error::TilesError;
+use scene::{FORMAT, OFFSET, RECORD_BYTES, SCALE, Scene};
 
-/// Points that are made in one go, and by one thread.
-const BLOCK: usize = 1 << 17;
-const PART: usize = 1 << 13;
+/// Number of points that are generated before they are written, and by one thread at a time.
+const POINTS_PER_BLOCK: usize = 1 << 17;
+const POINTS_PER_THREAD: usize = 1 << 13;
 
-/// A landscape as a laser scanner sees it from the air: hills, houses and trees, in strips whose density differs by up to ten times.
+/// A synthetic landscape as an airborne laser scanner sees it: hills, houses and trees, in strips whose densities differ by up to a factor of
+/// ten.
 ///
-/// Each point follows from its number, the number of points and the seed, by arithmetic that is the same on every machine.
+/// Each point depends on its index, the number of points and the seed alone, by arithmetic that is the same on every machine.
 pub struct Terrain {
     scene: Scene,
     n_points: u64,
@@ -30,31 +31,33 @@ impl Terrain {
         Self { scene: Scene::new(n_points, seed), n_points }
     }
 
-    /// Writes some of its points, in the order of the flight, as LAS or LAZ of point format 6. Reports points of all.
+    /// Writes the points `points`, in the order of the flight, as LAS or LAZ of point format 6. Reports progress in points of the whole
+    /// landscape.
     ///
     /// # Errors
-    /// [`TilesError`] when the file cannot be written, or when cancelled.
+    /// [`TilesError`] if the file cannot be written, or the call is cancelled.
     ///
     /// # Panics
-    /// Where it has fewer points.
+    /// If the range exceeds the number of points.
     pub fn write(&self, path: &Path, points: Range<u64>, progress: Progress<'_>) -> Result<(), TilesError> {
-        assert!(points.end <= self.n_points, "as many points as the landscape has");
+        assert!(points.end <= self.n_points, "the range of points exceeds the landscape");
         let layout = LasLayout {
             format: FORMAT,
-            record_bytes: RECORD,
+            record_bytes: RECORD_BYTES,
             scale: SCALE,
             offset: OFFSET,
             n_points: points.end - points.start,
             bounds: None,
         };
-        // The same points are the same bytes: nothing says by which words they were asked for.
+        // No provenance is written, so that the same points are the same bytes.
         let mut writer = LasWriter::new(path, &layout, &[], None)?;
         let mut records = Vec::new();
-        for first in points.clone().step_by(BLOCK) {
+        for first in points.clone().step_by(POINTS_PER_BLOCK) {
             progress.step(first, self.n_points)?;
-            records.resize((points.end - first).min(BLOCK as u64) as usize * RECORD, 0);
-            let parts = records.par_chunks_mut(PART * RECORD).enumerate();
-            parts.for_each(|(k, part)| self.scene.fill(first + (k * PART) as u64, part));
+            let n = (points.end - first).min(POINTS_PER_BLOCK as u64) as usize;
+            records.resize(n * RECORD_BYTES, 0);
+            let parts = records.par_chunks_mut(POINTS_PER_THREAD * RECORD_BYTES).enumerate();
+            parts.for_each(|(k, part)| self.scene.fill(first + (k * POINTS_PER_THREAD) as u64, part));
             writer.write(&records)?;
         }
         Ok(writer.finish()?)

@@ -4,31 +4,31 @@ use super::{BandsError, BandsInfo};
 use crate::parallel;
 use std::borrow::Cow;
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 pub(super) const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// The bands of a signal: W_f(1), …, W_f(J) and S_f(J), each n_vertices × n_channels, row-major, in the order of the shape.
 ///
-/// They lie one after the other in one buffer, and their sum is the signal (eq. 15). The finer scaling coefficients are
-/// sums of the coarser ones, `S_f(j−1) = S_f(j) + W_f(j)`, and made when asked for.
+/// The bands are stored one after another in one buffer, and their sum is the signal (eq. 15). Finer scaling
+/// coefficients are sums of coarser ones, `S_f(j−1) = S_f(j) + W_f(j)`, and are computed on request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
     /// Number of vertices.
     pub n_vertices: usize,
     /// Number of channels of the signal.
     pub n_channels: usize,
-    /// Steps of the diffusion on level j, n_0 = 0 … n_J, whole or not.
+    /// Number of diffusion steps n_j on each level, n_0 = 0 … n_J; may be fractional.
     pub steps: Vec<f64>,
     /// Widths σ_j = s·√n_j in model units (hops on a graph), σ_0 = 0.
     pub sigma: Vec<f64>,
-    /// How they were computed.
+    /// Method, cost and error bound of the computation.
     pub info: BandsInfo,
     /// W_f(1) … W_f(J), S_f(J).
     coefficients: Vec<f64>,
 }
 
 impl Bands {
-    /// The bands that stand in `coefficients`.
+    /// Wraps `coefficients`, laid out as W_f(1), …, W_f(J), S_f(J).
     pub(super) fn new(
         (n_vertices, n_channels): (usize, usize),
         (steps, sigma): (Vec<f64>, Vec<f64>),
@@ -39,39 +39,40 @@ impl Bands {
         Self { n_vertices, n_channels, steps, sigma, info, coefficients }
     }
 
-    /// J, the number of levels.
+    /// Number of levels J.
     pub fn n_levels(&self) -> usize {
         self.steps.len() - 1
     }
 
-    /// n_vertices × n_channels.
+    /// Number of values per band, n_vertices × n_channels.
     fn len(&self) -> usize {
         self.n_vertices * self.n_channels
     }
 
-    /// `W_f(j) = S_f(j−1) − S_f(j)`, j = 1 … J (eq. 11).
+    /// Wavelet coefficients `W_f(j) = S_f(j−1) − S_f(j)` of level j = 1 … J (eq. 11), n_vertices × n_channels.
     ///
     /// # Panics
-    /// When there is no level `j`.
+    /// If level `j` does not exist.
     pub fn wavelet(&self, j: usize) -> &[f64] {
         assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
         &self.coefficients[(j - 1) * self.len()..][..self.len()]
     }
 
-    /// W_f(1), …, W_f(J), fine to coarse.
+    /// The bands W_f(1), …, W_f(J), from fine to coarse.
     pub fn wavelets(&self) -> impl DoubleEndedIterator<Item = &[f64]> + ExactSizeIterator {
         (0..self.n_levels()).map(|k| self.wavelet(k + 1))
     }
 
-    /// S_f(J), what is left when all bands are taken off.
+    /// Coarsest scaling coefficients S_f(J): the signal without its bands, n_vertices × n_channels.
     pub fn coarsest(&self) -> &[f64] {
         &self.coefficients[self.n_levels() * self.len()..]
     }
 
-    /// `S_f(j) = S_f(J) + Σ_{i>j} W_f(i)`, j = 0 … J; S_f(0) is the signal but for rounding. O((J − j)·n).
+    /// Scaling coefficients `S_f(j) = S_f(J) + Σ_{i>j} W_f(i)`, j = 0 … J, n_vertices × n_channels. S_f(0) equals
+    /// the signal up to rounding. O((J − j)·n).
     ///
     /// # Panics
-    /// When there is no level `j`.
+    /// If level `j` does not exist.
     ///
     /// ```
     /// use adwave::bands::Schedule;
@@ -89,15 +90,15 @@ impl Bands {
             return Cow::Borrowed(self.coarsest());
         }
         let mut sum = self.coarsest().to_vec();
-        // S_f(j) = S_f(J) + Σ_{i>j} W_f(i), of j = 0 the signal (eq. 15). From coarse to fine: the small bands are added last,
-        // so that the sum retraces S_f(j) step by step.
+        // S_f(j) = S_f(J) + Σ_{i>j} W_f(i); j = 0 gives the signal (eq. 15). Summing from coarse to fine adds the
+        // small bands last, so the sum passes through S_f(J−1), S_f(J−2), ….
         for i in (j + 1..=self.n_levels()).rev() {
             add(&mut sum, self.wavelet(i), self.n_channels);
         }
         Cow::Owned(sum)
     }
 
-    /// S_f(0) … S_f(J) one after the other, (J + 1)·n_vertices·n_channels values. O(J·n).
+    /// S_f(0) … S_f(J) one after another, (J + 1)·n_vertices·n_channels values. O(J·n).
     pub fn all_scaling(&self) -> Vec<f64> {
         let len = self.len();
         let mut all = vec![0.0; (self.n_levels() + 1) * len];
@@ -111,33 +112,33 @@ impl Bands {
         all
     }
 
-    /// `f = S_f(J) + Σ_j W_f(j)` (eq. 15). Exact but for rounding, by whatever method the bands were computed: the sum
-    /// telescopes.
+    /// The signal `f = S_f(J) + Σ_j W_f(j)` (eq. 15). Exact up to rounding, whatever method computed the bands,
+    /// because the sum telescopes.
     pub fn reconstruct(&self) -> Vec<f64> {
         self.scaling(0).into_owned()
     }
 
-    /// W_f(1), …, W_f(J), S_f(J) one after the other: (J + 1)·n_vertices·n_channels values.
+    /// W_f(1), …, W_f(J), S_f(J) one after another: (J + 1)·n_vertices·n_channels values.
     pub fn as_slice(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// [`as_slice`](Self::as_slice), given away.
+    /// The values of [`as_slice`](Self::as_slice), without copying them.
     pub fn into_vec(self) -> Vec<f64> {
         self.coefficients
     }
 
-    /// Treats W_f(1), …, W_f(J), S_f(J) one after the other.
-    pub(crate) fn for_each_level(&mut self, treat: impl FnMut(&mut [f64])) {
+    /// Calls `treat` on W_f(1), …, W_f(J), S_f(J) in turn.
+    pub(crate) fn visit_levels(&mut self, treat: impl FnMut(&mut [f64])) {
         let len = self.len();
         self.coefficients.chunks_exact_mut(len).for_each(treat);
     }
 
-    /// Mean square `Σ_x μ(x)‖W_f(j,x)‖² / Σ_x μ(x)` of each band j = 1 … J under a weight μ ≥ 0 of the vertices (their
-    /// areas, say), in squared units of the signal.
+    /// Mean square `Σ_x μ(x)‖W_f(j,x)‖² / Σ_x μ(x)` of each band j = 1 … J for vertex weights μ ≥ 0 (for example
+    /// areas), in squared units of the signal.
     ///
     /// # Errors
-    /// [`BandsError::WrongNumber`] when there is not one weight per vertex.
+    /// [`BandsError::WrongNumber`] unless there is one weight per vertex.
     pub fn energy(&self, weights: &[f64]) -> Result<Vec<f64>, BandsError> {
         let (n_given, expected) = (weights.len(), self.n_vertices);
         if n_given != expected {
@@ -150,7 +151,7 @@ impl Bands {
             .map(|band| {
                 parallel::sum(self.n_vertices, |x| {
                     let row = &band[x * self.n_channels..][..self.n_channels];
-                    // Masked vertices have no area, and NaN in the bands.
+                    // Masked vertices have area 0 and NaN in the bands.
                     let square = || row.iter().map(|w| w * w).sum::<f64>();
                     if weight(x) == 0.0 { 0.0 } else { weight(x) * square() }
                 })
@@ -160,9 +161,9 @@ impl Bands {
     }
 }
 
-/// `sum += band`.
+/// Computes `sum += band`.
 fn add(sum: &mut [f64], band: &[f64], n_channels: usize) {
-    parallel::for_rows(sum, n_channels, VERTICES_AT_A_TIME, |first, sum| {
+    parallel::visit_rows(sum, n_channels, VERTICES_AT_A_TIME, |first, sum| {
         for (s, w) in sum.iter_mut().zip(&band[first * n_channels..]) {
             *s += w;
         }

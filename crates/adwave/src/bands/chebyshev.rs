@@ -1,93 +1,109 @@
-//! Several polynomials of Φ₁ by one Chebyshev recurrence, each until its error is proven small beside its own value.
+//! Evaluates several polynomials of Φ₁ by one Chebyshev recurrence, each until its error is provably small relative
+//! to its own value.
 
-use super::series::{Growth, Rest, Series};
+use super::series::{Growth, Series, TruncationBound};
 use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
-use crate::sparse::{Kept, MAX_CHANNELS, Next, Recurrence, Sum, TiledDiffusion, Weighing, copied};
+use crate::sparse::{
+    Continuation, MAX_CHANNELS, Recurrence, RowOutput, Sum, TiledDiffusion, Weighing, copied,
+};
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
 
-/// What an evaluation took and what it promises.
+/// Cost and accuracy of an evaluation.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Outcome {
-    /// Highest term of any series.
+pub(crate) struct EvaluationInfo {
+    /// Highest degree of any evaluated series.
     pub(crate) degree: u64,
     /// Products with Φ₁ over all blocks of channels.
     pub(crate) products: u64,
-    /// Terms added over all series and blocks.
+    /// Terms added, over all series and blocks.
     pub(crate) terms: u64,
-    /// Largest relative error of any result, but for rounding.
+    /// Largest relative error of any result, apart from rounding.
     pub(crate) error_bound: f64,
-    /// Which series of steps that are not whole fell short of the accuracy, and the relative error reached; those count
-    /// for nothing else here.
+    /// Index and relative error of each series of fractional steps that missed the accuracy; they do not count for
+    /// the other fields.
     pub(crate) missed: Vec<(usize, f64)>,
 }
 
-/// How far each pass of an evaluation aimed. A series is looked at between passes, to find where to cut it: series that are
-/// evaluated in two calls get the bits of a single call where the second takes the passes of the first.
-#[derive(Debug, Default)]
-pub(crate) struct Passes {
-    /// The highest term wanted at each pass, for each block of channels.
-    highest: Vec<Vec<usize>>,
-    call: Call,
+impl EvaluationInfo {
+    /// Adds another evaluation of the same request. The caller handles what `other` missed.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.degree = self.degree.max(other.degree);
+        self.products += other.products;
+        self.terms += other.terms;
+        self.error_bound = self.error_bound.max(other.error_bound);
+    }
 }
 
-/// Which call takes the passes.
+/// Target degree of each pass of an evaluation. A series is inspected between passes to find where to truncate it.
+/// Series evaluated in two calls get the bits of a single call if the second call takes the same passes as the
+/// first.
+#[derive(Debug, Default)]
+pub(crate) struct PassPlan {
+    /// Highest degree requested for each pass, for each block of channels.
+    highest: Vec<Vec<usize>>,
+    call: CallOrder,
+}
+
+/// Call that takes the passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Call {
+enum CallOrder {
     #[default]
     First,
     Second,
-    /// The second wants terms that the first did not: a single call would have taken other passes.
+    /// The second call needs terms that the first did not, so a single call would have taken other passes.
     Differs,
 }
 
-impl Passes {
-    /// The next call is the second.
+impl PassPlan {
+    /// Marks the next call as the second.
     pub(crate) fn repeat(&mut self) {
-        self.call = Call::Second;
+        self.call = CallOrder::Second;
     }
 
-    /// Whether the second call gave up.
+    /// True if the second call gave up.
     pub(crate) fn differ(&self) -> bool {
-        self.call == Call::Differs
+        self.call == CallOrder::Differs
     }
 
-    /// How far the pass aims, where the call wants terms up to `own`; `None` where that does not fit the first call.
+    /// Target degree of a pass in a call that needs terms up to degree `own`; `None` if this does not fit the first
+    /// call.
     fn aim(&mut self, block: usize, pass: usize, own: usize) -> Option<usize> {
-        if self.call == Call::First {
+        if self.call == CallOrder::First {
             self.highest.resize(self.highest.len().max(block + 1), Vec::new());
             self.highest[block].push(own);
             return Some(own);
         }
         let first = self.highest[block].get(pass).copied().filter(|&first| own <= first);
         if first.is_none() {
-            self.call = Call::Differs;
+            self.call = CallOrder::Differs;
         }
         first
     }
 }
 
-/// A polynomial of real steps may be off by this part of `Σ|a_k|·‖u‖` whatever the accuracy: it is what rounding costs.
+/// Rounding error of a polynomial of fractional steps, relative to `Σ|a_k|·‖u‖`; no accuracy below it is required.
 const ROUNDING: f64 = 1e-15;
 
-/// A diffusion operator prepared for the recurrence: built once, evaluated for any number of signals, by any number of
-/// threads at a time.
+/// A diffusion operator prepared for the recurrence. It is built once, evaluates any number of signals, and can be
+/// used by several threads at a time.
 #[derive(Debug)]
-pub(crate) struct Prepared {
-    pub(crate) walk: TiledDiffusion,
-    /// μ of the norm in which errors are bounded, where it is not π.
+pub(crate) struct ChebyshevEvaluator {
+    pub(crate) operator: TiledDiffusion,
+    /// Weights μ of the norm that bounds errors, if it is not π.
     weights: Option<Vec<f64>>,
     pub(crate) growth: Growth,
 }
 
 /// Weights μ of the norm `‖g‖² = Σ_x μ(x)|g(x)|²` in which errors are bounded, and how `‖T_k(Y)‖` grows in it.
 ///
-/// Under its stationary law a reversible walk is symmetric with a spectrum in [0, 1], so `‖T_k(Y)‖ ≤ 1`. Vertices
-/// without area have π = 0: the walk leaves them for vertices R with π > 0 and never comes back, `Y = [Y_R 0; B 0]`. There
-/// `T_k(Y) = B·(T_k(Y_R) − T_k(0))/Y_R + T_k(0)`, and `|T_k(y) − T_k(0)| ≤ 1.2k|y|`. With `μ(x) = min_y π(y)/(B(x,y)·m(y))`,
-/// m(y) the number of such x that lead to y, B has a norm of at most 1, so that `‖T_k(Y)‖ ≤ 2 + 1.2k`.
+/// Under its stationary distribution a reversible walk is symmetric with a spectrum in [0, 1], so `‖T_k(Y)‖ ≤ 1`.
+/// Vertices without area have π = 0: the walk leaves them for the vertices R with π > 0 and never returns, so
+/// `Y = [Y_R 0; B 0]`. For those rows `T_k(Y) = B·(T_k(Y_R) − T_k(0))/Y_R + T_k(0)`, and
+/// `|T_k(y) − T_k(0)| ≤ 1.2k|y|`. With `μ(x) = min_y π(y)/(B(x,y)·m(y))`, where m(y) is the number of such x that
+/// lead to y, B has norm at most 1, so `‖T_k(Y)‖ ≤ 2 + 1.2k`.
 fn norm_weights(
     diffusion: &Diffusion,
     progress: Progress<'_>,
@@ -127,75 +143,80 @@ fn norm_weights(
     Ok((Some(weights), Growth::Linear))
 }
 
-impl Prepared {
+impl ChebyshevEvaluator {
     /// Prepares `diffusion`. O(entries).
     ///
     /// # Errors
-    /// [`Cancelled`] when the call is to stop.
+    /// [`Cancelled`] if the call is cancelled.
     pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let (weights, growth) = norm_weights(&diffusion, progress)?;
-        Ok(Self { walk: TiledDiffusion::new(diffusion, progress)?, weights, growth })
+        Ok(Self { operator: TiledDiffusion::new(diffusion, progress)?, weights, growth })
     }
 
-    /// μ.
+    /// Weights μ of the norm.
     fn weights(&self) -> &[f64] {
-        self.weights.as_deref().unwrap_or(self.walk.diffusion().stationary())
+        self.weights.as_deref().unwrap_or(self.operator.diffusion().stationary())
     }
 
-    /// Bytes that an evaluation takes for a signal of `n_channels` channels beyond the signal and its results: what is
-    /// prepared, the diffusion included, and the vectors of the recurrence.
+    /// Bytes that an evaluation needs for a signal of `n_channels` channels beyond the signal and its results: the
+    /// prepared data, including the diffusion operator, and the vectors of the recurrence.
     pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
         let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
-        let vectors = self.walk.vector_bytes(n_channels.min(MAX_CHANNELS));
-        self.walk.diffusion().bytes() + self.walk.bytes() + weights + vectors
+        let vectors = self.operator.vector_bytes(n_channels.min(MAX_CHANNELS));
+        self.operator.diffusion().bytes() + self.operator.bytes() + weights + vectors
     }
 
-    /// At least as many bytes as [`working_bytes`](Self::working_bytes) will be, the diffusion not included.
+    /// Upper bound of [`working_bytes`](Self::working_bytes), without the diffusion operator, before it is
+    /// prepared.
     pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         let weights = size_of_val(diffusion.stationary()) as u64;
         weights + TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
     }
 
-    /// `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, all n_vertices × n_channels, each with a relative error of at most
-    /// `accuracy` in the norm of `weights`; or of each the part along normals, n_vertices, with that error relative to its own norm.
+    /// Computes `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, each n_vertices × n_channels, with a relative error
+    /// of at most `accuracy` in the norm of `weights`. With normals, each output is the component along the normal
+    /// (n_vertices values), with that error relative to its own norm.
     ///
-    /// A series is cut where its tail times `‖u‖` is at most `accuracy` times a lower bound of the norm of its value, which is
-    /// known as soon as its sum so far exceeds what is missing. So the degree follows the signal: it is lower for a smooth one.
-    /// A value that all but vanishes beside u gets all terms that double precision can tell apart.
+    /// A series is truncated at the first degree whose tail times `‖u‖` is at most `accuracy` times a lower bound
+    /// of the norm of its value. The bound is known as soon as the partial sum clearly exceeds the remainder, so
+    /// the degree follows the signal and is lower for smooth signals. A value that is nearly zero relative to u
+    /// gets all terms that double precision can distinguish.
     ///
-    /// `guard` is the polynomial whose norm [`Rest::guarded`](super::series::Rest) is to be multiplied by, where any series has
-    /// such a part. Where the passes differ from those of a first call what is in `outs` is of no use.
+    /// `guard` is the polynomial whose norm multiplies
+    /// [`TruncationBound::guarded`](super::series::TruncationBound), for series that have such a part. If the
+    /// passes differ from those of the first call, the content of `outs` is unspecified.
     pub(crate) fn evaluate(
         &self,
         signal: &[f64],
-        (n_channels, kept): (usize, Kept<'_>),
-        (series, guard, passes): (&[Series], &[f64], &mut Passes),
+        (n_channels, kept): (usize, RowOutput<'_>),
+        (series, guard, passes): (&[Series], &[f64], &mut PassPlan),
         accuracy: f64,
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
-    ) -> Result<Outcome, Cancelled> {
-        let (walk, weights) = (&self.walk, self.weights());
-        let mut outcome = Outcome::default();
-        let mut worst = vec![Worst::default(); series.len()];
+    ) -> Result<EvaluationInfo, Cancelled> {
+        let (operator, weights) = (&self.operator, self.weights());
+        let mut outcome = EvaluationInfo::default();
+        let mut worst = vec![WorstError::default(); series.len()];
         let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.len() });
         let guard_degree = guard.len().saturating_sub(1);
         for (block, at) in (0..n_channels).step_by(MAX_CHANNELS).enumerate() {
             let width = MAX_CHANNELS.min(n_channels - at);
-            let recurrence = Recurrence::new(walk, weights, signal, n_channels, (at, width), progress)?;
-            let mut recurrence = recurrence.keeping(kept);
+            let recurrence = Recurrence::new(operator, weights, signal, n_channels, (at, width), progress)?;
+            let mut recurrence = recurrence.with_kept(kept);
             let start = recurrence.square().sqrt();
-            let mut cuts: Vec<Cut> = series.iter().map(Cut::new).collect();
+            let mut cuts: Vec<SeriesCut> = series.iter().map(SeriesCut::new).collect();
             let mut guard_norm = 0.0;
             for pass in 0.. {
                 let highest = cuts.iter().map(|cut| cut.degree).fold(guard_degree, usize::max);
                 let Some(aim) = passes.aim(block, pass, highest) else { return Ok(outcome) };
-                let [last, aim] = [highest, aim].map(|k| if recurrence.moves() { k } else { 0 });
+                let [last, aim] = [highest, aim].map(|k| if recurrence.is_nonzero() { k } else { 0 });
                 let k = recurrence.k();
                 progress.step(k as u64, last as u64)?;
                 let left = aim - k.min(aim);
-                // Passes of equal length: a short last one would cost as much memory traffic as a long one.
+                // Passes have equal length, because a short last pass would cost as much memory traffic as a long
+                // one.
                 let n_steps =
-                    left.div_ceil(left.div_ceil(walk.steps_per_pass()).max(1)).min(last - k.min(last));
+                    left.div_ceil(left.div_ceil(operator.steps_per_pass()).max(1)).min(last - k.min(last));
                 let mut sums: Vec<Sum<'_>> = cuts
                     .iter()
                     .zip(&mut *outs)
@@ -211,7 +232,7 @@ impl Prepared {
                     let weighing = if completes_guard { Weighing::Weighed } else { Weighing::Unweighed };
                     sums.push(Sum { coefficients: guard, out: &mut guarded, weighing, square: 0.0 });
                 }
-                let next = if k + n_steps < last { Next::Continues } else { Next::Ends };
+                let next = if k + n_steps < last { Continuation::Continues } else { Continuation::Ends };
                 recurrence.advance(n_steps, &mut sums, next, progress)?;
                 let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
                 if completes_guard && !guard.is_empty() {
@@ -220,7 +241,7 @@ impl Prepared {
                 for (cut, norm) in cuts.iter_mut().zip(norms) {
                     cut.decide(k + n_steps, start, norm, accuracy);
                 }
-                if next == Next::Ends {
+                if next == Continuation::Ends {
                     break;
                 }
             }
@@ -228,11 +249,11 @@ impl Prepared {
             outcome.degree = outcome.degree.max(k);
             outcome.products += k + 1;
             outcome.terms += cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum::<u64>();
-            if recurrence.moves() {
+            if recurrence.is_nonzero() {
                 for (worst, cut) in worst.iter_mut().zip(&cuts) {
                     let (missing, relative) = cut.missing(start, guard_norm);
                     worst.relative = worst.relative.max(relative);
-                    worst.falls_short |= cut.series.rest != Rest::default()
+                    worst.falls_short |= cut.series.rest != TruncationBound::default()
                         && relative > accuracy
                         && missing > ROUNDING * cut.series.total * start;
                 }
@@ -249,32 +270,32 @@ impl Prepared {
     }
 }
 
-/// What a series comes to over all blocks of channels.
+/// Largest error of a series over all blocks of channels.
 #[derive(Clone, Copy, Default)]
-struct Worst {
+struct WorstError {
     relative: f64,
     falls_short: bool,
 }
 
-/// Where a series is cut.
-struct Cut<'a> {
+/// Degree at which a series is truncated.
+struct SeriesCut<'a> {
     series: &'a Series,
     degree: usize,
-    /// A lower bound of the norm of the value, once one is known.
+    /// Lower bound of the norm of the value, once it is known.
     least: Option<f64>,
 }
 
-impl<'a> Cut<'a> {
+impl<'a> SeriesCut<'a> {
     fn new(series: &'a Series) -> Self {
         Self { series, degree: series.degree(), least: None }
     }
 
-    /// Whether the norm of the sum of the terms up to `k` may tell where to cut.
+    /// Requests the norm of the sum of the terms up to `k` if it can decide the truncation.
     fn weighing_after(&self, k: usize) -> Weighing {
-        let Rest { always, guarded } = self.series.rest;
+        let TruncationBound { always, guarded } = self.series.rest;
         let tail = self.series.tail[k.min(self.degree)] + always;
-        // ‖value‖ ≤ total·‖u‖: before the tail is well below that, nothing can be said. And where nothing is missing,
-        // there is nothing to say.
+        // ‖value‖ ≤ total·‖u‖: until the tail is well below this bound the norm decides nothing. If nothing is
+        // missing, there is nothing to decide.
         if self.least.is_none() && tail + guarded > 0.0 && tail < 0.25 * self.series.total {
             Weighing::Weighed
         } else {
@@ -282,7 +303,7 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// Decides where to cut, if `norm` is that of the sum of the terms up to `k`.
+    /// Chooses the degree, given the norm `norm` of the sum of the terms up to `k`.
     fn decide(&mut self, k: usize, start: f64, norm: f64, accuracy: f64) {
         if self.weighing_after(k) == Weighing::Unweighed {
             return;
@@ -298,7 +319,7 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// What may be missing, and its part of the value.
+    /// Bound of the truncation error, absolute and relative to the value.
     fn missing(&self, start: f64, guard_norm: f64) -> (f64, f64) {
         let guarded = self.series.rest.guarded * guard_norm;
         let missing = (self.series.tail[self.degree] + self.series.rest.always) * start + guarded;
@@ -316,7 +337,7 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
 
-    /// A ring of `n` vertices, each joined with the next `width`.
+    /// A cycle of `n` vertices, each connected to the next `width` vertices.
     fn ring(n: u32, width: u32) -> Arc<Diffusion> {
         let edge = |u: u32| (1..=width).map(move |e| (u, (u + e) % n, 1.0 + f64::from((u + e) % 3)));
         let edges: Vec<_> = (0..n).flat_map(edge).collect();
@@ -328,7 +349,7 @@ mod tests {
     }
 
     fn evaluate(
-        prepared: &Prepared,
+        prepared: &ChebyshevEvaluator,
         signal: &[f64],
         d: usize,
         progress: Progress<'_>,
@@ -337,30 +358,31 @@ mod tests {
             [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
         let mut bands = vec![vec![0.0; signal.len()]; series.len()];
         let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        let polynomials = (&series[..], &[][..], &mut Passes::default());
-        prepared.evaluate(signal, (d, Kept::Channels), polynomials, 0.0, &mut outs, progress)?; // all terms
+        let polynomials = (&series[..], &[][..], &mut PassPlan::default());
+        prepared.evaluate(signal, (d, RowOutput::Channels), polynomials, 0.0, &mut outs, progress)?; // all terms
         Ok(bands)
     }
 
     #[test]
     fn tiles_in_place_and_apart_give_the_bits_of_the_recurrence_one_step_at_a_time() {
-        // Rings of 2 neighbors have small halos, those of 140 larger ones than two vectors.
+        // Cycles with 2 neighbors have small halos; those with 140 have halos larger than two vectors.
         for (n, width, d) in [(20_000, 1, 3), (9000, 3, 5), (1500, 140, 2), (700, 2, 1)] {
             let diffusion = ring(n, width);
             let signal: Vec<f64> = (0..n as usize * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
-            let fused = Prepared::new(Arc::clone(&diffusion), Progress::none()).expect("nobody stops it");
-            let mut plain = Prepared::new(diffusion, Progress::none()).expect("nobody stops it");
-            plain.walk = plain.walk.with_tiles(n as usize, 1);
+            let fused =
+                ChebyshevEvaluator::new(Arc::clone(&diffusion), Progress::none()).expect("nobody stops it");
+            let mut plain = ChebyshevEvaluator::new(diffusion, Progress::none()).expect("nobody stops it");
+            plain.operator = plain.operator.with_tiles(n as usize, 1);
             let found = evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it");
             assert!(found == evaluate(&plain, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
-            // With vectors that an earlier call has left.
+            // Again, with vectors that an earlier call returned to the pool.
             assert!(found == evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
         }
     }
 
     #[test]
     fn a_call_that_is_told_to_stop_does_so_at_once() {
-        /// Far more than it takes on an idle machine; the whole work takes many times as long.
+        /// Far more time than an idle machine needs; the whole computation takes many times as long.
         const AT_ONCE: Duration = Duration::from_secs(2);
         let diffusion = ring(300_000, 3);
         let signal: Vec<f64> = (0..900_000).map(|i| f64::from((i * 31) % 101)).collect();
@@ -375,8 +397,8 @@ mod tests {
                     stop.store(true, Ordering::Relaxed);
                 });
                 let outcome = loop {
-                    // Again and again, as fast machines are done before they are told.
-                    let prepared = Prepared::new(Arc::clone(&diffusion), progress);
+                    // Repeated, because a fast machine finishes before it is cancelled.
+                    let prepared = ChebyshevEvaluator::new(Arc::clone(&diffusion), progress);
                     let done = prepared.and_then(|prepared| evaluate(&prepared, &signal, 3, progress));
                     if let Err(cancelled) = done {
                         break cancelled;
@@ -393,7 +415,7 @@ mod tests {
 
     #[test]
     fn a_second_call_gives_up_where_it_wants_more_than_the_first() {
-        let mut passes = Passes::default();
+        let mut passes = PassPlan::default();
         assert_eq!(
             [passes.aim(0, 0, 30), passes.aim(0, 1, 20), passes.aim(1, 0, 9)],
             [Some(30), Some(20), Some(9)]
@@ -408,7 +430,7 @@ mod tests {
     #[test]
     fn what_is_prepared_can_be_shared_between_threads() {
         fn shared<T: Send + Sync + 'static>() {}
-        shared::<Prepared>();
-        shared::<Arc<Prepared>>();
+        shared::<ChebyshevEvaluator>();
+        shared::<Arc<ChebyshevEvaluator>>();
     }
 }

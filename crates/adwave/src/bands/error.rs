@@ -1,21 +1,21 @@
-//! Why a signal cannot be split into bands.
+//! Errors of splitting a signal into bands.
 
 use super::Schedule;
 use crate::parallel;
 use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why a signal cannot be split into bands.
+/// Error of splitting a signal into bands.
 #[derive(Debug, Error, PartialEq)]
 pub enum BandsError {
-    /// The signal does not belong to this shape.
+    /// The length of the signal does not match the shape.
     #[error("the signal has {n_values} values, which is not {n_vertices} vertices × {n_channels} channels")]
     WrongLength {
-        /// Values given.
+        /// Number of values given.
         n_values: usize,
-        /// Vertices of the shape.
+        /// Number of vertices of the shape.
         n_vertices: usize,
-        /// Channels of the signal.
+        /// Number of channels of the signal.
         n_channels: usize,
     },
     /// A value is NaN or infinite.
@@ -23,29 +23,29 @@ pub enum BandsError {
         "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or mask the vertex"
     )]
     NotFinite {
-        /// The vertex.
+        /// Index of the vertex, from 0.
         vertex: usize,
-        /// The channel.
+        /// Index of the channel, from 0.
         channel: usize,
-        /// The value.
+        /// The value found.
         value: f64,
     },
-    /// A buffer for the result is too short or too long.
+    /// The output buffer has the wrong length.
     #[error("the buffer for the result has {n_values} values, and {expected} are needed")]
     WrongBuffer {
-        /// Values that it has.
+        /// Length of the buffer.
         n_values: usize,
-        /// Values that the result has.
+        /// Length of the result.
         expected: usize,
     },
-    /// There is not one factor or weight for each band or vertex.
+    /// The number of factors or weights does not match the number of bands or vertices.
     #[error("there are {n_given} {what}, and {expected} are needed")]
     WrongNumber {
-        /// What they are.
+        /// Name of the values.
         what: &'static str,
-        /// How many were given.
+        /// Number given.
         n_given: usize,
-        /// How many are needed.
+        /// Number required.
         expected: usize,
     },
     /// A factor of a band is NaN or infinite.
@@ -53,57 +53,57 @@ pub enum BandsError {
     BadFactor {
         /// The level, from 1.
         level: usize,
-        /// Its factor.
+        /// The factor.
         factor: f64,
     },
-    /// An accuracy that cannot be promised.
+    /// The accuracy is out of range.
     #[error(
         "the accuracy {accuracy} of the bands is not between {} and 0.1; double precision promises no less, and more is no result",
         super::FINEST_ACCURACY
     )]
     Accuracy {
-        /// The accuracy asked for.
+        /// The requested accuracy.
         accuracy: f64,
     },
-    /// The call would take more memory than it may.
+    /// The call would need more memory than allowed.
     #[error(
         "the bands need {needed} bytes of memory and {available} may be used; ask for fewer levels or channels"
     )]
     TooLarge {
-        /// Bytes needed, the result included.
+        /// Bytes needed, including the result.
         needed: u64,
-        /// Bytes that may be used.
+        /// Bytes allowed.
         available: u64,
     },
-    /// Only a reversible diffusion operator has fractional powers.
+    /// Fractional steps on an operator that only supports whole steps.
     #[error(
         "level {level} has {steps} steps, and this diffusion operator takes whole steps only, because it is not reversible or is to be applied power by power; ask for whole steps, or make the graph of a cloud symmetric"
     )]
     NotWhole {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// The number of steps.
         steps: f64,
     },
-    /// Fractional powers could not be applied as accurately as asked.
+    /// Fractional powers did not reach the requested accuracy.
     #[error(
         "level {level} {} and {accuracy:.1e} was asked for: small fractional powers converge slowly on a graph that is nearly bipartite; ask for whole steps or for less accuracy",
         shortfall(*.reached)
     )]
     Missed {
-        /// The level, from 1; of a sum of levels the first that is a fractional power.
+        /// The level, from 1; for a sum of levels, the first fractional one.
         level: usize,
-        /// The accuracy asked for.
+        /// The requested accuracy.
         accuracy: f64,
-        /// A bound of the error, relative to the band; infinite where the band all but vanishes beside W_f(1).
+        /// Bound of the relative error of the band; infinite if the band nearly vanishes relative to W_f(1).
         reached: f64,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
 
-/// What is said of the accuracy of a band.
+/// Describes the accuracy that a band reached.
 fn shortfall(reached: f64) -> String {
     if reached < 1.0 {
         format!("reaches a relative accuracy of {reached:.1e}")
@@ -122,7 +122,7 @@ impl ClassifiedError for BandsError {
     }
 }
 
-/// Checks that a signal has a finite value for every channel of every vertex.
+/// Checks that a signal has a finite value for every channel at every vertex.
 pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize) -> Result<(), BandsError> {
     if n_channels == 0 || n_vertices.checked_mul(n_channels) != Some(signal.len()) {
         return Err(BandsError::WrongLength { n_values: signal.len(), n_vertices, n_channels });
@@ -138,12 +138,12 @@ pub(crate) fn check_signal(signal: &[f64], n_vertices: usize, n_channels: usize)
     Ok(())
 }
 
-/// Checks the length of what a result is written to.
+/// Checks the length of an output buffer.
 pub(crate) fn check_buffer(n_values: usize, expected: usize) -> Result<(), BandsError> {
     if n_values == expected { Ok(()) } else { Err(BandsError::WrongBuffer { n_values, expected }) }
 }
 
-/// Checks that there is one finite factor for each level.
+/// Checks that there is one finite factor per level.
 pub(super) fn check_factors(factors: &[f64], schedule: &Schedule) -> Result<(), BandsError> {
     let (n_given, expected) = (factors.len(), schedule.n_levels());
     if n_given != expected {

@@ -1,19 +1,22 @@
-//! Polynomials of Φ₁ whose degree does not depend on the signal, so that a part of a shape has the bands of the whole.
+//! Polynomials of Φ₁ whose degree does not depend on the signal, so that part of a shape has the same bands as the
+//! whole.
 
-use super::chebyshev::Passes;
+use super::chebyshev::PassPlan;
 use super::error::{check_buffer, check_signal};
-use super::series::{Growth, Rest, Series};
-use super::transform::whole;
+use super::series::{Growth, Series, TruncationBound};
+use super::transform::whole_steps_from_zero;
 use super::{BandsError, BandsParams, Schedule, Transform};
 use crate::Progress;
-use crate::sparse::Kept;
+use crate::sparse::RowOutput;
 
-/// A band, or a weighted sum of bands, as a polynomial of Φ₁ of a degree that the levels and the accuracy decide alone.
+/// A band, or a weighted sum of bands, as a polynomial of Φ₁ whose degree depends on the levels and the accuracy
+/// only.
 ///
-/// Where [`Transform::wavelets_into`] cuts each series as soon as the norm of this signal's band allows it, the cut here is the same for
-/// all signals: a vertex needs the values within [`reach`](Self::reach) rings around it, and no number of the whole shape. What is
-/// left out is at most `accuracy·n^(−3/2)` of the largest value that the polynomial can have, n being the steps of the band: about
-/// `accuracy` of the band of white noise on a surface, less for smoother signals.
+/// [`Transform::wavelets_into`] truncates each series as soon as the norm of the band of this signal allows it.
+/// Here the truncation is the same for all signals: the value at a vertex depends on the values within
+/// [`reach`](Self::reach) rings around it and on no global quantity. The truncation error is at most
+/// `accuracy·n^(−3/2)` of the largest value of the polynomial, n being the number of steps of the band. That is
+/// about `accuracy` of the band for white noise on a surface, and less for smoother signals.
 ///
 /// ```
 /// use adwave::bands::{FixedSeries, Schedule};
@@ -28,51 +31,53 @@ impl FixedSeries {
     /// The series of all bands of `schedule`.
     ///
     /// # Errors
-    /// [`BandsError`] when the accuracy cannot be promised or a level has steps that are not whole.
+    /// [`BandsError`] if the accuracy is out of range or a level has a fractional number of steps.
     pub fn bands(schedule: &Schedule, accuracy: f64) -> Result<Vec<Self>, BandsError> {
         BandsParams::default().with_accuracy(accuracy).check()?;
-        let steps = whole(schedule)?;
+        let steps = whole_steps_from_zero(schedule)?;
         let band = |pair: &[u64]| {
             let mut series = Series::band(pair[0], pair[1], Growth::Bounded);
             let budget = accuracy * series.total * (pair[1] as f64).powf(-1.5);
             series.coefficients.truncate(series.degree_within(budget, 0) + 1);
-            Self::of(series.coefficients)
+            Self::from_coefficients(series.coefficients)
         };
         Ok(steps.windows(2).map(band).collect())
     }
 
-    /// `Σ_j factors[j]·bands[j]`; bands whose factor is 0 do not count for the reach.
+    /// The combination `Σ_j factors[j]·bands[j]`. Bands with factor 0 do not count towards the reach.
     ///
     /// # Panics
-    /// Unless there are as many factors as bands.
+    /// Unless there is one factor per band.
     #[must_use]
     pub fn weighted(bands: &[Self], factors: &[f64]) -> Self {
         assert_eq!(bands.len(), factors.len(), "a factor for each band");
         let wanted = bands.iter().zip(factors).filter(|(_, factor)| **factor != 0.0);
         let (bands, factors): (Vec<Series>, Vec<f64>) = wanted.map(|(band, f)| (band.0.clone(), *f)).unzip();
-        Self::of(Series::combination(&bands, &factors, Growth::Bounded).coefficients)
+        Self::from_coefficients(Series::combination(&bands, &factors, Growth::Bounded).coefficients)
     }
 
-    /// How many rings around a vertex its value depends on.
+    /// Number of rings around a vertex that its value depends on.
     pub fn reach(&self) -> usize {
         self.0.degree() + 1
     }
 
-    /// No tail, so that nothing is cut, whatever the signal.
-    fn of(coefficients: Vec<f64>) -> Self {
-        let tail = vec![0.0; coefficients.len()];
-        Self(Series { coefficients, tail, total: 0.0, rest: Rest::default() })
+    /// Wraps coefficients without a tail, so that they are never truncated.
+    fn from_coefficients(coefficients: Vec<f64>) -> Self {
+        let tail = Vec::new();
+        Self(Series { coefficients, tail, total: 0.0, rest: TruncationBound::default() }.without_tail())
     }
 }
 
 impl Transform {
-    /// `series[i](Φ₁)·(I − Φ₁)·signal` into `outs[i]`, all n_vertices × n_channels, row-major.
+    /// Computes `series[i](Φ₁)·(I − Φ₁)·signal` into `outs[i]`, each n_vertices × n_channels, row-major.
     ///
-    /// The bits of a row depend on the entries within [`FixedSeries::reach`] rings alone, where these are in the same order.
+    /// The bits of a row depend only on the entries within [`FixedSeries::reach`] rings, provided these have the
+    /// same order.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal or an output has the wrong length, a value is not finite, or when cancelled.
-    pub fn fixed_into(
+    /// [`BandsError`] if the signal or an output has the wrong length, a value is not finite, or the call is
+    /// cancelled.
+    pub fn apply_fixed_series_into(
         &self,
         signal: &[f64],
         n_channels: usize,
@@ -84,9 +89,9 @@ impl Transform {
         let len = outs.iter().map(|out| out.len()).sum();
         check_buffer(len, series.len() * signal.len())?;
         let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();
-        let polynomials = (&series[..], &[][..], &mut Passes::default());
-        let prepared = self.prepared(progress)?;
-        prepared.evaluate(signal, (n_channels, Kept::Channels), polynomials, 1.0, outs, progress)?;
+        let polynomials = (&series[..], &[][..], &mut PassPlan::default());
+        let prepared = self.evaluator(progress)?;
+        prepared.evaluate(signal, (n_channels, RowOutput::Channels), polynomials, 1.0, outs, progress)?;
         Ok(())
     }
 }
@@ -96,7 +101,7 @@ mod tests {
     use super::*;
     use crate::operator::Diffusion;
 
-    /// A path: the walk stays, or goes to either side.
+    /// A path graph whose walk stays or moves to either side.
     fn path(n: usize) -> Diffusion {
         let (mut rows, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for x in 0..n as u32 {
@@ -118,7 +123,7 @@ mod tests {
         let transform = Transform::new(diffusion, &BandsParams::default()).unwrap();
         let mut outs = vec![vec![0.0; signal.len()]; series.len()];
         let mut slices: Vec<&mut [f64]> = outs.iter_mut().map(|out| &mut out[..]).collect();
-        transform.fixed_into(signal, 1, series, &mut slices, Progress::none()).unwrap();
+        transform.apply_fixed_series_into(signal, 1, series, &mut slices, Progress::none()).unwrap();
         outs
     }
 

@@ -1,19 +1,21 @@
-//! Chebyshev series of the bands of heat.
+//! Chebyshev series of the bands of heat diffusion.
 //!
 //! With `x = 1 − λ` and times a < b, counted in steps of Φ₁, a band is `W = q(Φ₁)u`, `u = (I − Φ₁)f`,
-//! `q = (e^(−ax) − e^(−bx))/x = ∫_a^b e^(−sx) ds`. In `y = 2λ − 1` it is `e^(−sx) = e^(−z)(I_0(z) + 2Σ_k I_k(z)T_k(y))`, z = s/2,
-//! with the modified Bessel functions I_k (`abramowitz1964`, 9.6.34). `e^(−z)I_k(z)` are the probabilities of a symmetric walk
-//! whose steps come at random times, so all coefficients of q are positive and sum to b − a, as for whole steps.
+//! `q = (e^(−ax) − e^(−bx))/x = ∫_a^b e^(−sx) ds`. In `y = 2λ − 1`, `e^(−sx) = e^(−z)(I_0(z) + 2Σ_k I_k(z)T_k(y))`
+//! with z = s/2 and the modified Bessel functions I_k (`abramowitz1964`, 9.6.34). The numbers `e^(−z)I_k(z)` are
+//! the probabilities of a symmetric walk with steps at random times, so all coefficients of q are positive and sum
+//! to b − a, as for whole steps.
 
 use super::series::{Growth, NEGLIGIBLE, Series, double_tails};
 
-/// Bands whose times are nearer to each other than this part of the first are integrated: differences would cancel.
+/// Relative distance of two times below which the band is integrated numerically, because differences would cancel.
 const CLOSE: f64 = 0.25;
 
-/// Points of Gauss and Legendre's rule, which then err by rounding only.
+/// Number of Gauss–Legendre points, enough for errors at the level of rounding.
 const N_NODES: usize = 16;
 
-/// Ratios of Bessel functions are wrong where their recurrence starts; that far below [`NEGLIGIBLE`] it does not matter.
+/// Margin in the logarithm below [`NEGLIGIBLE`] at which the recurrence of Bessel quotients starts, so that its
+/// wrong start has no effect.
 const MARGIN: f64 = 25.0;
 
 /// The series of the band between the times `a < b`. O(√b) terms.
@@ -29,7 +31,7 @@ pub(crate) fn band(a: f64, b: f64, growth: Growth) -> Series {
             }
         }
     } else {
-        // Dividing by x sums the tails of the law twice.
+        // Dividing by x sums the tails of the distribution twice.
         q = double_tails(&heat_law(b));
         for (q, less) in q.iter_mut().zip(double_tails(&heat_law(a))) {
             *q -= less;
@@ -44,21 +46,22 @@ pub(crate) fn band(a: f64, b: f64, growth: Growth) -> Series {
     Series::new(q, growth)
 }
 
-/// `e^(−z)I_k(z)`, z = s/2, for k = 0, 1, … until it no longer matters. Relative error a few roundings.
+/// The values `e^(−z)I_k(z)`, z = s/2, for k = 0, 1, … until they are negligible. The relative error is a few
+/// roundings.
 fn heat_law(s: f64) -> Vec<f64> {
     let z = 0.5 * s;
     if z == 0.0 {
         return vec![1.0];
     }
-    // I_k/I_{k−1} < z/(k − ½ + √((k − ½)² + z²)): how far it matters at most.
+    // I_k/I_{k−1} < z/(k − ½ + √((k − ½)² + z²)) bounds the number of values.
     let bound = |k: f64| z / (k - 0.5 + (k - 0.5).hypot(z));
     let (mut log, mut last) = (0.0, 0_usize);
     while log > NEGLIGIBLE.ln() - MARGIN {
         last += 1;
         log += bound(last as f64).ln();
     }
-    // I_{k−1}/I_k = 1 + rise_k by I_{k−1} − I_{k+1} = (2k/z)·I_k, downwards, where errors fade. Near k = 0 the quotients are close
-    // to 1, and their distance from it is what counts.
+    // With I_{k−1}/I_k = 1 + rise_k, the recurrence I_{k−1} − I_{k+1} = (2k/z)·I_k is run downwards, where errors
+    // decay. Near k = 0 the quotients are close to 1, and their distance from 1 determines the accuracy.
     let mut rises = vec![0.0; last + 1];
     let mut above = 1.0 - bound(last as f64 + 1.0);
     for k in (1..=last).rev() {
@@ -83,10 +86,10 @@ fn heat_law(s: f64) -> Vec<f64> {
     law
 }
 
-/// Nodes and weights of the rule of `n` points on [−1, 1].
+/// Nodes and weights of the `n`-point Gauss–Legendre rule on [−1, 1].
 fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let node = |i: usize| {
-        // Newton's method from a start that is good to some digits.
+        // Newton's method from a start that is accurate to a few digits.
         let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
         let mut slope = 1.0;
         for _ in 0..8 {

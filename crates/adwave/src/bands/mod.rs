@@ -1,7 +1,7 @@
 //! Bands of a signal: schedules of levels, scaling and wavelet coefficients, reconstruction (eq. 11) (eq. 15).
 //!
-//! [`Transform`] is the diffusion operator prepared for many signals. It gives [`Bands`] in the order of the shape,
-//! [`Wavelets`] in the analysis order, or a weighted sum of bands, each at the cost of its products only.
+//! [`Transform`] is the diffusion operator prepared for many signals. It computes [`Bands`] in the order of the
+//! shape, [`Wavelets`] in the analysis order, or a weighted sum of bands, each at the cost of its products alone.
 
 #[expect(clippy::module_inception, reason = "the file of the type `Bands`")]
 mod bands;
@@ -16,6 +16,7 @@ mod real_series;
 mod schedule;
 mod series;
 mod shape_order;
+mod stages;
 mod transform;
 mod wavelets;
 
@@ -29,5 +30,5 @@ pub use schedule::{
     DEFAULT_EXTENT, FWHM, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,
 };
 pub use transform::Transform;
-pub(crate) use wavelets::Measure;
+pub(crate) use wavelets::RowMeasure;
 pub use wavelets::Wavelets;

@@ -1,84 +1,85 @@
-//! One number for each wavelet coefficient of several channels, without all coefficients at a time.
+//! Norms or normal components of the wavelet coefficients, without storing all channels of all levels.
 
-use super::chebyshev::{Outcome, Passes};
+use super::chebyshev::{EvaluationInfo, PassPlan};
 use super::error::check_signal;
 use super::real_series::LADDER;
 use super::series::Series;
-use super::wavelets::Measure;
+use super::wavelets::RowMeasure;
 use super::{BandsError, Engine, Schedule, Transform, Wavelets};
 use crate::pages::zeros;
-use crate::sparse::Kept;
+use crate::sparse::RowOutput;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 
-/// Bytes of all wavelets below which there is nothing to gain.
+/// Total size of the wavelets in bytes below which the detour saves nothing.
 const LARGE: usize = 64 << 20;
 
 impl Transform {
-    /// [`Wavelets::into_norms`] or [`Wavelets::into_along`] of the wavelets of a signal at the welded vertices, the same bits.
+    /// [`Wavelets::into_norms`] or [`Wavelets::into_along`] for a signal at the welded vertices, with the same
+    /// bits.
     ///
-    /// Of a large signal the coarse levels come first, and the fine ones when of those only one channel is left: three fifths of
-    /// the memory, for the few products that fine levels take.
+    /// For a large signal the coarse levels are computed first, and the fine levels after the coarse ones have been
+    /// reduced to one channel: three fifths of the memory, for the few products that fine levels take.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
-    pub(crate) fn one_channel_of_mean(
+    pub(crate) fn measure_mean(
         &self,
         mean: &[f64],
         n_channels: usize,
-        measure: Measure<'_>,
+        measure: RowMeasure<'_>,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Wavelets, BandsError> {
         if n_channels > 1
             && schedule.n_levels() * size_of_val(mean) >= LARGE
-            && let Some(found) = self.in_two_calls(mean, n_channels, measure, schedule, progress)?
+            && let Some(found) = self.compute_in_two_calls(mean, n_channels, measure, schedule, progress)?
         {
             return Ok(found);
         }
-        let wavelets = self.wavelets_of_mean(mean, n_channels, schedule, progress)?;
+        let wavelets = self.decompose_mean(mean, n_channels, schedule, progress)?;
         Ok(match measure {
-            Measure::Norm => wavelets.into_norms(),
-            Measure::Along(normals) => wavelets.into_along(normals),
+            RowMeasure::Norm => wavelets.into_norms(),
+            RowMeasure::Along(normals) => wavelets.into_along(normals),
         })
     }
 
-    /// Nothing where two calls cannot give the bits of one.
-    fn in_two_calls(
+    /// `None` if two calls cannot give the bits of one.
+    fn compute_in_two_calls(
         &self,
         mean: &[f64],
         n_channels: usize,
-        measure: Measure<'_>,
+        measure: RowMeasure<'_>,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Option<Wavelets>, BandsError> {
-        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
         let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
         check_signal(mean, n, n_channels)?;
         self.check_memory_of_wavelets(n_channels, schedule)?;
-        let prepared = self.prepared(progress)?;
+        let prepared = self.evaluator(progress)?;
         let steps = schedule.steps_from_zero();
-        // Series of whole steps are the same on every rung.
+        // Series of whole steps are the same on every grid.
         let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
         let series: Vec<Series> = parallel::map_items(n, n_levels, band);
-        let mut passes = Passes::default();
+        let mut passes = PassPlan::default();
         let call = |range: Range<usize>,
-                    passes: &mut Passes|
-         -> Result<(Vec<Vec<f64>>, Outcome), Cancelled> {
+                    passes: &mut PassPlan|
+         -> Result<(Vec<Vec<f64>>, EvaluationInfo), Cancelled> {
             let mut levels: Vec<Vec<f64>> = range.clone().map(|_| zeros(mean.len())).collect();
             let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
             let polynomials = (&series[range], &[][..], passes);
             let accuracy = self.params().accuracy;
-            let channels = (n_channels, Kept::Channels);
+            let channels = (n_channels, RowOutput::Channels);
             let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
-                *level = measure.of(level, n_channels);
+                *level = measure.measure_rows(level, n_channels);
             }
             Ok((levels, outcome))
         };
-        // Two fifths: where a level has three channels both calls hold about as much.
+        // Two fifths: if a level has three channels, both calls then need about the same memory.
         let n_fine = 2 * n_levels / 5;
         let (coarse, first) = call(n_fine..n_levels, &mut passes)?;
         passes.repeat();
@@ -87,7 +88,7 @@ impl Transform {
             return Ok(None);
         }
         levels.extend(coarse);
-        let outcome = Outcome {
+        let outcome = EvaluationInfo {
             degree: first.degree.max(second.degree),
             products: first.products + second.products,
             terms: first.terms + second.terms,
@@ -98,34 +99,35 @@ impl Transform {
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
 
-    /// [`Wavelets::into_along`] of the wavelets of a signal of three channels, but for other last bits: the parts along the normals are
-    /// taken of the vectors that the bands are sums of, so that no band has three channels. The accuracy is that of the parts.
+    /// [`Wavelets::into_along`] for a signal of three channels, up to rounding. The component along the normals is
+    /// taken from the vectors of the recurrence, so no band has three channels. The accuracy refers to these
+    /// components.
     ///
-    /// Nothing where powers are needed.
+    /// `None` if the engine is [`Engine::Powers`] or a level has fractional steps.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
-    pub(crate) fn along_at_once(
+    pub(crate) fn normal_components_in_one_pass(
         &self,
         mean: &[f64],
         normals: &[[f64; 3]],
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Option<Wavelets>, BandsError> {
-        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() {
+        if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
         let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
         check_signal(mean, n, 3)?;
         self.check_memory_of_wavelets(3, schedule)?;
-        let prepared = self.prepared(progress)?;
+        let prepared = self.evaluator(progress)?;
         let steps = schedule.steps_from_zero();
         let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
         let series: Vec<Series> = parallel::map_items(n, n_levels, band);
         let mut levels: Vec<Vec<f64>> = series.iter().map(|_| zeros(n)).collect();
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
         let (channels, polynomials) =
-            ((3, Kept::Along(normals)), (&series[..], &[][..], &mut Passes::default()));
+            ((3, RowOutput::AlongNormals(normals)), (&series[..], &[][..], &mut PassPlan::default()));
         let accuracy = self.params().accuracy;
         let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
         let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, 3));
@@ -135,14 +137,14 @@ impl Transform {
 
 #[cfg(test)]
 mod tests {
-    use crate::bands::wavelets::Measure;
+    use crate::bands::wavelets::RowMeasure;
     use crate::bands::{Schedule, Transform};
     use crate::sample::Sample;
     use crate::shape::{Mesh, Shape};
     use crate::{Decomposer, Progress};
 
     fn creature() -> (Decomposer, Vec<f64>) {
-        let sample = Sample::by_name("creature", Some(6000)).expect("a built-in shape");
+        let sample = Sample::from_name("creature", Some(6000)).expect("a built-in shape");
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a mesh"));
         let decomposer = Decomposer::new(&shape);
         let mean = decomposer.geometry().points().as_flattened().to_vec();
@@ -158,14 +160,15 @@ mod tests {
             let params = decomposer.transform().params().with_accuracy(accuracy);
             let transform: Transform = decomposer.transform().with_params(&params).expect("an accuracy");
             for (n_levels, n_channels) in [(3, 3), (6, 3), (9, 3), (12, 3), (8, 2), (8, 6)] {
-                // Of a block of one, two, three channels, or more than one block.
+                // Blocks of one, two and three channels, and more than one block.
                 let n = mean.len() / 3;
                 let signal: Vec<f64> =
                     (0..n * n_channels).map(|i| mean[i % mean.len()] + (i % n_channels) as f64).collect();
                 let schedule = Schedule::dyadic(n_levels).expect("levels");
-                let one = transform.wavelets_of_mean(&signal, n_channels, &schedule, none);
+                let one = transform.decompose_mean(&signal, n_channels, &schedule, none);
                 let one = one.expect("a signal").into_norms();
-                let two = transform.in_two_calls(&signal, n_channels, Measure::Norm, &schedule, none);
+                let two =
+                    transform.compute_in_two_calls(&signal, n_channels, RowMeasure::Norm, &schedule, none);
                 let Some(two) = two.expect("a signal") else { continue };
                 assert!(one.levels == two.levels, "{n_levels} levels of {n_channels} channels");
                 assert_eq!((one.steps, one.sigma), (two.steps, two.sigma));
@@ -185,10 +188,12 @@ mod tests {
         for (n_levels, accuracy) in [(1, 1e-3), (5, 1e-3), (8, 1e-10), (11, 1e-6)] {
             let schedule = Schedule::dyadic(n_levels).expect("levels");
             let transform = decomposer.transform();
-            let exact = transform.wavelets_of_mean(&mean, 3, &schedule, none);
+            let exact = transform.decompose_mean(&mean, 3, &schedule, none);
             let exact = exact.expect("a signal").into_along(&normals);
             let transform = transform.with_params(&transform.params().with_accuracy(accuracy));
-            let found = transform.expect("an accuracy").along_at_once(&mean, &normals, &schedule, none);
+            let found = transform
+                .expect("an accuracy")
+                .normal_components_in_one_pass(&mean, &normals, &schedule, none);
             let found = found.expect("a signal").expect("no powers");
             assert_eq!((&found.steps, &found.sigma), (&exact.steps, &exact.sigma));
             assert!(found.info.error_bound <= accuracy, "{:?}", found.info);
@@ -208,13 +213,14 @@ mod tests {
         let (decomposer, mean) = creature();
         let schedule = Schedule::voices(3, 2).expect("levels");
         let transform = decomposer.transform();
-        let two =
-            transform.in_two_calls(&mean, 3, Measure::Norm, &schedule, Progress::none()).expect("a signal");
+        let two = transform
+            .compute_in_two_calls(&mean, 3, RowMeasure::Norm, &schedule, Progress::none())
+            .expect("a signal");
         assert!(two.is_none());
         let norms = transform
-            .one_channel_of_mean(&mean, 3, Measure::Norm, &schedule, Progress::none())
+            .measure_mean(&mean, 3, RowMeasure::Norm, &schedule, Progress::none())
             .expect("a signal");
-        let one = transform.wavelets_of_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
+        let one = transform.decompose_mean(&mean, 3, &schedule, Progress::none()).expect("a signal");
         assert!(norms.levels == one.into_norms().levels);
     }
 }

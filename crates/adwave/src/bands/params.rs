@@ -1,24 +1,24 @@
-//! What a caller may ask of the bands, and what is reported back.
+//! Parameters of the bands, and information about their computation.
 
 use super::BandsError;
 
-/// The smallest relative error of a band that double precision can promise.
+/// Smallest relative error of a band that double precision can guarantee.
 pub const FINEST_ACCURACY: f64 = 1e-13;
 
-/// How the bands are computed. All ways agree within the stated accuracy.
+/// Method of computing the bands. All methods agree within the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Engine {
-    /// [`Chebyshev`](Self::Chebyshev) where the operator is reversible, else [`Powers`](Self::Powers).
+    /// [`Chebyshev`](Self::Chebyshev) if the operator is reversible, else [`Powers`](Self::Powers).
     #[default]
     Auto,
-    /// One product a step: exact to rounding, for any operator.
+    /// One product per step: exact up to rounding, for any operator.
     Powers,
-    /// One recurrence for all levels, about `√(n·ln(1/accuracy))` products for n steps. Takes a reversible operator; for others
-    /// powers are used all the same.
+    /// One recurrence for all levels: about `√(n·ln(1/accuracy))` products for n steps. Requires a reversible
+    /// operator; others use [`Powers`](Self::Powers).
     Chebyshev,
 }
 
-/// How accurately, and within which memory, a signal is split into bands.
+/// Accuracy and memory limit for splitting a signal into bands.
 ///
 /// ```
 /// use adwave::bands::BandsParams;
@@ -28,12 +28,12 @@ pub enum Engine {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandsParams {
-    /// The largest relative error `‖error of W_f(j)‖ / ‖W_f(j)‖` of each band, norms weighted by the stationary distribution;
-    /// 1e-13 … 0.1. What rounding the signal itself to double precision costs comes on top.
+    /// Largest relative error `‖error of W_f(j)‖ / ‖W_f(j)‖` of each band, in the norm weighted by the stationary
+    /// distribution; in 1e-13 … 0.1. The effect of rounding the signal itself to double precision comes on top.
     pub accuracy: f64,
-    /// The method; for tests and benchmarks.
+    /// Method, for tests and benchmarks.
     pub engine: Engine,
-    /// Refuse what needs more bytes than this.
+    /// Memory limit in bytes; a call that needs more is refused.
     pub max_bytes: Option<u64>,
 }
 
@@ -56,23 +56,23 @@ impl BandsParams {
         Self { engine, ..self }
     }
 
-    /// Sets the memory beyond which a call is refused, in bytes.
+    /// Sets the memory limit in bytes.
     #[must_use]
     pub fn with_max_bytes(self, max_bytes: u64) -> Self {
         Self { max_bytes: Some(max_bytes), ..self }
     }
 
-    /// The parameters, if the accuracy can be promised.
-    pub(super) fn checked(&self) -> Result<Self, BandsError> {
+    /// Returns the parameters if the accuracy is in its range.
+    pub(super) fn validate(&self) -> Result<Self, BandsError> {
         self.check().map(|()| *self)
     }
 
-    /// Checks that the accuracy can be promised.
+    /// Checks that the accuracy is in its range.
     ///
     /// # Errors
-    /// [`BandsError::Accuracy`] when it is NaN, below 1e-13 or above 0.1.
+    /// [`BandsError::Accuracy`] if it is NaN, below 1e-13 or above 0.1.
     pub fn check(&self) -> Result<(), BandsError> {
-        // Written so that NaN fails.
+        // The comparison is written so that NaN fails.
         if self.accuracy >= FINEST_ACCURACY && self.accuracy <= 0.1 {
             Ok(())
         } else {
@@ -81,20 +81,20 @@ impl BandsParams {
     }
 }
 
-/// How the bands were computed.
+/// Method, cost and error bound of a computation of bands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandsInfo {
-    /// The method that was used, never [`Engine::Auto`].
+    /// Method used, never [`Engine::Auto`].
     pub engine: Engine,
-    /// The highest power of Φ₁, or degree of a Chebyshev series, that was applied to W_f(1).
+    /// Highest power of Φ₁, or degree of a Chebyshev series, applied to W_f(1).
     pub degree: u64,
-    /// Products with Φ₁ for each block of up to four channels, summed over the blocks.
+    /// Number of products with Φ₁ per block of up to four channels, summed over the blocks.
     pub products: u64,
-    /// Terms added into the bands for each block of up to four channels, summed over the bands and the blocks.
+    /// Number of terms added into the bands per block of up to four channels, summed over bands and blocks.
     pub terms: u64,
-    /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, but for rounding; 0 for powers. It exceeds the
-    /// stated accuracy only where a band all but vanishes beside W_f(1).
+    /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, apart from rounding; 0 for powers. It
+    /// exceeds the stated accuracy only if a band nearly vanishes relative to W_f(1).
     pub error_bound: f64,
-    /// Bytes of memory used beyond the signal and the bands, what is prepared included.
+    /// Bytes of memory used beyond the signal and the bands, including prepared data.
     pub bytes: u64,
 }

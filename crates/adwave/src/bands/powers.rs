@@ -1,17 +1,18 @@
-//! S_f by repeated products with Φ₁: exact to rounding, one product a step.
+//! Scaling coefficients S_f by repeated products with Φ₁: exact up to rounding, one product per step.
 
 use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::sparse::{copied, try_apply};
 use crate::{Cancelled, Progress};
 
-/// `Φ₁ⁿ f` for each `n` of `steps` (increasing), n_vertices × n_channels each. O(entries × channels × last n).
+/// The smoothed signals `Φ₁ⁿ f` for each `n` of `steps` (increasing), n_vertices × n_channels each. O(entries ×
+/// channels × last n).
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] if `progress` cancels the call.
 ///
 /// # Panics
-/// When `signal` is not n_vertices × n_channels.
+/// If `signal` does not have n_vertices × n_channels values.
 pub fn smooth(
     diffusion: &Diffusion,
     signal: &[f64],

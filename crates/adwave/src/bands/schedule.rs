@@ -25,7 +25,7 @@ pub enum ScheduleError {
     #[error("a schedule needs at least one level")]
     NoLevels,
     /// A level stands for no step at all, for hardly any, or for no number.
-    #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", shown(*.steps))]
+    #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", format_number(*.steps))]
     NoSteps {
         /// The level, from 1.
         level: usize,
@@ -49,7 +49,7 @@ pub enum ScheduleError {
         level: usize,
     },
     /// A number of voices that is 0 or beyond all use.
-    #[error("an octave of {n_voices} voices makes no sense; ask for 1 to {MAX_VOICES}")]
+    #[error("the number of voices per octave must be in 1..={MAX_VOICES}, got {n_voices}")]
     Voices {
         /// The number asked for.
         n_voices: usize,
@@ -57,7 +57,7 @@ pub enum ScheduleError {
     /// A length that no number of steps of this diffusion spreads to.
     #[error(
         "length {index} is {}: lengths must be finite, positive and increasing, and the diffusion must move (its step is {step_length} long)",
-        shown(*.length)
+        format_number(*.length)
     )]
     BadLength {
         /// Which length, from 0.
@@ -76,7 +76,7 @@ impl crate::ClassifiedError for ScheduleError {
 }
 
 /// A number in few digits, however large or small it is.
-fn shown(number: f64) -> String {
+fn format_number(number: f64) -> String {
     if number == 0.0 || (1e-6..1e12).contains(&number.abs()) {
         number.to_string()
     } else {

@@ -1,31 +1,32 @@
-//! Chebyshev series of the bands: which polynomial of Φ₁ turns W_f(1)-like differences into W_f(j).
+//! Chebyshev series of the bands: the polynomials of Φ₁ that map u = (I − Φ₁)f to W_f(j).
 //!
 //! With `u = (I − Φ₁)f`, a band between n_{j−1} = a and n_j = b steps is `W = Σ_{i=a}^{b−1} Φ₁ⁱ u = q(Φ₁)u`. In
-//! `y = 2λ − 1 ∈ [−1, 1]` the powers are `λⁿ = Σ_k c_k T_k(y)`, `c_0 = C(2n,n)/4ⁿ`, `c_k = 2C(2n,n−k)/4ⁿ`: the law of a
-//! symmetric walk of 2n half steps. Dividing `λᵃ − λᵇ` by `1 − λ` sums that law's tails twice, so all coefficients of q
-//! are positive, sum to `q(1) = b − a`, and what is cut off is known exactly. Starting from u instead of f makes every
-//! error one of W itself: on a fine mesh W_f(1) is a millionth of the coordinates.
+//! `y = 2λ − 1 ∈ [−1, 1]` the powers are `λⁿ = Σ_k c_k T_k(y)`, `c_0 = C(2n,n)/4ⁿ`, `c_k = 2C(2n,n−k)/4ⁿ`: the
+//! distribution of a symmetric walk of 2n half steps. Dividing `λᵃ − λᵇ` by `1 − λ` sums the tails of that
+//! distribution twice, so all coefficients of q are positive and sum to `q(1) = b − a`, and the truncation error is
+//! known exactly. Starting from u instead of f makes every error relative to W itself: on a fine mesh W_f(1) is a
+//! millionth of the coordinates.
 //!
-//! Source: `carne1985`, for the coefficients of λⁿ.
+//! Source for the coefficients of λⁿ: `carne1985`.
 
-/// Probabilities below this are no longer computed: far below the rounding of any sum they enter.
+/// Smallest probability that is computed, far below the rounding of any sum that contains it.
 pub(super) const NEGLIGIBLE: f64 = 1e-40;
 
-/// Bands of at most so many steps are summed power by power, because tails of nearly equal powers cancel.
+/// Number of steps up to which a band is summed power by power, because the tails of nearly equal powers cancel.
 const SUMMED_DIRECTLY: u64 = 64;
 
-/// Powers of which one is nearer to the other than this part of it are subtracted by their quotient.
+/// Relative distance of two powers below which they are subtracted through their quotient.
 const CLOSE: f64 = 1.0 / 16.0;
 
-/// Terms are kept while the rest of the series is above this part of its value at λ = 1: what rounding leaves anyway.
+/// Remainder of a series relative to its value at λ = 1 below which terms are omitted; rounding leaves as much.
 const FLOOR: f64 = 1e-19;
 
-/// How far `‖T_k(Y)‖` may grow with k, in the norm that errors are measured in.
+/// Growth of `‖T_k(Y)‖` with k in the norm of the errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Growth {
-    /// At most 1: the walk is reversible under a law that is positive everywhere.
+    /// At most 1: the walk is reversible and its stationary distribution is positive everywhere.
     Bounded,
-    /// At most 2 + 1.2k: some vertices are only left and never entered.
+    /// At most 2 + 1.2k: some vertices are left and never entered.
     Linear,
 }
 
@@ -38,31 +39,32 @@ impl Growth {
     }
 }
 
-/// What a polynomial as a whole may be off by: `always·‖u‖ + guarded·‖guard(Φ₁)u‖`. 0 where steps are whole.
+/// Error bound of a whole polynomial: `always·‖u‖ + guarded·‖guard(Φ₁)u‖`. It is 0 for whole steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Rest {
+pub(crate) struct TruncationBound {
     pub(crate) always: f64,
-    /// The part that has to be measured, see [`real_series`](super::real_series).
+    /// The part that must be measured; see [`real_series`](super::real_series).
     pub(crate) guarded: f64,
 }
 
-impl Rest {
+impl TruncationBound {
     fn plus(self, factor: f64, other: Self) -> Self {
         let factor = factor.abs();
         Self { always: self.always + factor * other.always, guarded: self.guarded + factor * other.guarded }
     }
 }
 
-/// A polynomial `Σ_k a_k T_k(2λ − 1)` and how much each cut costs.
+/// A polynomial `Σ_k a_k T_k(2λ − 1)` with the error of each truncation.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
-    /// a_0 … a_d.
+    /// Coefficients a_0 … a_d.
     pub(crate) coefficients: Vec<f64>,
-    /// `tail[k] ≥ ‖Σ_{m>k} a_m T_m(Y)‖`; the last one covers the terms that are not stored. What `rest` covers comes on top.
+    /// Tails `tail[k] ≥ ‖Σ_{m>k} a_m T_m(Y)‖`; the last one covers terms that are not stored. The error bounded by
+    /// `rest` comes on top.
     pub(crate) tail: Vec<f64>,
-    /// `Σ|a_k|`, for a band of whole steps their number b − a.
+    /// Sum `Σ|a_k|`; for a band of whole steps the number of steps b − a.
     pub(crate) total: f64,
-    pub(crate) rest: Rest,
+    pub(crate) rest: TruncationBound,
 }
 
 impl Series {
@@ -75,15 +77,21 @@ impl Series {
         let kept = tail.partition_point(|&t| t > FLOOR * total) + 1;
         coefficients.truncate(kept);
         tail.truncate(kept);
-        Self { coefficients, tail, total, rest: Rest::default() }
+        Self { coefficients, tail, total, rest: TruncationBound::default() }
     }
 
-    /// A polynomial that is off by `rest`.
-    pub(crate) fn real(coefficients: Vec<f64>, rest: Rest, growth: Growth) -> Self {
+    /// This polynomial without a tail, so that it is never truncated.
+    pub(super) fn without_tail(self) -> Self {
+        let tail = vec![0.0; self.coefficients.len()];
+        Self { tail, total: 0.0, rest: TruncationBound::default(), ..self }
+    }
+
+    /// A polynomial with the error bound `rest`.
+    pub(crate) fn real(coefficients: Vec<f64>, rest: TruncationBound, growth: Growth) -> Self {
         Self { rest, ..Self::new(coefficients, growth) }
     }
 
-    /// The series of `q(λ) = Σ_{i=a}^{b−1} λⁱ`, `a < b`. O(√b) terms.
+    /// Series of `q(λ) = Σ_{i=a}^{b−1} λⁱ`, `a < b`. O(√b) terms.
     pub(crate) fn band(a: u64, b: u64, growth: Growth) -> Self {
         let mut q: Vec<f64> = Vec::new();
         if b - a <= SUMMED_DIRECTLY {
@@ -109,12 +117,12 @@ impl Series {
         Self::new(q, growth)
     }
 
-    /// The series of `(λᵃ − λᵇ)/(1 − λ)` for real `a < b`, a ≥ 32. Its part beyond the term b is left out: it is about
+    /// Series of `(λᵃ − λᵇ)/(1 − λ)` for real `a < b`, a ≥ 32. Terms beyond degree b are omitted; they are about
     /// 4⁻³² of the band. O(√b) terms.
     pub(crate) fn deep_band(a: f64, b: f64, growth: Growth) -> Self {
         let (law, less) = (walk_law(b), walk_law(a));
         let mut difference = law;
-        // Where the powers are close, the quotient of the laws is known better than their difference.
+        // If the powers are close, the quotient of the distributions is more accurate than their difference.
         let is_close = b - a < CLOSE * a;
         let mut log_quotient = 0.0;
         let quotients: Vec<f64> = (0..less.len().min(difference.len()))
@@ -126,7 +134,7 @@ impl Series {
                 log_quotient
             })
             .collect();
-        // Both laws sum to 1 over both sides, which is what the quotient at 0 follows from.
+        // Both distributions sum to 1 over both sides, which determines the quotient at 0.
         let excess = |k: usize| less[k] * quotients[k].exp_m1();
         let at_zero = -(excess(0) + 2.0 * (1..quotients.len()).rev().map(excess).sum::<f64>()).ln_1p();
         for (k, p) in difference.iter_mut().enumerate() {
@@ -145,11 +153,11 @@ impl Series {
         Self::new(q, growth)
     }
 
-    /// `Σ_j factors[j]·series[j]`.
+    /// The combination `Σ_j factors[j]·series[j]`.
     pub(crate) fn combination(bands: &[Self], factors: &[f64], growth: Growth) -> Self {
         let n_terms = bands.iter().map(|s| s.coefficients.len()).max().unwrap_or(1);
         let mut sum = vec![0.0; n_terms];
-        let mut rest = Rest::default();
+        let mut rest = TruncationBound::default();
         for (series, factor) in bands.iter().zip(factors) {
             for (s, a) in sum.iter_mut().zip(&series.coefficients) {
                 *s += factor * a;
@@ -159,18 +167,20 @@ impl Series {
         Self::real(sum, rest, growth)
     }
 
-    /// The highest term that is stored.
+    /// Degree of the stored polynomial.
     pub(crate) fn degree(&self) -> usize {
         self.coefficients.len() - 1
     }
 
-    /// The lowest degree, not below `from`, whose cut costs at most `budget`; the whole degree where none does.
+    /// Lowest degree, not below `from`, whose truncation error is at most `budget`; the full degree if there is
+    /// none.
     pub(crate) fn degree_within(&self, budget: f64, from: usize) -> usize {
         self.tail.partition_point(|&t| t + self.rest.always > budget).max(from).min(self.degree())
     }
 }
 
-/// `C(2n, n−k)/4ⁿ` for k = 0, 1, … until it no longer matters, or k > n. Relative error a few roundings times √k.
+/// Probabilities `C(2n, n−k)/4ⁿ` for k = 0, 1, … until they are negligible or k > n. The relative error is a few
+/// roundings times √k.
 fn walk_law(n: f64) -> Vec<f64> {
     let mut law = vec![1.0];
     let (mut p, mut k) = (1.0, 0.0);
@@ -182,7 +192,7 @@ fn walk_law(n: f64) -> Vec<f64> {
         law.push(p);
         k += 1.0;
     }
-    // Both sides of the law sum to 1; the small terms first, so that none is lost.
+    // Both sides of the distribution sum to 1; adding the small terms first loses none of them.
     let one_side: f64 = law[1..].iter().rev().sum();
     let total = 1.0 + 2.0 * one_side;
     for p in &mut law {
@@ -191,7 +201,7 @@ fn walk_law(n: f64) -> Vec<f64> {
     law
 }
 
-/// `Σ_{m>k} (m − k)·law[m]` for each k.
+/// Double tails `Σ_{m>k} (m − k)·law[m]` for each k.
 pub(super) fn double_tails(law: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; law.len()];
     let (mut tail, mut double) = (0.0, 0.0);
@@ -307,7 +317,7 @@ mod tests {
                     (a * log).exp() * -((b - a) * log).exp_m1() / (1.0 - lambda)
                 };
                 let found = value(&series, lambda);
-                // cos(k·acos y) near y = 1 costs digits of its own.
+                // cos(k·acos y) near y = 1 loses digits itself.
                 assert!(
                     (found / exact - 1.0).abs() < 1e-8,
                     "{a} + {width} at {lambda}: {found:e}, {exact:e}"
@@ -324,9 +334,9 @@ mod tests {
                 coefficients: series.coefficients[..=degree].to_vec(),
                 tail: series.tail[..=degree].to_vec(),
                 total: 64.0,
-                rest: Rest::default(),
+                rest: TruncationBound::default(),
             };
-            // At λ = 1 every T_k is 1: the bound is attained.
+            // At λ = 1 every T_k is 1, so the bound is attained.
             let missing = 64.0 - value(&cut, 1.0);
             assert!((missing / series.tail[degree] - 1.0).abs() < 1e-6, "{missing} {}", series.tail[degree]);
             for i in 0..=100 {

@@ -1,26 +1,32 @@
-//! Bands in the order of the shape: into the analysis order, through the transform, and back in one pass over the result.
+//! Bands in the order of the shape: maps the signal to the analysis order, transforms it, and maps the result back
+//! in one pass.
 
 use super::error::{check_buffer, check_factors, check_signal};
+use super::stages::EXTRA_VECTORS;
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
 use crate::pages::zeros;
 use crate::shape::VertexMap;
 use crate::{Progress, parallel};
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 impl Transform {
-    /// Bytes of memory that [`bands`](Self::bands) takes, the bands included, the signal and the operator not.
+    /// Bytes of memory that [`bands`](Self::bands) needs, including the bands and without the signal and the
+    /// operator.
     pub fn forecast_bands(&self, vertex_map: &VertexMap, n_channels: usize, schedule: &Schedule) -> u64 {
         let result = (schedule.n_levels() as u64 + 1) * (vertex_map.n_vertices() * n_channels * 8) as u64;
         result + self.forecast_wavelets(n_channels, schedule, 1)
     }
 
-    /// Bytes of memory that wavelets take beyond themselves and the signal, with as many more vectors.
+    /// Bytes of memory that wavelets need beyond themselves and the signal, with `n_vectors` further vectors.
     pub(super) fn forecast_wavelets(&self, n_channels: usize, schedule: &Schedule, n_vectors: u64) -> u64 {
         let vector = (self.diffusion().n_vertices() * n_channels * 8) as u64;
-        // Fractional powers have one more, by which their error is measured.
-        let n_vectors = n_vectors + u64::from(schedule.first_real().is_some());
+        // Fractional powers need one more vector, which measures their error.
+        let mut n_vectors = n_vectors + u64::from(schedule.first_real().is_some());
+        if self.is_staged(schedule) {
+            n_vectors += EXTRA_VECTORS;
+        }
         n_vectors * vector + Self::forecast_bytes(self.diffusion(), n_channels)
     }
 
@@ -33,16 +39,18 @@ impl Transform {
 
     /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into the bands of `schedule`.
     ///
-    /// `S_f(0) = f`, `S_f(j) = Φ₁^{n_j} f`, `W_f(j) = S_f(j−1) − S_f(j)` (eq. 11). A signal that differs at welded vertices is
-    /// averaged for S_f(1..J) only: what differs is in W_f(1), so that the bands still sum to the signal. Each W_f(j) has a
-    /// relative error of at most [`BandsParams::accuracy`](super::BandsParams::accuracy).
+    /// `S_f(0) = f`, `S_f(j) = Φ₁^{n_j} f`, `W_f(j) = S_f(j−1) − S_f(j)` (eq. 11). A signal that differs at welded
+    /// vertices is averaged for S_f(1..J) only; the difference is part of W_f(1), so the bands still sum to the
+    /// signal. Each W_f(j) has a relative error of at most [`BandsParams::accuracy`](super::BandsParams::accuracy).
     ///
-    /// About `√(n_J·ln(1/accuracy))` products with Φ₁, or n_J where it is not reversible. Fractional powers take at least 64, or
-    /// up to ten thousand where Φ₁ has eigenvalues near 0 that the signal takes part in.
+    /// Cost: about `√(n_J·ln(1/accuracy))` products with Φ₁, or n_J products if it is not reversible. Fractional
+    /// powers need at least 64 products, and up to ten thousand if the signal takes part in eigenvalues of Φ₁ near
+    /// 0.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal has the wrong length or a value that is not finite, the accuracy cannot be met, fractional
-    /// powers are asked of an operator that is not reversible, the memory does not suffice, or when cancelled.
+    /// [`BandsError`] if the signal has the wrong length or a value that is not finite, the accuracy cannot be
+    /// reached, the operator is not reversible and a level is fractional, the memory limit is exceeded, or the call
+    /// is cancelled.
     pub fn bands(
         &self,
         vertex_map: &VertexMap,
@@ -60,12 +68,13 @@ impl Transform {
         Ok(Bands::new((n_vertices, n_channels), (schedule.steps_from_zero(), sigma), coefficients, info))
     }
 
-    /// [`bands`](Self::bands) into a buffer of (J + 1)·n_vertices·n_channels values: W_f(1), …, W_f(J), S_f(J).
+    /// Writes [`bands`](Self::bands) into a buffer of (J + 1)·n_vertices·n_channels values: W_f(1), …, W_f(J),
+    /// S_f(J).
     ///
-    /// Beyond the wavelets themselves it costs one pass over the result.
+    /// Beyond the wavelets it costs one pass over the result.
     ///
     /// # Errors
-    /// As for [`bands`](Self::bands), or when the buffer has another length.
+    /// As for [`bands`](Self::bands), and if the buffer has the wrong length.
     pub fn bands_into(
         &self,
         vertex_map: &VertexMap,
@@ -79,7 +88,8 @@ impl Transform {
         let (len, n_levels) = (signal.len(), schedule.n_levels());
         check_buffer(buffer.len(), (n_levels + 1) * len)?;
         let mut mean = vertex_map.mean(signal, n_channels);
-        // W_f(j) comes in the analysis order into the place of its successor; then one after the other moves up.
+        // W_f(j) is first computed in the analysis order in the slot of its successor; then the levels move up one
+        // by one.
         let mut outs: Vec<&mut [f64]> =
             buffer.chunks_exact_mut(len).skip(1).map(|place| &mut place[..mean.len()]).collect();
         let info = self.wavelets_into(&mean, n_channels, schedule, &mut outs, progress)?;
@@ -87,10 +97,10 @@ impl Transform {
         let (first, rest) = buffer.split_at_mut(len);
         order.gather(&rest[..mean.len()], first)?;
         if vertex_map.n_welded() < vertex_map.n_vertices() {
-            // What differs from the mean at welded vertices is part of W_f(1).
+            // The difference from the mean at welded vertices is part of W_f(1).
             order.add_difference(1.0, signal, &mean, first)?;
         }
-        parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, mean| {
+        parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, mean| {
             for band in rest.chunks_exact(len) {
                 for (s, w) in mean.iter_mut().zip(&band[first * n_channels..]) {
                     *s -= w; // S_f(j) = S_f(j−1) − W_f(j) (eq. 11)
@@ -105,12 +115,12 @@ impl Transform {
         Ok(info)
     }
 
-    /// `Σ_j factors[j−1]·W_f(j)` (n_vertices × n_channels, in the order of the shape) by a single polynomial of Φ₁: much
-    /// cheaper than the bands one by one. Its relative error is at most
+    /// Weighted sum `Σ_j factors[j−1]·W_f(j)` (n_vertices × n_channels, in the order of the shape) by a single
+    /// polynomial of Φ₁, which is much cheaper than the bands one by one. Its relative error is at most
     /// [`BandsParams::accuracy`](super::BandsParams::accuracy).
     ///
     /// # Errors
-    /// As for [`bands`](Self::bands), or unless there is one finite factor for each level.
+    /// As for [`bands`](Self::bands), and unless there is one finite factor per level.
     pub fn weighted(
         &self,
         vertex_map: &VertexMap,
@@ -137,7 +147,7 @@ impl Transform {
     }
 }
 
-/// The way from the analysis order to that of the shape.
+/// Conversion from the analysis order to the order of the shape.
 struct ShapeOrder<'a> {
     vertex_map: &'a VertexMap,
     n_channels: usize,
@@ -145,7 +155,7 @@ struct ShapeOrder<'a> {
 }
 
 impl ShapeOrder<'_> {
-    /// `to[x] = from[welded(x)]`, by rows of channels.
+    /// Copies rows of channels: `to[x] = from[welded(x)]`.
     fn gather(&self, from: &[f64], to: &mut [f64]) -> Result<(), BandsError> {
         match self.n_channels {
             1 => self.gather_fixed::<1>(from, to),
@@ -153,7 +163,7 @@ impl ShapeOrder<'_> {
             3 => self.gather_fixed::<3>(from, to),
             d => {
                 let welded = self.vertex_map.as_slice();
-                Ok(parallel::try_for_rows(to, d, VERTICES_AT_A_TIME, self.progress, |first, rows| {
+                Ok(parallel::try_visit_rows(to, d, VERTICES_AT_A_TIME, self.progress, |first, rows| {
                     for (row, &x) in rows.chunks_exact_mut(d).zip(&welded[first..]) {
                         row.copy_from_slice(&from[x as usize * d..][..d]);
                     }
@@ -165,14 +175,14 @@ impl ShapeOrder<'_> {
     fn gather_fixed<const D: usize>(&self, from: &[f64], to: &mut [f64]) -> Result<(), BandsError> {
         let (from, welded) = (from.as_chunks::<D>().0, self.vertex_map.as_slice());
         let to = to.as_chunks_mut::<D>().0;
-        Ok(parallel::try_for_rows(to, 1, VERTICES_AT_A_TIME, self.progress, |first, rows| {
+        Ok(parallel::try_visit_rows(to, 1, VERTICES_AT_A_TIME, self.progress, |first, rows| {
             for (row, &x) in rows.iter_mut().zip(&welded[first..]) {
                 *row = from[x as usize];
             }
         })?)
     }
 
-    /// Adds `factor` times what the signal differs from the mean of its welded vertex by.
+    /// Adds `factor` times the difference between the signal and the mean at its welded vertex.
     fn add_difference(
         &self,
         factor: f64,
@@ -181,7 +191,7 @@ impl ShapeOrder<'_> {
         to: &mut [f64],
     ) -> Result<(), BandsError> {
         let d = self.n_channels;
-        Ok(parallel::try_for_rows(to, d, VERTICES_AT_A_TIME, self.progress, |first, rows| {
+        Ok(parallel::try_visit_rows(to, d, VERTICES_AT_A_TIME, self.progress, |first, rows| {
             for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
                 let mean = &mean[self.vertex_map.welded(x) * d..][..d];
                 for ((value, f), m) in row.iter_mut().zip(&signal[x * d..]).zip(mean) {

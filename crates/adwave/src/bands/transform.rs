@@ -1,20 +1,20 @@
-//! The diffusion operator prepared once, for the bands of many signals.
+//! The diffusion operator prepared for the bands of many signals.
 
-use super::chebyshev::{Outcome, Passes, Prepared};
+use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan};
 use super::error::{check_buffer, check_factors, check_signal};
-use super::real_series::{self, LADDER, Rung};
+use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
-use crate::sparse::{Kept, apply, difference};
+use crate::sparse::{RowOutput, apply, difference};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
-/// A diffusion operator made ready to split signals into bands, in the analysis order (the order of its rows).
+/// A diffusion operator prepared to split signals into bands, in the analysis order (the order of its rows).
 ///
-/// It owns all that it needs and is cheap to clone: clones share the operator and the tiles that its products run on, which the
-/// first call by Chebyshev series makes.
+/// It owns its data and is cheap to clone. Clones share the operator and the tiles of its products, which the first
+/// call with Chebyshev series builds.
 ///
 /// ```
 /// use adwave::bands::{BandsParams, Schedule, Transform};
@@ -32,47 +32,47 @@ pub struct Transform {
     diffusion: Arc<Diffusion>,
     params: BandsParams,
     engine: Engine,
-    /// What the Chebyshev recurrence needs; made by the first call that runs it.
-    prepared: Arc<OnceLock<Prepared>>,
+    /// Data of the Chebyshev recurrence, built by the first call that needs it.
+    prepared: Arc<OnceLock<ChebyshevEvaluator>>,
 }
 
 impl Transform {
-    /// Takes `diffusion` over. O(1); the first call prepares its tiles, in O(entries).
+    /// Takes ownership of `diffusion`. O(1); the first call builds the tiles in O(entries).
     ///
     /// # Errors
-    /// [`BandsError::Accuracy`] when the accuracy cannot be promised.
+    /// [`BandsError::Accuracy`] if the accuracy is out of range.
     pub fn new(diffusion: impl Into<Arc<Diffusion>>, params: &BandsParams) -> Result<Self, BandsError> {
         let diffusion = diffusion.into();
-        let (params, engine) = (params.checked()?, engine(&diffusion, params));
+        let (params, engine) = (params.validate()?, engine(&diffusion, params));
         Ok(Self { diffusion, params, engine, prepared: Arc::default() })
     }
 
-    /// The same operator, its tiles shared, for other parameters. O(1).
+    /// This operator with other parameters; the tiles are shared. O(1).
     ///
     /// # Errors
     /// As for [`new`](Self::new).
     pub fn with_params(&self, params: &BandsParams) -> Result<Self, BandsError> {
-        let (params, engine) = (params.checked()?, engine(&self.diffusion, params));
+        let (params, engine) = (params.validate()?, engine(&self.diffusion, params));
         Ok(Self { params, engine, ..self.clone() })
     }
 
-    /// Makes what the first call would make. O(entries).
+    /// Builds the data that the first call would build. O(entries).
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<(), Cancelled> {
         if self.engine == Engine::Chebyshev {
-            self.prepared(progress)?;
+            self.evaluator(progress)?;
         }
         Ok(())
     }
 
-    pub(super) fn prepared(&self, progress: Progress<'_>) -> Result<&Prepared, Cancelled> {
+    pub(super) fn evaluator(&self, progress: Progress<'_>) -> Result<&ChebyshevEvaluator, Cancelled> {
         if let Some(prepared) = self.prepared.get() {
             return Ok(prepared);
         }
-        // Of two threads that come here at once one does the work for nothing.
-        let prepared = Prepared::new(Arc::clone(&self.diffusion), progress)?;
+        // If two threads arrive here at once, one of them works in vain.
+        let prepared = ChebyshevEvaluator::new(Arc::clone(&self.diffusion), progress)?;
         Ok(self.prepared.get_or_init(|| prepared))
     }
 
@@ -81,23 +81,24 @@ impl Transform {
         &self.diffusion
     }
 
-    /// The method in use.
+    /// Method in use.
     pub(super) fn engine(&self) -> Engine {
         self.engine
     }
 
-    /// How accurately, and within which memory.
+    /// Accuracy, method and memory limit.
     pub fn params(&self) -> &BandsParams {
         &self.params
     }
 
-    /// `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f` (eq. 11), j = 1 … J, into `wavelets[j − 1]`; all n_vertices × n_channels, row-major.
+    /// Computes `W_f(j) = (Φ₁^{n_{j−1}} − Φ₁^{n_j}) f` (eq. 11), j = 1 … J, into `wavelets[j − 1]`, each n_vertices
+    /// × n_channels, row-major.
     ///
-    /// Each within [`BandsParams::accuracy`] of its own norm. Constants give exact zeros.
+    /// The relative error of each band is at most [`BandsParams::accuracy`]. Constants give exact zeros.
     ///
     /// # Errors
-    /// [`BandsError`] when the signal or an output has the wrong length, a value is not finite, fractional powers are asked of a
-    /// diffusion operator that is not reversible or miss the accuracy, or when cancelled.
+    /// [`BandsError`] if the signal or an output has the wrong length, a value is not finite, fractional powers are
+    /// requested of an operator that is not reversible or miss the accuracy, or the call is cancelled.
     pub fn wavelets_into(
         &self,
         signal: &[f64],
@@ -111,12 +112,15 @@ impl Transform {
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
         check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if self.engine == Engine::Chebyshev {
-            let prepared = self.prepared(progress)?;
+        let stages = self.stages(schedule);
+        let outcome = if stages.len() > 1 {
+            self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
+        } else if self.engine == Engine::Chebyshev {
+            let prepared = self.evaluator(progress)?;
             let series = |level: usize, rung| self.band(&steps[level..level + 2], rung, prepared.growth);
             self.escalate(prepared, signal, n_channels, series, wavelets, progress)?
         } else {
-            let steps = whole(schedule)?;
+            let steps = whole_steps_from_zero(schedule)?;
             for wavelet in &mut *wavelets {
                 wavelet.fill(0.0);
             }
@@ -127,10 +131,10 @@ impl Transform {
         Ok(self.info(&outcome, n_channels))
     }
 
-    /// `Σ_j factors[j−1]·W_f(j)` into `out`, n_vertices × n_channels, by a single polynomial of Φ₁. A filter with one gain a
-    /// band is `f + Σ_j (gain_j − 1)·W_f(j)` (eq. 18).
+    /// Computes `Σ_j factors[j−1]·W_f(j)` into `out`, n_vertices × n_channels, by a single polynomial of Φ₁. A
+    /// filter with one gain per band is `f + Σ_j (gain_j − 1)·W_f(j)` (eq. 18).
     ///
-    /// Within [`BandsParams::accuracy`] of its own norm.
+    /// The relative error is at most [`BandsParams::accuracy`].
     ///
     /// # Errors
     /// As for [`wavelets_into`](Self::wavelets_into).
@@ -147,8 +151,11 @@ impl Transform {
         check_factors(factors, schedule)?;
         check_buffer(out.len(), signal.len())?;
         let steps = schedule.steps_from_zero();
-        let outcome = if self.engine == Engine::Chebyshev {
-            let prepared = self.prepared(progress)?;
+        let stages = self.stages(schedule);
+        let outcome = if stages.len() > 1 {
+            self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
+        } else if self.engine == Engine::Chebyshev {
+            let prepared = self.evaluator(progress)?;
             let series = |_, rung| {
                 let band = |level: usize| self.band(&steps[level..level + 2], rung, prepared.growth);
                 let bands = parallel::map_items(self.diffusion.n_vertices(), steps.len() - 1, band);
@@ -165,7 +172,7 @@ impl Transform {
                 }
             })?
         } else {
-            let steps = whole(schedule)?;
+            let steps = whole_steps_from_zero(schedule)?;
             out.fill(0.0);
             self.sum_powers(signal, n_channels, &steps, progress, |level, now| {
                 add(factors[level], now, out, n_channels);
@@ -174,31 +181,31 @@ impl Transform {
         Ok(self.info(&outcome, n_channels))
     }
 
-    /// The series of the band between two numbers of steps; that of fractional powers interpolates, and its remainder is bounded
-    /// as in `trefethen2013`, chapter 11.
-    pub(super) fn band(&self, pair: &[f64], rung: Rung, growth: Growth) -> Series {
+    /// Series of the band between two numbers of steps. For fractional powers it interpolates, with the remainder
+    /// bounded as in `trefethen2013`, chapter 11.
+    pub(super) fn band(&self, pair: &[f64], rung: InterpolationGrid, growth: Growth) -> Series {
         match self.diffusion.semigroup() {
             Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
             Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
         }
     }
 
-    /// `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, by degree escalation: the first degree that is good enough for each.
-    /// Series of whole steps are the same for every degree, and done with the first.
-    fn escalate(
+    /// Computes `series(i, rung)(Φ₁)·(I − Φ₁)·signal` into `outs[i]`, raising the degree until the accuracy is
+    /// reached. Series of whole steps do not depend on the rung and are done after the first.
+    pub(super) fn escalate(
         &self,
-        prepared: &Prepared,
+        prepared: &ChebyshevEvaluator,
         signal: &[f64],
         n_channels: usize,
-        series: impl Fn(usize, Rung) -> Series + Sync,
+        series: impl Fn(usize, InterpolationGrid) -> Series + Sync,
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
-    ) -> Result<Outcome, BandsError> {
+    ) -> Result<EvaluationInfo, BandsError> {
         let accuracy = self.params.accuracy;
-        let mut sum = Outcome::default();
+        let mut sum = EvaluationInfo::default();
         let mut missed: Vec<(usize, f64)> = (0..outs.len()).map(|i| (i, f64::INFINITY)).collect();
         for rung in LADDER {
-            // The last rungs cost O(m²) a band, before any product that would ask whether to go on.
+            // The last rungs cost O(m²) per band before the first product, which would check for cancellation.
             let made = |&(i, _): &(usize, f64)| {
                 if progress.is_cancelled() { Err(Cancelled) } else { Ok(series(i, rung)) }
             };
@@ -213,13 +220,10 @@ impl Transform {
                 .filter(|(i, _)| wanted.next_if_eq(i).is_some())
                 .map(|(_, out)| &mut **out)
                 .collect();
-            let polynomials = (&these[..], &guard[..], &mut Passes::default());
-            let channels = (n_channels, Kept::Channels);
+            let polynomials = (&these[..], &guard[..], &mut PassPlan::default());
+            let channels = (n_channels, RowOutput::Channels);
             let outcome = prepared.evaluate(signal, channels, polynomials, accuracy, &mut outs, progress)?;
-            sum.degree = sum.degree.max(outcome.degree);
-            sum.products += outcome.products;
-            sum.terms += outcome.terms;
-            sum.error_bound = sum.error_bound.max(outcome.error_bound);
+            sum.add(&outcome);
             missed = outcome.missed.into_iter().map(|(at, reached)| (missed[at].0, reached)).collect();
             if missed.is_empty() {
                 return Ok(sum);
@@ -229,8 +233,8 @@ impl Transform {
         Err(BandsError::Missed { level: at + 1, accuracy, reached })
     }
 
-    /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, level counted from 0. As `W_f(j)` is a sum of these, it has the
-    /// relative accuracy of u, which a difference of two S_f would not have.
+    /// Calls `each(level, Φ₁ⁱu)` for i = 0 … n_J − 1, with levels counted from 0. `W_f(j)` is a sum of these, so it
+    /// has the relative accuracy of u, which a difference of two S_f would not have.
     fn sum_powers(
         &self,
         signal: &[f64],
@@ -238,7 +242,7 @@ impl Transform {
         steps: &[u64],
         progress: Progress<'_>,
         mut each: impl FnMut(usize, &[f64]),
-    ) -> Result<Outcome, Cancelled> {
+    ) -> Result<EvaluationInfo, Cancelled> {
         let total = steps[steps.len() - 1];
         let mut now = vec![0.0; signal.len()];
         let mut next = vec![0.0; signal.len()];
@@ -254,11 +258,11 @@ impl Transform {
             }
         }
         progress.step(total, total)?;
-        Ok(Outcome { degree: total - 1, products: total, terms: total, ..Outcome::default() })
+        Ok(EvaluationInfo { degree: total - 1, products: total, terms: total, ..EvaluationInfo::default() })
     }
 
-    pub(super) fn info(&self, outcome: &Outcome, n_channels: usize) -> BandsInfo {
-        let &Outcome { degree, products, terms, error_bound, .. } = outcome;
+    pub(super) fn info(&self, outcome: &EvaluationInfo, n_channels: usize) -> BandsInfo {
+        let &EvaluationInfo { degree, products, terms, error_bound, .. } = outcome;
         BandsInfo {
             engine: self.engine,
             degree,
@@ -269,16 +273,17 @@ impl Transform {
         }
     }
 
-    /// Bytes that a transform of `diffusion` will take at most, beyond the signal, its bands and the operator.
+    /// Upper bound of the bytes that a transform of `diffusion` needs beyond the signal, its bands and the
+    /// operator.
     pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         if diffusion.is_reversible() {
-            Prepared::forecast_bytes(diffusion, n_channels)
+            ChebyshevEvaluator::forecast_bytes(diffusion, n_channels)
         } else {
             Self::powers_bytes(diffusion, n_channels)
         }
     }
 
-    /// Bytes that a call takes beyond the signal and its bands, what is prepared here and the operator included.
+    /// Bytes that a call needs beyond the signal and its bands, including prepared data and the operator.
     pub fn working_bytes(&self, n_channels: usize) -> u64 {
         match self.prepared.get() {
             Some(prepared) if self.engine == Engine::Chebyshev => prepared.working_bytes(n_channels),
@@ -286,13 +291,13 @@ impl Transform {
         }
     }
 
-    /// Bytes of the two vectors that powers take turns in.
+    /// Bytes of the two alternating vectors of repeated products.
     fn powers_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         2 * 8 * (diffusion.n_vertices() * n_channels) as u64
     }
 }
 
-/// The method that is used where `params` leave the choice.
+/// Method that `params` imply for an operator.
 fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
     let is_heat = diffusion.semigroup() != Semigroup::Steps;
     if is_heat || diffusion.is_reversible() && params.engine != Engine::Powers {
@@ -302,8 +307,8 @@ fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
     }
 }
 
-/// The steps of a schedule from 0, where powers are taken one after the other.
-pub(super) fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
+/// Steps of a schedule from 0, for methods that take whole steps only.
+pub(super) fn whole_steps_from_zero(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
     let Some(steps) = schedule.whole_steps() else {
         let level = schedule.first_real().expect("a level of a fractional power");
         let steps = schedule.steps()[level - 1];
@@ -312,8 +317,9 @@ pub(super) fn whole(schedule: &Schedule) -> Result<Vec<u64>, BandsError> {
     Ok(std::iter::once(0).chain(steps).collect())
 }
 
-fn add(factor: f64, now: &[f64], out: &mut [f64], n_channels: usize) {
-    parallel::for_rows(out, n_channels, super::bands::VERTICES_AT_A_TIME, |first, out| {
+/// Computes `out += factor·now`.
+pub(super) fn add(factor: f64, now: &[f64], out: &mut [f64], n_channels: usize) {
+    parallel::visit_rows(out, n_channels, super::bands::VERTICES_AT_A_TIME, |first, out| {
         for (out, v) in out.iter_mut().zip(&now[first * n_channels..]) {
             *out += factor * v;
         }

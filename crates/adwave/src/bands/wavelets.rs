@@ -1,4 +1,4 @@
-//! Wavelet coefficients in the analysis order, for all that measures and edits them.
+//! Wavelet coefficients in the analysis order, for all code that measures or edits them.
 
 use super::error::check_signal;
 use super::{Bands, BandsError, BandsInfo, Schedule, Transform};
@@ -7,28 +7,29 @@ use crate::shape::VertexMap;
 use crate::{Progress, parallel};
 use std::borrow::Cow;
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
-/// W_f(1), …, W_f(J) at the welded vertices, in the analysis order: what saliency, features and edits read.
+/// The wavelet coefficients W_f(1), …, W_f(J) at the welded vertices, in the analysis order, as saliency, features
+/// and edits use them.
 ///
-/// They are those of the signal's mean at welded vertices.
+/// They belong to the mean of the signal at welded vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wavelets {
     /// Number of channels; 1 for norms.
     pub n_channels: usize,
-    /// Steps of the diffusion on level j, n_0 = 0 … n_J, whole or not.
+    /// Number of diffusion steps n_j on each level, n_0 = 0 … n_J; may be fractional.
     pub steps: Vec<f64>,
     /// Widths σ_j = s·√n_j in model units (hops on a graph), σ_0 = 0.
     pub sigma: Vec<f64>,
-    /// W_f(j) at index j − 1, n_welded × n_channels, row-major.
+    /// The coefficients W_f(j) at index j − 1, n_welded × n_channels, row-major.
     pub levels: Vec<Vec<f64>>,
-    /// How they were computed.
+    /// Method, cost and error bound of the computation.
     pub info: BandsInfo,
 }
 
 impl Wavelets {
-    /// J, the number of levels.
+    /// Number of levels J.
     pub fn n_levels(&self) -> usize {
         self.levels.len()
     }
@@ -38,17 +39,17 @@ impl Wavelets {
         self.levels.first().map_or(0, Vec::len) / self.n_channels.max(1)
     }
 
-    /// W_f(j), j = 1 … J, in the analysis order.
+    /// The coefficients W_f(j), j = 1 … J, in the analysis order.
     ///
     /// # Panics
-    /// When there is no level `j`.
+    /// If level `j` does not exist.
     pub fn wavelet(&self, j: usize) -> &[f64] {
         assert!((1..=self.n_levels()).contains(&j), "levels are 1 to {}, not {j}", self.n_levels());
         &self.levels[j - 1]
     }
 
-    /// The Euclidean norms of level `j` over the channels; a single channel as it is, with its sign.
-    pub(crate) fn norms_of(&self, j: usize) -> Cow<'_, [f64]> {
+    /// Euclidean norms of level `j` over the channels; a single channel is returned with its sign.
+    pub(crate) fn level_norms(&self, j: usize) -> Cow<'_, [f64]> {
         match self.n_channels {
             1 => Cow::Borrowed(&self.levels[j - 1]),
             d => Cow::Owned(norms(&self.levels[j - 1], d)),
@@ -64,19 +65,19 @@ impl Wavelets {
         }
     }
 
-    /// The Euclidean norms `‖W_f(j,x)‖` over the channels as wavelets of one channel; a signal of one channel keeps its sign.
-    /// Level after level gives its memory back. O(n × levels × channels).
+    /// Euclidean norms `‖W_f(j,x)‖` over the channels, as wavelets of one channel; a signal of one channel keeps
+    /// its sign. The memory of each level is freed as soon as it is reduced. O(n × levels × channels).
     #[must_use]
     pub fn into_norms(self) -> Self {
-        self.into_one_channel(Measure::Norm)
+        self.into_one_channel(RowMeasure::Norm)
     }
 
-    /// `W_f(j,x)·n(x)`, how far the details go along the normals n (unit vectors at the welded vertices, in the analysis order),
-    /// as wavelets of one channel: of coordinates and outward normals > 0 where the surface is convex at the size σ_j. Level
-    /// after level gives its memory back. O(n × levels).
+    /// Normal components `W_f(j,x)·n(x)` for unit normals n at the welded vertices (analysis order), as wavelets of
+    /// one channel. For coordinates and outward normals they are positive where the surface is convex at the size
+    /// σ_j. The memory of each level is freed as soon as it is reduced. O(n × levels).
     ///
     /// # Panics
-    /// Unless the signal has three channels, and there is one normal for each welded vertex.
+    /// Unless the signal has three channels and there is one normal per welded vertex.
     #[must_use]
     pub fn into_along(self, normals: &[[f64; 3]]) -> Self {
         assert_eq!(
@@ -84,35 +85,35 @@ impl Wavelets {
             (3, normals.len()),
             "a vector and a normal at each vertex"
         );
-        self.into_one_channel(Measure::Along(normals))
+        self.into_one_channel(RowMeasure::Along(normals))
     }
 
-    fn into_one_channel(mut self, measure: Measure<'_>) -> Self {
+    fn into_one_channel(mut self, measure: RowMeasure<'_>) -> Self {
         let d = std::mem::replace(&mut self.n_channels, 1);
         if d != 1 {
             for level in &mut self.levels {
-                *level = measure.of(level, d);
+                *level = measure.measure_rows(level, d);
             }
         }
         self
     }
 }
 
-/// The one number that is kept of a row of several channels.
+/// Scalar computed from a row of several channels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Measure<'a> {
-    /// Its Euclidean norm.
+pub(crate) enum RowMeasure<'a> {
+    /// Euclidean norm of the row.
     Norm,
-    /// Its part along the normal of the vertex.
+    /// Component along the normal of the vertex.
     Along(&'a [[f64; 3]]),
 }
 
-impl Measure<'_> {
-    /// Of each row of `d` values.
-    pub(super) fn of(self, rows: &[f64], d: usize) -> Vec<f64> {
+impl RowMeasure<'_> {
+    /// Scalar of each row of `d` values.
+    pub(super) fn measure_rows(self, rows: &[f64], d: usize) -> Vec<f64> {
         let Self::Along(normals) = self else { return norms(rows, d) };
         let mut along = zeros(normals.len());
-        parallel::for_rows(&mut along, 1, VERTICES_AT_A_TIME, |first, along| {
+        parallel::visit_rows(&mut along, 1, VERTICES_AT_A_TIME, |first, along| {
             for ((w, row), n) in
                 along.iter_mut().zip(rows[first * 3..].chunks_exact(3)).zip(&normals[first..])
             {
@@ -123,10 +124,10 @@ impl Measure<'_> {
     }
 }
 
-/// The Euclidean norm of each row of `d` values.
+/// Euclidean norm of each row of `d` values.
 fn norms(rows: &[f64], d: usize) -> Vec<f64> {
     let mut norms = zeros(rows.len() / d);
-    parallel::for_rows(&mut norms, 1, VERTICES_AT_A_TIME, |first, norms| {
+    parallel::visit_rows(&mut norms, 1, VERTICES_AT_A_TIME, |first, norms| {
         for (norm, row) in norms.iter_mut().zip(rows[first * d..].chunks_exact(d)) {
             *norm = row.iter().map(|w| w * w).sum::<f64>().sqrt();
         }
@@ -135,7 +136,7 @@ fn norms(rows: &[f64], d: usize) -> Vec<f64> {
 }
 
 impl Bands {
-    /// The wavelet coefficients in the analysis order; of a welded vertex the mean over its members that have a value.
+    /// Wavelet coefficients in the analysis order; at a welded vertex, the mean over its members that have a value.
     /// O(n × levels × channels).
     pub fn to_wavelets(&self, vertex_map: &VertexMap) -> Wavelets {
         let d = self.n_channels;
@@ -161,8 +162,9 @@ impl Bands {
 }
 
 impl Transform {
-    /// The wavelet coefficients of `signal` (n_vertices × n_channels, row-major, in the order of the shape) in the analysis
-    /// order, without the scaling coefficients: half the memory of [`bands`](Self::bands) and no pass over the result.
+    /// Wavelet coefficients of `signal` (n_vertices × n_channels, row-major, in the order of the shape) in the
+    /// analysis order, without scaling coefficients: half the memory of [`bands`](Self::bands), and no pass over
+    /// the result.
     ///
     /// # Errors
     /// As for [`bands`](Self::bands).
@@ -175,11 +177,11 @@ impl Transform {
         progress: Progress<'_>,
     ) -> Result<Wavelets, BandsError> {
         check_signal(signal, vertex_map.n_vertices(), n_channels)?;
-        self.wavelets_of_mean(&vertex_map.mean(signal, n_channels), n_channels, schedule, progress)
+        self.decompose_mean(&vertex_map.mean(signal, n_channels), n_channels, schedule, progress)
     }
 
-    /// [`wavelets`](Self::wavelets) of a signal at the welded vertices.
-    pub(crate) fn wavelets_of_mean(
+    /// [`wavelets`](Self::wavelets) for a signal at the welded vertices.
+    pub(crate) fn decompose_mean(
         &self,
         mean: &[f64],
         n_channels: usize,

@@ -1,15 +1,15 @@
 //! Powers of a lazy random walk as Chebyshev sums.
 
-/// The coefficients of `((1+y)/2)ⁿ = Σ_k c_k T_k(y)` up to the degree beyond which they sum to less than `tail`, divided
-/// by their sum.
+/// Coefficients of `((1+y)/2)ⁿ = Σ_k c_k T_k(y)` up to the degree beyond which they sum to less than `tail`,
+/// divided by their sum.
 ///
-/// `c_0 = C(2n,n)/4ⁿ`, `c_k = 2·C(2n,n−k)/4ⁿ`: positive, of sum 1, so that a cut sum errs by no more than what is cut
-/// wherever |T_k| ≤ 1. The degree is about `√(n·ln(2/tail))`, and n at most. O(degree).
+/// `c_0 = C(2n,n)/4ⁿ`, `c_k = 2·C(2n,n−k)/4ⁿ` are positive and sum to 1, so the error of a truncated sum is at most
+/// the omitted part wherever |T_k| ≤ 1. The degree is about `√(n·ln(2/tail))`, and at most n. O(degree).
 ///
 /// Source: `varopoulos1985`, `carne1985`.
 pub(super) fn chebyshev_of_power(n: u64, tail: f64) -> Vec<f64> {
     let n = n as f64;
-    // Up to a common factor: c_{k+1}/c_k = (n−k)/(n+k+1), which never overflows as the binomials do.
+    // Up to a common factor, c_{k+1}/c_k = (n−k)/(n+k+1), which never overflows, unlike the binomials.
     let mut coefficients = vec![0.5];
     let mut sum = 0.5;
     let mut k = 0.0;
@@ -20,7 +20,7 @@ pub(super) fn chebyshev_of_power(n: u64, tail: f64) -> Vec<f64> {
         k += 1.0;
         coefficients.push(term);
         sum += term;
-        // Ratios fall, so what follows is less than a geometric series.
+        // The ratios decrease, so the remainder is less than a geometric series.
         if term * ratio / (1.0 - ratio) < tail * sum {
             break;
         }
@@ -62,7 +62,7 @@ mod tests {
             assert!((c.len() as f64) < 1.1 * (n as f64 * (2.0 / tail).ln()).sqrt());
             for step in 0..=200 {
                 let y = f64::from(step) / 100.0 - 1.0;
-                // Dividing by the sum moves every value by as much again.
+                // Dividing by the sum changes every value by as much again.
                 let error = (power(&c, y) - f64::midpoint(1.0, y).powf(n as f64)).abs();
                 assert!(error < 2.0 * tail + ROUNDING, "tail {tail}, y = {y}: {error}");
             }

@@ -1,8 +1,8 @@
-//! Deep levels of a block: from the last shallow one on, all of them by one Chebyshev recurrence.
+//! Deep levels of a block: all levels after the last shallow one, by one Chebyshev recurrence.
 //!
-//! With `Y = 2Φ₁ᵀ − I` and v the columns after n₀ steps, those after n are `Σ_k c_k T_k(Y)v`, c the coefficients of
-//! `((1+y)/2)^(n−n₀)`: some `4√(n−n₀)` products serve all levels. The terms reach one ring further at every product where
-//! the walk itself hardly moves on, so for few steps walking is cheaper.
+//! With `Y = 2Φ₁ᵀ − I` and the columns v after n₀ steps, the columns after n steps are `Σ_k c_k T_k(Y)v`, where c
+//! are the coefficients of `((1+y)/2)^(n−n₀)`. About `4√(n−n₀)` products serve all levels. The terms reach one ring
+//! further with every product, while the walk itself barely spreads, so for few steps walking is cheaper.
 
 use super::binomial::chebyshev_of_power;
 use super::local_columns::{LANES, Lanes, LocalColumns, row_times};
@@ -11,21 +11,22 @@ use super::transpose::Group;
 use super::{BasisError, BasisParams};
 use crate::operator::Diffusion;
 
-/// Levels of at most this many steps are walked to: there the active set of a walk still fits into a core's cache.
+/// Number of steps up to which levels are computed step by step: the active set of the walk still fits into a
+/// core's cache.
 const SHALLOW_STEPS: u64 = 64;
 
-/// The fewest steps for which a recurrence is worth while. On the Stanford bunny it takes 1.4 times as long as walking
-/// for 64 steps, 1.1 times for 192, and less than half for 448.
+/// Smallest number of steps for which a recurrence pays off. On the Stanford bunny it takes 1.4 times as long as
+/// walking for 64 steps, 1.1 times for 192, and less than half for 448.
 const MIN_STEPS: u64 = 256;
 
-/// Where π varies by more, errors of a recurrence in Φ₁ᵀ, which is symmetric only in the weights 1/π, could grow by more
-/// than the root of this.
+/// Largest ratio of values of π for a recurrence. Φ₁ᵀ is symmetric only in the weights 1/π, so errors can grow by
+/// the square root of this ratio.
 const MAX_RATIO_OF_PI: f64 = 1e6;
 
-/// Products between two new active sets; each takes in a ring for each product.
+/// Number of products between two new active sets; each set includes one ring per product.
 const STRETCH: u64 = 8;
 
-/// How many of the levels are to be walked to step by step.
+/// Number of levels to compute step by step.
 pub(super) fn n_shallow(diffusion: &Diffusion, steps: &[u64]) -> usize {
     let n_shallow = steps.partition_point(|&n| n <= SHALLOW_STEPS);
     let start = if n_shallow == 0 { 0 } else { steps[n_shallow - 1] };
@@ -43,7 +44,7 @@ fn is_even(stationary: &[f64]) -> bool {
     most <= MAX_RATIO_OF_PI * least
 }
 
-/// The columns after each of `steps`, from those after `done`, into `columns.sums`.
+/// Computes the columns after each of `steps` from those after `done`, into `columns.sums`.
 pub(super) fn recur(
     walk: &BlockSweep<'_>,
     columns: &mut LocalColumns,
@@ -60,7 +61,7 @@ pub(super) fn recur(
     for k in 0..=degree {
         for (sum, coefficients) in columns.sums.iter_mut().zip(&coefficients) {
             if let Some(&c) = coefficients.get(k as usize) {
-                walk.arch.dispatch(Add { sum, term: &columns.now, coefficient: c as f32 });
+                walk.arch.dispatch(AddScaled { sum, term: &columns.now, coefficient: c as f32 });
             }
         }
         if k == degree {
@@ -73,7 +74,7 @@ pub(super) fn recur(
         fresh_for -= 1;
         let mut older = std::mem::take(&mut columns.other);
         let (starts, groups) = columns.matrix();
-        walk.arch.dispatch(Recurrence {
+        walk.arch.dispatch(ColumnRecurrence {
             starts,
             groups,
             now: &columns.now,
@@ -85,13 +86,13 @@ pub(super) fn recur(
     Ok(())
 }
 
-/// What the cut of a sum may change: a hundredth of the tolerance, within what single precision can tell.
+/// Truncation error allowed in a sum: a hundredth of the tolerance, but not less than single precision resolves.
 fn tail(params: &BasisParams) -> f64 {
     (0.01 * params.drop_tolerance).clamp(1e-9, 1e-6)
 }
 
-/// `older ← T_{k+1} = 2Y·T_k − T_{k−1}`, for the first `T_1 = Y·T_0`.
-struct Recurrence<'a> {
+/// Computes `older ← T_{k+1} = 2Y·T_k − T_{k−1}`; for the first step `T_1 = Y·T_0`.
+struct ColumnRecurrence<'a> {
     starts: &'a [u32],
     groups: &'a [Group],
     now: &'a [Lanes],
@@ -99,7 +100,7 @@ struct Recurrence<'a> {
     is_first: bool,
 }
 
-impl pulp::NullaryFnOnce for Recurrence<'_> {
+impl pulp::NullaryFnOnce for ColumnRecurrence<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -115,14 +116,14 @@ impl pulp::NullaryFnOnce for Recurrence<'_> {
     }
 }
 
-/// `sum += coefficient·term`.
-struct Add<'a> {
+/// Computes `sum += coefficient·term`.
+struct AddScaled<'a> {
     sum: &'a mut [Lanes],
     term: &'a [Lanes],
     coefficient: f32,
 }
 
-impl pulp::NullaryFnOnce for Add<'_> {
+impl pulp::NullaryFnOnce for AddScaled<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::forecast::forecast;
 use super::local_columns::{LANES, LocalColumns};
 use super::pack::{PackedRows, pack};
-use super::sweep::{BlockSweep, Next};
+use super::sweep::{BlockSweep, SweepControl};
 use super::transpose::Transpose;
 use super::{Basis, BasisError, BasisInfo, BasisParams, check_steps};
 use crate::Progress;
@@ -12,73 +12,75 @@ use crate::rows::{CompressedRows, Pattern};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Blocks of a batch for each thread: a batch is packed block by block, and copied into the result once the number of
-/// entries of all its blocks is known. Small enough to stay in the cache on the way.
+/// Blocks of a batch per thread. A batch is packed block by block and copied into the result once the number of
+/// entries of all its blocks is known; it is small enough to stay in the cache.
 const BLOCKS_A_THREAD: usize = 12;
 
-/// Memory set aside for a level beyond its forecast. Pages that are not written cost nothing.
+/// Memory reserved for a level relative to its forecast. Pages that are not written cost nothing.
 const SPARE: f64 = 1.25;
 
-/// What a thread needs to walk one block.
+/// Working memory of a thread for one block.
 #[derive(Debug)]
-pub(super) struct Worker {
+pub(super) struct BlockWorker {
     pub(super) columns: LocalColumns,
     lanes_first: Vec<f32>,
 }
 
-/// Workers that are free, so that each thread makes one and no more.
+/// Free workers; each thread creates at most one.
 #[derive(Debug)]
-pub(super) struct Workers {
+pub(super) struct WorkerPool {
     n_vertices: usize,
-    free: Mutex<Vec<Worker>>,
+    free: Mutex<Vec<BlockWorker>>,
 }
 
-impl Workers {
+impl WorkerPool {
     pub(super) fn new(n_vertices: usize) -> Self {
         Self { n_vertices, free: Mutex::new(Vec::new()) }
     }
 
-    pub(super) fn take(&self) -> Worker {
+    pub(super) fn take(&self) -> BlockWorker {
         let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        free.unwrap_or_else(|| Worker {
+        free.unwrap_or_else(|| BlockWorker {
             columns: LocalColumns::new(self.n_vertices),
             lanes_first: Vec::new(),
         })
     }
 
-    pub(super) fn give(&self, worker: Worker) {
+    pub(super) fn give(&self, worker: BlockWorker) {
         self.free.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
     }
 
-    /// Bytes of all workers and of a batch, for levels of `nnz` entries.
+    /// Bytes of all workers and of a batch, for levels with `nnz` entries.
     pub(super) fn bytes(n: usize, nnz: &[u64]) -> u64 {
         let threads = rayon::current_num_threads() as u64;
         let of_row = |nnz: u64| nnz / n.max(1) as u64 + 1;
         let widest = nnz.iter().map(|&nnz| of_row(nnz)).max().unwrap_or(0);
-        // Three columns of values and one turned over, over about three times the vertices of a single row, each with a
-        // local row of about ten entries.
+        // Three arrays of columns and one transposed, over about three times the vertices of a single row, each
+        // with a local row of about ten entries.
         let worker = 5 * n as u64 + 3 * widest * (4 * 4 * LANES as u64 + 80);
         let packed: u64 = nnz.iter().map(|&nnz| 8 * LANES as u64 * of_row(nnz)).sum();
         threads * (worker + BLOCKS_A_THREAD as u64 * packed)
     }
 }
 
-/// The packed rows of one block, and the share of a row that each level dropped.
+/// Packed rows of one block, and the share of a row that each level dropped.
 #[derive(Debug)]
-struct Slot {
+struct LevelSlot {
     levels: Vec<PackedRows>,
     dropped: Vec<f64>,
 }
 
-/// Φ_1 … Φ_J for the steps of `params.schedule`, in single precision.
+/// Scaling functions Φ_1 … Φ_J for the steps of `params.schedule`, in single precision.
 ///
-/// Rows of `Φ₁^{n_j}` with entries below ε dropped and the rest divided by its sum. Agrees with [`basis_by_squaring`] to
-/// 1e-5 in every value and 2 % in the number of entries; what is dropped here is dropped once, not again at every level.
-/// Each step of the walk is a product with Φ₁ᵀ over the vertices reached, so the cost is O(n_J · entries of Φ_J) at most; from 256 steps beyond the 64th on a Chebyshev recurrence takes their place, where the walk
-/// is reversible. Works for every diffusion, reversible or not. The same bits on any number of threads.
+/// Rows of `Φ₁^{n_j}` with entries below ε dropped and the rest divided by their sum. Agrees with
+/// [`basis_by_squaring`] to 1e-5 in every value and to 2 % in the number of entries; here entries are dropped once,
+/// not again on every level. Each step is a product with Φ₁ᵀ over the reached vertices, so the cost is at most
+/// O(n_J · entries of Φ_J); from 256 steps beyond the 64th on, a Chebyshev recurrence is used instead if the walk
+/// is reversible. Works for every diffusion operator. The result has the same bits on any number of threads.
 ///
 /// # Errors
-/// [`BasisError::TooLarge`] before anything large is allocated; [`BasisError::EmptyRow`]; a bad tolerance; cancelled.
+/// [`BasisError::TooLarge`] before large memory is allocated; [`BasisError::EmptyRow`]; [`BasisError`] for an
+/// invalid tolerance or if the call is cancelled.
 ///
 /// [`basis_by_squaring`]: super::basis_by_squaring
 ///
@@ -105,15 +107,15 @@ pub fn basis(
     progress.step(0, n_blocks as u64)?;
     let transpose = Transpose::new(diffusion);
     let walk = BlockSweep::new(diffusion, &transpose, params, progress);
-    let workers = Workers::new(n);
+    let workers = WorkerPool::new(n);
     let forecast = forecast::<f32>(&walk, &workers, 1)?;
 
     let n_levels = params.schedule.n_levels();
     let mut levels: Vec<Growing> = forecast.nnz.iter().map(|&nnz| Growing::new(n, nnz)).collect();
     let mut largest_dropped = vec![0.0_f64; n_levels];
     let batch = BLOCKS_A_THREAD * rayon::current_num_threads();
-    let mut slots: Vec<Slot> = (0..batch.min(n_blocks))
-        .map(|_| Slot {
+    let mut slots: Vec<LevelSlot> = (0..batch.min(n_blocks))
+        .map(|_| LevelSlot {
             levels: (0..n_levels).map(|_| PackedRows::default()).collect(),
             dropped: vec![0.0; n_levels],
         })
@@ -148,26 +150,26 @@ pub fn basis(
 
 fn walk_block(
     walk: &BlockSweep<'_>,
-    workers: &Workers,
+    workers: &WorkerPool,
     first: usize,
-    slot: &mut Slot,
+    slot: &mut LevelSlot,
 ) -> Result<(), BasisError> {
     let end = (first + LANES).min(walk.diffusion.n_vertices());
     let tolerance = walk.params.drop_tolerance as f32;
     let mut worker = workers.take();
-    let Worker { columns, lanes_first } = &mut worker;
+    let BlockWorker { columns, lanes_first } = &mut worker;
     let outcome = walk.sweep(columns, first, end, |level, columns, kept| {
         let n_lanes = end - first;
         let shares = kept.sums[..n_lanes].iter().zip(&kept.masses).map(|(sum, mass)| 1.0 - sum / mass);
         slot.dropped[level] = shares.fold(0.0, f64::max);
         pack(walk.arch, columns, n_lanes, tolerance, kept, lanes_first, &mut slot.levels[level]);
-        Next::GoOn
+        SweepControl::GoOn
     });
     workers.give(worker);
     outcome
 }
 
-/// A level that grows block by block inside memory set aside at once.
+/// A level that grows block by block inside memory reserved at the start.
 #[derive(Debug)]
 struct Growing {
     offsets: Vec<usize>,
@@ -181,16 +183,16 @@ impl Growing {
         let room = ((nnz as f64 * SPARE) as u128).min(all) as usize;
         let mut offsets = Vec::with_capacity(n_rows + 1);
         offsets.push(0);
-        // Zeroed memory of this size comes from the system as pages that exist once they are written.
+        // The system provides zeroed memory of this size as pages that exist only once they are written.
         Self { offsets, columns: vec![0; room], values: vec![0.0; room] }
     }
 
-    /// Room for `more` entries at the end.
+    /// Returns room for `more` entries at the end.
     fn claim(&mut self, more: usize) -> (&mut [u32], &mut [f32]) {
         let start = self.offsets[self.offsets.len() - 1];
         let end = start + more;
         if self.columns.len() < end {
-            // The forecast fell short; growing in large parts keeps the copies few.
+            // The forecast was too low; growing by large parts keeps the number of copies small.
             let room = end.max(self.columns.len() + self.columns.len() / 4);
             self.columns.resize(room, 0);
             self.values.resize(room, 0.0);
@@ -204,12 +206,12 @@ impl Growing {
         self.columns.shrink_to_fit();
         self.values.truncate(nnz);
         self.values.shrink_to_fit();
-        CompressedRows::trusted(Pattern::trusted(self.offsets, self.columns), self.values)
+        CompressedRows::new_unchecked(Pattern::new_unchecked(self.offsets, self.columns), self.values)
     }
 }
 
-/// Copies the packed rows of a batch to the end of each level.
-fn append(levels: &mut [Growing], slots: &[Slot]) {
+/// Appends the packed rows of a batch to each level.
+fn append(levels: &mut [Growing], slots: &[LevelSlot]) {
     let mut copies = Vec::with_capacity(levels.len() * slots.len());
     let mut counts = Vec::with_capacity(levels.len());
     for (level, growing) in levels.iter_mut().enumerate() {

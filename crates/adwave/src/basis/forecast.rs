@@ -1,31 +1,32 @@
-//! How much memory a basis will take, from a few blocks of it, before any of it is allocated.
+//! Forecast of the memory of a basis, from a few of its blocks, before it is allocated.
 
-use super::fast::Workers;
+use super::fast::WorkerPool;
 use super::local_columns::LANES;
-use super::sweep::{BlockSweep, Next};
+use super::sweep::{BlockSweep, SweepControl};
 use super::{BasisError, transpose::Transpose};
 use crate::rows::{Value, bytes};
 use rayon::prelude::*;
 
-/// Blocks that are looked at, spread evenly. On a mesh one in a hundred tells the size within a few per cent.
+/// Number of sampled blocks, spread evenly. On a mesh one block in a hundred predicts the size to within a few
+/// percent.
 const SAMPLES: usize = 12;
 
-/// What a basis is expected to take.
+/// Expected size of a basis.
 #[derive(Clone, Debug)]
 pub(super) struct Forecast {
-    /// Entries of each level.
+    /// Number of entries of each level.
     pub(super) nnz: Vec<u64>,
-    /// Bytes of all levels together, and of the work on them.
+    /// Bytes of all levels together, including working memory.
     pub(super) bytes: u64,
 }
 
-/// Forecasts the basis in values of type `V`, of which `copies` lie in memory at once.
+/// Forecasts a basis with values of type `V`, of which `copies` are in memory at once.
 ///
 /// # Errors
-/// [`BasisError::TooLarge`] when it exceeds the limit; cancelled.
+/// [`BasisError::TooLarge`] if it exceeds the limit; or if the call is cancelled.
 pub(super) fn forecast<V: Value>(
     walk: &BlockSweep<'_>,
-    workers: &Workers,
+    workers: &WorkerPool,
     copies: u64,
 ) -> Result<Forecast, BasisError> {
     let n = walk.diffusion.n_vertices();
@@ -45,12 +46,12 @@ pub(super) fn forecast<V: Value>(
                 nnz.truncate(level);
                 let counted: u64 = kept.counts.iter().map(|&count| u64::from(count)).sum();
                 nnz.push((counted as f64 * scale) as u64);
-                // Twice the limit already: how much more the other levels need is found without walking to them.
+                // At twice the limit, the size of the remaining levels is extrapolated instead of computed.
                 let so_far: u64 = nnz.iter().map(|&nnz| bytes::<V>(n, nnz)).sum();
-                if so_far / 2 > limit { Next::Stop } else { Next::GoOn }
+                if so_far / 2 > limit { SweepControl::Stop } else { SweepControl::GoOn }
             })?;
             workers.give(worker);
-            // On a surface a walk of twice as many steps reaches twice as many vertices.
+            // On a surface, a walk of twice as many steps reaches twice as many vertices.
             for level in nnz.len()..steps.len() {
                 let grown = nnz[level - 1] as f64 * steps[level] as f64 / steps[level - 1] as f64;
                 nnz.push(grown.min(n as f64 * n as f64) as u64);
@@ -63,7 +64,7 @@ pub(super) fn forecast<V: Value>(
         .map(|level| of_block.iter().map(|nnz| nnz[level]).sum::<u64>() / samples.max(1) as u64)
         .collect();
     let stored: u64 = nnz.iter().map(|&nnz| bytes::<V>(n, nnz)).sum();
-    let work = Transpose::bytes(n, walk.diffusion.nnz()) + Workers::bytes(n, &nnz);
+    let work = Transpose::bytes(n, walk.diffusion.nnz()) + WorkerPool::bytes(n, &nnz);
     let needed = stored.saturating_mul(copies).saturating_add(work);
     if needed > limit {
         return Err(BasisError::TooLarge { n_levels: steps.len(), n_vertices: n, needed, limit });

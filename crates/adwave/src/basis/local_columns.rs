@@ -1,36 +1,36 @@
 //! Rows of Φ₁ⁿ for a block of vertices at once, as dense columns over the vertices that the walks have reached.
 //!
-//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` from `v = e_x`. The walks of neighboring vertices reach nearly the same
-//! vertices: they share one list of active vertices and one small local matrix, and each product treats them as the
-//! lanes of a vector. Once in a few products the list is built anew: vertices where every lane is small are dropped,
-//! and those within a few steps of the rest are taken in.
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`, so `v ← Φ₁ᵀv` starting from `v = e_x`. The walks of neighboring vertices reach nearly
+//! the same vertices. They share one list of active vertices and one small local matrix, and each product treats
+//! them as lanes of a vector. Every few products the list is rebuilt: vertices where every lane is small are
+//! dropped, and those within a few steps of the others are added.
 
 use super::sparse_accumulator::SparseAccumulator;
 use super::transpose::{Group, Transpose};
 use crate::operator::Diffusion;
 
-/// Rows that are computed side by side.
+/// Number of rows computed side by side.
 pub(super) const LANES: usize = 32;
 
 /// One value of each lane.
 pub(super) type Lanes = [f32; LANES];
 
-/// No local number.
+/// Local number of a vertex that is not active.
 const ABSENT: u32 = u32::MAX;
 
 /// The walks of a block of vertices.
 #[derive(Debug)]
 pub(super) struct LocalColumns {
-    /// Active vertices by rising index.
+    /// Active vertices, in ascending order.
     pub(super) active: Vec<u32>,
-    /// `now[k][l]`: what lane `l` has at vertex `active[k]`.
+    /// Values `now[k][l]` of lane `l` at vertex `active[k]`.
     pub(super) now: Vec<Lanes>,
-    /// Where the next columns are built; in a recurrence, the columns before these.
+    /// Buffer for the next columns; in a recurrence, the columns of the term before.
     pub(super) other: Vec<Lanes>,
-    /// Sums of a recurrence, one for each level that it serves.
+    /// Sums of a recurrence, one per level that it serves.
     pub(super) sums: Vec<Vec<Lanes>>,
     spare: Vec<Lanes>,
-    /// Local matrix: entries of row `k` are the groups `starts[k]..starts[k + 1]`, the diagonal among them.
+    /// Local matrix: the entries of row `k` are the groups `starts[k]..starts[k + 1]`, including the diagonal.
     starts: Vec<u32>,
     groups: Vec<Group>,
     /// Local number of each vertex of the shape.
@@ -39,13 +39,13 @@ pub(super) struct LocalColumns {
     front: Vec<u32>,
     next_front: Vec<u32>,
     before: Vec<u32>,
-    /// Where each active vertex stood in the list before.
+    /// Position of each active vertex in the previous list.
     origin: Vec<u32>,
     is_large: Vec<bool>,
 }
 
 impl LocalColumns {
-    /// Room for walks over `n` vertices.
+    /// Allocates memory for walks over `n` vertices.
     pub(super) fn new(n: usize) -> Self {
         Self {
             active: Vec::new(),
@@ -86,8 +86,8 @@ impl LocalColumns {
         }
     }
 
-    /// Drops vertices where no lane exceeds `floor`, takes in those within `rings` steps of the others, and builds
-    /// the local matrix. With `floor` 0 nothing that any walk has come to is dropped.
+    /// Drops vertices where no lane exceeds `floor`, adds those within `rings` steps of the others, and builds the
+    /// local matrix. With `floor` 0 no reached vertex is dropped.
     pub(super) fn regrow(
         &mut self,
         diffusion: &Diffusion,
@@ -100,7 +100,7 @@ impl LocalColumns {
         self.front.clear();
         self.is_large.clear();
         self.is_large.resize(self.active.len(), false);
-        // In a walk the other columns are scratch; in a recurrence they are the term before.
+        // In a walk the other columns are scratch memory; in a recurrence they are the term before.
         let others = if self.sums.is_empty() { None } else { Some(&self.other) };
         for columns in [&self.now].into_iter().chain(others).chain(&self.sums) {
             arch.dispatch(FindLarge { columns, floor, is_large: &mut self.is_large });
@@ -162,7 +162,8 @@ impl LocalColumns {
         self.groups.clear();
         for (&y, k) in self.active.iter().zip(0_u32..) {
             for group in transpose.column(y) {
-                // Vertices that are not active have nothing to give. No branch: at the rim it would be guessed wrongly.
+                // Inactive vertices contribute nothing. A branch would be mispredicted at the rim, so there is
+                // none.
                 self.groups.push(group.map(|(x, w)| {
                     let source = self.number[x as usize];
                     if source == ABSENT { (k, 0.0) } else { (source, w) }
@@ -172,9 +173,9 @@ impl LocalColumns {
         }
     }
 
-    /// One step of every walk: `v ← Φ₁ᵀv`.
+    /// Applies one step to every walk: `v ← Φ₁ᵀv`.
     pub(super) fn advance(&mut self, arch: pulp::Arch) {
-        arch.dispatch(Product {
+        arch.dispatch(StepProduct {
             starts: &self.starts,
             groups: &self.groups,
             now: &self.now,
@@ -183,26 +184,26 @@ impl LocalColumns {
         std::mem::swap(&mut self.now, &mut self.other);
     }
 
-    /// The local matrix: where the groups of each row start, and the groups.
+    /// The local matrix: start of the groups of each row, and the groups.
     pub(super) fn matrix(&self) -> (&[u32], &[Group]) {
         (&self.starts, &self.groups)
     }
 }
 
-/// Renumbers columns: row `k` becomes what stood at `origin[k]`, or zeros.
+/// Renumbers columns: row `k` becomes the row at `origin[k]`, or zeros.
 fn carry(arch: pulp::Arch, columns: &mut Vec<Lanes>, origin: &[u32], spare: &mut Vec<Lanes>) {
     spare.resize(origin.len(), [0.0; LANES]);
-    arch.dispatch(Carry { from: columns, origin, to: spare });
+    arch.dispatch(CarryOver { from: columns, origin, to: spare });
     std::mem::swap(columns, spare);
 }
 
-struct Carry<'a> {
+struct CarryOver<'a> {
     from: &'a [Lanes],
     origin: &'a [u32],
     to: &'a mut [Lanes],
 }
 
-impl pulp::NullaryFnOnce for Carry<'_> {
+impl pulp::NullaryFnOnce for CarryOver<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -213,7 +214,7 @@ impl pulp::NullaryFnOnce for Carry<'_> {
     }
 }
 
-/// SparseAccumulator the rows in which the magnitude of some lane exceeds `floor`.
+/// Marks the rows in which the magnitude of some lane exceeds `floor`.
 struct FindLarge<'a> {
     columns: &'a [Lanes],
     floor: f32,
@@ -235,15 +236,15 @@ impl pulp::NullaryFnOnce for FindLarge<'_> {
     }
 }
 
-/// `next = A·now` for the local matrix, compiled for every instruction set and picked at run time.
-struct Product<'a> {
+/// Computes `next = A·now` for the local matrix, compiled for every instruction set and selected at run time.
+struct StepProduct<'a> {
     starts: &'a [u32],
     groups: &'a [Group],
     now: &'a [Lanes],
     next: &'a mut [Lanes],
 }
 
-impl pulp::NullaryFnOnce for Product<'_> {
+impl pulp::NullaryFnOnce for StepProduct<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -255,11 +256,11 @@ impl pulp::NullaryFnOnce for Product<'_> {
     }
 }
 
-/// Groups of a row that are summed one after the other; longer rows are summed in such parts, because the error of a
-/// sum in single precision grows with the number of its terms.
+/// Number of groups of a row that are summed one after another. Longer rows are summed in such parts, because the
+/// error of a sum in single precision grows with its length.
 const GROUPS_A_SUM: usize = 32;
 
-/// One row of the local matrix times the columns.
+/// Product of one row of the local matrix with the columns.
 #[inline(always)]
 pub(super) fn row_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
     if groups.len() <= GROUPS_A_SUM {
@@ -280,7 +281,7 @@ fn part_times(groups: &[Group], columns: &[Lanes]) -> Lanes {
     for group in groups {
         for &(source, w) in group {
             let from = &columns[source as usize];
-            // Products and sums are rounded apart, so that every instruction set gives the same bits.
+            // Products and sums are rounded separately, so every instruction set gives the same bits.
             for l in 0..LANES {
                 sum[l] += w * from[l];
             }

@@ -1,18 +1,20 @@
-//! The scaling functions and wavelets themselves: the matrices Φ_j and Ψ_j, and single rows of them.
+//! Scaling functions and wavelets as matrices Φ_j and Ψ_j, and single rows of them.
 //!
-//! `Φ_j = Φ₁^{n_j}` (eq. 6), `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8), with `n_j = 2^(j−1)` on the dyadic levels of the paper. Row x of
-//! Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are dropped and the
-//! rest of each row of Φ_j divided by its sum, so that rows of Φ_j still sum to 1 (eq. 7) and rows of Ψ_j to 0 (eq. 9).
+//! `Φ_j = Φ₁^{n_j}` (eq. 6), `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8), with `n_j = 2^(j−1)` on the dyadic levels of the paper.
+//! Row x of Φ_j is the scaling function φ_{j,x}, row x of Ψ_j the wavelet ψ_{j,x}. Entries below a tolerance are
+//! dropped and the rest of each row of Φ_j is divided by its sum, so rows of Φ_j still sum to 1 (eq. 7) and rows of
+//! Ψ_j to 0 (eq. 9).
 //!
-//! * [`basis`]: all levels at once, in single precision, by walking from 32 neighboring vertices together
-//!   (`local_columns.rs`: the powers, `pack.rs`: dropping and packing, `sweep.rs`: how the active set grows).
-//! * [`basis_by_squaring`]: the paper's Algorithm 1 to the letter, in double precision; the reference.
+//! * [`basis`]: all levels at once, in single precision, by walks from 32 neighboring vertices at a time
+//! (`local_columns.rs`: powers, `pack.rs`: dropping and packing, `sweep.rs`: growth of the active set).
+//! * [`basis_by_squaring`]: the literal Algorithm 1 of the paper, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!
-//! All of it counts vertices as [`Diffusion`] does: in the numbering of the
-//! [`PreparedGeometry`](crate::shape::PreparedGeometry). [`Basis::in_shape_order`] renumbers where that is a permutation of the shape's vertices.
+//! Vertices are numbered as in [`Diffusion`], that is as in the
+//! [`PreparedGeometry`](crate::shape::PreparedGeometry). [`Basis::to_shape_order`] renumbers them if that is a
+//! permutation of the shape's vertices.
 
-// Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
+// Code compiled for several instruction sets must be inlined into the function that selects one.
 #![allow(clippy::inline_always)]
 
 mod binomial;
@@ -34,41 +36,41 @@ pub use squaring::basis_by_squaring;
 
 use crate::bands::Schedule;
 use crate::operator::{Diffusion, Semigroup};
-use crate::parallel::unstopped;
+use crate::parallel::expect_not_cancelled;
 use crate::rows::subtract;
 use crate::shape::VertexMap;
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use thiserror::Error;
 
-/// What to compute.
+/// Levels, drop tolerance and memory limit of a basis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BasisParams {
     /// The levels.
     pub schedule: Schedule,
-    /// ε: entries below it are dropped. At least 0 and below 1; with 0 every positive entry is kept.
+    /// Drop tolerance ε in [0, 1): entries below it are dropped. With 0 every positive entry is kept.
     pub drop_tolerance: f64,
-    /// The most bytes that the result and the work on it may take, by the forecast.
+    /// Largest number of bytes that the result and the computation may take, by the forecast.
     pub memory_limit: u64,
 }
 
 impl BasisParams {
-    /// The paper's ε.
+    /// The paper's drop tolerance ε.
     pub const DROP_TOLERANCE: f64 = 1e-6;
-    /// 8 GiB: what a common machine has to spare.
+    /// Default memory limit: 8 GiB.
     pub const MEMORY_LIMIT: u64 = 8 << 30;
 
-    /// The levels of `schedule`, ε = 1e-6, at most 8 GiB.
+    /// Parameters for the levels of `schedule`, with ε = 1e-6 and at most 8 GiB.
     pub fn new(schedule: Schedule) -> Self {
         Self { schedule, drop_tolerance: Self::DROP_TOLERANCE, memory_limit: Self::MEMORY_LIMIT }
     }
 
-    /// With another ε.
+    /// Sets the drop tolerance ε.
     #[must_use]
     pub fn with_drop_tolerance(self, drop_tolerance: f64) -> Self {
         Self { drop_tolerance, ..self }
     }
 
-    /// With another limit, in bytes.
+    /// Sets the memory limit in bytes.
     #[must_use]
     pub fn with_memory_limit(self, memory_limit: u64) -> Self {
         Self { memory_limit, ..self }
@@ -79,13 +81,14 @@ impl BasisParams {
         check_whole(&self.schedule)
     }
 
-    /// The steps of the levels, which [`check`](Self::check) has found to be whole.
+    /// Steps of the levels, which [`check`](Self::check) has found to be whole.
     fn steps(&self) -> Vec<u64> {
         self.schedule.whole_steps().expect("checked")
     }
 }
 
-/// Functions are made by taking steps, and half a step has no sparse row: its square root of Φ₁ reaches every vertex.
+/// Checks that all steps are whole. The functions are computed step by step, and half a step has no sparse row: the
+/// square root of Φ₁ reaches every vertex.
 pub(crate) fn check_whole(schedule: &Schedule) -> Result<(), BasisError> {
     match schedule.first_real() {
         Some(level) => Err(BasisError::NotWhole { level, steps: schedule.steps()[level - 1] }),
@@ -93,7 +96,7 @@ pub(crate) fn check_whole(schedule: &Schedule) -> Result<(), BasisError> {
     }
 }
 
-/// Heat has no sparse functions.
+/// Checks that the operator is a walk; heat has no sparse functions.
 fn check_steps(diffusion: &Diffusion) -> Result<(), BasisError> {
     match diffusion.semigroup() {
         Semigroup::Steps => Ok(()),
@@ -105,40 +108,40 @@ fn check_tolerance(tolerance: f64) -> Result<(), BasisError> {
     if (0.0..1.0).contains(&tolerance) { Ok(()) } else { Err(BasisError::BadTolerance(tolerance)) }
 }
 
-/// Why there is no basis.
+/// Error of computing a basis.
 #[derive(Debug, Error, PartialEq)]
 pub enum BasisError {
-    /// The tolerance is negative, not a number, or drops everything.
-    #[error("a drop tolerance of {0} makes no sense; give one of at least 0 and below 1, such as 1e-6")]
+    /// The tolerance is negative or NaN, or it drops everything.
+    #[error("the drop tolerance must be at least 0 and below 1, got {0}; the default is 1e-6")]
     BadTolerance(f64),
-    /// Squaring reaches only powers of two.
+    /// A schedule that squaring cannot reach: squaring gives powers of two only.
     #[error(
         "level {level} has {steps} steps; squaring needs the dyadic levels 1, 2, 4, …: choose them, or the fast method"
     )]
     NotDyadic {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// The number of steps.
         steps: u64,
     },
-    /// The functions have no fractional powers.
+    /// A level with fractional steps, which the functions do not have.
     #[error(
         "level {level} has {steps} steps; the functions themselves take whole steps only, no fractional powers: round the schedule, or ask for the bands of a signal"
     )]
     NotWhole {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// The number of steps.
         steps: f64,
     },
-    /// Heat reaches every vertex at once.
+    /// Heat diffusion, whose functions reach every vertex.
     #[error(
-        "the functions of heat on a surface reach every vertex, and have no sparse matrices; take the operator `walk`, or the functions of single vertices"
+        "the functions of heat on a surface reach every vertex and have no sparse matrices; use the operator `walk`, or the functions of single vertices"
     )]
     Heat,
-    /// The matrices would not fit.
+    /// The matrices would exceed the memory limit.
     #[error(
-        "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal in place of the functions, or raise the limit"
+        "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal instead of the functions, or raise the limit"
     )]
     TooLarge {
         /// Number of levels asked for.
@@ -155,14 +158,14 @@ pub enum BasisError {
         "no entry of row {row} reaches the drop tolerance of {tolerance} after {steps} steps; lower it or ask for fewer levels"
     )]
     EmptyRow {
-        /// The row.
+        /// The row, from 0.
         row: usize,
-        /// Steps of the level.
+        /// Number of steps of the level.
         steps: u64,
         /// The tolerance.
         tolerance: f64,
     },
-    /// There is no such vertex.
+    /// The vertex does not exist.
     #[error("there is no vertex {vertex}; the diffusion operator has {n_vertices}")]
     NoVertex {
         /// The vertex, from 0.
@@ -170,15 +173,15 @@ pub enum BasisError {
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// The coarse function of a wavelet must have taken more steps than the fine one.
-    #[error("a wavelet from {fine} to {coarse} steps is none: the second must be larger and at most 2^31")]
+    /// The coarse scaling function does not have more steps than the fine one.
+    #[error("a wavelet needs increasing steps up to 2^31, got {fine} and {coarse}")]
     BadSteps {
-        /// Steps of the finer scaling function.
+        /// Number of steps of the finer scaling function.
         fine: u64,
-        /// Steps of the coarser one.
+        /// Number of steps of the coarser scaling function.
         coarse: u64,
     },
-    /// Welded vertices share a row, so no permutation leads to the shape's order.
+    /// Vertices were welded; welded vertices share a row, so no permutation leads to the order of the shape.
     #[error(
         "{n_vertices} vertices of the shape are {n_welded} welded ones; row and column of vertex x are those of `vertex_map.welded(x)`"
     )]
@@ -188,7 +191,7 @@ pub enum BasisError {
         /// Number of welded vertices.
         n_welded: usize,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -203,32 +206,32 @@ impl ClassifiedError for BasisError {
     }
 }
 
-/// What a basis took.
+/// Size and accuracy of a basis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasisInfo {
-    /// Entries of Φ_1 … Φ_J.
+    /// Number of entries of each of Φ_1 … Φ_J.
     pub nnz: Vec<u64>,
-    /// Bytes of Φ_1 … Φ_J.
+    /// Number of bytes of each of Φ_1 … Φ_J.
     pub bytes: Vec<u64>,
-    /// The largest share of a row's sum that was dropped, for Φ_1 … Φ_J.
+    /// Largest share of a row's sum that was dropped, for each of Φ_1 … Φ_J.
     pub largest_dropped: Vec<f64>,
-    /// Bytes that were forecast before any of it was computed, the work space included; 0 where nothing is forecast.
+    /// Bytes forecast before the computation, including working memory; 0 if no forecast was made.
     pub forecast: u64,
 }
 
-/// Φ_1 … Φ_J as sparse matrices.
+/// The scaling functions Φ_1 … Φ_J as sparse matrices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis<V = f32> {
     /// The steps n_1 … n_J of the levels.
     pub steps: Vec<u64>,
-    /// `scaling[j − 1]` is Φ_j: n_vertices rows, each ≥ 0 and of sum 1.
+    /// `scaling[j − 1]` is Φ_j, n_vertices × n_vertices; its entries are ≥ 0 and each row sums to 1.
     pub scaling: Vec<CompressedRows<V>>,
-    /// What it took.
+    /// Size and accuracy.
     pub info: BasisInfo,
 }
 
 impl<V: Value> Basis<V> {
-    /// J.
+    /// Number of levels J.
     pub fn n_levels(&self) -> usize {
         self.scaling.len()
     }
@@ -238,11 +241,11 @@ impl<V: Value> Basis<V> {
         self.scaling.first().map_or(0, CompressedRows::n_rows)
     }
 
-    /// `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8) for `j` in `1..=n_levels()`, with `Φ_0 = I` (eq. 3): rows sum to 0 (eq. 9). O(entries of
-    /// both).
+    /// The wavelets `Ψ_j = Φ_{j−1} − Φ_j` (eq. 8) for `j` in `1..=n_levels()`, with `Φ_0 = I` (eq. 3). Rows sum to
+    /// 0 (eq. 9). O(entries of both).
     ///
     /// # Panics
-    /// When there is no level `j`.
+    /// If level `j` does not exist.
     ///
     /// ```
     /// use adwave::basis::{BasisParams, basis};
@@ -258,16 +261,16 @@ impl<V: Value> Basis<V> {
         let coarse = &self.scaling[j - 1];
         let none = Progress::none();
         // Ψ_j = Φ_{j−1} − Φ_j (eq. 8), Φ_0 = I (eq. 3)
-        unstopped(match j {
+        expect_not_cancelled(match j {
             1 => CompressedRows::identity(coarse.n_rows()).minus(coarse, none),
             _ => self.scaling[j - 2].minus(coarse, none),
         })
     }
 
-    /// The wavelet ψ_{j,x}: row `x` of Ψ_j, columns and values. O(entries of the row).
+    /// The wavelet ψ_{j,x}: columns and values of row `x` of Ψ_j. O(entries of the row).
     ///
     /// # Panics
-    /// When there is no level `j` or no vertex `x`.
+    /// If level `j` or vertex `x` does not exist.
     pub fn wavelet_row(&self, j: usize, x: usize) -> (Vec<u32>, Vec<V>) {
         let (mut columns, mut values) = (Vec::new(), Vec::new());
         let itself = ([x as u32], [V::from_f64(1.0)]);
@@ -276,16 +279,16 @@ impl<V: Value> Basis<V> {
         (columns, values)
     }
 
-    /// The same matrices with rows and columns in the order of the shape's vertices.
+    /// The basis with rows and columns in the order of the shape's vertices.
     ///
-    /// Rows are functions and columns are where they are evaluated; both are welded vertices. Where several
-    /// vertices of the shape were welded into one, the matrix over the welded vertices is the mathematical object: a
-    /// larger one with repeated columns would have rows that do not sum to 1, and so would not be a diffusion. Such a
-    /// basis stays as it is, and `vertex_map.as_slice()` is the map that belongs to it.
+    /// Each row is a function and each column a welded vertex where it is evaluated. If several vertices of the
+    /// shape were welded into one, a larger matrix with repeated columns would have rows that do not sum to 1, so
+    /// it would not be a diffusion. Such a basis stays in the analysis order; `vertex_map.as_slice()` maps vertices
+    /// to its columns.
     ///
     /// # Errors
-    /// [`BasisError::Welded`] when vertices were welded.
-    pub fn in_shape_order(&self, vertex_map: &VertexMap) -> Result<Self, BasisError> {
+    /// [`BasisError::Welded`] if vertices were welded.
+    pub fn to_shape_order(&self, vertex_map: &VertexMap) -> Result<Self, BasisError> {
         let (n_vertices, n_welded) = (vertex_map.n_vertices(), vertex_map.n_welded());
         if n_vertices != n_welded {
             return Err(BasisError::Welded { n_vertices, n_welded });
@@ -294,7 +297,7 @@ impl<V: Value> Basis<V> {
         for (&class, x) in vertex_map.as_slice().iter().zip(0..) {
             vertex_of[class as usize] = x;
         }
-        let scaling = self.scaling.iter().map(|level| level.permuted(&vertex_of)).collect();
+        let scaling = self.scaling.iter().map(|level| level.permute(&vertex_of)).collect();
         Ok(Self { steps: self.steps.clone(), scaling, info: self.info.clone() })
     }
 }

@@ -1,8 +1,8 @@
-//! φ and ψ of one vertex, without a matrix.
+//! Scaling function φ and wavelet ψ of one vertex, without a matrix.
 //!
-//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible operator it comes from the symmetric `S = D^½ Φ₁ D^{−½}`, D = diag π, as
-//! `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`, and both powers of a wavelet from one Chebyshev recurrence in `2S − I`, whose terms
-//! of degree k reach k rings. Otherwise it is applied step by step.
+//! Row x of Φ₁ⁿ is `e_xᵀΦ₁ⁿ`. For a reversible operator it follows from the symmetric matrix `S = D^½ Φ₁ D^{−½}`, D
+//! = diag π, as `φ(y) = (Sⁿe_x)(y)·√(π(y)/π(x))`. One Chebyshev recurrence in `2S − I` gives both powers that a
+//! wavelet needs; its terms of degree k reach k rings. For other operators Φ₁ is applied step by step.
 
 use super::binomial::chebyshev_of_power;
 use super::{BasisError, check_steps, check_tolerance};
@@ -10,31 +10,31 @@ use crate::Progress;
 use crate::bands::MAX_STEPS;
 use crate::operator::Diffusion;
 
-/// What the cut of a Chebyshev sum may change in a function, before the factor √(π(y)/π(x)).
+/// Truncation error of a Chebyshev sum allowed in a function, before the factor √(π(y)/π(x)).
 const TAIL: f64 = 1e-11;
 
-/// Steps between two questions whether to go on.
+/// Number of steps between two progress reports.
 const STEPS_A_REPORT: usize = 16;
 
 /// A function over the vertices that is 0 at most of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SparseRow {
-    /// Vertices, by rising index.
+    /// Vertices, in ascending order.
     pub columns: Vec<u32>,
-    /// The value at each.
+    /// Value at each vertex of `columns`.
     pub values: Vec<f64>,
 }
 
 impl SparseRow {
-    /// The value at vertex `y`, 0 where none is stored.
+    /// Value at vertex `y`; 0 if none is stored.
     pub fn get(&self, y: usize) -> f64 {
         self.columns.binary_search(&(y as u32)).map_or(0.0, |at| self.values[at])
     }
 
-    /// The values at all of `n_vertices` vertices.
+    /// Values at all `n_vertices` vertices.
     ///
     /// # Panics
-    /// When the row names a vertex beyond them.
+    /// If the row names a vertex outside `0..n_vertices`.
     pub fn to_dense(&self, n_vertices: usize) -> Vec<f64> {
         let mut dense = vec![0.0; n_vertices];
         for (&y, &value) in self.columns.iter().zip(&self.values) {
@@ -51,23 +51,26 @@ impl SparseRow {
 /// One scaling function and one wavelet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalingAndWavelet {
-    /// φ_{j,x}, row x of Φ_j: ≥ 0, sums to 1.
+    /// Row x of Φ_j, φ_{j,x}: entries ≥ 0 that sum to 1.
     pub scaling: SparseRow,
-    /// ψ_{j,x} = φ_{j−1,x} − φ_{j,x}: sums to 0.
+    /// The wavelet ψ_{j,x} = φ_{j−1,x} − φ_{j,x}; its entries sum to 0.
     pub wavelet: SparseRow,
-    /// Products with Φ₁ that it took.
+    /// Number of products with Φ₁.
     pub n_products: u64,
 }
 
-/// φ and ψ of `vertex` for a level of `steps` steps after one of `steps_before` (0 before the first level).
+/// Scaling function φ and wavelet ψ of `vertex` for a level of `steps` steps, where the level before has
+/// `steps_before` steps (0 before the first level).
 ///
-/// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the rest
-/// divided by its sum, as in the matrices; with 0 every positive value is kept. Values err by 1e-10 at most on a reversible
-/// operator (times √(π(y)/π(x))), by rounding otherwise. Costs about `5√steps` products over the vertices within as many
-/// rings where the operator is reversible, `steps` products otherwise; memory O(vertices reached), and 4 bytes per vertex.
+/// `φ_j = e_xᵀΦ₁^steps`, `ψ_j = e_xᵀΦ₁^steps_before − φ_j`. Values of φ below `drop_tolerance` are dropped and the
+/// others divided by their sum, as in the matrices; with tolerance 0 every positive value is kept. The error of a
+/// value is at most 1e-10 on a reversible operator (times √(π(y)/π(x))), and rounding otherwise. Cost: about
+/// `5√steps` products over the vertices within that many rings if the operator is reversible, else `steps`
+/// products. Memory: O(vertices reached) and 4 bytes per vertex.
 ///
 /// # Errors
-/// [`BasisError`]: no such vertex, steps that do not increase, a bad tolerance, one that drops all; cancelled.
+/// [`BasisError`] if the vertex does not exist, the steps do not increase, the tolerance is invalid or drops
+/// everything, or the call is cancelled.
 ///
 /// ```
 /// use adwave::basis::one_vertex;
@@ -97,9 +100,9 @@ pub fn one_vertex(
     check_steps(diffusion)?;
     progress.step(0, steps)?;
     let ([fine, coarse], reached, n_products) =
-        match by_chebyshev(diffusion, vertex, [steps_before, steps], progress)? {
+        match chebyshev_functions(diffusion, vertex, [steps_before, steps], progress)? {
             Some(found) => found,
-            None => by_steps(diffusion, vertex, [steps_before, steps], progress)?,
+            None => power_functions(diffusion, vertex, [steps_before, steps], progress)?,
         };
     progress.step(steps, steps)?;
     let mut order: Vec<(u32, u32)> = reached.iter().copied().zip(0..).collect();
@@ -114,7 +117,7 @@ pub fn one_vertex(
     Ok(ScalingAndWavelet { scaling, wavelet, n_products })
 }
 
-/// Drops small values and divides the rest by its sum; `None` where nothing is left.
+/// Drops small values and divides the others by their sum; `None` if nothing is left.
 fn sparse_row(order: &[(u32, u32)], values: &[f64], tolerance: f64) -> Option<SparseRow> {
     let mut row = SparseRow::default();
     for &(y, k) in order {
@@ -131,21 +134,21 @@ fn sparse_row(order: &[(u32, u32)], values: &[f64], tolerance: f64) -> Option<Sp
     (sum > 0.0).then_some(row)
 }
 
-/// Two functions over the vertices that were reached, those vertices, and the number of products.
-type Found = ([Vec<f64>; 2], Vec<u32>, u64);
+/// Two functions over the reached vertices, those vertices, and the number of products.
+type FunctionRows = ([Vec<f64>; 2], Vec<u32>, u64);
 
-/// The vertices within some rings of one, in the order of their rings.
+/// The vertices within some rings of one vertex, ordered by ring.
 struct Rings {
     vertices: Vec<u32>,
-    /// `ends[k]`: how many vertices lie within k rings. The last ring may be complete before the number asked for.
+    /// `ends[k]` is the number of vertices within k rings. The list ends early if there are no further rings.
     ends: Vec<usize>,
-    /// One more than the place of each vertex of the shape in `vertices`, 0 where it is in none.
+    /// One more than the position of each vertex of the shape in `vertices`; 0 for vertices that are not in it.
     place: Vec<u32>,
 }
 
 impl Rings {
     fn new(diffusion: &Diffusion, vertex: usize, n_rings: usize) -> Self {
-        // Zeroed memory costs nothing where it is not touched.
+        // Zeroed memory that is never touched costs nothing.
         let mut place = vec![0_u32; diffusion.n_vertices()];
         place[vertex] = 1;
         let mut vertices = vec![vertex as u32];
@@ -167,22 +170,23 @@ impl Rings {
         Self { vertices, ends, place }
     }
 
-    fn within(&self, k: usize) -> usize {
+    fn n_within(&self, k: usize) -> usize {
         self.ends[k.min(self.ends.len() - 1)]
     }
 }
 
-/// Off-diagonal entries come in groups of this many, the last filled up with zeros: rows of a mesh are then nearly all
-/// of two groups, and a loop that always goes round twice costs less than one of five to seven rounds.
+/// Number of off-diagonal entries per group; the last group of a row is padded with zeros. Nearly all rows of a
+/// mesh then have two groups, and a loop with two fixed rounds costs less than one with five to seven.
 const GROUP: usize = 4;
 
-/// `None` where the operator is not reversible, or π too small to divide by.
-fn by_chebyshev(
+/// Computes both functions by a Chebyshev recurrence; `None` if the operator is not reversible or π is too small to
+/// divide by.
+fn chebyshev_functions(
     diffusion: &Diffusion,
     vertex: usize,
     steps: [u64; 2],
     progress: Progress<'_>,
-) -> Result<Option<Found>, BasisError> {
+) -> Result<Option<FunctionRows>, BasisError> {
     if !diffusion.is_reversible() {
         return Ok(None);
     }
@@ -191,7 +195,7 @@ fn by_chebyshev(
     let rings = Rings::new(diffusion, vertex, degree);
     let pi = diffusion.stationary();
     let root: Vec<f64> = rings.vertices.iter().map(|&y| pi[y as usize].sqrt()).collect();
-    // Below, squares of these and their quotients would not be normal numbers.
+    // Below this value squares and quotients would be subnormal.
     if root.iter().any(|&r| r < 1e-150) {
         return Ok(None);
     }
@@ -200,8 +204,8 @@ fn by_chebyshev(
     starts.push(0_u32);
     let mut diagonal = Vec::with_capacity(n);
     let mut groups: Vec<[(u32, f64); GROUP]> = Vec::with_capacity(2 * n);
-    for (k, &y) in rings.vertices.iter().enumerate().take(rings.within(degree.saturating_sub(1))) {
-        // 2S − I, whose entries are 2Φ₁(y,z)·√(π(y)/π(z)) and 2Φ₁(y,y) − 1.
+    for (k, &y) in rings.vertices.iter().enumerate().take(rings.n_within(degree.saturating_sub(1))) {
+        // Entries of 2S − I: 2Φ₁(y,z)·√(π(y)/π(z)), and 2Φ₁(y,y) − 1 on the diagonal.
         let (columns, weights) = diffusion.row(y as usize);
         let mut left = 1.0;
         for (some, some_weights) in columns.chunks(GROUP).zip(weights.chunks(GROUP)) {
@@ -224,7 +228,7 @@ fn by_chebyshev(
             let share = degree_now as f64 / (degree + 1) as f64;
             progress.step((share * steps[1] as f64) as u64, steps[1])?;
         }
-        let within = rings.within(degree_now);
+        let within = rings.n_within(degree_now);
         for (sum, coefficients) in sums.iter_mut().zip(&coefficients) {
             if let Some(&c) = coefficients.get(degree_now) {
                 for (s, &v) in sum[..within].iter_mut().zip(&now) {
@@ -235,11 +239,11 @@ fn by_chebyshev(
         if degree_now == degree {
             break;
         }
-        // T_{k+1} = 2y·T_k − T_{k−1}, and T_1 = y·T_0. The terms that are needed next reach one ring further, and
-        // those that the sums still need no further than the last.
+        // T_{k+1} = 2y·T_k − T_{k−1}, and T_1 = y·T_0. The next terms reach one ring further; terms that the sums
+        // still need reach no further than the last.
         let (of_now, of_before) = if degree_now == 0 { (1.0, 0.0) } else { (2.0, 1.0) };
-        let reach = rings.within(degree_now + 1).min(diagonal.len());
-        let outer = rings.within(degree_now + 1);
+        let reach = rings.n_within(degree_now + 1).min(diagonal.len());
+        let outer = rings.n_within(degree_now + 1);
         for k in 0..reach {
             let mut partial = [0.0; GROUP];
             for group in &groups[starts[k] as usize..starts[k + 1] as usize] {
@@ -250,7 +254,7 @@ fn by_chebyshev(
             let product = diagonal[k] * now[k] + ((partial[0] + partial[1]) + (partial[2] + partial[3]));
             before[k] = of_now * product - of_before * before[k];
         }
-        // Vertices of the last ring have neighbors beyond it: their rows are left to the one step that reaches them.
+        // Vertices of the last ring have neighbors outside it; only the last step computes their rows.
         for k in reach..outer {
             let y = rings.vertices[k] as usize;
             let mut product = 0.0;
@@ -273,13 +277,13 @@ fn by_chebyshev(
     Ok(Some((sums, rings.vertices, degree as u64)))
 }
 
-/// Powers of Φ₁ step by step, over all vertices that they come to.
-fn by_steps(
+/// Computes both functions by applying Φ₁ step by step, over all vertices that they reach.
+fn power_functions(
     diffusion: &Diffusion,
     vertex: usize,
     steps: [u64; 2],
     progress: Progress<'_>,
-) -> Result<Found, BasisError> {
+) -> Result<FunctionRows, BasisError> {
     let most = usize::try_from(steps[1]).unwrap_or(usize::MAX);
     let rings = Rings::new(diffusion, vertex, most);
     let n = rings.vertices.len();
@@ -291,9 +295,9 @@ fn by_steps(
         if step % STEPS_A_REPORT == 0 {
             progress.step(step as u64, steps[1])?;
         }
-        let outer = rings.within(step + 1);
+        let outer = rings.n_within(step + 1);
         next[..outer].fill(0.0);
-        for k in 0..rings.within(step) {
+        for k in 0..rings.n_within(step) {
             let v = now[k];
             if v == 0.0 {
                 continue;

@@ -1,11 +1,12 @@
-//! From dense columns to sparse rows: entries below the tolerance are dropped, the rest of each row divided by its sum.
+//! Converts dense columns to sparse rows: drops entries below the tolerance and divides the rest of each row by its
+//! sum.
 
 use super::local_columns::{LANES, Lanes};
 
-/// Entries that are looked at together: where all are dropped, or all kept, none is looked at by itself.
+/// Number of entries tested together; a run that is dropped or kept as a whole needs no test per entry.
 const RUN: usize = 16;
 
-/// Rows whose lane sums are added in single precision before they go into the double ones.
+/// Number of rows whose lane sums are added in single precision before they are added in double precision.
 const ROWS_A_SUM: usize = 64;
 
 /// The sparse rows of one block at one level.
@@ -13,9 +14,9 @@ const ROWS_A_SUM: usize = 64;
 pub(super) struct PackedRows {
     /// Number of entries of each row of the block.
     pub(super) counts: Vec<u32>,
-    /// Columns, row after row; only the first `nnz()` are meant.
+    /// Columns, row after row; only the first `nnz()` are valid.
     pub(super) columns: Vec<u32>,
-    /// Values, row after row; only the first `nnz()` are meant.
+    /// Values, row after row; only the first `nnz()` are valid.
     pub(super) values: Vec<f32>,
 }
 
@@ -27,46 +28,46 @@ impl PackedRows {
 
 /// Columns over the active vertices, at one level.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Columns<'a> {
-    /// Active vertices by rising index.
+pub(super) struct ColumnBlock<'a> {
+    /// Active vertices, in ascending order.
     pub(super) active: &'a [u32],
-    /// The lanes at each.
+    /// Lanes at each active vertex.
     pub(super) rows: &'a [Lanes],
 }
 
-/// What a level keeps of the rows of a block.
+/// Number and sums of the entries that a level keeps, per lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kept {
-    /// Entries of each lane.
+pub(super) struct KeptEntries {
+    /// Number of kept entries of each lane.
     pub(super) counts: [u32; LANES],
-    /// What they sum to.
+    /// Sum of the kept entries of each lane.
     pub(super) sums: [f64; LANES],
-    /// What the entries of each lane sum to, kept or not.
+    /// Sum of all entries of each lane, kept or not.
     pub(super) masses: [f64; LANES],
 }
 
-/// Counts and sums what a level keeps: positive values of at least `tolerance`.
-pub(super) fn kept(arch: pulp::Arch, rows: &[Lanes], tolerance: f32) -> Kept {
-    arch.dispatch(Count { rows, floor: smallest_kept(tolerance) })
+/// Counts and sums the entries that a level keeps: positive values of at least `tolerance`.
+pub(super) fn count_kept(arch: pulp::Arch, rows: &[Lanes], tolerance: f32) -> KeptEntries {
+    arch.dispatch(CountKept { rows, floor: smallest_kept(tolerance) })
 }
 
-/// The tolerance itself, or the smallest positive number: a stored entry is never 0.
+/// The tolerance, or the smallest positive number if it is 0: a stored entry is never 0.
 fn smallest_kept(tolerance: f32) -> f32 {
     tolerance.max(f32::from_bits(1))
 }
 
-struct Count<'a> {
+struct CountKept<'a> {
     rows: &'a [Lanes],
     floor: f32,
 }
 
-impl pulp::NullaryFnOnce for Count<'_> {
-    type Output = Kept;
+impl pulp::NullaryFnOnce for CountKept<'_> {
+    type Output = KeptEntries;
 
     #[inline(always)]
-    fn call(self) -> Kept {
+    fn call(self) -> KeptEntries {
         let Self { rows, floor } = self;
-        let mut kept = Kept { counts: [0; LANES], sums: [0.0; LANES], masses: [0.0; LANES] };
+        let mut kept = KeptEntries { counts: [0; LANES], sums: [0.0; LANES], masses: [0.0; LANES] };
         for some in rows.chunks(ROWS_A_SUM) {
             let (mut sums, mut masses) = ([0.0_f32; LANES], [0.0_f32; LANES]);
             for row in some {
@@ -86,19 +87,19 @@ impl pulp::NullaryFnOnce for Count<'_> {
     }
 }
 
-/// Packs the first `n_lanes` lanes into `out`; `lanes_first` is scratch.
+/// Packs the first `n_lanes` lanes into `out`; `lanes_first` is scratch memory.
 pub(super) fn pack(
     arch: pulp::Arch,
-    columns: Columns<'_>,
+    columns: ColumnBlock<'_>,
     n_lanes: usize,
     tolerance: f32,
-    kept: &Kept,
+    kept: &KeptEntries,
     lanes_first: &mut Vec<f32>,
     out: &mut PackedRows,
 ) {
     out.counts.clear();
     out.counts.extend_from_slice(&kept.counts[..n_lanes]);
-    // A run is written whole before it is known how much of it stays.
+    // A run is copied as a whole before the number of kept entries is known.
     let room = out.nnz() + RUN;
     if out.columns.len() < room {
         out.columns.resize(room, 0);
@@ -108,7 +109,7 @@ pub(super) fn pack(
     if lanes_first.len() < stride * LANES {
         lanes_first.resize(stride * LANES, 0.0);
     }
-    arch.dispatch(Pack {
+    arch.dispatch(PackLanes {
         active: columns.active,
         rows: columns.rows,
         n_lanes,
@@ -120,18 +121,18 @@ pub(super) fn pack(
     });
 }
 
-struct Pack<'a> {
+struct PackLanes<'a> {
     active: &'a [u32],
     rows: &'a [Lanes],
     n_lanes: usize,
     stride: usize,
     floor: f32,
-    kept: &'a Kept,
+    kept: &'a KeptEntries,
     lanes_first: &'a mut [f32],
     out: &'a mut PackedRows,
 }
 
-impl pulp::NullaryFnOnce for Pack<'_> {
+impl pulp::NullaryFnOnce for PackLanes<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -155,7 +156,7 @@ impl pulp::NullaryFnOnce for Pack<'_> {
     }
 }
 
-/// `lanes_first[l·stride + k] = rows[k][l]`, with zeros up to the stride.
+/// Transposes rows: `lanes_first[l·stride + k] = rows[k][l]`, padded with zeros up to the stride.
 #[inline(always)]
 fn transpose(rows: &[Lanes], stride: usize, lanes_first: &mut [f32]) {
     let mut k = 0;
@@ -173,7 +174,7 @@ fn transpose(rows: &[Lanes], stride: usize, lanes_first: &mut [f32]) {
     }
 }
 
-/// Appends the kept entries of a run at `at`; where the next ones go.
+/// Appends the kept entries of a run at `at`, and returns the next position.
 #[inline(always)]
 fn pack_run(
     run: &[f32; RUN],
@@ -198,7 +199,7 @@ fn pack_run(
             *value = v * scale;
         }
     } else {
-        // Written always, counted only where kept: no branch that a processor could guess wrongly.
+        // The store is unconditional and the count conditional, which avoids an unpredictable branch.
         let mut next = 0;
         for (&v, &name) in run.iter().zip(names) {
             columns[next % RUN] = name;

@@ -1,6 +1,6 @@
-//! A set of vertices that lists its members in order, at a cost that grows with the set and hardly with the shape.
+//! A set of vertices that lists its members in order, at a cost that grows with the set and barely with the shape.
 
-/// A bit for each vertex, and a bit for each word of those that is not empty.
+/// One bit per vertex, and one bit per nonempty word of those bits.
 #[derive(Debug, Default)]
 pub(super) struct SparseAccumulator {
     words: Vec<u64>,
@@ -8,13 +8,13 @@ pub(super) struct SparseAccumulator {
 }
 
 impl SparseAccumulator {
-    /// The empty set of vertices below `n`.
+    /// An empty set over the vertices `0..n`.
     pub(super) fn new(n: usize) -> Self {
         let n_words = n.div_ceil(64);
         Self { words: vec![0; n_words], summary: vec![0; n_words.div_ceil(64)] }
     }
 
-    /// Adds `x`; whether it is new.
+    /// Adds `x`; returns true if it was not in the set.
     #[inline]
     pub(super) fn insert(&mut self, x: u32) -> bool {
         let at = x as usize / 64;
@@ -27,7 +27,7 @@ impl SparseAccumulator {
         true
     }
 
-    /// Appends the members to `out` by rising index and empties the set.
+    /// Appends the members to `out` in ascending order and clears the set.
     pub(super) fn drain_sorted(&mut self, out: &mut Vec<u32>) {
         for (s, summary) in self.summary.iter_mut().enumerate() {
             while *summary != 0 {

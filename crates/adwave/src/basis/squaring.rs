@@ -1,4 +1,4 @@
-//! The paper's Algorithm 1, sparse squaring: the reference for the fast method, with which it shares no code.
+//! Algorithm 1 of the paper, sparse squaring: the reference for the fast method, with which it shares no code.
 
 use super::{Basis, BasisError, BasisInfo, BasisParams, check_steps};
 use crate::operator::Diffusion;
@@ -6,19 +6,19 @@ use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Rows that a thread multiplies at a time; no result depends on it.
+/// Number of rows that a thread multiplies at a time; results do not depend on it.
 const ROWS_AT_A_TIME: usize = 256;
 
-/// Φ_1 … Φ_J by Algorithm 1 to the letter, in double precision: `Φ_j = [Φ_{j−1}Φ_{j−1}]_{r,ε}`.
+/// Scaling functions Φ_1 … Φ_J by the literal Algorithm 1, in double precision: `Φ_j = [Φ_{j−1}Φ_{j−1}]_{r,ε}`.
 ///
-/// Each product's entries below ε are dropped and its rows divided by their sums before it is squared again. Φ_1 itself
-/// is the diffusion operator, without its zero entries. Products are Gustavson's, row by row. About four times the work per
-/// level; [`basis`](super::basis) gives the same to 1e-5, much faster. The printed loop starts at j = 1, where it would give
-/// I; it starts at 2 here.
+/// Entries of each product below ε are dropped and its rows divided by their sums before it is squared again. Φ_1
+/// is the diffusion operator without its zero entries. Products are computed row by row (Gustavson). The work per
+/// level is about four times that of [`basis`](super::basis), which agrees to 1e-5. The printed loop starts at j =
+/// 1, which would give I; here it starts at 2.
 ///
 /// # Errors
-/// [`BasisError::NotDyadic`] for any other schedule; [`BasisError::TooLarge`] as soon as the matrices that are there exceed
-/// the limit; otherwise as [`basis`](super::basis).
+/// [`BasisError::NotDyadic`] for any other schedule; [`BasisError::TooLarge`] as soon as the matrices exceed the
+/// limit; otherwise as for [`basis`](super::basis).
 pub fn basis_by_squaring(
     diffusion: &Diffusion,
     params: &BasisParams,
@@ -48,8 +48,8 @@ pub fn basis_by_squaring(
             Some(before) => {
                 let room = params.memory_limit.saturating_sub(bytes);
                 match square(before, steps, params.drop_tolerance, room, progress)? {
-                    Product::Complete(product, dropped) => (product, dropped),
-                    Product::TooLarge(more) => return Err(too_large(bytes + more)),
+                    ProductOutcome::Complete(product, dropped) => (product, dropped),
+                    ProductOutcome::TooLarge(more) => return Err(too_large(bytes + more)),
                 }
             }
         };
@@ -66,7 +66,7 @@ pub fn basis_by_squaring(
     Ok(Basis { steps, scaling, info })
 }
 
-/// Algorithm 1, line 1: Φ_1 with its diagonal, without zeros.
+/// Φ_1 with its diagonal and without zeros (Algorithm 1, line 1).
 fn first_level(diffusion: &Diffusion, progress: Progress<'_>) -> Result<CompressedRows<f64>, Cancelled> {
     let matrix = diffusion.to_rows(progress)?;
     let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, values: &mut Vec<f64>| {
@@ -79,24 +79,24 @@ fn first_level(diffusion: &Diffusion, progress: Progress<'_>) -> Result<Compress
     CompressedRows::from_rows(matrix.n_rows(), ROWS_AT_A_TIME, progress, || (), row)
 }
 
-/// What came of a product.
-enum Product {
-    /// The matrix, and the largest share of a row that was dropped.
+/// Result of a product.
+enum ProductOutcome {
+    /// The matrix, and the largest dropped share of a row.
     Complete(CompressedRows<f64>, f64),
-    /// More bytes than there is room for, of which these were reached.
+    /// The product exceeds the limit; holds the number of bytes reached.
     TooLarge(u64),
 }
 
-/// Algorithm 1, lines 3 and 4: `[AA]_{r,ε}`.
+/// The product `[AA]_{r,ε}` (Algorithm 1, lines 3 and 4).
 ///
-/// Row x of AA is `Σ_z A(x,z)·(row z of A)`, summed up in a vector over all vertices (`gustavson1978`).
+/// Row x of AA is `Σ_z A(x,z)·(row z of A)`, accumulated in a vector over all vertices (`gustavson1978`).
 fn square(
     matrix: &CompressedRows<f64>,
     steps: u64,
     tolerance: f64,
     room: u64,
     progress: Progress<'_>,
-) -> Result<Product, BasisError> {
+) -> Result<ProductOutcome, BasisError> {
     let n = matrix.n_rows();
     let empty_row = AtomicU64::new(u64::MAX);
     let largest_dropped = AtomicU64::new(0);
@@ -140,15 +140,15 @@ fn square(
             *value /= kept;
         }
         reached.fetch_add(12 * (values.len() - start) as u64, Ordering::Relaxed);
-        // Bits of non-negative numbers are ordered as the numbers are.
+        // The bit patterns of non-negative numbers have the order of the numbers.
         largest_dropped.fetch_max((1.0 - kept / all).max(0.0).to_bits(), Ordering::Relaxed);
     };
     let scratch = || (vec![0.0_f64; n], Vec::new());
     let squared = CompressedRows::from_rows(n, ROWS_AT_A_TIME, progress, scratch, row)?;
     let reached = reached.into_inner();
     match empty_row.into_inner() {
-        u64::MAX if reached > room => Ok(Product::TooLarge(reached)),
-        u64::MAX => Ok(Product::Complete(squared, f64::from_bits(largest_dropped.into_inner()))),
+        u64::MAX if reached > room => Ok(ProductOutcome::TooLarge(reached)),
+        u64::MAX => Ok(ProductOutcome::Complete(squared, f64::from_bits(largest_dropped.into_inner()))),
         row => Err(BasisError::EmptyRow { row: row as usize, steps, tolerance }),
     }
 }

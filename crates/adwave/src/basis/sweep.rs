@@ -1,66 +1,71 @@
-//! The powers of Φ₁ from one block of vertices, through all levels: when the active set is built anew, and how it grows.
+//! Applies the powers of Φ₁ to one block of vertices through all levels, and controls how the active set is rebuilt
+//! and grown.
 
 use super::local_columns::{LANES, Lanes, LocalColumns};
-use super::pack::{Columns, Kept, kept};
+use super::pack::{ColumnBlock, KeptEntries, count_kept};
 use super::transpose::Transpose;
 use super::{BasisError, BasisParams, deep};
 use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
 
-/// Vertices where every lane is below this part of the tolerance are not in the active set.
+/// Fraction of the tolerance below which all lanes of a vertex must be for it to leave the active set.
 const FLOOR_OF_TOLERANCE: f32 = 0.03;
 
-/// The most that may be missing from a lane's sum of 1 because of vertices that are not active; what is missing there could
-/// matter by as much elsewhere. A tenth of the difference that is allowed between this method and squaring.
+/// Largest part of a lane's sum of 1 that may be lost to inactive vertices; the same amount may be missing
+/// elsewhere. It is a tenth of the allowed difference from squaring.
 const MAX_LOST: f64 = 1e-6;
 
-/// What rounding to single precision may do to a lane's sum in one step.
+/// Rounding error of a lane's sum per step in single precision.
 const ROUNDING_OF_A_STEP: f64 = 1e-7;
 
-/// How the active set grows.
+/// Growth rule of the active set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Growth {
-    /// Small values do not count, and the set grows as fast as a walk on a surface spreads. What gets lost is measured.
+enum ActiveSetGrowth {
+    /// The set grows as fast as a walk spreads on a surface, without small values. The loss is measured.
     Measured {
-        /// Rings a step at step n, times √n; never more than one ring a step.
+        /// Rings per step at step n, times √n; at most one ring per step.
         rate: f64,
     },
-    /// All vertices that diffusion can reach.
+    /// The set contains all vertices that the diffusion can reach.
     Complete,
 }
 
-/// What is tried first, and what where that loses too much: the first does on even meshes, the second on uneven ones,
-/// the last always. On the Stanford bunny most blocks lose too much at a rate of 1, and hardly one at 1.7.
-const GROWTHS: [Growth; 3] =
-    [Growth::Measured { rate: 1.7 }, Growth::Measured { rate: 3.0 }, Growth::Complete];
+/// Growth rules in the order in which they are tried when the previous one loses too much. The first suffices on
+/// even meshes, the second on uneven ones, the last always. On the Stanford bunny most blocks lose too much at a
+/// rate of 1, and hardly any at 1.7.
+const GROWTHS: [ActiveSetGrowth; 3] = [
+    ActiveSetGrowth::Measured { rate: 1.7 },
+    ActiveSetGrowth::Measured { rate: 3.0 },
+    ActiveSetGrowth::Complete,
+];
 
-/// What every block needs.
+/// Data shared by all blocks.
 #[derive(Clone, Debug)]
 pub(super) struct BlockSweep<'a> {
     pub(super) diffusion: &'a Diffusion,
     pub(super) transpose: &'a Transpose,
     pub(super) params: &'a BasisParams,
-    /// The steps of the levels.
+    /// Number of steps of each level.
     pub(super) steps: Vec<u64>,
     pub(super) arch: pulp::Arch,
     pub(super) progress: Progress<'a>,
-    /// How many of the levels are walked to step by step; the others are reached by a recurrence.
+    /// Number of levels computed step by step; the others are reached by a recurrence.
     n_shallow: usize,
-    /// What an active vertex takes on all threads together.
+    /// Bytes that an active vertex takes over all threads together.
     bytes_an_active: u64,
 }
 
-/// Whether a sweep is to go on after a level.
+/// Decision after a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Next {
-    /// With the next level.
+pub(super) enum SweepControl {
+    /// Continue with the next level.
     GoOn,
-    /// Not at all.
+    /// Stop.
     Stop,
 }
 
-/// A lane lost more than it may.
-struct Lost;
+/// A lane lost more than is allowed.
+struct LostMass;
 
 impl<'a> BlockSweep<'a> {
     pub(super) fn new(
@@ -77,7 +82,7 @@ impl<'a> BlockSweep<'a> {
         Self { diffusion, transpose, params, steps, arch, progress, n_shallow, bytes_an_active }
     }
 
-    /// Builds the active set anew.
+    /// Rebuilds the active set.
     pub(super) fn regrow(
         &self,
         columns: &mut LocalColumns,
@@ -101,17 +106,18 @@ impl<'a> BlockSweep<'a> {
         Ok(())
     }
 
-    /// Walks from the vertices `first..end` (at most one a lane) and shows `record` the columns at each level: level
-    /// from 0, columns, and what the tolerance keeps of them. A level may be shown twice; the later one counts.
+    /// Diffuses from the vertices `first..end` (at most one per lane) and passes the columns at each level to
+    /// `record`: the level from 0, the columns, and the entries that the tolerance keeps. A level may be passed
+    /// twice; the later call replaces the earlier one.
     pub(super) fn sweep(
         &self,
         columns: &mut LocalColumns,
         first: usize,
         end: usize,
-        mut record: impl FnMut(usize, Columns<'_>, &Kept) -> Next,
+        mut record: impl FnMut(usize, ColumnBlock<'_>, &KeptEntries) -> SweepControl,
     ) -> Result<(), BasisError> {
         for growth in GROWTHS {
-            if growth != Growth::Complete && self.params.drop_tolerance == 0.0 {
+            if growth != ActiveSetGrowth::Complete && self.params.drop_tolerance == 0.0 {
                 continue;
             }
             if self.sweep_within(growth, columns, first, end, &mut record)?.is_ok() {
@@ -123,22 +129,22 @@ impl<'a> BlockSweep<'a> {
 
     fn sweep_within(
         &self,
-        growth: Growth,
+        growth: ActiveSetGrowth,
         columns: &mut LocalColumns,
         first: usize,
         end: usize,
-        record: &mut impl FnMut(usize, Columns<'_>, &Kept) -> Next,
-    ) -> Result<Result<(), Lost>, BasisError> {
+        record: &mut impl FnMut(usize, ColumnBlock<'_>, &KeptEntries) -> SweepControl,
+    ) -> Result<Result<(), LostMass>, BasisError> {
         debug_assert!(end - first <= LANES);
         let tolerance = self.params.drop_tolerance as f32;
-        let floor = if growth == Growth::Complete { 0.0 } else { FLOOR_OF_TOLERANCE * tolerance };
+        let floor = if growth == ActiveSetGrowth::Complete { 0.0 } else { FLOOR_OF_TOLERANCE * tolerance };
         let (shallow, deep) = self.steps.split_at(self.n_shallow);
         let mut show = |level: usize, n: u64, active: &[u32], rows: &[Lanes]| {
-            let kept = kept(self.arch, rows, tolerance);
+            let kept = count_kept(self.arch, rows, tolerance);
             let allowed = MAX_LOST + ROUNDING_OF_A_STEP * n as f64;
             for lane in 0..end - first {
-                if growth != Growth::Complete && kept.masses[lane] < 1.0 - allowed {
-                    return Ok(Err(Lost));
+                if growth != ActiveSetGrowth::Complete && kept.masses[lane] < 1.0 - allowed {
+                    return Ok(Err(LostMass));
                 }
                 if kept.counts[lane] == 0 {
                     return Err(BasisError::EmptyRow {
@@ -148,7 +154,7 @@ impl<'a> BlockSweep<'a> {
                     });
                 }
             }
-            Ok(Ok(record(level, Columns { active, rows }, &kept)))
+            Ok(Ok(record(level, ColumnBlock { active, rows }, &kept)))
         };
         columns.start(first, end);
         let (mut done, mut fresh_for) = (0_u64, 0_u64);
@@ -157,8 +163,8 @@ impl<'a> BlockSweep<'a> {
                 if fresh_for == 0 {
                     fresh_for = stretch(done);
                     let rings = match growth {
-                        Growth::Measured { rate } => rings(done, fresh_for, rate),
-                        Growth::Complete => fresh_for,
+                        ActiveSetGrowth::Measured { rate } => rings(done, fresh_for, rate),
+                        ActiveSetGrowth::Complete => fresh_for,
                     };
                     self.regrow(columns, floor, rings)?;
                 }
@@ -167,8 +173,8 @@ impl<'a> BlockSweep<'a> {
                 fresh_for -= 1;
             }
             match show(level, n, &columns.active, &columns.now)? {
-                Ok(Next::GoOn) => {}
-                Ok(Next::Stop) => return Ok(Ok(())),
+                Ok(SweepControl::GoOn) => {}
+                Ok(SweepControl::Stop) => return Ok(Ok(())),
                 Err(lost) => return Ok(Err(lost)),
             }
         }
@@ -178,8 +184,8 @@ impl<'a> BlockSweep<'a> {
         deep::recur(self, columns, deep, done, floor)?;
         for (k, (&n, sum)) in deep.iter().zip(&columns.sums).enumerate() {
             match show(shallow.len() + k, n, &columns.active, sum)? {
-                Ok(Next::GoOn) => {}
-                Ok(Next::Stop) => break,
+                Ok(SweepControl::GoOn) => {}
+                Ok(SweepControl::Stop) => break,
                 Err(lost) => return Ok(Err(lost)),
             }
         }
@@ -187,13 +193,13 @@ impl<'a> BlockSweep<'a> {
     }
 }
 
-/// How many steps one active set serves, from step `done` on.
+/// Number of steps, from step `done`, that one active set serves.
 fn stretch(done: u64) -> u64 {
     (done / 2).clamp(2, 16)
 }
 
-/// How many rings to add for that many steps. The radius at which a walk of n steps on a surface falls below a given
-/// value grows like √n, and so does the number of rings within it: by a part of 1/√n a step.
+/// Number of rings to add for that many steps. The radius at which a walk of n steps on a surface falls below a
+/// given value grows like √n, and so does the number of rings within it: by 1/√n per step.
 fn rings(done: u64, steps: u64, rate: f64) -> u64 {
     let a_step = (rate / (done.max(1) as f64).sqrt()).min(1.0);
     (steps as f64 * a_step).ceil() as u64

@@ -1,11 +1,11 @@
-//! The transpose Φ₁ᵀ in single precision: column by column of Φ₁.
+//! The transpose Φ₁ᵀ in single precision: the columns of Φ₁.
 
 use crate::operator::Diffusion;
 
-/// Entries of a column come in groups of this many, so that the length of a column is easy to predict for a processor.
+/// Number of entries per group of a column, so that the length of a column is easy to predict for a processor.
 pub(super) const GROUP: usize = 4;
 
-/// Rows and weights of some entries of a column; entries that only fill up name the column itself, with weight 0.
+/// Rows and weights of some entries of a column; padding entries name the column itself with weight 0.
 pub(super) type Group = [(u32, f32); GROUP];
 
 /// The columns of Φ₁: the entries of column `y`, its diagonal first, are the groups `starts[y]..starts[y + 1]`.

@@ -1,4 +1,4 @@
-//! The border of a shape, and how far vertices are from it.
+//! The border of a shape, and the distance of vertices from it.
 
 use super::Decomposer;
 use crate::parallel;
@@ -8,8 +8,8 @@ use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
 impl Decomposer {
-    /// The welded vertices on the border of a mesh (ends of edges of one triangle) or of a cloud (a gap between its
-    /// neighbors), and those next to masked vertices; by rising index.
+    /// The welded vertices on the border of a mesh (ends of edges of a single triangle) or of a cloud (points with
+    /// a gap between their neighbors), and those next to masked vertices; in ascending order.
     pub(crate) fn border(&self, progress: Progress<'_>) -> Result<Vec<usize>, Cancelled> {
         let geometry = self.geometry();
         if self.is_cloud() {
@@ -26,7 +26,7 @@ impl Decomposer {
         if let Some(masked) = self.mask_flags() {
             let at_vertex = triangles_at_vertices(geometry.n_vertices(), geometry.triangles(), progress)?;
             let whole = try_one_ring(geometry.triangles(), &at_vertex, progress)?;
-            border.extend((0..masked.len()).filter(|&x| whole.of(x).iter().any(|&y| masked[y as usize])));
+            border.extend((0..masked.len()).filter(|&x| whole.row(x).iter().any(|&y| masked[y as usize])));
             border.retain(|&x| !masked[x]);
         }
         border.sort_unstable();
@@ -34,8 +34,8 @@ impl Decomposer {
         Ok(border)
     }
 
-    /// How far each welded vertex is from the border along the surface, in model units: infinite beyond `radius` and where
-    /// there is no border.
+    /// Distance of each welded vertex from the border along the surface, in model units; infinite beyond `radius`
+    /// and on a shape without a border.
     pub(crate) fn distance_from_border(
         &self,
         radius: f64,

@@ -9,15 +9,17 @@ use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_norm
 use crate::sparse::try_apply;
 use crate::{Cancelled, Progress};
 
-/// Steps that smooth the normals before they are compared, so that noise is not taken for creases.
+/// Number of steps that smooth the normals before they are compared, so that noise is not taken for creases.
 const NORMAL_STEPS: usize = 2;
 
-/// How unlike normals may be, in roots of the median of the squared difference over neighbors.
+/// Difference of normals at which steps are damped, in square roots of the median squared difference between
+/// neighbors.
 const REACH: f64 = 2.5;
 
-/// The same diffusion with the steps weighed down across which the normals of a mesh or cloud turn (see
-/// [`keep_creases`](crate::operator::OperatorParams::keep_creases)); a graph's is left as it is.
-pub(super) fn keeping_creases(
+/// Reduces the weights of steps across which the normals of a mesh or cloud turn (see
+/// [`keep_creases`](crate::operator::OperatorParams::keep_creases)); the diffusion of a graph is returned
+/// unchanged.
+pub(super) fn respect_creases(
     diffusion: Diffusion,
     geometry: &PreparedGeometry,
     progress: Progress<'_>,
@@ -29,15 +31,15 @@ pub(super) fn keeping_creases(
     }
     let points = geometry.points();
     let squared_length = |x: usize, y: usize| squared_distance(&points[x], &points[y]);
-    diffusion.guided(&normals, REACH, squared_length, progress)
+    diffusion.weigh_by_guide(&normals, REACH, squared_length, progress)
 }
 
-/// Normals of the welded vertices that agree from one to the next where they can; `None` of a graph.
+/// Normals of the welded vertices, consistently oriented between neighbors as far as possible; `None` for a graph.
 fn normals(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option<Vec<[f64; 3]>>, Cancelled> {
     let (points, _) = geometry.unit_points(progress)?;
     match geometry.shape() {
         Shape::Graph(_) => Ok(None),
-        // Which side is outside does not matter, only that neighbors agree.
+        // Only the agreement of neighbors matters, not which side is outside.
         Shape::Cloud(_) => {
             let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
             try_cloud_normals(&points, &near, progress).map(Some)
@@ -48,7 +50,7 @@ fn normals(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option
                 Err(OutwardError::Cancelled(cancelled)) => return Err(cancelled),
                 Err(other) => unreachable!("{other}"),
             };
-            // As the triangles run, where there is no outside.
+            // Without an outside, the orientation of the triangles decides.
             let triangles = geometry.triangles();
             let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
             let as_given = try_vertex_normals(&points, triangles, &at_vertex, progress)?;

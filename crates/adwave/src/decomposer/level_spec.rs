@@ -161,7 +161,7 @@ impl LevelSpec {
             }
             Self::Widths(widths) => {
                 let diagonal = decomposer.diagonal();
-                let sigma: Vec<f64> = widths.iter().map(|width| width.in_units(diagonal)).collect();
+                let sigma: Vec<f64> = widths.iter().map(|width| width.to_model_units(diagonal)).collect();
                 let schedule = Schedule::lengths(&sigma, decomposer.diffusion().step_length())?;
                 let reason = format!("{}, of the widths asked for", count_levels(schedule.n_levels()));
                 Ok(ResolvedLevels { schedule, reason })

@@ -1,4 +1,4 @@
-//! The prepared object: a shape with its diffusion operator, ready to be asked often.
+//! The prepared object: a shape with its diffusion operator, for repeated use.
 
 mod border;
 mod creases;
@@ -15,29 +15,30 @@ use crate::operator::{
     Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator,
     surface_diffusion,
 };
-use crate::parallel::unstopped;
-use crate::region::{Edges, SurfaceMetric};
+use crate::parallel::expect_not_cancelled;
+use crate::region::{MetricEdges, SurfaceMetric};
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
 use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
-use creases::keeping_creases;
+use creases::respect_creases;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-/// The functions of one vertex on one level, one value per vertex of the shape; welded vertices share theirs, so sums are
-/// over the welded vertices.
+/// Scaling function and wavelet of one vertex on one level, one value per vertex of the shape. Welded vertices
+/// share their value, so sums run over the welded vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VertexFunctions {
-    /// φ: ≥ 0, sums to 1.
+    /// Scaling function φ: entries ≥ 0 that sum to 1.
     pub scaling_function: Vec<f64>,
-    /// ψ: sums to 0.
+    /// Wavelet ψ: entries sum to 0.
     pub wavelet: Vec<f64>,
-    /// At how many welded vertices φ is not 0.
+    /// Number of welded vertices at which φ is not 0.
     pub support: usize,
 }
 
 impl VertexFunctions {
-    /// The fewest vertices of the shape that hold `share`, in [0, 1], of the sum of φ over them. O(n log n).
+    /// Smallest number of vertices of the shape whose values hold the fraction `share` in [0, 1] of the sum of φ
+    /// over them. O(n log n).
     ///
     /// ```
     /// use adwave::VertexFunctions;
@@ -58,10 +59,11 @@ impl VertexFunctions {
     }
 }
 
-/// A shape with its diffusion operator, prepared once: O(n log n). Each signal then costs its products only.
+/// A shape with its diffusion operator, prepared once in O(n log n). Each signal then costs only its products.
 ///
-/// It owns all that runs on it and is cheap to clone; clones share everything and may be asked from several threads at once.
-/// What only some questions need (the tiles of the products, the search tree of regions) is made by the first that does.
+/// It owns its data and is cheap to clone; clones share everything and may be used from several threads at once.
+/// Data that only some requests need (the tiles of the products, the search tree of regions) is built by the first
+/// such request.
 ///
 /// ```
 /// use adwave::{Decomposer, bands::Schedule, shape::{PointCloud, Shape}};
@@ -80,25 +82,25 @@ pub struct Decomposer {
     areas: Arc<[f64]>,
     mean_length: f64,
     diagonal: f64,
-    /// Which vertices are masked.
+    /// Mask of the vertices without a value.
     mask: Option<Arc<Mask>>,
     params: OperatorParams,
     surface_info: Option<SurfaceInfo>,
-    /// The one-ring of a mesh, without the masked vertices, where steps go along other edges.
+    /// One-ring of a mesh without the masked vertices, if steps use other edges.
     ring: Arc<OnceLock<Arc<Adjacency>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
 
 impl Decomposer {
-    /// Prepares a shape with the default operator: the paper's (eq. 1). O(n log n).
+    /// Prepares a shape with the default operator of the paper (eq. 1). O(n log n).
     pub fn new(shape: &Shape) -> Self {
-        unstopped(Self::with_params(shape, &OperatorParams::default(), Progress::none()))
+        expect_not_cancelled(Self::with_params(shape, &OperatorParams::default(), Progress::none()))
     }
 
     /// Prepares a shape: welds it and builds its diffusion operator. O(n log n).
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     pub fn with_params(
         shape: &Shape,
         params: &OperatorParams,
@@ -118,7 +120,7 @@ impl Decomposer {
             }
         };
         let diffusion =
-            if params.keep_creases { keeping_creases(diffusion, &geometry, progress)? } else { diffusion };
+            if params.keep_creases { respect_creases(diffusion, &geometry, progress)? } else { diffusion };
         Ok(Self {
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
@@ -133,14 +135,15 @@ impl Decomposer {
         })
     }
 
-    /// The same shape with the flagged vertices masked (in the order of the shape): the diffusion goes round them, for a signal
-    /// that is not known there (see [`missing`](crate::mask::missing)). O(entries).
+    /// This shape with the flagged vertices masked (flags in the order of the shape), for a signal that is
+    /// unknown there (see [`missing`](crate::mask::missing)). The diffusion goes around masked vertices.
+    /// O(entries).
     ///
-    /// Rows are divided by what they keep of their steps; nothing crosses a gap but round it. Bands and results are NaN at
-    /// masked vertices, and a signal may be NaN there. A welded vertex stays while one of its members does.
+    /// Each row is divided by the sum of its remaining steps, so nothing crosses a gap. Bands and results are NaN
+    /// at masked vertices, and the signal may be NaN there. A welded vertex is kept if one of its members is.
     ///
     /// # Errors
-    /// [`MaskError`] when there is not one flag per vertex, or all are masked.
+    /// [`MaskError`] unless there is one flag per vertex and at least one vertex is not masked.
     ///
     /// ```
     /// use adwave::{Decomposer, bands::Schedule, shape::{Graph, Shape}};
@@ -157,7 +160,7 @@ impl Decomposer {
         let squared_length = |x: usize, y: usize| {
             if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
         };
-        let diffusion = self.diffusion().restricted(mask.welded(), squared_length, Progress::none());
+        let diffusion = self.diffusion().remove_masked(mask.welded(), squared_length, Progress::none());
         let Ok(diffusion) = diffusion else { unreachable!("there is one flag per welded vertex") };
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
         Ok(Self {
@@ -170,7 +173,7 @@ impl Decomposer {
         })
     }
 
-    /// Which welded vertices are masked; `None` where all take part.
+    /// Flags of the masked welded vertices; `None` if no vertex is masked.
     pub fn mask_flags(&self) -> Option<&[bool]> {
         self.mask.as_deref().map(Mask::welded)
     }
@@ -184,12 +187,12 @@ impl Decomposer {
         &self.areas
     }
 
-    /// Whether the shape has positions and no faces.
+    /// True if the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
         !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
     }
 
-    /// The one-ring of a mesh without the masked vertices; of a cloud or graph what one step takes in.
+    /// One-ring of a mesh without the masked vertices; for a cloud or graph, the neighbors of one step.
     pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
         if self.has_own_ring() {
             return Ok(Cow::Borrowed(self.mesh_ring(progress)?));
@@ -204,12 +207,12 @@ impl Decomposer {
         let (n, triangles) = (self.geometry.n_vertices(), self.geometry.triangles());
         let ring = try_one_ring(triangles, &triangles_at_vertices(n, triangles, progress)?, progress)?;
         match self.mask_flags() {
-            Some(masked) => ring.without(masked, progress),
+            Some(masked) => ring.remove_masked(masked, progress),
             None => Ok(ring),
         }
     }
 
-    /// The one-ring that is kept where steps are not along the edges of the mesh.
+    /// Cached one-ring of a mesh whose steps do not follow its edges.
     fn mesh_ring(&self, progress: Progress<'_>) -> Result<&Arc<Adjacency>, Cancelled> {
         if let Some(ring) = self.ring.get() {
             return Ok(ring);
@@ -218,48 +221,49 @@ impl Decomposer {
         Ok(self.ring.get_or_init(|| ring))
     }
 
-    /// Whether steps go along other edges than those of the mesh.
+    /// True if steps use other edges than those of the mesh.
     fn has_own_ring(&self) -> bool {
         let by_length = self.params.kind == OperatorKind::Surface || self.params.density_invariant;
         by_length && !self.geometry.triangles().is_empty()
     }
 
-    /// The welded vertices and how they belong to those of the shape.
+    /// The welded vertices and their relation to the vertices of the shape.
     pub fn geometry(&self) -> &PreparedGeometry {
         &self.geometry
     }
 
-    /// By what signals are smoothed.
+    /// Kind of operator that smooths signals.
     pub fn operator_kind(&self) -> OperatorKind {
         self.params.kind
     }
 
-    /// How the diffusion operator was built.
+    /// Parameters of the diffusion operator.
     pub fn operator_params(&self) -> &OperatorParams {
         &self.params
     }
 
-    /// What was done to the shape on the way to heat on it; `None` of a walk.
+    /// Changes made to the shape for the heat operator; `None` for a walk.
     pub fn surface_info(&self) -> Option<&SurfaceInfo> {
         self.surface_info.as_ref()
     }
 
-    /// One step of the diffusion, Φ₁, in the numbering of [`geometry`](Self::geometry).
+    /// The diffusion operator Φ₁ of one step, in the numbering of [`geometry`](Self::geometry).
     pub fn diffusion(&self) -> &Arc<Diffusion> {
         self.transform.diffusion()
     }
 
-    /// The transform with its default parameters, in the numbering of [`geometry`](Self::geometry); it shares its tiles with
-    /// all that runs here.
+    /// The transform with default parameters, in the numbering of [`geometry`](Self::geometry). It shares its tiles
+    /// with everything computed here.
     pub fn transform(&self) -> &Transform {
         &self.transform
     }
 
-    /// The vertices that one step of the diffusion takes in, in the numbering of [`geometry`](Self::geometry); of heat on a mesh
-    /// those at its edges, while heat flows along those of another triangulation.
+    /// Neighbors of each vertex in one diffusion step, in the numbering of [`geometry`](Self::geometry). For heat
+    /// on a mesh they are the neighbors along mesh edges, although heat flows along the edges of another
+    /// triangulation.
     pub fn neighbors(&self) -> &Adjacency {
         if self.has_own_ring() {
-            return unstopped(self.mesh_ring(Progress::none())).as_ref();
+            return expect_not_cancelled(self.mesh_ring(Progress::none())).as_ref();
         }
         self.diffusion().neighbors()
     }
@@ -268,9 +272,9 @@ impl Decomposer {
     pub fn metric(&self) -> &SurfaceMetric {
         self.metric.get_or_init(|| {
             let edges = if self.has_own_ring() {
-                Edges::Mesh(Arc::clone(unstopped(self.mesh_ring(Progress::none()))))
+                MetricEdges::Mesh(Arc::clone(expect_not_cancelled(self.mesh_ring(Progress::none()))))
             } else {
-                Edges::Diffusion(Arc::clone(self.diffusion()))
+                MetricEdges::Diffusion(Arc::clone(self.diffusion()))
             };
             SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.diagonal, self.mean_length)
         })
@@ -286,12 +290,12 @@ impl Decomposer {
         self.diagonal
     }
 
-    /// `E`, the mean length of edges or the mean distance to the nearest neighbors, in model units.
+    /// Mean edge length E, or mean distance to the nearest neighbors, in model units.
     pub fn mean_length(&self) -> f64 {
         self.mean_length
     }
 
-    /// The area of every vertex of the shape in squared model units; welded vertices share theirs equally.
+    /// Area of each vertex of the shape in squared model units; welded vertices share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
         let mut shares = vec![0_u32; self.geometry.n_vertices()];
         for &x in self.geometry.vertex_map().as_slice() {
@@ -301,24 +305,25 @@ impl Decomposer {
         self.geometry.vertex_map().scatter(&share, 1)
     }
 
-    /// Counts of what the shape consists of.
+    /// Counts of the elements of the shape.
     pub fn health(&self) -> Health {
-        unstopped(health(&self.geometry, self.neighbors(), Progress::none()))
+        expect_not_cancelled(health(&self.geometry, self.neighbors(), Progress::none()))
     }
 
-    /// The number of dyadic levels to take where none is asked for, and why (see
+    /// Default number of dyadic levels and the reason for it (see
     /// [`default_levels`](crate::bands::default_levels)).
     pub fn default_levels(&self) -> (usize, String) {
         self.levels_reaching(DEFAULT_EXTENT)
     }
 
-    /// The number of dyadic levels whose last is as wide as a share of the diagonal, and why (see [`levels_reaching`]).
+    /// Number of dyadic levels whose last is as wide as a share of the diagonal, and the reason for it (see
+    /// [`levels_reaching`]).
     pub fn levels_reaching(&self, share: f64) -> (usize, String) {
         levels_reaching(share, self.diffusion().step_length(), self.diagonal)
     }
 
-    /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands (eq. 11), with the default
-    /// accuracy. [`request`](Self::request) takes options and gives other forms of the same.
+    /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands (eq. 11) with the
+    /// default accuracy. [`request`](Self::request) takes options and offers other forms.
     ///
     /// # Errors
     /// As for [`Transform::bands`].
@@ -331,8 +336,8 @@ impl Decomposer {
         self.request(signal, n_channels, schedule).bands()
     }
 
-    /// Asks for something of the bands of `signal` (n_vertices × n_channels, row-major, in the order of the shape): say what
-    /// at the end of the request.
+    /// Starts a request for the bands of `signal` (n_vertices × n_channels, row-major, in the order of the shape).
+    /// The last call of the request selects the result.
     ///
     /// ```
     /// use adwave::{Decomposer, bands::Schedule, shape::{Graph, Shape}};
@@ -354,11 +359,11 @@ impl Decomposer {
         BandsRequest::new(self, signal, n_channels, schedule)
     }
 
-    /// The scaling function and the wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
+    /// Scaling function and wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
     /// vertices of the shape; see [`one_vertex`].
     ///
     /// # Errors
-    /// [`BasisError`] when there is no such vertex, or when cancelled.
+    /// [`BasisError`] if the vertex does not exist or the call is cancelled.
     pub fn basis_of_vertex(
         &self,
         vertex: usize,
@@ -389,8 +394,8 @@ impl Decomposer {
         })
     }
 
-    /// The functions of heat from one welded vertex: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`, P being self-adjoint, so that the bands of
-    /// the unit vector at x give them.
+    /// Functions of heat from one welded vertex: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`. P is self-adjoint, so the
+    /// bands of the unit vector at x give them.
     fn heat_of_vertex(
         &self,
         x: usize,
@@ -421,7 +426,8 @@ impl Decomposer {
             *s = (*s * share(y)).max(0.0); // far away only rounding is left, of either sign
             *w *= share(y);
         }
-        // At a vertex with next to no mass, errors that are small beside the signal are not small beside what is left of it.
+        // At a vertex with almost no mass, errors that are small relative to the signal are not small relative to
+        // the result.
         let sum: f64 = scaling.iter().sum();
         for s in &mut scaling {
             *s /= if sum > 0.0 { sum } else { 1.0 };

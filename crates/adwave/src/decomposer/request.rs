@@ -1,26 +1,26 @@
-//! Asking for the bands of a signal, in the form that is wanted.
+//! Requests for the bands of a signal, in the form that the caller needs.
 
 use super::Decomposer;
 use crate::Progress;
 use crate::bands::{
-    Bands, BandsError, BandsInfo, BandsParams, Measure, Schedule, Transform, Wavelets, check_signal,
+    Bands, BandsError, BandsInfo, BandsParams, RowMeasure, Schedule, Transform, Wavelets, check_signal,
 };
-use crate::filter::{Edit, FilterError, LayerSlot, Source, WeightedLayer};
+use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer};
 use crate::mask::Mask;
 use crate::parallel;
 use crate::region::RegionWeights;
 use std::borrow::Cow;
 
-/// A request for the bands of a signal: options first, then what is wanted of them.
+/// A request for the bands of a signal: options first, then the call that selects the result.
 ///
-/// | last call | what it gives | order | memory beyond the prepared shape, values |
+/// | last call | result | order | memory beyond the prepared shape, values |
 /// |---|---|---|---|
 /// | [`bands`](Self::bands) | W_f(1..J) and S_f(J) | the shape's | (J + 1)·n·d |
 /// | [`bands_into`](Self::bands_into) | the same, into the caller's buffer | the shape's | n·d |
 /// | [`wavelets`](Self::wavelets) | W_f(1..J) | analysis | J·n·d |
-/// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less where that is much |
-/// | [`along`](Self::along) | W_f(1..J)·n, along the normals | analysis | as for norms |
-/// | [`along_at_once`](Self::along_at_once) | the same but for the last bits | analysis | J·n |
+/// | [`norms`](Self::norms) | ‖W_f(1..J)‖ over the channels | analysis | J·n·d, then J·n; less for large signals |
+/// | [`normal_components`](Self::normal_components) | W_f(1..J)·n, along the normals | analysis | as for norms |
+/// | [`normal_components_in_one_pass`](Self::normal_components_in_one_pass) | the same up to rounding | analysis | J·n |
 /// | [`weighted`](Self::weighted) | Σ_j a_j·W_f(j) by one polynomial | the shape's | 2·n·d |
 /// | [`filter`](Self::filter), [`filter_layers`](Self::filter_layers) | the edited signal (eq. 18), once | the shape's | 2·n·d for one layer |
 /// | [`editor`](Self::editor) | an [`Editor`](crate::Editor) that keeps the bands | both | (J + 3)·n·d |
@@ -45,7 +45,7 @@ impl<'a> BandsRequest<'a> {
         Self { decomposer, signal, n_channels, schedule, params, progress }
     }
 
-    /// Sets how accurate the bands are, how they are computed and within which memory.
+    /// Sets the accuracy, the method and the memory limit.
     #[must_use]
     pub fn params(self, params: &BandsParams) -> Self {
         Self { params: *params, ..self }
@@ -57,7 +57,7 @@ impl<'a> BandsRequest<'a> {
         Self { params: self.params.with_accuracy(accuracy), ..self }
     }
 
-    /// Sets where to report to and what may stop the call.
+    /// Sets the progress report and the cancellation.
     #[must_use]
     pub fn progress(self, progress: Progress<'a>) -> Self {
         Self { progress, ..self }
@@ -87,7 +87,7 @@ impl<'a> BandsRequest<'a> {
         self.decomposer.geometry().vertex_map()
     }
 
-    /// The signal with a value everywhere.
+    /// The signal with a value at every vertex.
     pub(crate) fn filled(&self) -> Result<Cow<'a, [f64]>, BandsError> {
         match &self.decomposer.mask {
             Some(mask) => Ok(Cow::Owned(mask.fill(self.signal, self.n_channels, self.vertex_map())?)),
@@ -109,7 +109,7 @@ impl<'a> BandsRequest<'a> {
             self.progress,
         )?;
         if let Some(mask) = &self.decomposer.mask {
-            bands.for_each_level(|level| mask.clear(level, self.n_channels));
+            bands.visit_levels(|level| mask.clear(level, self.n_channels));
         }
         Ok(bands)
     }
@@ -129,22 +129,22 @@ impl<'a> BandsRequest<'a> {
         Ok(info)
     }
 
-    /// The wavelet coefficients in the analysis order; NaN at masked vertices.
+    /// Wavelet coefficients in the analysis order; NaN at masked vertices.
     ///
     /// # Errors
     /// As for [`Transform::wavelets`].
     pub fn wavelets(&self) -> Result<Wavelets, BandsError> {
-        let mut wavelets = self.whole_wavelets(&self.filled()?)?;
+        let mut wavelets = self.unmasked_wavelets(&self.filled()?)?;
         self.clear_masked(&mut wavelets);
         Ok(wavelets)
     }
 
-    /// Sets what is at masked vertices to NaN.
+    /// Sets the values at masked vertices to NaN.
     fn clear_masked(&self, wavelets: &mut Wavelets) {
         let Some(masked) = self.decomposer.mask_flags() else { return };
         let d = wavelets.n_channels;
         for level in &mut wavelets.levels {
-            parallel::for_rows(level, d, 1 << 12, |first, rows| {
+            parallel::visit_rows(level, d, 1 << 12, |first, rows| {
                 for (row, masked) in rows.chunks_exact_mut(d).zip(&masked[first..]) {
                     if *masked {
                         row.fill(f64::NAN);
@@ -154,17 +154,18 @@ impl<'a> BandsRequest<'a> {
         }
     }
 
-    /// Wavelets that are 0 at masked vertices.
-    pub(crate) fn whole_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
+    /// Wavelet coefficients that are 0 at masked vertices.
+    pub(crate) fn unmasked_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
         let (transform, mean) = (self.transform()?, self.mean(filled)?);
-        transform.wavelets_of_mean(&mean, self.n_channels, self.schedule, self.progress)
+        transform.decompose_mean(&mean, self.n_channels, self.schedule, self.progress)
     }
 
-    /// The mean of the signal at the welded vertices.
+    /// Mean of the signal at each welded vertex.
     fn mean<'s>(&'s self, filled: &'s [f64]) -> Result<Cow<'s, [f64]>, BandsError> {
         check_signal(filled, self.decomposer.n_vertices(), self.n_channels)?;
         let geometry = self.decomposer.geometry();
-        // The shape's own coordinates, not equal ones: their means are the positions of the welded vertices, which are there.
+        // Only for the shape's own coordinates, not for equal ones: their means are the positions of the welded
+        // vertices, which exist already.
         let own = geometry.shape().points().unwrap_or_default().as_flattened();
         if std::ptr::eq(filled, own) && self.n_channels == 3 {
             return Ok(Cow::Borrowed(geometry.points().as_flattened()));
@@ -172,87 +173,99 @@ impl<'a> BandsRequest<'a> {
         Ok(Cow::Owned(self.vertex_map().mean(filled, self.n_channels)))
     }
 
-    /// The Euclidean norms of the wavelet coefficients over the channels, in the analysis order; a signal of one channel
-    /// keeps its sign. What saliency and features read.
+    /// Euclidean norms of the wavelet coefficients over the channels, in the analysis order; a signal of one
+    /// channel keeps its sign. They are the input of saliency and features.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     pub fn norms(&self) -> Result<Wavelets, BandsError> {
-        self.one_channel(Measure::Norm)
+        self.one_channel(RowMeasure::Norm)
     }
 
-    /// `W_f(j,x)·n(x)` of a vector signal and the normals n of the welded vertices, in the analysis order
-    /// ([`outward_normals`](crate::signal::outward_normals)): what signed saliency reads.
+    /// Normal components `W_f(j,x)·n(x)` of a vector signal for unit normals n at the welded vertices, in the
+    /// analysis order (see [`outward_normals`](crate::signal::outward_normals)). They are the input of signed
+    /// saliency.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     ///
     /// # Panics
-    /// Unless the signal has three channels, and there is one normal for each welded vertex.
-    pub fn along(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+    /// Unless the signal has three channels and there is one normal per welded vertex.
+    pub fn normal_components(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
-        self.one_channel(Measure::Along(normals))
+        self.one_channel(RowMeasure::Along(normals))
     }
 
-    /// [`along`](Self::along) but for other last bits, in a third of its memory and less time: what a picture of signed saliency reads
-    /// ([`drawn_saliency`](crate::saliency::drawn_saliency)).
+    /// [`normal_components`](Self::normal_components) up to rounding, in a third of its memory and less time, for pictures
+    /// of signed saliency ([`saliency_f32`](crate::saliency::saliency_f32)).
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
     ///
     /// # Panics
-    /// As for [`along`](Self::along).
-    pub fn along_at_once(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
+    /// As for [`normal_components`](Self::normal_components).
+    pub fn normal_components_in_one_pass(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         let (filled, transform) = (self.filled()?, self.transform()?);
-        let found = transform.along_at_once(&self.mean(&filled)?, normals, self.schedule, self.progress)?;
-        let Some(mut found) = found else { return self.along(normals) };
+        let found = transform.normal_components_in_one_pass(
+            &self.mean(&filled)?,
+            normals,
+            self.schedule,
+            self.progress,
+        )?;
+        let Some(mut found) = found else { return self.normal_components(normals) };
         self.clear_masked(&mut found);
         Ok(found)
     }
 
-    fn one_channel(&self, measure: Measure<'_>) -> Result<Wavelets, BandsError> {
+    fn one_channel(&self, measure: RowMeasure<'_>) -> Result<Wavelets, BandsError> {
         let (filled, transform) = (self.filled()?, self.transform()?);
         let mean = self.mean(&filled)?;
         let (schedule, progress) = (self.schedule, self.progress);
-        let mut found = transform.one_channel_of_mean(&mean, self.n_channels, measure, schedule, progress)?;
+        let mut found = transform.measure_mean(&mean, self.n_channels, measure, schedule, progress)?;
         self.clear_masked(&mut found);
         Ok(found)
     }
 
-    /// `Σ_j factors[j−1]·W_f(j)` by a single polynomial of Φ₁: [`Transform::weighted`]. NaN at masked vertices.
+    /// Weighted sum `Σ_j factors[j−1]·W_f(j)` by a single polynomial of Φ₁; see [`Transform::weighted`]. NaN at
+    /// masked vertices.
     ///
     /// # Errors
     /// As for [`Transform::weighted`].
     pub fn weighted(&self, factors: &[f64]) -> Result<(Vec<f64>, BandsInfo), BandsError> {
-        let (mut sum, info) = self.whole_weighted(&self.filled()?, factors)?;
+        let (mut sum, info) = self.unmasked_weighted(&self.filled()?, factors)?;
         if let Some(mask) = &self.decomposer.mask {
             mask.clear(&mut sum, self.n_channels);
         }
         Ok((sum, info))
     }
 
-    fn whole_weighted(&self, filled: &[f64], factors: &[f64]) -> Result<(Vec<f64>, BandsInfo), BandsError> {
+    fn unmasked_weighted(
+        &self,
+        filled: &[f64],
+        factors: &[f64],
+    ) -> Result<(Vec<f64>, BandsInfo), BandsError> {
         let transform = self.transform()?;
         transform.weighted(self.vertex_map(), filled, self.n_channels, self.schedule, factors, self.progress)
     }
 
-    /// Edits the signal once: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` with `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))` (eq. 18).
+    /// Edits the signal once: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` with `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))`
+    /// (eq. 18).
     ///
-    /// A vertex outside all regions keeps its value to the last bit. The order of the layers does not matter. One layer by
-    /// itself costs about as much as its coarsest band; several cost all bands. For edit after edit of one signal take an
-    /// [`editor`](Self::editor).
+    /// Vertices outside all regions keep their values exactly. The order of the layers does not matter. A single
+    /// layer costs about as much as its coarsest band; several layers cost all bands. For repeated edits of one
+    /// signal use an [`editor`](Self::editor).
     ///
     /// # Errors
-    /// [`FilterError`] when gains or regions do not fit, or the bands cannot be computed.
+    /// [`FilterError`] if gains or regions do not match, or the bands cannot be computed.
     pub fn filter(&self, edit: &Edit<'_>) -> Result<Vec<f64>, FilterError> {
         let layers = edit.resolve(self.schedule.n_levels(), self.decomposer.metric(), self.progress)?;
         self.filter_layers(&layers)
     }
 
-    /// [`filter`](Self::filter) by layers that are numbers already.
+    /// [`filter`](Self::filter) with layers whose gains and weights are already numbers.
     ///
     /// # Errors
     /// As for [`filter`](Self::filter).
@@ -261,18 +274,19 @@ impl<'a> BandsRequest<'a> {
         let filled = self.filled()?;
         check_signal(&filled, self.decomposer.n_vertices(), self.n_channels)?;
         if let [layer] = layers {
-            // Γ − 1 = r·(g − 1): the weight stands before the sum over the bands, which is one polynomial of Φ₁.
+            // Γ − 1 = r·(g − 1): the weight is a factor of the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = layer.gains.iter().map(|g| g - 1.0).collect();
-            let (change, _) = self.whole_weighted(&filled, &factors)?;
+            let (change, _) = self.unmasked_weighted(&filled, &factors)?;
             return Ok(self.add_weighted(&layer.weights, &change));
         }
-        let wavelets = self.whole_wavelets(&filled)?;
+        let wavelets = self.unmasked_wavelets(&filled)?;
         let vertex_map = self.vertex_map();
         let mean = vertex_map.mean(&filled, self.n_channels);
         let slots: Vec<LayerSlot> =
             layers.iter().map(|layer| LayerSlot::new(layer.clone(), vertex_map)).collect();
         let masked = self.decomposer.mask().map(Mask::vertices);
-        let source = Source { signal: self.signal, wavelets: &wavelets, mean: &mean, vertex_map, masked };
+        let source =
+            FilterInput { signal: self.signal, wavelets: &wavelets, mean: &mean, vertex_map, masked };
         let mut edited = vec![0.0; self.signal.len()];
         source.apply(&slots, &mut Vec::new(), &mut edited);
         Ok(edited)
@@ -284,11 +298,11 @@ impl<'a> BandsRequest<'a> {
         layers.try_for_each(|(k, layer)| layer.check(k + 1, n_levels, self.vertex_map()))
     }
 
-    /// `f + r·change`.
+    /// Computes `f + r·change`.
     fn add_weighted(&self, weights: &RegionWeights, change: &[f64]) -> Vec<f64> {
         let (d, weights) = (self.n_channels, weights.to_vertices(self.vertex_map()));
         let mut edited = self.signal.to_vec();
-        parallel::for_rows(&mut edited, d, 1 << 12, |first, rows| {
+        parallel::visit_rows(&mut edited, d, 1 << 12, |first, rows| {
             for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
                 for (value, change) in row.iter_mut().zip(&change[x * d..]) {
                     let change = weights[x] * change;

@@ -1,21 +1,23 @@
-//! What is decided by looking at all of a surface, or a sample of it, so that parts of it can be denoised alone.
+//! Decisions of the denoiser that depend on a whole surface or a sample of it, so that its parts can be denoised
+//! separately.
 
-use super::smoothed_normals::{GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, LEVELS, Scales, Walks, fixed};
-use super::surface::{NEIGHBORS, Surface};
+use super::smoothed_normals::{GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, Walks, fixed};
+use super::surface::{NEIGHBORS, NoisySurface};
 use super::{
-    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, is_anything_to_do, noise_of,
-    surface_of, used,
+    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, build_surface, estimate_noise,
+    is_anything_to_do, select_walks,
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
 use crate::shape::{Adjacency, PreparedGeometry, Shape};
 use serde::{Deserialize, Serialize};
 
-/// Everything that [`denoise`](super::denoise) looks at all of a surface for: how large the noise is, the weights of the mixture, and the
-/// medians that the walks go by.
+/// Global quantities of [`denoise`](super::denoise): the noise level, the weights of the mixture, and the medians
+/// that scale the walks.
 ///
-/// By it parts of a surface too large for memory are denoised one after the other, with the bits of the whole: a point of the result
-/// depends on those within [`reach`](Self::reach) rings of neighbors, where these are in the same order.
+/// With it, the parts of a surface too large for memory are denoised one after another, with the same bits as the
+/// whole. A resulting point depends on the points within [`reach`](Self::reach) rings of neighbors, provided these
+/// have the same order.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseChoice, DenoiseParams, denoise};
@@ -27,7 +29,7 @@ use serde::{Deserialize, Serialize};
 /// let faces: Vec<_> = corners.flat_map(|i| [[i, i + 1, i + 20], [i + 1, i + 21, i + 20]]).collect();
 /// let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&faces))?);
 /// let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
-/// let choice = DenoiseChoice::of(&geometry, &DenoiseParams::default(), Progress::none())?;
+/// let choice = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none())?;
 /// let part = choice.denoise_mesh(geometry.points(), geometry.triangles(), Progress::none())?;
 /// let whole = denoise(&geometry, &DenoiseParams::default(), Progress::none())?;
 /// let part = geometry.vertex_map().scatter(&part, 1);
@@ -37,22 +39,23 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseChoice {
-    /// What is assumed of the noise, and the weights. What is counted of a result is 0.
+    /// Assumed noise and weights of the mixture. Counts that refer to a result are 0.
     pub info: DenoiseInfo,
     creases: Creases,
-    scales: Scales,
+    scales: GuideScales,
 }
 
 impl DenoiseChoice {
-    /// Nearest neighbors that a point of a cloud has.
+    /// Number of nearest neighbors of a point of a cloud.
     pub const NEIGHBORS: usize = NEIGHBORS;
 
-    /// From a surface, or a sample of one that is made of connected pieces, all of which is looked at: [`denoise`](super::denoise) estimates
-    /// the risk of more than 48 000 triangles or points on a sample of its own. O(n log n).
+    /// Estimates the quantities from a surface, or from a sample that consists of connected pieces; all of it is
+    /// used. [`denoise`](super::denoise) takes a sample itself if there are more than 48 000 triangles or points.
+    /// O(n log n).
     ///
     /// # Errors
-    /// [`DenoiseError`] for a graph, a parameter out of its range, or when cancelled.
-    pub fn of(
+    /// [`DenoiseError`] for a graph, a parameter out of its range, or if the call is cancelled.
+    pub fn estimate(
         geometry: &PreparedGeometry,
         params: &DenoiseParams,
         progress: Progress<'_>,
@@ -62,39 +65,39 @@ impl DenoiseChoice {
             return Err(DenoiseError::NoPositions);
         }
         let (points, unit) = geometry.unit_points(progress)?;
-        let surface = surface_of(geometry, &points, progress)?;
-        let mut info = noise_of(&surface, (&points, unit), params, progress)?;
-        let (noise, mut scales) = (info.noise / unit, Scales::default());
+        let surface = build_surface(geometry, &points, progress)?;
+        let mut info = estimate_noise(&surface, (&points, unit), params, progress)?;
+        let (noise, mut scales) = (info.noise / unit, GuideScales::default());
         if is_anything_to_do(&surface, noise, params)
             && let Some((walks, _)) =
                 best_mixture(&surface, &points, None, noise, params, &mut info, progress.quiet())?
         {
-            scales = Scales { distance: walks.scales.distance * unit * unit, ..walks.scales };
+            scales = GuideScales { distance: walks.scales.distance * unit * unit, ..walks.scales };
         }
         Ok(Self { info, creases: params.creases, scales })
     }
 
-    /// How many rings of neighbors around a point decide its result, whatever is chosen: on a mesh by edges, on a cloud by
-    /// [`NEIGHBORS`](Self::NEIGHBORS) nearest and those that name it.
+    /// Number of rings of neighbors around a point that determine its result: along edges on a mesh; on a cloud,
+    /// the [`NEIGHBORS`](Self::NEIGHBORS) nearest points and those that list it among theirs.
     ///
     /// # Errors
-    /// Never; the levels and the accuracy are fixed.
+    /// Never, because the levels and the accuracy are fixed.
     pub fn reach() -> Result<usize, DenoiseError> {
         let rings = |n_levels| {
             let bands = fixed(n_levels)?;
             Ok::<_, DenoiseError>(bands.iter().map(FixedSeries::reach).max().unwrap_or(0))
         };
-        // From the end: moves, the walk by its rows, whose entries ask for normals one ring on, of points that have moved by normals which
-        // the first walk smoothed, and that for normals of points that have been smoothed; what is one ring for neighbors is
-        // another for the planes or triangles that normals are of.
+        // Counted from the end: the moves; the walk, whose entries need normals one ring further, of points moved
+        // by normals that the first walk smoothed; and for that the normals of smoothed points. One ring of
+        // neighbors is another ring for the planes or triangles that define normals.
         Ok(MOVES + rings(LEVELS)? + 2 + GUIDE_MOVES + 1 + rings(GUIDE_LEVELS)? + 2 + GUIDE_STEPS + 2)
     }
 
-    /// The points of a part of a mesh without noise; those that have fewer than [`reach`](Self::reach) rings around them are other than
-    /// in the whole. `triangles` in any order.
+    /// Denoised points of a part of a mesh, with `triangles` in any order. Points with fewer than
+    /// [`reach`](Self::reach) rings around them differ from those of the whole.
     ///
     /// # Errors
-    /// When cancelled.
+    /// If the call is cancelled.
     pub fn denoise_mesh(
         &self,
         points: &[[f64; 3]],
@@ -104,17 +107,17 @@ impl DenoiseChoice {
         if self.info.kept >= 1.0 {
             return Ok(points.to_vec());
         }
-        self.denoise(&Surface::mesh(points.len(), triangles.to_vec(), progress)?, points, progress)
+        self.denoise(&NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?, points, progress)
     }
 
-    /// The points of a part of a cloud without noise, as [`denoise_mesh`](Self::denoise_mesh). Points next to each other have `normals` on
-    /// the same side; which one that is, is of no concern, nor is their length.
+    /// Denoised points of a part of a cloud, as [`denoise_mesh`](Self::denoise_mesh). The `normals` of neighboring
+    /// points are on the same side; it does not matter which side, or how long they are.
     ///
     /// # Errors
-    /// When cancelled.
+    /// If the call is cancelled.
     ///
     /// # Panics
-    /// Unless there are as many rows of neighbors and normals as points.
+    /// Unless there is one row of neighbors and one normal per point.
     pub fn denoise_cloud(
         &self,
         points: &[[f64; 3]],
@@ -127,16 +130,16 @@ impl DenoiseChoice {
         if self.info.kept >= 1.0 {
             return Ok(points.to_vec());
         }
-        self.denoise(&Surface::cloud_of_neighbors(neighbors, normals), points, progress)
+        self.denoise(&NoisySurface::cloud_of_neighbors(neighbors, normals), points, progress)
     }
 
     fn denoise(
         &self,
-        surface: &Surface,
+        surface: &NoisySurface,
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        let (wanted, weights) = used(&self.info, self.creases);
+        let (wanted, weights) = select_walks(&self.info, self.creases);
         let walks = Walks::new(surface, points, wanted, Some(&self.scales), progress)?;
         let normals = walks.mixture(&weights, progress)?;
         drop(walks);

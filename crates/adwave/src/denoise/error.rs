@@ -1,32 +1,32 @@
-//! Why a shape or a signal cannot be denoised.
+//! Errors of denoising.
 
 use crate::bands::BandsError;
 use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why a shape or a signal cannot be denoised.
+/// Error of denoising a shape or a signal.
 #[derive(Debug, Error, PartialEq)]
 pub enum DenoiseError {
-    /// A graph has no positions.
+    /// The shape is a graph, which has no positions.
     #[error("a graph has no positions to denoise; denoise a field of it")]
     NoPositions,
-    /// A number out of its range.
+    /// A parameter is out of its range.
     #[error("the {what} is {value}; it must be a finite number of at least 0")]
     Number {
-        /// Which.
+        /// Name of the parameter.
         what: &'static str,
         /// Its value.
         value: f64,
     },
-    /// There is not a value of each channel for each vertex.
-    #[error("{found} values are not one of each channel for each vertex, which would be {expected}")]
+    /// The length of the signal does not match the shape.
+    #[error("the signal must have {expected} values, one per channel and vertex, got {found}")]
     SignalLength {
-        /// Values given.
+        /// Number of values given.
         found: usize,
-        /// Values needed.
+        /// Number of values required.
         expected: usize,
     },
-    /// A value is NaN or infinite, and its vertex not masked.
+    /// A value is NaN or infinite, and its vertex is not masked.
     #[error("the value of vertex {vertex} is {value}; mask it, or give it a value")]
     NotFinite {
         /// The vertex, from 0.
@@ -34,10 +34,10 @@ pub enum DenoiseError {
         /// Its value.
         value: f64,
     },
-    /// Bands could not be computed.
+    /// The bands could not be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

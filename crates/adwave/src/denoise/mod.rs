@@ -1,11 +1,12 @@
-//! Noise taken off: of the positions of a mesh or cloud, and of any signal.
+//! Denoising of the positions of a mesh or cloud, and of any signal.
 //!
-//! Positions are not smoothed themselves. The unit normals of the triangles (of a cloud's points) are, by walks that keep to
-//! neighbors that point alike, so that creases stay; then the points move to where the surface has those normals. How much is
-//! smoothed, and how far creases are respected, is decided by an estimate of the risk from the noisy shape alone.
+//! Positions are not smoothed directly. Walks that favor neighbors with similar normals smooth the unit normals of
+//! the triangles (or of a cloud's points), so creases stay; then the points move to where the surface has those
+//! normals. An estimate of the risk from the noisy shape alone decides the amount of smoothing and how strictly
+//! creases are respected.
 //!
-//! Sources: bilateral weights on normals `zheng2011`, points from normals `sun2007`, Stein's estimate of the risk with
-//! probes `ramani2008`, mixtures of estimates by it `leung2006`.
+//! Sources: bilateral weights on normals `zheng2011`, points from normals `sun2007`, Stein's risk estimate with
+//! probes `ramani2008`, mixtures of estimates `leung2006`.
 
 mod choice;
 mod error;
@@ -32,41 +33,43 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use risk::Risk;
 use sample::Sample;
-use smoothed_normals::{LEVELS, Walks, Wanted};
-use surface::Surface;
+use smoothed_normals::{LEVELS, SelectedWalks, Walks};
+use surface::NoisySurface;
 
-/// Steps by which points move to the smoothed normals.
+/// Number of steps that move points to the smoothed normals.
 const MOVES: usize = 20;
 
-/// Noise that is added to see how estimates follow it, in standard deviations of the noise that is there.
+/// Standard deviation of the noise added to probe the estimates, relative to the existing noise.
 ///
-/// More of it would turn the guides of the walks over; less is lost in what the estimates do by chance.
+/// More would change the guides of the walks; with less, the random part of the estimates dominates.
 const SHAKE: f64 = 0.1;
 
-/// Up to this many sites such noise is added twice.
+/// Number of sites up to which probing noise is added twice.
 const FEW_SITES: usize = 20_000;
 
-/// Seed of that noise.
+/// Seed of the probing noise.
 const SEED: u64 = 0x0ada_ade0;
 
-/// Weights of a mixture below this are left out: the walk that they are of need not be run.
+/// Weight below which a part of a mixture is omitted, so that its walk need not run.
 const LEAST_SHARE: f64 = 0.02;
 
-/// A vertex that moved farther than this many standard deviations of the noise is counted.
+/// Distance in standard deviations of the noise beyond which a moved vertex is counted.
 const FAR: f64 = 3.0;
 
-/// Stages that are reported.
+/// Number of reported stages.
 const STAGES: u64 = 5;
 
-/// Takes noise off the positions of a mesh or cloud. O(n log n) time, O(n) memory.
+/// Removes noise from the positions of a mesh or cloud. O(n log n) time, O(n) memory.
 ///
-/// With `n₀` the unit normals of the triangles, the result has the normals `Σ_k w_k·F_k(n₀)`, the `F_k` being no smoothing and
-/// 1, 2, 4, … 32 steps of two walks: one that hardly crosses creases, one that hardly sees them. The weights, ≥ 0 and of sum 1,
-/// have the least mean square error by Stein's estimate, for Gaussian noise, independent from point to point, of the standard
-/// deviation that is estimated from the shape (or given). Points then take 20 steps toward these normals, along them:
-/// open borders do not draw in, and no vertex or face is lost. The same shape gives the same bits.
+/// For unit normals `n₀` of the triangles, the result has the normals `Σ_k w_k·F_k(n₀)`. The `F_k` are the identity
+/// and 1, 2, 4, … 32 steps of two walks, one that hardly crosses creases and one that hardly notices them. The
+/// weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate for Gaussian noise that is
+/// independent between points, with the standard deviation estimated from the shape (or given). The points then
+/// take 20 steps towards these normals, along them: open borders do not shrink, and no vertex or face is lost. The
+/// same shape gives the same bits.
 ///
-/// Noise that neighboring points share is not told from detail; noise beyond half the mean edge leaves little to tell creases by.
+/// Noise that neighboring points share cannot be distinguished from detail, and noise beyond half the mean edge
+/// length hides creases.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise};
@@ -85,7 +88,7 @@ const STAGES: u64 = 5;
 /// ```
 ///
 /// # Errors
-/// [`DenoiseError`] for a graph, a parameter out of its range, or when cancelled.
+/// [`DenoiseError`] for a graph, a parameter out of its range, or if the call is cancelled.
 pub fn denoise(
     geometry: &PreparedGeometry,
     params: &DenoiseParams,
@@ -95,8 +98,8 @@ pub fn denoise(
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
-    let surface = surface_of(geometry, &points, progress)?;
-    let mut info = noise_of(&surface, (&points, unit), params, progress)?;
+    let surface = build_surface(geometry, &points, progress)?;
+    let mut info = estimate_noise(&surface, (&points, unit), params, progress)?;
     let noise = info.noise / unit;
     progress.step(1, STAGES)?;
     if !is_anything_to_do(&surface, noise, params) {
@@ -123,21 +126,21 @@ pub fn denoise(
     Ok(Denoised { points, info })
 }
 
-/// The surface of a shape, whose points are at `points`.
-fn surface_of(
+/// The surface of a shape with positions `points`.
+fn build_surface(
     geometry: &PreparedGeometry,
     points: &[[f64; 3]],
     progress: Progress<'_>,
-) -> Result<Surface, Cancelled> {
+) -> Result<NoisySurface, Cancelled> {
     match geometry.shape() {
-        Shape::Mesh(_) => Surface::mesh(points.len(), geometry.triangles().to_vec(), progress),
-        _ => Surface::cloud(points, progress),
+        Shape::Mesh(_) => NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress),
+        _ => NoisySurface::cloud(points, progress),
     }
 }
 
-/// The noise of a surface, in model units, as it is estimated or given; `unit` is that of the points.
-fn noise_of(
-    surface: &Surface,
+/// Noise of a surface in model units, estimated or given; `unit` is the unit of the points.
+fn estimate_noise(
+    surface: &NoisySurface,
     (points, unit): (&[[f64; 3]], f64),
     params: &DenoiseParams,
     progress: Progress<'_>,
@@ -155,14 +158,14 @@ fn noise_of(
     })
 }
 
-fn is_anything_to_do(surface: &Surface, noise: f64, params: &DenoiseParams) -> bool {
+fn is_anything_to_do(surface: &NoisySurface, noise: f64, params: &DenoiseParams) -> bool {
     noise * params.strength != 0.0 && surface.n_sites() > 0
 }
 
-/// The walks of a surface and the weights of their mixture of least risk, estimated on all of it or on a `sample`; `None` where its normals
-/// are best as they are.
+/// The walks of a surface and the weights of their mixture of least risk, estimated on the whole surface or on a
+/// `sample`; `None` if its normals are best unchanged.
 fn best_mixture(
-    surface: &Surface,
+    surface: &NoisySurface,
     points: &[[f64; 3]],
     sample: Option<&Sample>,
     noise: f64,
@@ -170,14 +173,14 @@ fn best_mixture(
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
 ) -> Result<Option<(Walks, Vec<f64>)>, DenoiseError> {
-    let wanted = Wanted::from(params.creases);
+    let wanted = SelectedWalks::from(params.creases);
     let (part, part_points) = sample.map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = |k: u64| {
-        let points = shaken(part_points, SHAKE * noise, SEED + k);
+        let points = perturb(part_points, SHAKE * noise, SEED + k);
         Walks::new(part, &points, wanted, None, progress)?.candidates(progress)
     };
-    // Side by side: the parts of each that a single thread works on are many, and short.
+    // In parallel: each has many short parts that only one thread works on.
     let (as_they_are, shaken) = rayon::join(
         || {
             let walks = Walks::new(part, part_points, wanted, None, progress)?;
@@ -205,20 +208,21 @@ fn best_mixture(
     if sample.is_none() {
         return Ok(Some((walks, weights)));
     }
-    let (used, weights) = used(info, params.creases);
+    let (used, weights) = select_walks(info, params.creases);
     Ok(Some((Walks::new(surface, points, used, None, progress)?, weights)))
 }
 
-/// The walks that have any weight, and the weights of what they give.
-fn used(info: &DenoiseInfo, creases: Creases) -> (Wanted, Vec<f64>) {
+/// The walks with positive weight, and the weights of their results.
+fn select_walks(info: &DenoiseInfo, creases: Creases) -> (SelectedWalks, Vec<f64>) {
     let is_used = |weights: &[f64]| weights.iter().any(|w| *w > 0.0);
     let (crease, smooth) = (is_used(&info.crease_weights), is_used(&info.smooth_weights));
-    let used = Wanted { creases: crease, smooth: Wanted::from(creases).smooth.filter(|_| smooth) };
+    let used =
+        SelectedWalks { creases: crease, smooth: SelectedWalks::from(creases).smooth.filter(|_| smooth) };
     let in_use = [&info.crease_weights, &info.smooth_weights].into_iter().filter(|w| is_used(w)).flatten();
     (used, std::iter::once(&info.kept).chain(in_use).copied().collect())
 }
 
-/// The weights without those that are all but nothing.
+/// The weights without negligible ones.
 fn shares(mut weights: Vec<f64>) -> Vec<f64> {
     for walk in weights[1..].chunks_mut(LEVELS) {
         if walk.iter().sum::<f64>() < LEAST_SHARE {
@@ -232,8 +236,8 @@ fn shares(mut weights: Vec<f64>) -> Vec<f64> {
     weights
 }
 
-/// Points with Gaussian noise of a standard deviation along each axis.
-fn shaken(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
+/// Points with added Gaussian noise of standard deviation `deviation` along each axis.
+fn perturb(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut shaken = |c: f64| -> f64 {
         let deviate: f64 = StandardNormal.sample(&mut random);
@@ -242,10 +246,14 @@ fn shaken(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
     points.iter().map(|p| p.map(&mut shaken)).collect()
 }
 
-/// The mean distance of neighbors; 0 without any.
-fn mean_distance(surface: &Surface, points: &[[f64; 3]], progress: Progress<'_>) -> Result<f64, Cancelled> {
+/// Mean distance between neighbors; 0 if there are none.
+fn mean_distance(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
     let total = parallel::try_sum(points.len(), progress, |x| {
-        surface.ring.of(x).iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
+        surface.ring.row(x).iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
     })?;
     Ok(total / surface.ring.nnz().max(1) as f64)
 }

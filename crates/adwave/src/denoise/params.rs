@@ -1,19 +1,19 @@
-//! What a caller may ask of a denoiser, and what is reported back.
+//! Parameters of the denoiser, and information about its result.
 
-use super::DenoiseError;
 use crate::named_values;
+use super::DenoiseError;
 use serde::{Deserialize, Serialize};
 
-/// What becomes of edges where the surface turns at once.
+/// Treatment of creases, where the surface turns abruptly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Creases {
-    /// What the estimated risk prefers.
+    /// Whatever the estimated risk prefers.
     #[default]
     Auto,
-    /// They stay sharp: a walk that hardly crosses them.
+    /// Creases stay sharp: a walk that hardly crosses them.
     Keep,
-    /// They are smoothed like all else.
+    /// Creases are smoothed like everything else.
     None,
 }
 
@@ -23,7 +23,7 @@ named_values!(Creases, "creases", {
     None => "none", "Smoothed like everything else";
 });
 
-/// How a shape is denoised. The defaults need no thought.
+/// Parameters of denoising. The defaults need no tuning.
 ///
 /// ```
 /// use adwave::denoise::{Creases, DenoiseParams};
@@ -32,11 +32,11 @@ named_values!(Creases, "creases", {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseParams {
-    /// By how much the noise counts: 0 changes nothing, 1 is the least estimated risk, 2 takes the noise for twice as large.
+    /// Factor of the noise level: 0 changes nothing, 1 minimizes the estimated risk, 2 assumes twice the noise.
     pub strength: f64,
-    /// What becomes of creases.
+    /// Treatment of creases.
     pub creases: Creases,
-    /// Standard deviation of the noise along the normals in model units; estimated where not given.
+    /// Standard deviation of the noise along the normals in model units; estimated if `None`.
     pub noise: Option<f64>,
 }
 
@@ -47,13 +47,13 @@ impl Default for DenoiseParams {
 }
 
 impl DenoiseParams {
-    /// Sets by how much the noise counts.
+    /// Sets the factor of the noise level.
     #[must_use]
     pub fn with_strength(self, strength: f64) -> Self {
         Self { strength, ..self }
     }
 
-    /// Sets what becomes of creases.
+    /// Sets the treatment of creases.
     #[must_use]
     pub fn with_creases(self, creases: Creases) -> Self {
         Self { creases, ..self }
@@ -65,10 +65,10 @@ impl DenoiseParams {
         Self { noise: Some(noise), ..self }
     }
 
-    /// Whether all is in its range.
+    /// Checks that every parameter is in its range.
     ///
     /// # Errors
-    /// [`DenoiseError::Number`] for what is not finite or below 0.
+    /// [`DenoiseError::Number`] for a parameter that is not finite or negative.
     pub fn check(&self) -> Result<(), DenoiseError> {
         let number = |what, value: f64| {
             if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(DenoiseError::Number { what, value }) }
@@ -78,24 +78,24 @@ impl DenoiseParams {
     }
 }
 
-/// What was assumed of the noise, and what was done.
+/// Assumed noise, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DenoiseInfo {
-    /// Standard deviation of the noise along the normals, in model units: as estimated or given.
+    /// Standard deviation of the noise along the normals in model units, estimated or given.
     pub noise: f64,
-    /// The same in mean edges of a mesh, or mean distances to the neighbors of a cloud.
+    /// Standard deviation in mean edge lengths of a mesh, or mean neighbor distances of a cloud.
     pub noise_in_edges: f64,
-    /// How much of the result comes from the normals as they are, by what is assumed of the noise: 1 where nothing is to be done.
+    /// Weight of the unchanged normals in the result; 1 if nothing is to be done.
     pub kept: f64,
-    /// How much comes from the walk that respects creases after 1, 2, 4, … steps.
+    /// Weights of the walk that respects creases, after 1, 2, 4, … steps.
     pub crease_weights: Vec<f64>,
-    /// How much comes from the walk that all but ignores them after 1, 2, 4, … steps.
+    /// Weights of the walk that nearly ignores creases, after 1, 2, 4, … steps.
     pub smooth_weights: Vec<f64>,
-    /// Triangles, or points of a cloud, that the risk was estimated on.
+    /// Number of triangles, or points of a cloud, on which the risk was estimated.
     pub n_sampled: usize,
-    /// Vertices of the shape that moved farther than three times the estimated noise.
+    /// Number of vertices that moved further than three times the estimated noise.
     pub n_far: usize,
-    /// The greatest distance that a vertex moved, in model units.
+    /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
 }
 
@@ -104,6 +104,6 @@ pub struct DenoiseInfo {
 pub struct Denoised {
     /// New positions, in the order of the shape.
     pub points: Vec<[f64; 3]>,
-    /// What was assumed and done.
+    /// Assumed noise, and the operations applied.
     pub info: DenoiseInfo,
 }

@@ -1,16 +1,16 @@
-//! Which mixture of estimates has the least risk, as far as the noisy data can tell.
+//! Mixture of estimates with the least risk, as estimated from the noisy data.
 
 use crate::Progress;
 use crate::{Cancelled, parallel};
 
-/// Steps of the search for the best mixture.
+/// Maximal number of steps of the search for the best mixture.
 const MAX_STEPS: usize = 20_000;
 
-/// What is known of the risk of mixtures `Σ_k w_k F_k` of estimates of a vector field m from noisy y = m + e:
-/// `‖Σ_k w_k F_k − m‖² = w·Gw − 2b·w + ‖m‖²` in the mean over sites by area.
+/// Risk of mixtures `Σ_k w_k F_k` of estimates of a vector field m from noisy data y = m + e:
+/// `‖Σ_k w_k F_k − m‖² = w·Gw − 2b·w + ‖m‖²`, averaged over the sites by area.
 ///
-/// G is `⟨F_k, F_l⟩`; b is what `⟨F_k, m⟩` is by Stein's identity, `⟨F_k, y⟩ − cov(F_k, e)`, where the covariance comes from the change
-/// of both F_k and y when noise of known size is added (`ramani2008`).
+/// G holds `⟨F_k, F_l⟩`. By Stein's identity b holds `⟨F_k, m⟩ = ⟨F_k, y⟩ − cov(F_k, e)`, where the covariance
+/// follows from the change of F_k and y when noise of known size is added (`ramani2008`).
 #[derive(Clone, Debug)]
 pub(super) struct Risk {
     gram: Vec<Vec<f64>>,
@@ -18,9 +18,10 @@ pub(super) struct Risk {
 }
 
 impl Risk {
-    /// From the estimates of data (the data themselves first; as many channels at each site as there are), one or more times the same
-    /// estimates of data with noise `step` times the standard deviation of that in the data added, and what each site counts.
-    /// `strength` multiplies the standard deviation. O(sites × channels × estimates²).
+    /// Builds the risk from the estimates of the data (the data themselves first; any number of channels per site),
+    /// one or more repetitions of the estimates for data with added noise of `step` times the standard deviation of
+    /// the noise, and the weight of each site. `strength` multiplies the standard deviation. O(sites × channels ×
+    /// estimates²).
     pub(super) fn new(
         estimates: &[Vec<f64>],
         shaken: &[Vec<Vec<f64>>],
@@ -58,13 +59,13 @@ impl Risk {
         Ok(Self { gram, toward })
     }
 
-    /// The weights of the mixture of least risk: ≥ 0, of sum 1. By steps between the two estimates that promise most, exact along
-    /// each; at most [`MAX_STEPS`].
+    /// Weights of the mixture of least risk: ≥ 0, with sum 1. Each step is exact along the two most promising
+    /// estimates; at most [`MAX_STEPS`] steps.
     pub(super) fn best_weights(&self) -> Vec<f64> {
         self.best_among(self.toward.len())
     }
 
-    /// The same among the first n estimates; the others have no weight.
+    /// Weights of the best mixture of the first n estimates; the others have weight 0.
     pub(super) fn best_among(&self, n: usize) -> Vec<f64> {
         let mut weights = vec![0.0; self.toward.len()];
         weights[0] = 1.0;
@@ -89,34 +90,31 @@ impl Risk {
         weights
     }
 
-    /// By how much less the risk of a mixture is estimated than that of another, and the standard error of that difference
-    /// for noise of standard deviation `noise` at each of `n_sites`: `2σ·‖Σ_k (v_k − w_k)·F_k‖/√n`.
+    /// Estimated reduction of the risk from one mixture to another, and the standard error of that difference for
+    /// noise of standard deviation `noise` at each of `n_sites`: `2σ·‖Σ_k (v_k − w_k)·F_k‖/√n`.
     pub(super) fn gain(&self, of: &[f64], over: &[f64], noise: f64, n_sites: usize) -> (f64, f64) {
         let apart: Vec<f64> = of.iter().zip(over).map(|(v, w)| v - w).collect();
         let square = self.inner(&apart, &apart).max(0.0);
-        (
-            self.without_truth(over) - self.without_truth(of),
-            2.0 * noise * (square / n_sites.max(1) as f64).sqrt(),
-        )
+        (self.known_risk(over) - self.known_risk(of), 2.0 * noise * (square / n_sites.max(1) as f64).sqrt())
     }
 
-    /// `v·Gw`.
+    /// The product `v·Gw`.
     fn inner(&self, v: &[f64], w: &[f64]) -> f64 {
         let row = |gram: &Vec<f64>| gram.iter().zip(w).map(|(g, w)| g * w).sum::<f64>();
         self.gram.iter().zip(v).map(|(gram, v)| v * row(gram)).sum()
     }
 
-    /// `w·Gw − 2b·w`: the risk of a mixture but for `‖m‖²`.
-    fn without_truth(&self, weights: &[f64]) -> f64 {
+    /// The risk of a mixture without the term `‖m‖²`: `w·Gw − 2b·w`.
+    fn known_risk(&self, weights: &[f64]) -> f64 {
         let toward: f64 = weights.iter().zip(&self.toward).map(|(w, b)| w * b).sum();
         self.inner(weights, weights) - 2.0 * toward
     }
 
-    /// The estimated mean square of the error of the data, and of a mixture.
-    pub(super) fn before_and_after(&self, weights: &[f64]) -> [f64; 2] {
-        // What is left of the data's own square when the noise is taken off: ‖m‖².
+    /// Estimated mean square errors of the data and of a mixture.
+    pub(super) fn risks_before_and_after(&self, weights: &[f64]) -> [f64; 2] {
+        // The mean square of the data minus that of the noise is ‖m‖².
         let truth = self.toward[0];
-        let after = self.without_truth(weights);
+        let after = self.known_risk(weights);
         [(self.gram[0][0] - truth).max(0.0), (truth + after).max(0.0)]
     }
 }

@@ -1,23 +1,23 @@
-//! A part of a large surface, for decisions that all of it need not be looked at for.
+//! Sample of a large surface, for decisions that do not need all of it.
 
-use super::surface::{Kind, Surface};
+use super::surface::{NoisySurface, SurfaceKind};
 use crate::{Cancelled, Progress};
 
-/// Surfaces of more sites than this are sampled.
+/// Number of sites beyond which a surface is sampled.
 const MAX_SITES: usize = 48_000;
 
-/// Pieces that a sample is of, evenly spread over the order of the sites.
+/// Number of pieces of a sample, evenly spread over the order of the sites.
 const PIECES: usize = 8;
 
-/// Sites in each piece.
+/// Number of sites in each piece.
 const SITES_A_PIECE: usize = 4_000;
 
-/// A surface with points of its own.
-pub(super) type Sample = (Surface, Vec<[f64; 3]>);
+/// A surface and its own points.
+pub(super) type Sample = (NoisySurface, Vec<[f64; 3]>);
 
-impl Surface {
-    /// Some connected pieces of a large surface, as a surface with points of its own; `None` of one that is small enough to be
-    /// looked at whole. O(sites of the sample), and a mark for each point.
+impl NoisySurface {
+    /// Connected pieces of a large surface, as a surface with its own points; `None` if the surface is small enough
+    /// to be used as a whole. O(sites of the sample), and one mark per point.
     pub(super) fn sample(
         &self,
         points: &[[f64; 3]],
@@ -27,17 +27,17 @@ impl Surface {
         if n <= MAX_SITES {
             return Ok(None);
         }
-        // Sites stand in the order of a curve through the shape, so that a range of them is a piece of it.
+        // Sites are ordered along a curve through the shape, so a range of them is a connected piece.
         let sites = (0..PIECES).flat_map(|k| {
             let first = k * n / PIECES + (n / PIECES - SITES_A_PIECE) / 2;
             first..first + SITES_A_PIECE
         });
         match &self.kind {
-            Kind::Cloud { .. } => {
+            SurfaceKind::Cloud { .. } => {
                 let points: Vec<[f64; 3]> = sites.map(|x| points[x]).collect();
                 Ok(Some((Self::cloud(&points, progress)?, points)))
             }
-            Kind::Mesh { triangles, .. } => {
+            SurfaceKind::Mesh { triangles, .. } => {
                 let chosen: Vec<[u32; 3]> = sites.map(|t| triangles[t]).collect();
                 let mut corners: Vec<u32> = chosen.as_flattened().to_vec();
                 corners.sort_unstable();

@@ -1,16 +1,16 @@
-//! The scaling functions that results are mixed from.
+//! Scaling functions that enter a mixture.
 
 use super::DenoiseError;
 use crate::Progress;
 use crate::bands::{BandsParams, Schedule, Transform};
 use crate::operator::Diffusion;
 
-/// The transform of a walk, whose bands are off by `accuracy`, relative to themselves, at most.
+/// Transform of a walk whose bands have a relative error of at most `accuracy`.
 pub(super) fn transform(diffusion: Diffusion, accuracy: f64) -> Result<Transform, DenoiseError> {
     Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(accuracy))?)
 }
 
-/// S of every level of `data` (n_channels for each vertex, row-major), fine to coarse.
+/// Scaling coefficients S on every level of `data` (n_channels per vertex, row-major), fine to coarse.
 pub(super) fn scaling_functions(
     walk: &Transform,
     data: &[f64],

@@ -1,4 +1,4 @@
-//! Noise taken off a signal on any shape.
+//! Denoising of a signal on any shape.
 
 use super::noise_level::median;
 use super::risk::Risk;
@@ -12,57 +12,62 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
 
-/// Steps of the shape's own walk by which a signal is smoothed: two to each doubling, whole so that any walk can take them.
+/// Steps of the shape's own walk that smooth a signal: two per doubling, whole numbers so that any walk can take
+/// them.
 const PLAIN_STEPS: [f64; 18] = [
     1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 16.0, 23.0, 32.0, 45.0, 64.0, 91.0, 128.0, 181.0, 256.0, 362.0, 512.0,
 ];
 
-/// Levels that it is split into by walks that are led: 1, 2, 4, … 128 steps.
+/// Number of levels by guided walks: 1, 2, 4, … 128 steps.
 const LED_LEVELS: usize = 8;
 
-/// How many of [`PLAIN_STEPS`] smooth it for its first guide.
+/// Number of leading entries of [`PLAIN_STEPS`] that smooth the signal for its first guide.
 const FIRST_GUIDE_LEVELS: usize = 2;
 
-/// Levels, so that 16 and 32 steps, by which it is smoothed by the first guide for the second, and by the second for the third.
+/// Numbers of levels (16 and 32 steps) by which the first guide smooths the signal for the second, and the second
+/// for the third.
 const GUIDE_LEVELS: [usize; 2] = [5, 6];
 
-/// How far a signal may change from one vertex to the next, in root medians of its squared differences there.
+/// Change of a signal between neighbors at which steps are damped, in square roots of its median squared
+/// difference.
 const REACH: f64 = 2.5;
 
-/// Times that noise is added to see how estimates follow it, up to [`FEW_VALUES`] values; once to more.
+/// Number of probes with added noise for at most [`FEW_VALUES`] values; larger signals get one.
 const PROBES: usize = 4;
 
-/// See [`PROBES`].
+/// Number of values up to which [`PROBES`] probes are used.
 const FEW_VALUES: usize = 100_000;
 
-/// Standard errors of its promise by which a mixture with led walks must beat the best without.
+/// Number of standard errors by which the promise of a mixture with guided walks must exceed that of the best one
+/// without.
 const LEAST_GAIN: f64 = 2.0;
 
-/// Channels that lead a walk together; those of signals that have more lead one each.
+/// Number of channels that guide a walk together; in signals with more channels each guides alone.
 const CHANNELS_TOGETHER: usize = 3;
 
-/// Largest relative error of a band: far below what is left of the noise.
+/// Largest relative error of a band, far below the remaining noise.
 const ACCURACY: f64 = 1e-5;
 
-/// The standard deviation of a normal variable is its median absolute deviation over this.
+/// Median absolute deviation of a standard normal variable.
 const MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
 
-/// What was assumed of the noise of one group of channels, and what was done.
+/// Assumed noise of one group of channels, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SignalNoise {
-    /// The channels, from 0.
+    /// Indices of the channels, from 0.
     pub channels: Vec<usize>,
-    /// Standard deviation of the noise, in the unit of the signal: as estimated or given.
+    /// Standard deviation of the noise in the unit of the signal, estimated or given.
     pub noise: f64,
-    /// How much of the result is the signal as it was.
+    /// Weight of the unchanged signal in the result.
     pub kept: f64,
-    /// Steps of the walk that knows nothing of the signal, about two numbers to each doubling.
+    /// Numbers of steps of the walk that is independent of the signal, about two per doubling.
     pub plain_steps: Vec<f64>,
-    /// How much comes from each of these.
+    /// Weight of each of `plain_steps`.
     pub plain_weights: Vec<f64>,
-    /// How much comes from walks that keep to vertices of like values, after 1, 2, 4, … 128 steps, for each of two guides.
+    /// Weights of the walks that favor vertices of similar values, after 1, 2, 4, … 128 steps, for each of two
+    /// guides.
     pub step_weights: Vec<f64>,
-    /// The expected mean square of the error, summed over the channels, before and after.
+    /// Expected mean square error, summed over the channels, before and after.
     pub risk: [f64; 2],
 }
 
@@ -71,18 +76,20 @@ pub struct SignalNoise {
 pub struct DenoisedSignal {
     /// New values, n_vertices × n_channels, in the order of the shape; masked vertices keep theirs.
     pub values: Vec<f64>,
-    /// What was assumed and done, for each group of channels.
+    /// Assumed noise and operations, per group of channels.
     pub info: Vec<SignalNoise>,
 }
 
-/// Takes noise off a signal (n_vertices × n_channels, row-major, in the order of the shape) on a mesh, cloud or graph.
-/// O(entries × channels).
+/// Removes noise from a signal (n_vertices × n_channels, row-major, in the order of the shape) on a mesh, cloud or
+/// graph. O(entries × channels).
 ///
-/// The result is a mixture of the signal, of its scaling functions after 1, 2, 3, 4, 6, 8, 11, 16, … 512 steps of the shape's own walk, and of those after
-/// 1, 2, 4, … 128 steps of walks that keep to neighbors of like values, so that steps stay. The weights, ≥ 0 and of sum 1, have the least mean square
-/// error (without the led walks, unless these promise more than two standard errors) by Stein's estimate for Gaussian noise, independent from vertex to vertex, whose standard deviation is estimated from the signal
-/// (or given, in its unit). Three channels, and the first three of four, are taken together (a color, with what lies over it);
-/// otherwise each is by itself.
+/// The result is a mixture of the signal, of its scaling coefficients after 1, 2, 3, 4, 6, 8, 11, 16, … 512 steps
+/// of the shape's own walk, and of those after 1, 2, 4, … 128 steps of walks that favor neighbors of similar
+/// values, so that jumps stay. The weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate
+/// for Gaussian noise that is independent between vertices, with the standard deviation estimated from the signal
+/// (or given, in its unit). Guided walks are used only if they promise an improvement of more than two standard
+/// errors. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
+/// channel is treated separately.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise_signal};
@@ -103,7 +110,8 @@ pub struct DenoisedSignal {
 /// ```
 ///
 /// # Errors
-/// [`DenoiseError`] for a signal that does not fit or is not finite, a parameter out of its range, or when cancelled.
+/// [`DenoiseError`] for a signal of the wrong length or with a value that is not finite, a parameter out of its
+/// range, or if the call is cancelled.
 pub fn denoise_signal(
     decomposer: &Decomposer,
     signal: &[f64],
@@ -134,7 +142,7 @@ pub fn denoise_signal(
         progress.step(k as u64, groups.len() as u64)?;
         let data: Vec<f64> =
             welded.chunks_exact(n_channels).flat_map(|row| channels.iter().map(|&c| row[c])).collect();
-        let group = Group { decomposer, d: channels.len(), is_known: &is_known };
+        let group = ChannelGroup { decomposer, d: channels.len(), is_known: &is_known };
         let (found, mut report) = group.denoised(&data, params, progress)?;
         for (v, row) in values.chunks_exact_mut(n_channels).enumerate() {
             let x = map.welded(v);
@@ -150,15 +158,15 @@ pub fn denoise_signal(
 }
 
 /// Channels that are denoised together.
-struct Group<'a> {
+struct ChannelGroup<'a> {
     decomposer: &'a Decomposer,
-    /// How many.
+    /// Number of channels.
     d: usize,
-    /// Whether a welded vertex has a value.
+    /// Returns true if a welded vertex has a value.
     is_known: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
-impl Group<'_> {
+impl ChannelGroup<'_> {
     fn denoised(
         &self,
         data: &[f64],
@@ -174,7 +182,7 @@ impl Group<'_> {
             return Ok((data.to_vec(), info));
         }
         let candidates = self.candidates(data, progress)?;
-        // Each vertex counts alike, as its noise does; those that are not known do not.
+        // All vertices have the same weight, as their noise is the same; those without a value have weight 0.
         let counts = parallel::try_collect(data.len() / self.d, progress, |x| {
             f64::from(u8::from((self.is_known)(x)))
         })?;
@@ -190,12 +198,12 @@ impl Group<'_> {
         });
         let shaken = shaken.collect::<Result<Vec<_>, DenoiseError>>()?;
         let risk = Risk::new(&candidates, &shaken, &counts, SHAKE, params.strength, progress)?;
-        // The many led walks promise something by chance, too.
+        // With many guided walks, some promise an improvement by chance.
         let n_known = counts.iter().filter(|c| **c > 0.0).count();
         let (plain, led) = (risk.best_among(1 + PLAIN_STEPS.len()), risk.best_weights());
         let (gain, error) = risk.gain(&led, &plain, noise, n_known);
         let weights = if gain > LEAST_GAIN * error { led } else { plain };
-        info.risk = risk.before_and_after(&weights);
+        info.risk = risk.risks_before_and_after(&weights);
         info.kept = weights[0];
         info.plain_steps = PLAIN_STEPS.to_vec();
         info.plain_weights = weights[1..=PLAIN_STEPS.len()].to_vec();
@@ -206,7 +214,7 @@ impl Group<'_> {
         Ok((mixture, info))
     }
 
-    /// The data, then their scaling functions by the shape's walk and by walks that two guides lead.
+    /// The data, then their scaling coefficients by the shape's walk and by walks with two guides.
     fn candidates(&self, data: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let walk = self.decomposer.diffusion();
         let scaling =
@@ -216,8 +224,8 @@ impl Group<'_> {
                 .chunks_exact(self.d)
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
                 .collect();
-            // Lengths of steps are not asked for.
-            transform(walk.guided(&guide, REACH, |_, _| 0.0, progress)?, ACCURACY)
+            // The lengths of steps are not needed.
+            transform(walk.weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?, ACCURACY)
         };
         let plain_schedule = Schedule::real(PLAIN_STEPS.to_vec()).expect("increasing numbers");
         let plain = scaling(&transform(Diffusion::clone(walk), ACCURACY)?, &plain_schedule)?;
@@ -231,13 +239,13 @@ impl Group<'_> {
         Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
     }
 
-    /// The standard deviation of noise, from the median absolute deviation of the difference between a value and the mean of its
-    /// neighbors', which noise of variance σ² gives the variance `σ²·(1 + 1/k)` at a vertex of k neighbors.
+    /// Standard deviation of the noise, from the median absolute deviation of the difference between a value and
+    /// the mean over its k neighbors, which has variance `σ²·(1 + 1/k)` for noise of variance σ².
     fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
         let (neighbors, d) = (self.decomposer.neighbors(), self.d);
         let mut deviations = parallel::try_collect(data.len(), progress, |i| {
             let (x, c) = (i / d, i % d);
-            let near = neighbors.of(x);
+            let near = neighbors.row(x);
             if near.is_empty() || !(self.is_known)(x) {
                 return f64::NAN;
             }

@@ -1,7 +1,7 @@
-//! Normals of a surface, smoothed by walks that keep to sites that point alike.
+//! Normals of a surface, smoothed by walks that favor sites with similar normals.
 
 use super::scaling::{scaling_functions, transform};
-use super::surface::Surface;
+use super::surface::NoisySurface;
 use super::{Creases, DenoiseError};
 use crate::Progress;
 use crate::bands::{BandsError, FixedSeries, Schedule, Transform};
@@ -9,72 +9,73 @@ use crate::operator::{site_diffusion, typical_square};
 use crate::vector::unit;
 use serde::{Deserialize, Serialize};
 
-/// Levels that normals are split into: 1, 2, 4, … 32 steps.
+/// Number of levels of the normals: 1, 2, 4, … 32 steps.
 pub(super) const LEVELS: usize = 6;
 
-/// Levels, so that 16 steps, by which normals are smoothed for the guide of the walk that respects creases.
+/// Number of levels (16 steps) that smooth normals for the guide of the walk that respects creases.
 pub(super) const GUIDE_LEVELS: usize = 5;
 
-/// Lazy steps by which a surface is smoothed for its first guide.
+/// Number of lazy steps that smooth a surface for its first guide.
 pub(super) const GUIDE_STEPS: usize = 2;
 
-/// Steps toward the smoothed normals of the surface whose normals are the second guide.
+/// Number of steps towards the smoothed normals of the surface whose normals are the second guide.
 pub(super) const GUIDE_MOVES: usize = 10;
 
-/// How far normals may turn from one site to the next for the walk that respects creases, in root medians of their squared differences.
+/// Turn of normals between sites at which the walk that respects creases is damped, in square roots of their median
+/// squared difference.
 const CREASE_REACH: f64 = 2.5;
 
-/// The same for the walk that all but ignores creases.
+/// The corresponding turn for the walk that nearly ignores creases.
 const SMOOTH_REACH: f64 = 6.0;
 
-/// Largest relative error of a band of normals: far below what is left of the noise.
+/// Largest relative error of a band of normals, far below the remaining noise.
 const ACCURACY: f64 = 1e-4;
 
-/// What the walks go by that all of a surface decides: medians over neighboring sites.
+/// Scales of the walks, which depend on the whole surface: medians over neighboring sites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Scales {
-    /// Of the squared distances, in squared units of the points.
+pub(super) struct GuideScales {
+    /// Median of the squared distances, in squared units of the points.
     pub(super) distance: f64,
-    /// Of the squared differences of the first guide.
+    /// Median of the squared differences of the first guide.
     pub(super) first: f64,
-    /// The same of the second guide; 0 where the walk that respects creases is not wanted.
+    /// Median of the squared differences of the second guide; 0 if the walk that respects creases is not used.
     pub(super) second: f64,
 }
 
 /// The noisy normals of a surface and the walks that smooth them.
 pub(super) struct Walks {
-    /// Unit normals as they are, three numbers a site.
+    /// Noisy unit normals, three numbers per site.
     pub(super) normals: Vec<[f64; 3]>,
-    /// What each site counts.
+    /// Weight of each site.
     pub(super) areas: Vec<f64>,
     /// The walk that respects creases.
     creases: Option<Transform>,
-    /// The walk that all but ignores them.
+    /// The walk that nearly ignores creases.
     smooth: Option<Transform>,
-    /// What they go by.
-    pub(super) scales: Scales,
-    /// How polynomials of them are cut.
-    cut: Cut,
+    /// Scales of the walks.
+    pub(super) scales: GuideScales,
+    /// Truncation rule of their polynomials.
+    cut: PolynomialCut,
 }
 
-/// What decides the degree of a polynomial of a walk.
+/// Rule that decides the degree of a polynomial of a walk.
 #[derive(Clone, Copy)]
-enum Cut {
-    /// The normals, all of them.
+enum PolynomialCut {
+    /// All normals decide.
     BySignal,
-    /// Steps and accuracy alone, so that a part of a surface has the bits of the whole.
+    /// Only steps and accuracy decide, so that part of a surface has the bits of the whole.
     Fixed,
 }
 
-/// Which of the walks are wanted.
+/// Selection of the walks.
 #[derive(Clone, Copy)]
-pub(super) struct Wanted {
+pub(super) struct SelectedWalks {
     pub(super) creases: bool,
-    /// The reach of the other walk.
+    /// Reach of the walk that nearly ignores creases.
     pub(super) smooth: Option<f64>,
 }
 
-impl From<Creases> for Wanted {
+impl From<Creases> for SelectedWalks {
     fn from(creases: Creases) -> Self {
         match creases {
             Creases::Auto => Self { creases: true, smooth: Some(SMOOTH_REACH) },
@@ -85,20 +86,21 @@ impl From<Creases> for Wanted {
 }
 
 impl Walks {
-    /// The walks of a surface whose points are at `points`.
+    /// Builds the walks of a surface with positions `points`.
     ///
-    /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps; the walk that respects creases takes a second one:
-    /// those of the surface that has been moved to the normals which the first guide gives after 16 steps.
+    /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps. The walk that respects creases
+    /// uses a second guide: the normals of the surface after it has been moved to the normals that the first guide
+    /// gives after 16 steps.
     ///
-    /// A part of a surface is given the `known` scales of the whole.
+    /// For part of a surface, `known` holds the scales of the whole.
     pub(super) fn new(
-        surface: &Surface,
+        surface: &NoisySurface,
         points: &[[f64; 3]],
-        wanted: Wanted,
-        known: Option<&Scales>,
+        wanted: SelectedWalks,
+        known: Option<&GuideScales>,
         progress: Progress<'_>,
     ) -> Result<Self, DenoiseError> {
-        let cut = if known.is_some() { Cut::Fixed } else { Cut::BySignal };
+        let cut = if known.is_some() { PolynomialCut::Fixed } else { PolynomialCut::BySignal };
         let normals = surface.normals(points, progress)?;
         let areas = surface.areas(points, progress)?;
         let positions = surface.positions(points, progress)?;
@@ -109,8 +111,8 @@ impl Walks {
             known.map_or_else(|| base.typical_difference(guide, progress), Ok)
         };
         let guided = |guide: &[[f64; 3]], reach: f64, typical: f64| {
-            // Lengths of steps are not asked for.
-            let led = base.guided_within(guide, reach * reach * typical, |_, _| 0.0, progress)?;
+            // The lengths of steps are not needed.
+            let led = base.weigh_by_guide_within(guide, reach * reach * typical, |_, _| 0.0, progress)?;
             transform(led, ACCURACY)
         };
         let guide = surface.normals(&surface.smoothed(points, GUIDE_STEPS, progress)?, progress)?;
@@ -135,10 +137,10 @@ impl Walks {
         };
         let (smooth, creases) = rayon::join(smooth, creases);
         let (smooth, (creases, second)) = (smooth?, creases?);
-        Ok(Self { normals, areas, creases, smooth, scales: Scales { distance, first, second }, cut })
+        Ok(Self { normals, areas, creases, smooth, scales: GuideScales { distance, first, second }, cut })
     }
 
-    /// All that the normals of the result are mixed from, three numbers each: the normals as they are, then `S(1) … S(LEVELS)` by
+    /// Components of the mixture, three numbers per site each: the normals unchanged, then `S(1) … S(LEVELS)` by
     /// each walk.
     pub(super) fn candidates(&self, progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let normals = self.normals.as_flattened();
@@ -149,7 +151,7 @@ impl Walks {
         Ok(all)
     }
 
-    /// The mixture of the [`candidates`](Self::candidates) by their weights, each of unit length or zero.
+    /// Weighted mixture of the [`candidates`](Self::candidates), normalized to unit length or zero.
     pub(super) fn mixture(
         &self,
         weights: &[f64],
@@ -164,12 +166,12 @@ impl Walks {
     }
 }
 
-/// So many dyadic levels, few enough to be.
+/// The schedule of `n_levels` dyadic levels, a number small enough to be valid.
 fn dyadic(n_levels: usize) -> Schedule {
     Schedule::dyadic(n_levels).expect("one to six levels")
 }
 
-/// The bands of so many levels with degrees that steps and accuracy decide alone.
+/// The bands of `n_levels` levels with degrees that depend only on steps and accuracy.
 pub(super) fn fixed(n_levels: usize) -> Result<Vec<FixedSeries>, BandsError> {
     FixedSeries::bands(&dyadic(n_levels), ACCURACY)
 }
@@ -180,10 +182,10 @@ fn normalize(vectors: &mut [[f64; 3]]) {
     }
 }
 
-/// Adds `Σ_j weights[j−1]·S(j)` of the normals to `out`: as a polynomial, with `S(j) = f − W(1) − … − W(j)`.
+/// Adds `Σ_j weights[j−1]·S(j)` of the normals to `out` as a polynomial, with `S(j) = f − W(1) − … − W(j)`.
 fn add_levels(
     walk: &Transform,
-    cut: Cut,
+    cut: PolynomialCut,
     normals: &[[f64; 3]],
     weights: &[f64],
     out: &mut [[f64; 3]],
@@ -197,12 +199,12 @@ fn add_levels(
     let mut bands = vec![0.0; 3 * normals.len()];
     let (schedule, data) = (dyadic(last + 1), normals.as_flattened());
     match cut {
-        Cut::BySignal => {
+        PolynomialCut::BySignal => {
             walk.weighted_into(data, 3, &schedule, &factors, &mut bands, progress.quiet())?;
         }
-        Cut::Fixed => {
+        PolynomialCut::Fixed => {
             let series = FixedSeries::weighted(&fixed(last + 1)?, &factors);
-            walk.fixed_into(data, 3, &[series], &mut [&mut bands], progress.quiet())?;
+            walk.apply_fixed_series_into(data, 3, &[series], &mut [&mut bands], progress.quiet())?;
         }
     }
     for ((o, f), w) in out.as_flattened_mut().iter_mut().zip(normals.as_flattened()).zip(&bands) {

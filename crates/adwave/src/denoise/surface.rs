@@ -1,4 +1,4 @@
-//! A surface as points that move and sites that have a normal: the triangles of a mesh, the points of a cloud.
+//! A surface as movable points and sites with normals: the triangles of a mesh, or the points of a cloud.
 
 use crate::operator::Sites;
 use crate::parallel;
@@ -7,38 +7,38 @@ use crate::signal::{aligned_normals, try_cloud_normals};
 use crate::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, rows::Pattern};
 
-/// Triangles at a vertex beyond which they do not count as neighbors of each other by it: their number of pairs would grow as
-/// the square. Those that share an edge meet at its other end as well.
+/// Number of triangles at a vertex beyond which they are not neighbors through it, because the number of pairs
+/// grows quadratically. Those that share an edge meet at its other end too.
 const MAX_VALENCE: usize = 64;
 
-/// Nearest neighbors that a point of a cloud has.
+/// Number of nearest neighbors of a point of a cloud.
 pub(super) const NEIGHBORS: usize = 12;
 
-/// Rows that a thread treats at a time.
+/// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 1 << 12;
 
 /// A surface, or a part of one.
-pub(super) struct Surface {
-    pub(super) kind: Kind,
-    /// Points next to each point.
+pub(super) struct NoisySurface {
+    pub(super) kind: SurfaceKind,
+    /// Neighbors of each point.
     pub(super) ring: Adjacency,
-    /// Sites next to each site, where these are not the points.
+    /// Neighbors of each site, if sites are not points.
     of_triangles: Option<Adjacency>,
 }
 
-pub(super) enum Kind {
+pub(super) enum SurfaceKind {
     Mesh {
         triangles: Vec<[u32; 3]>,
         at_vertex: Pattern,
     },
-    /// With the normals of the points as they were given, which say the sides.
+    /// Given normals of the points, which determine the sides.
     Cloud {
         normals: Vec<[f64; 3]>,
     },
 }
 
-impl Surface {
-    /// A mesh; `triangles` are put in the order of their first corners, so that neighbors are near in memory.
+impl NoisySurface {
+    /// A mesh; `triangles` are sorted by their first corners, so that neighbors are close in memory.
     pub(super) fn mesh(
         n_points: usize,
         mut triangles: Vec<[u32; 3]>,
@@ -53,14 +53,14 @@ impl Surface {
             progress,
             || (),
             |(), t, out| {
-                let around = triangles[t].iter().map(|&v| at_vertex.of(v as usize));
+                let around = triangles[t].iter().map(|&v| at_vertex.row(v as usize));
                 out.extend(around.filter(|at| at.len() <= MAX_VALENCE).flatten());
             },
         )?;
-        Ok(Self { kind: Kind::Mesh { triangles, at_vertex }, ring, of_triangles: Some(graph) })
+        Ok(Self { kind: SurfaceKind::Mesh { triangles, at_vertex }, ring, of_triangles: Some(graph) })
     }
 
-    /// A cloud, and its nearest neighbors.
+    /// A cloud with its nearest neighbors.
     pub(super) fn cloud(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let near = try_nearest_neighbors(points, NEIGHBORS, progress)?;
         let normals = try_cloud_normals(points, &near, progress)?;
@@ -68,12 +68,12 @@ impl Surface {
         Ok(Self::cloud_of_neighbors(ring, normals))
     }
 
-    /// A cloud whose neighbors are known, and its normals but for their lengths.
+    /// A cloud with known neighbors and normals of any length.
     pub(super) fn cloud_of_neighbors(neighbors: Adjacency, normals: Vec<[f64; 3]>) -> Self {
-        Self { kind: Kind::Cloud { normals }, ring: neighbors, of_triangles: None }
+        Self { kind: SurfaceKind::Cloud { normals }, ring: neighbors, of_triangles: None }
     }
 
-    /// Sites next to each site.
+    /// Neighbors of each site.
     pub(super) fn graph(&self) -> &Adjacency {
         self.of_triangles.as_ref().unwrap_or(&self.ring)
     }
@@ -82,46 +82,46 @@ impl Surface {
         self.graph().n_rows()
     }
 
-    /// Where the sites are.
+    /// Position of each site.
     pub(super) fn positions(
         &self,
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, Cancelled> {
         match &self.kind {
-            Kind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
+            SurfaceKind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
                 let [a, b, c] = triangles[t].map(|v| points[v as usize]);
                 std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
             }),
-            Kind::Cloud { .. } => Ok(points.to_vec()),
+            SurfaceKind::Cloud { .. } => Ok(points.to_vec()),
         }
     }
 
-    /// What each site counts: the area of a triangle, 1 for a point.
+    /// Weight of each site: the area of a triangle, 1 for a point.
     pub(super) fn areas(&self, points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         match &self.kind {
-            Kind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
+            SurfaceKind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
                 0.5 * norm(&doubled_area(points, triangles[t]))
             }),
-            Kind::Cloud { .. } => Ok(vec![1.0; points.len()]),
+            SurfaceKind::Cloud { .. } => Ok(vec![1.0; points.len()]),
         }
     }
 
-    /// Unit normals of the sites; zero where there is none.
+    /// Unit normal of each site; zero if there is none.
     pub(super) fn normals(
         &self,
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, Cancelled> {
         match &self.kind {
-            Kind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
+            SurfaceKind::Mesh { triangles, .. } => parallel::try_collect(triangles.len(), progress, |t| {
                 unit(&doubled_area(points, triangles[t])).unwrap_or_default()
             }),
-            Kind::Cloud { normals } => aligned_normals(points, &self.ring, normals, progress),
+            SurfaceKind::Cloud { normals } => aligned_normals(points, &self.ring, normals, progress),
         }
     }
 
-    /// The points after `n` lazy steps of the walk to each neighbor alike.
+    /// The points after `n` lazy steps of the walk with equal weights.
     pub(super) fn smoothed(
         &self,
         points: &[[f64; 3]],
@@ -137,17 +137,18 @@ impl Surface {
         Ok(now)
     }
 
-    /// The mean of the neighbors of a point less the point: 0 without neighbors.
+    /// Mean of the neighbors of a point minus the point; 0 without neighbors.
     pub(super) fn umbrella(&self, points: &[[f64; 3]], x: usize) -> [f64; 3] {
-        let near = self.ring.of(x);
+        let near = self.ring.row(x);
         let share = 1.0 / near.len().max(1) as f64;
         near.iter()
             .fold([0.0; 3], |sum, &y| add_scaled(&sum, share, &subtract(&points[y as usize], &points[x])))
     }
 
-    /// Moves points so that the surface gets the normals of its sites: `times` steps of
-    /// `v ← v + mean over its triangles of n·(n·(c − v))` with c the centroid (`sun2007`), and for clouds of
-    /// `p ← p + n·mean over its neighbors of ½(n + n′)·(p′ − p)`, which a sphere with its own normals stands still under.
+    /// Moves points so that the surface approaches the given normals of its sites: `times` steps of
+    /// `v ← v + mean over its triangles of n·(n·(c − v))` with the centroid c (`sun2007`). For clouds:
+    /// `p ← p + n·mean over its neighbors of ½(n + n′)·(p′ − p)`, under which a sphere with its own normals does
+    /// not move.
     pub(super) fn move_to(
         &self,
         points: &mut Vec<[f64; 3]>,
@@ -155,25 +156,26 @@ impl Surface {
         times: usize,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        let mut heights = vec![0.0; if let Kind::Mesh { .. } = self.kind { self.n_sites() } else { 0 }];
+        let mut heights =
+            vec![0.0; if let SurfaceKind::Mesh { .. } = self.kind { self.n_sites() } else { 0 }];
         let mut next = points.clone();
         for _ in 0..times {
-            if let Kind::Mesh { triangles, .. } = &self.kind {
-                // n·c of each triangle.
-                parallel::try_for_rows(&mut heights, 1, ROWS_AT_A_TIME, progress, |first, rows| {
+            if let SurfaceKind::Mesh { triangles, .. } = &self.kind {
+                // The value n·c of each triangle.
+                parallel::try_visit_rows(&mut heights, 1, ROWS_AT_A_TIME, progress, |first, rows| {
                     for (t, height) in (first..).zip(rows) {
                         let [a, b, c] = triangles[t].map(|v| dot(&normals[t], &points[v as usize]));
                         *height = (a + b + c) / 3.0;
                     }
                 })?;
             }
-            parallel::try_for_rows(&mut next, 1, ROWS_AT_A_TIME, progress, |first, rows| {
+            parallel::try_visit_rows(&mut next, 1, ROWS_AT_A_TIME, progress, |first, rows| {
                 for (x, moved) in (first..).zip(rows) {
                     *moved = match &self.kind {
-                        Kind::Mesh { at_vertex, .. } => {
-                            moved_vertex(&points[x], at_vertex.of(x), normals, &heights)
+                        SurfaceKind::Mesh { at_vertex, .. } => {
+                            moved_vertex(&points[x], at_vertex.row(x), normals, &heights)
                         }
-                        Kind::Cloud { .. } => moved_point(points, x, self.ring.of(x), normals),
+                        SurfaceKind::Cloud { .. } => moved_point(points, x, self.ring.row(x), normals),
                     };
                 }
             })?;
@@ -182,13 +184,13 @@ impl Surface {
         Ok(())
     }
 
-    /// The sites as a walk sees them.
+    /// The sites as input of a guided walk.
     pub(super) fn sites<'a>(&'a self, positions: &'a [[f64; 3]], areas: &'a [f64]) -> Sites<'a> {
         Sites { neighbors: self.graph(), positions, areas }
     }
 }
 
-/// Twice the area of a triangle times its unit normal.
+/// Unit normal of a triangle times twice its area.
 fn doubled_area(points: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
     let [a, b, c] = corners.map(|v| &points[v as usize]);
     cross(&subtract(b, a), &subtract(c, a))

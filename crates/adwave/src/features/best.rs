@@ -1,17 +1,19 @@
-//! The best N features, well spread.
+//! Selection of the N best features, well spread.
 
 use super::Feature;
 use crate::parallel;
 
-/// How much stronger a feature must be to suppress another: without a margin, noise decides between equals.
+/// Factor of the strength by which a feature must be stronger to suppress another; without a margin, noise decides
+/// between equals.
 const ROBUST: f64 = 0.9;
 
-/// The `n` features that are largest in the distance to the nearest clearly stronger one, in the given order; the strongest
-/// has no stronger one and always stays. Without positions (a graph) the `n` strongest. O(m²) for m features.
+/// Selects the `n` features with the largest distance to the nearest clearly stronger one, in the given order; the
+/// strongest feature always stays. Without positions (on a graph) it selects the `n` strongest. O(m²) for m
+/// features.
 ///
 /// Source: `brown2005` (adaptive
 /// non-maximal suppression).
-pub fn spread_best(features: &[Feature], n: usize) -> Vec<Feature> {
+pub fn select_spread(features: &[Feature], n: usize) -> Vec<Feature> {
     let radius = |a: &Feature| {
         let Some(p) = a.position else { return f64::INFINITY };
         let stronger = features.iter().filter(|b| ROBUST * b.strength > a.strength);

@@ -1,44 +1,48 @@
-//! What a feature's surroundings look like, as a row of numbers that can be compared.
+//! Descriptors of the neighborhood of a feature, for comparison.
 
 use super::Feature;
-use super::response::{Level, layers};
+use super::response::{ResponseLevel, layers};
 use crate::Decomposer;
 use crate::Progress;
 use crate::bands::Wavelets;
 use crate::features::Response;
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::population::Population;
 use crate::shape::squared_distance;
 use std::collections::HashSet;
 
-/// Levels on each side of the feature's own that it reads.
+/// Number of levels read on each side of the feature's level.
 const LEVELS_BESIDE: usize = 2;
-/// Levels that it reads.
+/// Number of levels read.
 const LEVELS: usize = 2 * LEVELS_BESIDE + 1;
-/// Rings round the feature, each one σ wide.
+/// Number of rings around the feature, each σ wide.
 const RINGS: usize = 3;
-/// Numbers for each level: the positive and the negative part in each ring, and the response at the vertex itself.
+/// Numbers per level: the positive and the negative part in each ring, and the response at the vertex itself.
 const PER_LEVEL: usize = 2 * RINGS + 1;
 
-/// Numbers in a descriptor.
+/// Length of a descriptor.
 pub const DESCRIPTOR_LENGTH: usize = LEVELS * PER_LEVEL;
 
-/// Numbers of Euclidean norm 1 (or all 0): for each of the levels j − 2 … j + 2 the root mean square of the positive and of
-/// the negative part of the normalized response in three rings, each one σ wide, then the response at the vertex itself. A
-/// level that there is not gives zeros.
+/// A vector of Euclidean norm 1 (or all 0). For each of the levels j − 2 … j + 2 it holds the root mean square of
+/// the positive and of the negative part of the normalized response in three rings, each σ wide, then the response
+/// at the vertex itself. A missing level gives zeros.
 pub type Descriptor = [f64; DESCRIPTOR_LENGTH];
 
-/// The descriptors of features, in their order. They do not change when the shape is moved, and neither when it is scaled,
-/// as rings and levels are counted from the feature's own σ; invariance to rotation is that of the signal's norm.
+/// Computes the descriptors of features, in their order. They are invariant to motion and to scale, because rings
+/// and levels are counted from the feature's own σ; they are invariant to rotation if the norm of the signal is.
 ///
-/// Means in the rings are weighted by area and run over what is connected to the feature within the outer ring. O(vertices
-/// within 3σ) each.
+/// Means in the rings are weighted by area and run over the vertices connected to the feature within the outer
+/// ring. O(vertices within 3σ) per feature.
 ///
 /// # Panics
-/// When the features or the bands are not those of the shape.
+/// If the features or the bands do not belong to the shape.
 pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Feature]) -> Vec<Descriptor> {
-    let layers =
-        unstopped(layers(&Population::new(decomposer), wavelets, Response::Normalized, Progress::none()));
+    let layers = expect_not_cancelled(layers(
+        &Population::new(decomposer),
+        wavelets,
+        Response::Normalized,
+        Progress::none(),
+    ));
     let levels = &layers[0].levels;
     let areas = decomposer.welded_areas();
     parallel::map_items(decomposer.n_vertices(), features.len(), |k| {
@@ -46,18 +50,23 @@ pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Featur
     })
 }
 
-fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feature: &Feature) -> Descriptor {
+fn descriptor(
+    decomposer: &Decomposer,
+    levels: &[ResponseLevel<'_>],
+    areas: &[f64],
+    feature: &Feature,
+) -> Descriptor {
     let x = decomposer.geometry().vertex_map().welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
-    let looked_at: Vec<(usize, &Level<'_>)> = (0..LEVELS)
+    let looked_at: Vec<(usize, &ResponseLevel<'_>)> = (0..LEVELS)
         .filter_map(|k| Some((k, levels.get(usize::try_from(first + k as isize - 1).ok()?)?)))
         .collect();
-    for (y, ring) in within(decomposer, x, feature.sigma) {
+    for (y, ring) in find_within(decomposer, x, feature.sigma) {
         ring_areas[ring] += areas[y];
         for &(k, level) in &looked_at {
-            let r = level.at(y);
+            let r = level.value(y);
             let part = usize::from(r < 0.0);
             numbers[k * PER_LEVEL + 2 * ring + part] += areas[y] * r * r;
         }
@@ -69,7 +78,7 @@ fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feat
                 *v = if area > 0.0 { (*v / area).sqrt() } else { 0.0 };
             }
         }
-        row[2 * RINGS] = level.at(x);
+        row[2 * RINGS] = level.value(x);
     }
     let norm = numbers.iter().map(|v| v * v).sum::<f64>().sqrt();
     if norm > 0.0 {
@@ -80,8 +89,8 @@ fn descriptor(decomposer: &Decomposer, levels: &[Level<'_>], areas: &[f64], feat
     numbers
 }
 
-/// The vertices that are connected with `x` within the outermost ring, and their rings.
-fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
+/// The vertices connected to `x` within the outermost ring, and their rings.
+fn find_within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
     let points = decomposer.geometry().points();
     let neighbors = decomposer.neighbors();
     let mut seen = HashSet::from([x]);
@@ -90,9 +99,9 @@ fn within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> 
     while at < found.len() {
         let (y, ring) = found[at];
         at += 1;
-        for &z in neighbors.of(y) {
+        for &z in neighbors.row(y) {
             let z = z as usize;
-            // On a graph σ counts the root of hops squared: rings of breadth-first hops stand for distances.
+            // On a graph σ² counts hops: breadth-first hops stand for squared distances.
             let ring = if points.is_empty() {
                 ring + 1
             } else {

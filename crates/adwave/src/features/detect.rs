@@ -1,38 +1,39 @@
-//! Algorithm 2.
+//! Feature detection (Algorithm 2).
 
 use super::components::Means;
-use super::refine::{Local, edge_ratio, refined_position, refined_sigma};
-use super::response::{Layer, layers};
-use super::{Feature, FeatureError, FeatureParams, Refinement, spread_best};
+use super::refine::{TangentNeighborhood, edge_ratio, refined_position, refined_sigma};
+use super::response::{ResponseLayer, layers};
+use super::{Feature, FeatureError, FeatureParams, Refinement, select_spread};
 use crate::bands::Wavelets;
 use crate::population::Population;
 use crate::shape::Adjacency;
 use crate::{Cancelled, Decomposer, Progress, parallel};
 
-/// Responses that differ by less than this part are equal: on a shape with symmetries whole orbits of vertices tie, and which of
-/// them is a feature must not hang on rounding.
+/// Relative difference below which responses are equal. On a symmetric shape whole orbits of vertices tie, and
+/// rounding must not decide which of them is a feature.
 const TIE: f64 = 1e-9;
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 12;
 
-/// Finds the features of a signal's bands on the shape that they were computed on, from fine to coarse, on each level the
-/// strongest first. O(n × levels × channels), and a neighborhood for each candidate.
+/// Finds the features in the bands of a signal on the shape on which they were computed, from fine to coarse, on
+/// each level the strongest first. O(n × levels × channels), and a neighborhood for each candidate.
 ///
-/// Where neighbors tie, to 1e-9 of the response, the finer level wins, then the vertex that comes first along the space-filling curve that the
-/// analysis is numbered by: the same features for any order of the file's vertices and any number of threads.
+/// If neighbors tie to within 1e-9 of the response, the finer level wins, then the vertex that comes first along
+/// the space-filling curve of the analysis order. The features are the same for any order of the file's vertices
+/// and any number of threads.
 ///
-/// Source: Algorithm 2. Printed, the mean in its threshold lost the bars of |R|; see [`Response`](super::Response) for what
-/// R is. On a mesh neighbors are two rings, however many one step of the diffusion takes in.
+/// Source: Algorithm 2, whose printed threshold lacks the bars of |R|; see [`Response`](super::Response) for R. On
+/// a mesh the neighborhood is two rings, whatever one step of the diffusion covers.
 ///
 /// # Errors
-/// [`FeatureError`] with fewer than 3 levels, a θ that is not above 0, an option without meaning, or another shape's bands.
+/// [`FeatureError`] for fewer than 3 levels, θ ≤ 0, an invalid option, or bands of another shape.
 ///
 /// ```
 /// use adwave::features::{FeatureParams, Response, features};
 /// use adwave::sample::Sample;
 /// use adwave::{Decomposer, Progress, bands::Schedule, shape::{Mesh, Shape}};
-/// let sphere = Sample::by_name("sphere", Some(2000))?;
+/// let sphere = Sample::from_name("sphere", Some(2000))?;
 /// // A bump of the signal round the vertex 7.
 /// let top = sphere.points[7];
 /// let height = |p: &[f64; 3]| (-(0..3).map(|c| (p[c] - top[c]).powi(2)).sum::<f64>() / 0.04).exp();
@@ -70,17 +71,17 @@ pub fn features(
         for j in 2..n_levels {
             progress.step(j as u64 - 2, n_levels as u64 - 2)?;
             let level = &layer.levels[j - 1];
-            let mean = means.of(&population, level);
-            let search = Search { layer: &layer, neighborhood: &neighborhood, j };
+            let mean = means.component_means(&population, level);
+            let search = ExtremumSearch { layer: &layer, neighborhood: &neighborhood, j };
             let floor = |x: usize| params.theta * mean[means.group(x)];
             for x in search.run(&floor, progress)? {
-                let local = Local::new(decomposer, &neighborhood.of(x), x);
+                let local = TangentNeighborhood::new(decomposer, &neighborhood.neighbors(x), x);
                 if let Some(most) = params.max_edge_ratio
                     && edge_ratio(&local, level).is_none_or(|ratio| ratio > most)
                 {
                     continue;
                 }
-                let response = level.at(x);
+                let response = level.value(x);
                 let mut feature = Feature {
                     vertex: x,
                     position: decomposer.geometry().points().get(x).copied(),
@@ -111,12 +112,12 @@ pub fn features(
     let of_shape = |(x, feature): (usize, Feature)| Feature { vertex: first[x] as usize, ..feature };
     let found: Vec<Feature> = found.into_iter().map(of_shape).collect();
     Ok(match params.best {
-        Some(best) => spread_best(&found, best),
+        Some(best) => select_spread(&found, best),
         None => found,
     })
 }
 
-/// The first vertex of the shape that is each welded vertex.
+/// First vertex of the shape in each welded vertex.
 fn first_members(decomposer: &Decomposer) -> Vec<u32> {
     let mut first = vec![u32::MAX; decomposer.geometry().n_vertices()];
     for (&x, vertex) in decomposer.geometry().vertex_map().as_slice().iter().zip(0..) {
@@ -125,7 +126,7 @@ fn first_members(decomposer: &Decomposer) -> Vec<u32> {
     first
 }
 
-/// Who counts as next to whom.
+/// Neighborhood in which a response is compared.
 pub(super) struct Neighborhood<'a> {
     ring: &'a Adjacency,
     rings: usize,
@@ -133,13 +134,13 @@ pub(super) struct Neighborhood<'a> {
 
 impl Neighborhood<'_> {
     /// The neighbors of `x`, nearest ring first, without `x`.
-    pub(super) fn of(&self, x: usize) -> Vec<u32> {
-        let mut found = self.ring.of(x).to_vec();
+    pub(super) fn neighbors(&self, x: usize) -> Vec<u32> {
+        let mut found = self.ring.row(x).to_vec();
         if self.rings > 1 {
             for k in 0..found.len() {
-                found.extend(self.ring.of(found[k] as usize).iter().filter(|&&y| y as usize != x));
+                found.extend(self.ring.row(found[k] as usize).iter().filter(|&&y| y as usize != x));
             }
-            let n_first = self.ring.of(x).len();
+            let n_first = self.ring.row(x).len();
             let (first, second) = found.split_at_mut(n_first);
             second.sort_unstable();
             let mut kept: Vec<u32> =
@@ -152,15 +153,16 @@ impl Neighborhood<'_> {
     }
 }
 
-/// The search of one level.
-struct Search<'a> {
-    layer: &'a Layer<'a>,
+/// Search for extrema on one level.
+struct ExtremumSearch<'a> {
+    layer: &'a ResponseLayer<'a>,
     neighborhood: &'a Neighborhood<'a>,
     j: usize,
 }
 
-impl Search<'_> {
-    /// The vertices that are features, by rising index: |R(j,x)| above the floor, and an extremum over place and scale.
+impl ExtremumSearch<'_> {
+    /// The features, in ascending order of vertices: |R(j,x)| above the threshold and an extremum in space and
+    /// scale.
     fn run(
         &self,
         floor: &(dyn Fn(usize) -> f64 + Sync),
@@ -174,28 +176,30 @@ impl Search<'_> {
             || (),
             |(), range| {
                 // Algorithm 2: |R(j,x)| > θ·mean|R(j)|, and an extremum over place and scale
-                range.filter(|&x| here.at(x).abs() > floor(x) && self.is_extremum(x)).collect::<Vec<usize>>()
+                range
+                    .filter(|&x| here.value(x).abs() > floor(x) && self.is_extremum(x))
+                    .collect::<Vec<usize>>()
             },
         )?;
         Ok(found.concat())
     }
 
-    /// Whether R(j,x) is the largest or the smallest of its neighborhood in place and scale.
+    /// True if R(j,x) is the largest or the smallest of its neighborhood in space and scale.
     fn is_extremum(&self, x: usize) -> bool {
         let levels = |y: usize| self.levels(y);
-        is_extremum(x, self.neighborhood.ring.of(x), TIE, levels)
-            && (self.neighborhood.rings == 1 || is_extremum(x, &self.neighborhood.of(x), TIE, levels))
+        is_extremum(x, self.neighborhood.ring.row(x), TIE, levels)
+            && (self.neighborhood.rings == 1 || is_extremum(x, &self.neighborhood.neighbors(x), TIE, levels))
     }
 
     fn levels(&self, x: usize) -> [f64; 3] {
-        [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level].at(x))
+        [self.j - 2, self.j - 1, self.j].map(|level| self.layer.levels[level].value(x))
     }
 }
 
-/// Whether R(j,x) is larger, or smaller, than R at the `neighbors` of `x` on level j, and at `x` and these on levels j − 1 and j + 1
-/// (Algorithm 2). `responses(y)` is R(j − 1, y), R(j, y) and R(j + 1, y). O(neighbors).
+/// True if R(j,x) is larger, or smaller, than R at the `neighbors` of `x` on level j, and at `x` and its neighbors
+/// on levels j − 1 and j + 1 (Algorithm 2). `responses(y)` is R(j − 1, y), R(j, y) and R(j + 1, y). O(neighbors).
 ///
-/// Where two differ by no more than `tie` of R(j,x), the finer level wins, then the lower number.
+/// If two responses differ by at most `tie` of R(j,x), the finer level wins, then the smaller index.
 ///
 /// ```
 /// use adwave::features::is_extremum;
@@ -208,7 +212,7 @@ pub fn is_extremum(x: usize, neighbors: &[u32], tie: f64, responses: impl Fn(usi
     [1.0, -1.0].into_iter().any(|sign| {
         let [finer, here, coarser] = at_x.map(|r| sign * r);
         let tie = tie * here.abs();
-        // The finer and coarser value at x itself rule most candidates out.
+        // The finer and the coarser value at x itself exclude most candidates.
         let over_scale = |finer: f64, coarser: f64| here > finer + tie && here >= coarser - tie;
         over_scale(finer, coarser)
             && neighbors.iter().all(|&y| {

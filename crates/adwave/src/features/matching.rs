@@ -1,21 +1,21 @@
-//! Which features of two shapes are the same.
+//! Matching of the features of two shapes.
 
 use super::Descriptor;
 use crate::parallel;
 
-/// Two features that look alike.
+/// A pair of features with similar descriptors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Match {
-    /// Index among the first features.
+    /// Index into the first list of features.
     pub first: usize,
-    /// Index among the second features.
+    /// Index into the second list of features.
     pub second: usize,
     /// Euclidean distance of their descriptors, in [0, 2].
     pub distance: f64,
 }
 
-/// Pairs of features each of which is the nearest of the other, and nearer than `ratio` times the second nearest, by rising
-/// index of the first. `ratio` = 1 asks for no margin; 0.8 is usual. O(first × second).
+/// Matches pairs of features that are mutually nearest and nearer than `ratio` times the second nearest, in
+/// ascending order of the first index. A `ratio` of 1 requires no margin; 0.8 is usual. O(first × second).
 ///
 /// Source: `lowe2004` (the ratio test).
 ///
@@ -29,7 +29,7 @@ pub struct Match {
 pub fn match_features(first: &[Descriptor], second: &[Descriptor], ratio: f64) -> Vec<Match> {
     let forward = nearest(first, second);
     let backward = nearest(second, first);
-    let pair = |(i, best): (usize, &Option<Nearest>)| {
+    let pair = |(i, best): (usize, &Option<NearestDescriptors>)| {
         let best = best.as_ref()?;
         let mutual = backward[best.index].as_ref().is_some_and(|back| back.index == i);
         let clear = best.distance < ratio * best.second;
@@ -38,24 +38,26 @@ pub fn match_features(first: &[Descriptor], second: &[Descriptor], ratio: f64) -
     forward.iter().enumerate().filter_map(pair).collect()
 }
 
-struct Nearest {
+struct NearestDescriptors {
     index: usize,
     distance: f64,
-    /// Distance of the second nearest; infinite where there is none.
+    /// Distance of the second nearest; infinite if there is none.
     second: f64,
 }
 
-fn nearest(from: &[Descriptor], to: &[Descriptor]) -> Vec<Option<Nearest>> {
+fn nearest(from: &[Descriptor], to: &[Descriptor]) -> Vec<Option<NearestDescriptors>> {
     let distance =
         |a: &Descriptor, b: &Descriptor| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt();
     parallel::map_items(from.len().max(to.len()), from.len(), |k| {
         let a = &from[k];
-        to.iter().enumerate().fold(None, |best: Option<Nearest>, (index, b)| {
+        to.iter().enumerate().fold(None, |best: Option<NearestDescriptors>, (index, b)| {
             let d = distance(a, b);
             Some(match best {
-                None => Nearest { index, distance: d, second: f64::INFINITY },
-                Some(old) if d < old.distance => Nearest { index, distance: d, second: old.distance },
-                Some(old) => Nearest { second: old.second.min(d), ..old },
+                None => NearestDescriptors { index, distance: d, second: f64::INFINITY },
+                Some(old) if d < old.distance => {
+                    NearestDescriptors { index, distance: d, second: old.distance }
+                }
+                Some(old) => NearestDescriptors { second: old.second.min(d), ..old },
             })
         })
     })

@@ -1,8 +1,8 @@
-//! Features: vertices where a band stands out in place and in scale (Algorithm 2), and what can be done with them.
+//! Features: vertices at which a band is extremal in space and in scale (Algorithm 2), and their use.
 //!
-//! x is a feature of level j when `|R(j,x)| > θ·mean|R(j)|` and R(j,x) is greater (or smaller) than R at every neighbor of
-//! x on level j, and at x and its neighbors on levels j − 1 and j + 1. Neighbors are two rings on a mesh and a graph, and
-//! the points that one step of the diffusion takes in on a cloud (the 10 nearest, in both directions).
+//! The vertex x is a feature of level j if `|R(j,x)| > θ·mean|R(j)|` and R(j,x) is greater (or smaller) than R at
+//! every neighbor of x on level j, and at x and its neighbors on levels j − 1 and j + 1. The neighborhood is two
+//! rings on a mesh or graph, and on a cloud the points of one diffusion step (the 10 nearest, in both directions).
 
 mod best;
 mod components;
@@ -14,7 +14,7 @@ mod refine;
 mod response;
 mod spheres;
 
-pub use best::spread_best;
+pub use best::select_spread;
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::{features, is_extremum};
 pub use matching::{Match, match_features};
@@ -24,68 +24,68 @@ pub use spheres::{Spheres, spheres};
 use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// A place where a band stands out.
+/// A location at which a band is extremal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
-    /// The vertex of the shape; of several at one position the first.
+    /// Index of the vertex of the shape; the first one if several share the position.
     pub vertex: usize,
-    /// Where it is in model units: the vertex, or near it after refinement. `None` on a graph.
+    /// Position in model units: the vertex, or near it after refinement. `None` on a graph.
     pub position: Option<[f64; 3]>,
     /// The level j.
     pub level: usize,
-    /// Its radius in model units: σ_j, or nearby after refinement.
+    /// Radius in model units: σ_j, or near it after refinement.
     pub sigma: f64,
-    /// R(j,x).
+    /// The response R(j,x).
     pub response: f64,
-    /// `|R(j,x)| / mean|R(j)|`, which is above θ and compares between levels and responses.
+    /// Strength `|R(j,x)| / mean|R(j)|`, which is above θ and comparable between levels and responses.
     pub strength: f64,
-    /// The channel, where each is searched by itself.
+    /// The channel, if channels are searched separately.
     pub channel: Option<usize>,
 }
 
 impl Feature {
-    /// The sign of the response: 1 where the signal is above what it is around the vertex, −1 where it is below; a norm is always
-    /// positive. Most features are maxima where it is 1 and minima where it is −1, but not all: Algorithm 2 asks for an extremum of
-    /// R and for a large |R|, so a minimum of a positive R counts too (a saddle between two bumps).
+    /// Sign of the response: 1 if the signal is above its surroundings, −1 if it is below; a norm is always
+    /// positive. Most features are maxima for 1 and minima for −1, but not all: Algorithm 2 requires an extremum of
+    /// R and a large |R|, so a minimum of a positive R counts too (a saddle between two bumps).
     pub fn sign(&self) -> i8 {
         if self.response < 0.0 { -1 } else { 1 }
     }
 }
 
-/// Why features cannot be looked for.
+/// Error of feature detection.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum FeatureError {
-    /// A feature needs a finer and a coarser level beside its own.
-    #[error("features need at least 3 levels and there are {n_levels}; take more levels")]
+    /// There are fewer than 3 levels; a feature needs a finer and a coarser level.
+    #[error("features need at least 3 levels, got {n_levels}; use more levels")]
     TooFewLevels {
-        /// Levels there are.
+        /// Number of levels.
         n_levels: usize,
     },
-    /// A threshold that every vertex or none passes.
+    /// The threshold is not positive and finite.
     #[error("the threshold θ is {theta}; it must be a finite number above 0 (useful are 1.6 to 3)")]
     Theta {
-        /// The threshold given.
+        /// The threshold.
         theta: f64,
     },
-    /// An option is not a number that makes sense.
+    /// An option is out of its range.
     #[error("the {what} is {value}; it must be a finite number of at least {least}")]
     Option {
-        /// Which option.
+        /// Name of the option.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// The least that makes sense.
+        /// Smallest valid value.
         least: f64,
     },
-    /// The bands are those of another shape.
+    /// The bands belong to another shape.
     #[error("the bands are those of {n_bands} welded vertices, the shape has {n_vertices}")]
     OtherShape {
-        /// Welded vertices of the bands.
+        /// Number of welded vertices of the bands.
         n_bands: usize,
-        /// Welded vertices of the shape.
+        /// Number of welded vertices of the shape.
         n_vertices: usize,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -1,26 +1,26 @@
-//! What a caller may ask of features.
+//! Parameters of feature detection.
 
-use super::FeatureError;
 use crate::named_values;
+use super::FeatureError;
 
-/// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal: twice
-/// [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT), which is two levels more.
+/// Default width of the last level as a share of the bounding box's diagonal: twice
+/// [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT), that is two levels more.
 ///
-/// The last level holds no feature; the widest that does is the one before it, σ from 2.8 to 4 % of the diagonal. That is
-/// how wide the ends of limbs, a nose or a knee are on a figure; on the default of the bands they would be too wide to be
-/// found. It gives a figure of 43 000 vertices the 8 levels of the paper.
+/// The last level has no features; the widest level with features is the one before it, with σ between 2.8 and 4 %
+/// of the diagonal. That is the width of the ends of limbs, a nose or a knee on a figure, which the default of the
+/// bands would miss. A figure of 43 000 vertices gets the 8 levels of the paper.
 pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
 
-/// The number R(j,x) that is compared in place and scale.
+/// Response R(j,x) that is compared in space and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Response {
-    /// `W_f(j,x) / mean_x‖W_f(j,x)‖`: each level by its own mean, so that levels compare.
+    /// `W_f(j,x) / mean_x‖W_f(j,x)‖`: each level divided by its own mean, so that levels are comparable.
     #[default]
     Normalized,
-    /// W_f itself, as Algorithm 2 is printed; the norm of several channels. That of coordinates grows with j almost
-    /// everywhere, so hardly any is largest on a middle level.
+    /// W_f itself, as Algorithm 2 is printed; the norm of several channels. For coordinates it grows with j almost
+    /// everywhere, so hardly any value is extremal on a middle level.
     Literal,
-    /// Every channel of W_f by itself, and all features together; for coordinates they depend on the axes.
+    /// Each channel of W_f separately, with all features combined; for coordinates they depend on the axes.
     Channels,
     /// `W_f(j,x) / σ_j`.
     Sigma,
@@ -33,27 +33,27 @@ named_values!(Response, "response", {
     Sigma => "sigma", "W divided by σ of its level";
 });
 
-/// Over what the mean in the threshold is taken.
+/// Set of vertices over which the threshold takes its mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ThresholdScope {
     /// The whole shape.
     #[default]
     Shape,
-    /// Each connected component by itself, so that a rough part does not hide a smooth one.
+    /// Each connected component separately, so that a rough part does not hide a smooth one.
     Component,
 }
 
-/// Whether features are placed between vertices and levels.
+/// Refinement of features between vertices and levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Refinement {
-    /// At the vertex, with σ_j.
+    /// None: the vertex and σ_j.
     #[default]
     Off,
-    /// At the top of a quadric that is fitted to R over the neighborhood, and of a parabola through R over log σ.
+    /// The maximum of a quadric fitted to R over the neighborhood, and of a parabola through R over log σ.
     Quadratic,
 }
 
-/// What counts as a feature.
+/// Parameters of feature detection.
 ///
 /// ```
 /// use adwave::features::{FeatureParams, Response};
@@ -62,20 +62,21 @@ pub enum Refinement {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeatureParams {
-    /// How many times the mean |R| of its level a response must be; > 0, useful are 1.6 to 3.
+    /// Threshold θ > 0: a response must exceed θ times the mean |R| of its level; useful values are 1.6 to 3.
     pub theta: f64,
-    /// What R is.
+    /// Response R.
     pub response: Response,
-    /// Over what the mean is taken.
+    /// Scope of the mean.
     pub scope: ThresholdScope,
-    /// Whether places and sizes are refined.
+    /// Refinement of positions and sizes.
     pub refinement: Refinement,
-    /// Reject edges: the largest ratio of the principal curvatures of R at a feature, ≥ 1; SIFT takes 10.
+    /// Largest ratio of the principal curvatures of R at a feature, ≥ 1; features above it are rejected as edges.
+    /// SIFT uses 10.
     pub max_edge_ratio: Option<f64>,
-    /// Reject features within so many σ of the border of a mesh or cloud, or of masked vertices; ≥ 0. A
-    /// graph has no border.
+    /// Distance from the border of a mesh or cloud, or from masked vertices, within which features are rejected, in
+    /// σ, ≥ 0. A graph has no border.
     pub border_sigmas: Option<f64>,
-    /// Keep only so many, the strong ones well spread (see [`spread_best`](super::spread_best)).
+    /// Number of features to keep; the strong ones, well spread (see [`select_spread`](super::select_spread)).
     pub best: Option<usize>,
 }
 
@@ -94,52 +95,52 @@ impl Default for FeatureParams {
 }
 
 impl FeatureParams {
-    /// Sets θ.
+    /// Sets the threshold θ.
     #[must_use]
     pub fn with_theta(self, theta: f64) -> Self {
         Self { theta, ..self }
     }
 
-    /// Sets what R is.
+    /// Sets the response R.
     #[must_use]
     pub fn with_response(self, response: Response) -> Self {
         Self { response, ..self }
     }
 
-    /// Sets over what the mean is taken.
+    /// Sets the scope of the mean.
     #[must_use]
     pub fn with_scope(self, scope: ThresholdScope) -> Self {
         Self { scope, ..self }
     }
 
-    /// Sets whether places and sizes are refined.
+    /// Sets the refinement of positions and sizes.
     #[must_use]
     pub fn with_refinement(self, refinement: Refinement) -> Self {
         Self { refinement, ..self }
     }
 
-    /// Rejects features on edges.
+    /// Rejects features on edges with a curvature ratio above `ratio`.
     #[must_use]
     pub fn with_max_edge_ratio(self, ratio: f64) -> Self {
         Self { max_edge_ratio: Some(ratio), ..self }
     }
 
-    /// Rejects features near a border.
+    /// Rejects features within `sigmas`·σ of a border.
     #[must_use]
     pub fn with_border_sigmas(self, sigmas: f64) -> Self {
         Self { border_sigmas: Some(sigmas), ..self }
     }
 
-    /// Keeps only so many.
+    /// Keeps at most `best` features.
     #[must_use]
     pub fn with_best(self, best: usize) -> Self {
         Self { best: Some(best), ..self }
     }
 
-    /// Checks that the numbers make sense.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// [`FeatureError`] naming the one that does not.
+    /// [`FeatureError`] naming the option that is out of its range.
     pub fn check(&self) -> Result<(), FeatureError> {
         if !(self.theta.is_finite() && self.theta > 0.0) {
             return Err(FeatureError::Theta { theta: self.theta });

@@ -1,20 +1,20 @@
-//! Where between the vertices and the levels a response is largest, and whether it is a top or a crest.
+//! Refinement of features between vertices and levels, and rejection of edges.
 
-use super::response::Level;
+use super::response::ResponseLevel;
 use crate::Decomposer;
-use crate::signal::{Frame, fit_quadric};
+use crate::signal::{TangentFrame, fit_quadric};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-/// A neighborhood laid flat.
-pub(super) struct Local {
-    frame: Option<Frame>,
-    /// Vertices, the center first, and their places in the frame in units of `size`.
+/// A neighborhood in its tangent plane.
+pub(super) struct TangentNeighborhood {
+    frame: Option<TangentFrame>,
+    /// Vertices with their coordinates in the tangent frame in units of `size`; the center comes first.
     around: Vec<(usize, Vector3<f64>)>,
     size: f64,
 }
 
-impl Local {
-    /// The neighbors of `x` in the plane that fits them best; without a frame on a graph.
+impl TangentNeighborhood {
+    /// The neighbors of `x` in their best-fitting plane; on a graph there is no frame.
     pub(super) fn new(decomposer: &Decomposer, neighbors: &[u32], x: usize) -> Self {
         let points = decomposer.geometry().points();
         let flat = Self { frame: None, around: Vec::new(), size: 0.0 };
@@ -31,7 +31,7 @@ impl Local {
         });
         let eigen = covariance.symmetric_eigen();
         let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize();
-        let frame = Frame::new(points[x], normal);
+        let frame = TangentFrame::new(points[x], normal);
         let around = std::iter::once(x)
             .chain(neighbors.iter().map(|&y| y as usize))
             .map(|y| (y, frame.local(&points[y]) / size))
@@ -44,10 +44,10 @@ impl Local {
     }
 }
 
-/// The ratio of the larger to the smaller principal curvature of R over the neighborhood, ≥ 1; `None` where R is a saddle
+/// Ratio of the larger to the smaller principal curvature of R over the neighborhood, ≥ 1; `None` if R is a saddle
 /// or flat in one direction, or the neighborhood does not determine it.
-pub(super) fn edge_ratio(local: &Local, response: &Level<'_>) -> Option<f64> {
-    let [_, _, _, d, e, f] = local.fit(|y, _| response.at(y))?;
+pub(super) fn edge_ratio(local: &TangentNeighborhood, response: &ResponseLevel<'_>) -> Option<f64> {
+    let [_, _, _, d, e, f] = local.fit(|y, _| response.value(y))?;
     let (half_trace, det) = (0.5 * (d + f), d * f - e * e);
     if det <= 0.0 {
         return None;
@@ -57,14 +57,18 @@ pub(super) fn edge_ratio(local: &Local, response: &Level<'_>) -> Option<f64> {
     (small > 0.0).then(|| large / small)
 }
 
-/// The place where the quadric through R is largest (or smallest), on the quadric through the neighborhood's points;
-/// `None` where that is no top or further than the nearest neighbor: the vertex itself is the better answer then.
-pub(super) fn refined_position(local: &Local, response: &Level<'_>) -> Option<[f64; 3]> {
+/// Position of the extremum of the quadric through R, on the quadric through the neighborhood's points; `None` if
+/// it is not an extremum or is further away than the nearest neighbor, where the vertex itself is the better
+/// answer.
+pub(super) fn refined_position(
+    local: &TangentNeighborhood,
+    response: &ResponseLevel<'_>,
+) -> Option<[f64; 3]> {
     let frame = local.frame.as_ref()?;
-    let [_, b, c, d, e, f] = local.fit(|y, _| response.at(y))?;
-    let sign = response.at(local.around[0].0).signum();
+    let [_, b, c, d, e, f] = local.fit(|y, _| response.value(y))?;
+    let sign = response.value(local.around[0].0).signum();
     let hessian = Matrix2::new(d, e, e, f);
-    // A top of a positive response bends down in both directions, the bottom of a negative one up.
+    // A maximum of a positive response bends down in both directions, a minimum of a negative one up.
     if hessian.determinant() <= 0.0 || sign * hessian.trace() >= 0.0 {
         return None;
     }
@@ -75,20 +79,20 @@ pub(super) fn refined_position(local: &Local, response: &Level<'_>) -> Option<[f
     }
     let (u, v) = (offset.x, offset.y);
     let [_, b, c, d, e, f] = local.fit(|_, p| p.z)?;
-    // Without the constant term: the surface goes through the vertex.
+    // Without a constant term, because the surface passes through the vertex.
     let height = b * u + c * v + 0.5 * (d * u * u + 2.0 * e * u * v + f * v * v);
     Some(frame.global(Vector3::new(u, v, height) * local.size))
 }
 
-/// The σ at which the parabola through |R| on levels j − 1, j and j + 1 over log σ is largest, half-way to the next level
-/// at most.
-pub(super) fn refined_sigma(sigma: &[f64], levels: &[Level<'_>], j: usize, x: usize) -> f64 {
+/// The σ at which the parabola through |R| on levels j − 1, j and j + 1 over log σ is largest, limited to half-way
+/// to the adjacent levels.
+pub(super) fn refined_sigma(sigma: &[f64], levels: &[ResponseLevel<'_>], j: usize, x: usize) -> f64 {
     let [before, here, after] = [j - 1, j, j + 1].map(|j| sigma[j].ln());
-    let sign = levels[j - 1].at(x).signum();
-    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level].at(x));
+    let sign = levels[j - 1].value(x).signum();
+    let [p, q, r] = [j - 2, j - 1, j].map(|level| sign * levels[level].value(x));
     let (left, right) = (here - before, after - here);
     let (up, down) = ((q - p) / left, (r - q) / right);
-    // The divided differences fall across a maximum.
+    // The divided differences decrease across a maximum.
     let bend = 2.0 * (down - up) / (left + right);
     if bend >= 0.0 {
         return sigma[j];

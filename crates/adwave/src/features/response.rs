@@ -1,4 +1,4 @@
-//! The responses R(j) of a signal's bands.
+//! Responses R(j) of the bands of a signal.
 
 use super::Response;
 use crate::bands::Wavelets;
@@ -6,24 +6,24 @@ use crate::population::Population;
 use crate::{Cancelled, Progress};
 use std::borrow::Cow;
 
-/// R at the welded vertices, for each level; NaN at masked vertices.
-pub(super) struct Layer<'a> {
-    /// The channel, where each is a layer by itself.
+/// R at the welded vertices on each level; NaN at masked vertices.
+pub(super) struct ResponseLayer<'a> {
+    /// The channel, if each channel is a layer.
     pub(super) channel: Option<usize>,
     /// R(j) at index j − 1.
-    pub(super) levels: Vec<Level<'a>>,
+    pub(super) levels: Vec<ResponseLevel<'a>>,
 }
 
-/// R(j): values and what they are divided by.
-pub(super) struct Level<'a> {
+/// Values of R(j) and their divisor.
+pub(super) struct ResponseLevel<'a> {
     values: Cow<'a, [f64]>,
     scale: f64,
 }
 
-impl Level<'_> {
-    /// R(j,x).
+impl ResponseLevel<'_> {
+    /// The response R(j,x).
     #[inline]
-    pub(super) fn at(&self, x: usize) -> f64 {
+    pub(super) fn value(&self, x: usize) -> f64 {
         self.values[x] / self.scale
     }
 
@@ -32,26 +32,26 @@ impl Level<'_> {
     }
 }
 
-/// All layers of a response. Asks before each level whether to go on.
+/// All layers of a response. Checks for cancellation before each level.
 pub(super) fn layers<'a>(
     population: &Population<'_>,
     wavelets: &'a Wavelets,
     response: Response,
     progress: Progress<'_>,
-) -> Result<Vec<Layer<'a>>, Cancelled> {
+) -> Result<Vec<ResponseLayer<'a>>, Cancelled> {
     let levels = |values: &dyn Fn(usize) -> Cow<'a, [f64]>, scale: &dyn Fn(usize, &[f64]) -> f64| {
         let level = |j: usize| {
             progress.check()?;
             let values = values(j);
             let scale = scale(j, &values);
             // A level without any response stays 0.
-            Ok(Level { values, scale: if scale > 0.0 { scale } else { 1.0 } })
+            Ok(ResponseLevel { values, scale: if scale > 0.0 { scale } else { 1.0 } })
         };
         (1..=wavelets.n_levels()).map(level).collect::<Result<Vec<_>, Cancelled>>()
     };
     if response == Response::Channels {
         let layer = |c: usize| {
-            Ok(Layer { channel: Some(c), levels: levels(&|j| wavelets.channel(j, c), &|_, _| 1.0)? })
+            Ok(ResponseLayer { channel: Some(c), levels: levels(&|j| wavelets.channel(j, c), &|_, _| 1.0)? })
         };
         return (0..wavelets.n_channels).map(layer).collect();
     }
@@ -60,5 +60,5 @@ pub(super) fn layers<'a>(
         Response::Sigma => wavelets.sigma[j],
         Response::Literal | Response::Channels => 1.0,
     };
-    Ok(vec![Layer { channel: None, levels: levels(&|j| wavelets.norms_of(j), &scale)? }])
+    Ok(vec![ResponseLayer { channel: None, levels: levels(&|j| wavelets.level_norms(j), &scale)? }])
 }

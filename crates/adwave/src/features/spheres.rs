@@ -1,4 +1,4 @@
-//! Features as little spheres, to look at.
+//! Features as small spheres, for display.
 
 use super::Feature;
 use crate::shape::Polygons;
@@ -10,14 +10,14 @@ use std::collections::HashMap;
 pub struct Spheres {
     /// Vertices in model units.
     pub points: Vec<[f64; 3]>,
-    /// Triangles.
+    /// Triangles of all spheres.
     pub faces: Polygons,
-    /// The feature, by its place in the list, that each vertex belongs to.
+    /// Index of the feature of each vertex.
     pub feature_of: Vec<u32>,
 }
 
-/// A sphere of radius σ round every feature that has a position: an icosahedron with its edges halved once, 42 vertices and
-/// 80 triangles. O(features).
+/// Builds a sphere of radius σ around every feature that has a position: an icosahedron subdivided once, with 42
+/// vertices and 80 triangles. O(features).
 ///
 /// ```
 /// use adwave::features::{Feature, spheres};
@@ -51,7 +51,7 @@ fn unit_sphere() -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {
     for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
         points.extend([Vector3::new(0.0, a, b), Vector3::new(a, b, 0.0), Vector3::new(b, 0.0, a)]);
     }
-    // The 20 faces are the triples at the shortest distance, turned outwards.
+    // The 20 faces are the triples at the shortest distance, oriented outwards.
     let near = |i: usize, j: usize| (points[i] - points[j]).norm_squared() < 4.5;
     let mut faces: Vec<[u32; 3]> = Vec::new();
     for i in 0..12 {

@@ -1,23 +1,23 @@
-//! The arithmetic of a filter: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18).
+//! Evaluation of a filter: `f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18).
 //!
-//! Since `f = S_f(J) + Σ_j W_f(j)` this is `S_f(J) + Σ_j Γ(j,x)·W_f(j)`, and exact where nothing is edited: a vertex outside
-//! all regions keeps its value to the last bit.
+//! Since `f = S_f(J) + Σ_j W_f(j)`, this equals `S_f(J) + Σ_j Γ(j,x)·W_f(j)`. In this form it is exact where
+//! nothing is edited: a vertex outside all regions keeps its value to the last bit.
 
 use super::FilterError;
-use super::layers::{LayerSlot, WeightedLayer, excess_at};
+use super::layers::{LayerSlot, WeightedLayer, gain_excess};
 use crate::bands::{Wavelets, check_buffer};
 use crate::pages::zeros;
 use crate::parallel;
 use crate::shape::VertexMap;
 
-/// Vertices that a thread treats at a time: their rows of one band stay in the first-level cache.
+/// Number of vertices that a thread processes at a time; their rows of one band fit into the first-level cache.
 const VERTICES_AT_A_TIME: usize = 1 << 10;
 
-/// The filter on bands that are there: `out = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), to the bits of
+/// Filters with precomputed bands: `out = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), with the same bits as
 /// [`Editor`](crate::Editor), all in the order of the shape.
 ///
-/// `bands` are W_f(1) … W_f(J), J = `n_levels`, one after the other, as [`Bands`](crate::bands::Bands) has them; what follows them is not read.
-/// O(n·J·d); reads each band whose gain is not 1 once, and keeps nothing.
+/// `bands` are W_f(1) … W_f(J), J = `n_levels`, one after another, as in [`Bands`](crate::bands::Bands); the rest
+/// of the slice is ignored. Each band whose gain is not 1 is read once. O(n·J·d).
 ///
 /// ```
 /// use adwave::{Decomposer, bands::Schedule, filter::{WeightedLayer, filter_bands}, shape::{Graph, Shape}};
@@ -31,10 +31,10 @@ const VERTICES_AT_A_TIME: usize = 1 << 10;
 /// ```
 ///
 /// # Errors
-/// [`FilterError`] when gains, regions or sizes do not fit.
+/// [`FilterError`] if gains, regions or sizes do not match.
 ///
 /// # Panics
-/// When vertices are welded: then the members of one share a band but for its finest.
+/// If vertices are welded; the members of a welded vertex share all bands but the finest.
 pub fn filter_bands(
     signal: &[f64],
     bands: &[f64],
@@ -51,7 +51,7 @@ pub fn filter_bands(
     check_buffer(signal.len(), len)?;
     check_buffer(out.len(), len)?;
     check_buffer(bands.len().min(n_levels * len), n_levels * len)?;
-    let slots: Vec<_> = layers.iter().map(|layer| LayerSlot::in_shape_order(layer, vertex_map)).collect();
+    let slots: Vec<_> = layers.iter().map(|layer| LayerSlot::to_shape_order(layer, vertex_map)).collect();
     let levels: Vec<&[f64]> = bands.chunks_exact(len.max(1)).take(n_levels).collect();
     match n_channels {
         1 => filter_rows::<1>(signal, &levels, 1, &slots, out),
@@ -61,7 +61,7 @@ pub fn filter_bands(
     Ok(())
 }
 
-/// [`filter_bands`] for D channels, or `d` of them where D is 0.
+/// [`filter_bands`] for D channels, or for `d` channels if D is 0.
 fn filter_rows<const D: usize>(
     signal: &[f64],
     levels: &[&[f64]],
@@ -73,19 +73,19 @@ fn filter_rows<const D: usize>(
     let mut same = vec![0.0; levels.len()];
     let is_same = layers.iter().all(LayerSlot::is_everywhere);
     if is_same {
-        excess_at(layers, 0, 0, &mut same);
+        gain_excess(layers, 0, 0, &mut same);
     }
-    parallel::for_rows(out, d, VERTICES_AT_A_TIME, |first, rows| {
+    parallel::visit_rows(out, d, VERTICES_AT_A_TIME, |first, rows| {
         let signal = &signal[first * d..][..rows.len()];
         if is_same {
             let edited = same.iter().zip(levels).filter(|(e, _)| **e != 0.0);
             let edited: Vec<(f64, &[f64])> =
                 edited.map(|(e, level)| (*e, &level[first * d..][..rows.len()])).collect();
-            sum_of(&edited, rows);
+            sum_levels(&edited, rows);
         } else {
             let mut excess = vec![0.0; levels.len()];
             for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
-                excess_at(layers, x, x, &mut excess);
+                gain_excess(layers, x, x, &mut excess);
                 row.fill(0.0);
                 for (e, level) in excess.iter().zip(levels).filter(|(e, _)| **e != 0.0) {
                     for (sum, w) in row.iter_mut().zip(&level[x * d..][..d]) {
@@ -100,8 +100,8 @@ fn filter_rows<const D: usize>(
     });
 }
 
-/// `Σ_k factor_k·level_k`, four levels for each look at the sum, added one after the other.
-fn sum_of(levels: &[(f64, &[f64])], sum: &mut [f64]) {
+/// Computes `Σ_k factor_k·level_k`, adding four levels per pass over the sum, one after another.
+fn sum_levels(levels: &[(f64, &[f64])], sum: &mut [f64]) {
     sum.fill(0.0);
     let (fours, others) = levels.as_chunks::<4>();
     for &[(a, v), (b, w), (c, x), (e, y)] in fours {
@@ -116,22 +116,22 @@ fn sum_of(levels: &[(f64, &[f64])], sum: &mut [f64]) {
     }
 }
 
-/// What a filter reads: a signal, its wavelets, and how they belong together.
+/// Input of a filter: a signal, its wavelets, and their relation.
 #[derive(Clone, Copy)]
-pub(crate) struct Source<'a> {
-    /// n_vertices × n_channels, in the order of the shape.
+pub(crate) struct FilterInput<'a> {
+    /// Signal, n_vertices × n_channels, in the order of the shape.
     pub(crate) signal: &'a [f64],
-    /// In the analysis order.
+    /// Wavelets in the analysis order.
     pub(crate) wavelets: &'a Wavelets,
-    /// The mean of the signal at each welded vertex; what differs from it is part of W_f(1).
+    /// Mean of the signal at each welded vertex; the difference from it is part of W_f(1).
     pub(crate) mean: &'a [f64],
     pub(crate) vertex_map: &'a VertexMap,
     /// Flags of the vertices that keep their values.
     pub(crate) masked: Option<&'a [bool]>,
 }
 
-impl<'a> Source<'a> {
-    /// The number of channels: D itself, so that loops over them are unrolled, or what it is where D is 0.
+impl<'a> FilterInput<'a> {
+    /// Number of channels: D, so that loops are unrolled, or the actual number if D is 0.
     #[inline]
     fn n_channels<const D: usize>(&self) -> usize {
         if D == 0 { self.wavelets.n_channels } else { D }
@@ -141,7 +141,8 @@ impl<'a> Source<'a> {
         self.vertex_map.n_welded() < self.vertex_map.n_vertices()
     }
 
-    /// The edited signal at all vertices into `edited`, with `change` of n_welded × n_channels values as scratch.
+    /// Writes the edited signal at all vertices to `edited`; `change` is scratch memory of n_welded × n_channels
+    /// values.
     pub(crate) fn apply(&self, layers: &[LayerSlot], change: &mut Vec<f64>, edited: &mut [f64]) {
         match self.wavelets.n_channels {
             1 => self.apply_channels::<1>(layers, change, edited),
@@ -165,41 +166,41 @@ impl<'a> Source<'a> {
         }
         if layers.iter().all(LayerSlot::is_everywhere) {
             let mut excess = vec![0.0; n_levels];
-            excess_at(layers, 0, 0, &mut excess);
+            gain_excess(layers, 0, 0, &mut excess);
             self.same_everywhere::<D>(&excess, change);
             self.add::<D>(change, |_| excess[0], edited);
             return;
         }
-        parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, rows| {
+        parallel::visit_rows(change, d, VERTICES_AT_A_TIME, |first, rows| {
             let mut excess = vec![0.0; n_levels];
             for (x, row) in (first..).zip(rows.chunks_exact_mut(d)) {
-                excess_at(layers, x, 0, &mut excess);
+                gain_excess(layers, x, 0, &mut excess);
                 self.change::<D>(x, &excess, row);
             }
         });
         let mut finest = vec![0.0; if self.is_welded() { self.vertex_map.n_welded() } else { 0 }];
-        parallel::for_rows(&mut finest, 1, VERTICES_AT_A_TIME, |first, finest| {
+        parallel::visit_rows(&mut finest, 1, VERTICES_AT_A_TIME, |first, finest| {
             let mut excess = vec![0.0; n_levels];
             for (x, finest) in (first..).zip(finest) {
-                excess_at(layers, x, 0, &mut excess);
+                gain_excess(layers, x, 0, &mut excess);
                 *finest = excess[0];
             }
         });
         self.add::<D>(change, |x| finest[x], edited);
     }
 
-    /// `Σ_j excess[j−1]·W_f(j)`, one factor for all vertices.
+    /// Computes `Σ_j excess[j−1]·W_f(j)` with the same factors at all vertices.
     fn same_everywhere<const D: usize>(&self, excess: &[f64], change: &mut [f64]) {
         let d = self.n_channels::<D>();
         let levels = excess.iter().zip(&self.wavelets.levels).filter(|(e, _)| **e != 0.0);
         let levels: Vec<(f64, &'a [f64])> = levels.map(|(e, level)| (*e, level.as_slice())).collect();
-        parallel::for_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
+        parallel::visit_rows(change, d, VERTICES_AT_A_TIME, |first, change| {
             let part = |&(excess, level): &(f64, &'a [f64])| (excess, &level[first * d..][..change.len()]);
-            sum_of(&levels.iter().map(part).collect::<Vec<_>>(), change);
+            sum_levels(&levels.iter().map(part).collect::<Vec<_>>(), change);
         });
     }
 
-    /// `Σ_j excess[j−1]·W_f(j,x)`.
+    /// Computes `Σ_j excess[j−1]·W_f(j,x)`.
     #[inline]
     fn change<const D: usize>(&self, x: usize, excess: &[f64], change: &mut [f64]) {
         let d = self.n_channels::<D>();
@@ -212,7 +213,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The signal and the change of its welded vertex; `finest(x)` is Γ(1,x) − 1.
+    /// Adds the change of each welded vertex to the signal; `finest(x)` is Γ(1,x) − 1.
     fn add<const D: usize>(
         &self,
         change: &[f64],
@@ -220,7 +221,7 @@ impl<'a> Source<'a> {
         edited: &mut [f64],
     ) {
         let (d, welded, is_welded) = (self.n_channels::<D>(), self.vertex_map.as_slice(), self.is_welded());
-        parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
+        parallel::visit_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
             for ((vertex, &x), row) in (first..).zip(&welded[first..]).zip(rows.chunks_exact_mut(d)) {
                 let x = x as usize;
                 let finest = if is_welded { finest(x) } else { 0.0 };
@@ -229,7 +230,7 @@ impl<'a> Source<'a> {
         });
     }
 
-    /// The edited values of one vertex.
+    /// Computes the edited values of one vertex.
     #[inline]
     fn edit<const D: usize>(&self, vertex: usize, change: &[f64], finest: f64, row: &mut [f64]) {
         let d = self.n_channels::<D>();
@@ -256,18 +257,19 @@ impl<'a> Source<'a> {
 
     fn apply_by_vertex<const D: usize>(&self, layers: &[LayerSlot], edited: &mut [f64]) {
         let d = self.n_channels::<D>();
-        parallel::for_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
+        parallel::visit_rows(edited, d, VERTICES_AT_A_TIME, |first, rows| {
             let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);
             for (vertex, row) in (first..).zip(rows.chunks_exact_mut(d)) {
                 let x = self.vertex_map.welded(vertex);
-                excess_at(layers, x, vertex, &mut excess);
+                gain_excess(layers, x, vertex, &mut excess);
                 self.change::<D>(x, &excess, &mut change);
                 self.edit::<D>(vertex, &change, excess[0], row);
             }
         });
     }
 
-    /// The edited signal at the members of some welded vertices, the same bits as [`apply`](Self::apply).
+    /// Writes the edited signal at the members of some welded vertices, with the same bits as
+    /// [`apply`](Self::apply).
     pub(crate) fn apply_at(
         &self,
         layers: &[LayerSlot],
@@ -297,7 +299,7 @@ impl<'a> Source<'a> {
             for (k, &vertex) in members[first_member[x]..first_member[x + 1]].iter().enumerate() {
                 let vertex = vertex as usize;
                 if k == 0 || is_by_vertex {
-                    excess_at(layers, x, vertex, &mut excess);
+                    gain_excess(layers, x, vertex, &mut excess);
                     self.change::<D>(x, &excess, &mut change);
                 }
                 let finest = if is_welded { excess[0] } else { 0.0 };

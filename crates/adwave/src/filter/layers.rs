@@ -1,16 +1,16 @@
-//! Layers made ready to be evaluated at any vertex.
+//! Layers in a form that can be evaluated at any vertex.
 
 use super::{Edit, FilterError, Layer};
 use crate::Progress;
 use crate::region::{RegionWeights, SurfaceMetric};
 use crate::shape::VertexMap;
 
-/// A layer as numbers: one gain for each level, and the weights of its region on a shape.
+/// A layer as numbers: one gain per level, and the weights of its region on a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedLayer {
-    /// g_1 … g_J, fine to coarse.
+    /// Gains g_1 … g_J, fine to coarse.
     pub gains: Vec<f64>,
-    /// r(x).
+    /// Weights r(x) of the region.
     pub weights: RegionWeights,
 }
 
@@ -20,10 +20,10 @@ impl WeightedLayer {
         Self { gains, weights: RegionWeights::Everywhere }
     }
 
-    /// Checks that there is one finite gain for each level and that the weights belong to the shape.
+    /// Checks that there is one finite gain per level and that the weights match the shape.
     ///
     /// # Errors
-    /// [`FilterError`]; `layer` is the layer's number in it, from 1.
+    /// [`FilterError`] with the number `layer` (from 1) if they do not.
     pub fn check(&self, layer: usize, n_levels: usize, vertex_map: &VertexMap) -> Result<(), FilterError> {
         super::check_gains(&self.gains, n_levels)?;
         self.weights.check(vertex_map).map_err(|source| FilterError::Region { layer, source })
@@ -31,10 +31,10 @@ impl WeightedLayer {
 }
 
 impl Edit<'_> {
-    /// The layers as numbers, for `n_levels` levels on a shape.
+    /// Resolves the layers to numbers, for `n_levels` levels on a shape.
     ///
     /// # Errors
-    /// [`FilterError`] when gains or regions do not fit; cancelled.
+    /// [`FilterError`] if gains or regions do not match, or the call is cancelled.
     pub fn resolve(
         &self,
         n_levels: usize,
@@ -51,39 +51,39 @@ impl Edit<'_> {
     }
 }
 
-/// Weights that can be read at any vertex in constant time.
+/// Weights with constant-time access at any vertex.
 #[derive(Clone, Debug)]
-enum Dense {
+enum DenseWeights {
     Everywhere,
     Welded(Vec<f64>),
-    /// Per vertex of the shape, where vertices are welded.
+    /// One weight per vertex of the shape, if vertices are welded.
     Vertices(Vec<f64>),
 }
 
-/// A layer that is evaluated vertex by vertex.
+/// A layer for evaluation vertex by vertex.
 #[derive(Clone, Debug)]
 pub(crate) struct LayerSlot {
-    /// g_j − 1.
+    /// Excess gains g_j − 1.
     excess: Vec<f64>,
-    weights: Dense,
-    /// The welded vertices, by rising index, beyond which all weights are 0; `None` where that is not known.
+    weights: DenseWeights,
+    /// Welded vertices outside which all weights are 0, in ascending order; `None` if unknown.
     support: Option<Vec<u32>>,
 }
 
 impl LayerSlot {
-    /// A layer that has been checked.
+    /// Prepares a layer that has been checked.
     pub(crate) fn new(layer: WeightedLayer, vertex_map: &VertexMap) -> Self {
-        let mut slot = Self { excess: Vec::new(), weights: Dense::Everywhere, support: None };
+        let mut slot = Self { excess: Vec::new(), weights: DenseWeights::Everywhere, support: None };
         slot.set_gains(&layer.gains);
         slot.set_weights(layer.weights, vertex_map);
         slot
     }
 
-    /// A layer that has been checked, for reading by the vertices of the shape.
-    pub(crate) fn in_shape_order(layer: &WeightedLayer, vertex_map: &VertexMap) -> Self {
+    /// Prepares a layer that has been checked, for access by the vertices of the shape.
+    pub(crate) fn to_shape_order(layer: &WeightedLayer, vertex_map: &VertexMap) -> Self {
         let weights = match &layer.weights {
-            RegionWeights::Everywhere => Dense::Everywhere,
-            weights => Dense::Vertices(weights.to_vertices(vertex_map)),
+            RegionWeights::Everywhere => DenseWeights::Everywhere,
+            weights => DenseWeights::Vertices(weights.to_vertices(vertex_map)),
         };
         let mut slot = Self { excess: Vec::new(), weights, support: None };
         slot.set_gains(&layer.gains);
@@ -95,10 +95,11 @@ impl LayerSlot {
         self.excess.extend(gains.iter().map(|g| g - 1.0));
     }
 
-    /// Replaces the weights; the welded vertices where the old or the new ones may differ from 0, or `None` for all.
+    /// Replaces the weights. Returns the welded vertices where the old or the new weights may differ from 0, or
+    /// `None` for all.
     pub(crate) fn set_weights(&mut self, weights: RegionWeights, vertex_map: &VertexMap) -> Option<Vec<u32>> {
         match (weights, &mut self.weights, self.support.take()) {
-            (RegionWeights::Sparse { vertices, weights }, Dense::Welded(dense), Some(old)) => {
+            (RegionWeights::Sparse { vertices, weights }, DenseWeights::Welded(dense), Some(old)) => {
                 for &x in &old {
                     dense[x as usize] = 0.0;
                 }
@@ -110,53 +111,54 @@ impl LayerSlot {
             (RegionWeights::Sparse { vertices, weights }, ..) => {
                 let mut dense = vec![0.0; vertex_map.n_welded()];
                 put(&mut dense, &vertices, &weights);
-                self.weights = Dense::Welded(dense);
+                self.weights = DenseWeights::Welded(dense);
                 self.support = Some(vertices);
             }
-            (RegionWeights::Everywhere, ..) => self.weights = Dense::Everywhere,
-            (RegionWeights::Welded(weights), ..) => self.weights = Dense::Welded(weights),
+            (RegionWeights::Everywhere, ..) => self.weights = DenseWeights::Everywhere,
+            (RegionWeights::Welded(weights), ..) => self.weights = DenseWeights::Welded(weights),
             (RegionWeights::Vertices(weights), ..) => {
                 self.weights = if vertex_map.n_welded() < vertex_map.n_vertices() {
-                    Dense::Vertices(weights)
+                    DenseWeights::Vertices(weights)
                 } else {
                     let mut welded = vec![0.0; weights.len()];
                     put(&mut welded, vertex_map.as_slice(), &weights);
-                    Dense::Welded(welded)
+                    DenseWeights::Welded(welded)
                 };
             }
         }
         None
     }
 
-    /// The welded vertices where this layer may do anything, by rising index; `None` for all.
+    /// The welded vertices that this layer may change, in ascending order; `None` for all.
     pub(crate) fn support(&self) -> Option<&[u32]> {
         self.support.as_deref()
     }
 
     pub(crate) fn is_everywhere(&self) -> bool {
-        matches!(self.weights, Dense::Everywhere)
+        matches!(self.weights, DenseWeights::Everywhere)
     }
 
-    /// Whether members of a welded vertex may have different weights.
+    /// True if members of a welded vertex may have different weights.
     pub(crate) fn is_by_vertex(&self) -> bool {
-        matches!(self.weights, Dense::Vertices(_))
+        matches!(self.weights, DenseWeights::Vertices(_))
     }
 
-    /// r at welded vertex `x`, of which `vertex` is a member.
+    /// Weight r at welded vertex `x` for its member `vertex`.
     #[inline]
     fn weight(&self, x: usize, vertex: usize) -> f64 {
         match &self.weights {
-            Dense::Everywhere => 1.0,
-            Dense::Welded(weights) => weights[x],
-            Dense::Vertices(weights) => weights[vertex],
+            DenseWeights::Everywhere => 1.0,
+            DenseWeights::Welded(weights) => weights[x],
+            DenseWeights::Vertices(weights) => weights[vertex],
         }
     }
 }
 
-/// `Γ(j,x) − 1` for all levels j, `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))` (eq. 18), at welded vertex `x`, of which `vertex` is
-/// a member. Exactly 0 where no layer does anything, exactly g_j − 1 where one does with the weight 1.
+/// Computes `Γ(j,x) − 1` for all levels j, `Γ(j,x) = Π_layers (1 + r(x)·(g_j − 1))` (eq. 18), at welded vertex `x`
+/// for its member `vertex`. The result is exactly 0 if no layer has an effect, and exactly g_j − 1 if one layer has
+/// weight 1.
 #[inline]
-pub(crate) fn excess_at(layers: &[LayerSlot], x: usize, vertex: usize, excess: &mut [f64]) {
+pub(crate) fn gain_excess(layers: &[LayerSlot], x: usize, vertex: usize, excess: &mut [f64]) {
     excess.fill(0.0);
     for layer in layers {
         let r = layer.weight(x, vertex);
@@ -176,7 +178,7 @@ fn put(dense: &mut [f64], vertices: &[u32], weights: &[f64]) {
     }
 }
 
-/// The members of two lists by rising index, each once.
+/// Members of two ascending lists, each once.
 fn union(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut both = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut k) = (0, 0);
@@ -210,9 +212,9 @@ mod tests {
             LayerSlot::new(WeightedLayer { gains: vec![3.0, 0.0], weights: half }, &map),
         ];
         let mut excess = [0.0; 2];
-        excess_at(&layers, 0, 0, &mut excess);
+        gain_excess(&layers, 0, 0, &mut excess);
         assert_eq!(excess, [2.0 * 2.0 - 1.0, 0.5 - 1.0]);
-        excess_at(&layers, 1, 1, &mut excess);
+        gain_excess(&layers, 1, 1, &mut excess);
         assert_eq!(excess, [1.0, 0.0]);
     }
 }

@@ -1,10 +1,10 @@
-//! Space-frequency filters (eq. 18): keep, drop, weaken or strengthen each band, everywhere or by region.
+//! Space-frequency filters (eq. 18): keep, remove, attenuate or amplify each band, everywhere or by region.
 
 mod apply;
 mod keep_volume;
 mod layers;
 
-pub(crate) use apply::Source;
+pub(crate) use apply::FilterInput;
 pub use apply::filter_bands;
 pub use keep_volume::{KeepVolume, KeepVolumeError};
 pub(crate) use layers::LayerSlot;
@@ -17,21 +17,22 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
-/// The four filters of the paper's Fig. 14, for any number of levels, and one that smooths and keeps limbs.
+/// Presets: the four filters of the paper's Fig. 14 for any number of levels, and a smoothing that keeps limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Smooth and keep volume: gains 0, …, 0, 2, which is `2Φⁿ − Φ²ⁿ = 1 − (1 − Φⁿ)²` for dyadic levels, n = n_{J−1}. What is
-    /// wide loses `(1 − λⁿ)²` of itself where dropping every band takes `1 − λⁿ`; of one level 0, which drops it.
+    /// Smooths and keeps volume: gains 0, …, 0, 2, which is `2Φⁿ − Φ²ⁿ = 1 − (1 − Φⁿ)²` for dyadic levels, n =
+    /// n_{J−1}. Wide features lose `(1 − λⁿ)²` of themselves; removing every band would take `1 − λⁿ`. With one
+    /// level the gain is 0.
     #[serde(alias = "smooth")]
     Suppress,
-    /// Drop every band: all gains 0 (the paper's). Smooths, and shrinks what is thin.
+    /// Removes every band (gains 0, as in the paper). Smooths, and shrinks thin parts.
     SuppressPaper,
-    /// Strengthen every band, the fine ones most: gains above 1. Makes details crisp.
+    /// Amplifies every band, the fine ones most (gains above 1). Sharpens details.
     Enhance,
-    /// Keep the fine bands and drop the middle ones: fine texture on a smoothed body.
+    /// Keeps the fine bands and removes the middle ones: fine texture on a smoothed body.
     Band1,
-    /// Drop the fine bands and strengthen the middle ones: a caricature without texture.
+    /// Removes the fine bands and amplifies the middle ones: a caricature without texture.
     Band2,
 }
 
@@ -44,7 +45,7 @@ named_values!(Preset, "preset", {
 });
 
 impl Preset {
-    /// The gains g_1 … g_J for `n_levels` = J levels. The fine bands of `Band1` and `Band2` are the finest third.
+    /// Gains g_1 … g_J for `n_levels` = J levels. The fine bands of `Band1` and `Band2` are the finest third.
     ///
     /// ```
     /// use adwave::filter::Preset;
@@ -56,7 +57,8 @@ impl Preset {
             .map(|level| match self {
                 Self::Suppress if level == n_levels && n_levels > 1 => 2.0,
                 Self::Suppress | Self::SuppressPaper => 0.0,
-                // Falls from the finest to the coarsest band: what is coarse is shape, and twice the shape is none.
+                // The gains decrease from the finest to the coarsest band, because coarse bands carry the shape
+                // itself.
                 Self::Enhance => {
                     let t = (level - 1) as f64 / n_levels as f64;
                     ENHANCE_FINEST + t * (ENHANCE_COARSEST - ENHANCE_FINEST)
@@ -76,25 +78,25 @@ impl Preset {
 
 /// Gain of the finest band under [`Preset::Enhance`].
 const ENHANCE_FINEST: f64 = 2.0;
-/// Gain that the bands of [`Preset::Enhance`] fall toward.
+/// Gain that the bands of [`Preset::Enhance`] approach towards the coarsest.
 const ENHANCE_COARSEST: f64 = 1.2;
 /// Gain of the middle bands under [`Preset::Band2`].
 const BAND2_GAIN: f64 = 2.0;
 
-/// One gain for each band.
+/// Gains of the bands, fine to coarse.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Gains {
-    /// Those of a preset, for however many levels there are.
+    /// The gains of a preset, for any number of levels.
     Preset(Preset),
-    /// g_1 … g_J, fine to coarse.
+    /// Gains g_1 … g_J, fine to coarse.
     Gains(Vec<f64>),
 }
 
 impl Gains {
-    /// The gains g_1 … g_J.
+    /// Resolves to the gains g_1 … g_J.
     ///
     /// # Errors
-    /// [`FilterError`] when there are not `n_levels` gains or one is not finite.
+    /// [`FilterError`] unless there are `n_levels` finite gains.
     pub fn resolve(&self, n_levels: usize) -> Result<Vec<f64>, FilterError> {
         let gains = match self {
             Self::Preset(preset) => preset.gains(n_levels),
@@ -105,7 +107,7 @@ impl Gains {
     }
 }
 
-/// Checks that there is one finite gain for each level.
+/// Checks that there is one finite gain per level.
 pub(crate) fn check_gains(gains: &[f64], n_levels: usize) -> Result<(), FilterError> {
     if gains.len() != n_levels {
         return Err(FilterError::WrongNumberOfGains { n_gains: gains.len(), n_levels });
@@ -116,17 +118,17 @@ pub(crate) fn check_gains(gains: &[f64], n_levels: usize) -> Result<(), FilterEr
     }
 }
 
-/// One edit: gains, and where they apply.
+/// One layer of an edit: gains, and the region where they apply.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LayerTable", into = "LayerTable")]
 pub struct Layer {
-    /// The gains.
+    /// Gains of the bands.
     pub gains: Gains,
-    /// Where they apply.
+    /// Region where the gains apply.
     pub region: Region,
 }
 
-/// A layer as a recipe has it: `preset` or `gains`, and a `region` that is everywhere where none is given.
+/// A layer in a recipe: `preset` or `gains`, and a `region` that defaults to everywhere.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LayerTable {
@@ -164,11 +166,11 @@ impl From<Layer> for LayerTable {
 /// An edit: layers in any order, and the fields that their regions may name.
 #[derive(Clone, Copy)]
 pub struct Edit<'a> {
-    /// What is changed where.
+    /// Layers of the edit.
     pub layers: &'a [Layer],
-    /// Gives a vertex field of the shape by its name.
+    /// Look-up of a vertex field of the shape by its name.
     pub field: &'a FieldLookup<'a>,
-    /// The names that an error lists.
+    /// Names of the available fields, for error messages.
     pub field_names: &'a [String],
 }
 
@@ -178,14 +180,14 @@ impl<'a> Edit<'a> {
         Self { layers, field: &|_| None, field_names: &[] }
     }
 
-    /// The same edit with fields that its regions may name.
+    /// Sets the fields that its regions may name.
     #[must_use]
     pub fn with_fields(self, field: &'a FieldLookup<'a>, field_names: &'a [String]) -> Self {
         Self { field, field_names, ..self }
     }
 }
 
-/// A region as a table, or as a text as on a command line.
+/// Reads a region from a table, or from text as on a command line.
 fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Region>, D::Error> {
     #[derive(Deserialize)]
     #[serde(
@@ -202,15 +204,15 @@ fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<R
     }
 }
 
-/// Why an edit cannot be applied.
+/// Error of applying an edit.
 #[derive(Debug, Error, PartialEq)]
 pub enum FilterError {
-    /// There is not one gain per level.
+    /// The number of gains does not match the number of levels.
     #[error("{n_gains} gains were given for {n_levels} levels; give one gain per level, fine to coarse")]
     WrongNumberOfGains {
-        /// Gains given.
+        /// Number of gains given.
         n_gains: usize,
-        /// Levels there are.
+        /// Number of levels.
         n_levels: usize,
     },
     /// A gain is NaN or infinite.
@@ -218,23 +220,23 @@ pub enum FilterError {
     BadGain {
         /// The level, from 1.
         level: usize,
-        /// Its gain.
+        /// The gain.
         gain: f64,
     },
-    /// A region does not fit the shape.
+    /// A region does not match the shape.
     #[error("layer {layer}: {source}")]
     Region {
         /// The layer, from 1.
         layer: usize,
-        /// What is wrong with its region.
+        /// Error of its region.
         source: RegionError,
     },
-    /// There is no such layer.
+    /// The layer does not exist.
     #[error("there is no layer {layer}; there are {n_layers}, counted from 1")]
     NoSuchLayer {
         /// The layer, from 1.
         layer: usize,
-        /// Layers there are.
+        /// Number of layers.
         n_layers: usize,
     },
     /// The bands could not be computed.
@@ -254,21 +256,21 @@ impl ClassifiedError for FilterError {
     }
 }
 
-/// How far an edit moved the vertices of a shape.
+/// Displacement of the vertices of a shape by an edit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displacement {
-    /// Root of the mean square distance between a vertex before and after, in model units.
+    /// Root mean square distance between the positions before and after, in model units.
     pub rms: f64,
-    /// The largest such distance, in model units.
+    /// Largest distance, in model units.
     pub max: f64,
-    /// The vertex that moved furthest, from 0.
+    /// Index of the vertex that moved furthest, from 0.
     pub furthest: usize,
 }
 
-/// Measures how far the vertices of a shape moved.
+/// Measures the displacement of the vertices of a shape.
 ///
 /// # Panics
-/// When there are not as many points after as before, or none.
+/// If the numbers of points before and after differ, or are 0.
 pub fn displacement(before: &[[f64; 3]], after: &[[f64; 3]]) -> Displacement {
     assert_eq!(before.len(), after.len(), "as many points after as before");
     let moved = |x: usize| crate::shape::squared_distance(&before[x], &after[x]);

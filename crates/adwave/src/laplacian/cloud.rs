@@ -1,9 +1,10 @@
-//! The Laplacian of a point cloud, from each point's Voronoi cell in its tangent plane.
+//! Laplacian of a point cloud, from the Voronoi cell of each point in its tangent plane.
 //!
-//! In a plane the cotangent weight of a Delaunay edge is the length of its dual Voronoi edge over its own, and that edge is
-//! known from the neighbors of one end alone. Each point so has weights of its own, and the two of a pair are averaged.
-//! Four points on a circle, as on every grid, have a Voronoi edge of length 0 between opposite ones, however the tie is
-//! broken: triangulations of the neighborhoods (`sharp2020`) have the same weights and would have to agree on the ties.
+//! In a plane the cotangent weight of a Delaunay edge is the length of its dual Voronoi edge divided by its own,
+//! and that edge is known from the neighbors of one end alone. So each point has its own weights, and the two
+//! weights of a pair are averaged. Four points on a circle, as on every grid, have a Voronoi edge of length 0
+//! between opposite points, however the tie is broken; triangulations of the neighborhoods (`sharp2020`) have the
+//! same weights but would have to agree on ties.
 
 use super::{Laplacian, LaplacianInfo};
 use crate::parallel;
@@ -14,27 +15,27 @@ use crate::{Cancelled, Progress};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cells reach no further than this part of the distance to the last neighbor: what is emptier is a hole or lies beyond the
-/// border.
+/// Largest extent of a cell relative to the distance of the last neighbor. Emptier space is a hole or lies beyond
+/// the border.
 const FILLED: f64 = 0.75;
 
-/// Corners of the polygon that stands for the disc around a point before bisectors cut it.
+/// Number of corners of the polygon that represents the disc around a point before bisectors cut it.
 const DISC_CORNERS: usize = 24;
 
-/// What a side of a cell lies on where it is not the bisector with a neighbor.
+/// Marks a side of a cell that lies on the disc instead of a bisector.
 const DISC: u32 = u32::MAX;
 
-/// Neighbors that stick out of the tangent plane by more than this part of their distance are on another sheet.
+/// Height above the tangent plane, relative to the distance, beyond which a neighbor is on another sheet.
 const STEEP: f64 = 0.8;
 
-/// A corner of a cell, and the neighbor whose bisector the side from here to the next corner lies on.
+/// A corner of a cell, and the neighbor whose bisector contains the side from here to the next corner.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+struct CellCorner {
     at: [f64; 2],
     side: u32,
 }
 
-/// Weights and masses of a cloud, in units of `points`; `near` names enough neighbors to close a cell.
+/// Weights and masses of a cloud, in units of `points`; `near` must hold enough neighbors to close a cell.
 pub(super) fn laplacian(
     points: &[[f64; 3]],
     near: &Neighborhoods,
@@ -42,18 +43,18 @@ pub(super) fn laplacian(
 ) -> Result<Laplacian, Cancelled> {
     let n = points.len();
     let masses: Vec<AtomicU64> = (0..n).map(|_| AtomicU64::new(0)).collect();
-    let row = |scratch: &mut Scratch, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
-        let area = scratch.cell(points, near.adjacency.of(x), x, FILLED * near.radius[x]);
+    let row = |scratch: &mut CellScratch, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
+        let area = scratch.cell(points, near.adjacency.row(x), x, FILLED * near.radius[x]);
         masses[x].store(area.to_bits(), Ordering::Relaxed);
         scratch.weights.sort_unstable_by_key(|w| w.0);
         columns.extend(scratch.weights.iter().map(|w| w.0));
         weights.extend(scratch.weights.iter().map(|w| w.1));
     };
-    let one_sided = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Scratch::default, row)?;
+    let one_sided = CompressedRows::from_rows(n, rows_at_a_time(n), progress, CellScratch::default, row)?;
     let mass = masses.into_iter().map(|m| f64::from_bits(m.into_inner())).collect();
     let pattern = one_sided.pattern().union_with_transpose(progress)?;
     let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
-        for &y in pattern.of(x) {
+        for &y in pattern.row(x) {
             // The smaller end first, so that both rows have the same bits.
             let (low, high) = (x.min(y as usize), x.max(y as usize));
             columns.push(y);
@@ -68,18 +69,18 @@ pub(super) fn laplacian(
     Ok(Laplacian { weights, mass, unit: 1.0, mean_length, info: LaplacianInfo::default() })
 }
 
-/// What a thread keeps from one point to the next.
+/// Memory that a thread reuses for every point.
 #[derive(Default)]
-struct Scratch {
+struct CellScratch {
     offsets: Vec<(f64, [f64; 2], u32)>,
-    cell: Vec<Corner>,
-    clipped: Vec<Corner>,
+    cell: Vec<CellCorner>,
+    clipped: Vec<CellCorner>,
     weights: Vec<(u32, f64)>,
 }
 
-impl Scratch {
-    /// The weights of `x` among its neighbors, `ℓ/d` for a side of length ℓ on the bisector with a neighbor at distance d, and
-    /// the area of its cell within `radius`.
+impl CellScratch {
+    /// Weights of `x` to its neighbors, `ℓ/d` for a side of length ℓ on the bisector with a neighbor at distance d,
+    /// and the area of its cell within `radius`.
     fn cell(&mut self, points: &[[f64; 3]], near: &[u32], x: usize, radius: f64) -> f64 {
         self.weights.clear();
         if radius == 0.0 {
@@ -91,7 +92,7 @@ impl Scratch {
             let d = subtract(&points[y as usize], &points[x]).map(|c| c / radius);
             let (flat, length) = ([dot(&d, &u), dot(&d, &v)], norm(&d));
             let across = flat[0].hypot(flat[1]);
-            // As far in the plane as it is in space, which is nearer to the distance along the surface.
+            // The distance in space is used in the plane, because it is closer to the distance along the surface.
             if length > 0.0 && across > (1.0 - STEEP * STEEP).sqrt() * length {
                 self.offsets.push((length, flat.map(|c| c * length / across), y));
             }
@@ -100,7 +101,7 @@ impl Scratch {
         self.cell.clear();
         self.cell.extend((0..DISC_CORNERS).map(|k| {
             let angle = TAU * k as f64 / DISC_CORNERS as f64;
-            Corner { at: [angle.cos(), angle.sin()], side: DISC }
+            CellCorner { at: [angle.cos(), angle.sin()], side: DISC }
         }));
         let mut outermost = 1.0_f64;
         for &(length, q, y) in &self.offsets {
@@ -121,13 +122,13 @@ impl Scratch {
             let before = self.cell[(k + n - 1) % n].side;
             let (from, to) = (self.cell[k].at, self.cell[(k + 1) % n].at);
             let after = self.cell[(k + 1) % n].side;
-            // Along the bisector, from the midpoint between both points.
+            // Along the bisector, from the midpoint of both points.
             let along = |p: [f64; 2]| (p[1] * q[0] - p[0] * q[1]) / length;
             let (mut start, mut end) = (along(from), along(to));
-            // The triangle between the point and a side has the height d/2; between points on a line, whose sides are open at both
-            // ends, a rectangle has.
+            // The triangle between the point and a side has height d/2; points on a line have sides open at both
+            // ends, which give a rectangle.
             let mut share = 0.5;
-            // On a border the cell is open: the side ends at the midpoint, as the triangle on the inner side has it.
+            // On a border the cell is open; the side ends at the midpoint, as in the triangle on the inner side.
             match (before == DISC, after == DISC) {
                 (true, false) => start = 0.0,
                 (false, true) => end = 0.0,
@@ -144,8 +145,8 @@ impl Scratch {
     }
 }
 
-/// The part of a convex polygon, counter-clockwise, that is nearer to 0 than to `q`.
-fn clip(polygon: &[Corner], q: [f64; 2], y: u32, kept: &mut Vec<Corner>) {
+/// Part of a convex counter-clockwise polygon that is closer to 0 than to `q`.
+fn clip(polygon: &[CellCorner], q: [f64; 2], y: u32, kept: &mut Vec<CellCorner>) {
     kept.clear();
     let half = 0.5 * (q[0] * q[0] + q[1] * q[1]);
     let beyond = |p: &[f64; 2]| p[0] * q[0] + p[1] * q[1] - half;
@@ -160,9 +161,9 @@ fn clip(polygon: &[Corner], q: [f64; 2], y: u32, kept: &mut Vec<Corner>) {
             (true, true) => kept.push(*corner),
             (true, false) => {
                 kept.push(*corner);
-                kept.push(Corner { at: crossing(), side: y });
+                kept.push(CellCorner { at: crossing(), side: y });
             }
-            (false, true) => kept.push(Corner { at: crossing(), side: corner.side }),
+            (false, true) => kept.push(CellCorner { at: crossing(), side: corner.side }),
             (false, false) => {}
         }
     }

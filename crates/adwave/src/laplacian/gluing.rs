@@ -1,9 +1,10 @@
-//! Which side of a triangle continues in which: on one sheet where the mesh is a surface, else on two.
+//! Gluing of triangle sides: on one sheet if the mesh is a surface, else on two.
 //!
-//! A mesh in which some edge has three triangles, or two of opposite orientation, is covered twice (`sharp2020`): each
-//! triangle gets a front and a back, and around an edge the back of each is glued to the front of the next. The cover is a
-//! closed oriented surface whatever the mesh, so its edges can be flipped until no weight is negative. On a border front is
-//! glued to back, which is the natural border of a function: nothing flows through.
+//! A mesh with an edge of three triangles, or of two with opposite orientation, is covered twice (`sharp2020`):
+//! each triangle gets a front and a back, and around an edge the back of each is glued to the front of the next.
+//! The cover is a closed oriented surface whatever the mesh, so its edges can be flipped until no weight is
+//! negative. On a border, front is glued to back, which gives the natural boundary condition: nothing flows
+//! through.
 
 use super::triangulation::{NONE, Triangulation, next, previous};
 use crate::parallel;
@@ -12,27 +13,27 @@ use crate::vector::{Vector, add_scaled, cross, dot, norm, subtract};
 use crate::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Vertices whose edges a thread glues at a time.
+/// Number of vertices whose edges a thread glues at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 11;
 
-/// What the edges of a mesh are like.
+/// Properties of the edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Edges {
-    /// Whether some edge has one triangle only.
+pub(super) struct GluedEdges {
+    /// True if some edge has one triangle only.
     pub(super) has_border: bool,
-    /// Whether no edge has three triangles or more, or two that run through it the same way.
+    /// True if no edge has three triangles or more, or two that traverse it in the same direction.
     pub(super) is_manifold: bool,
-    /// Mean length of the edges; 0 where there is none.
+    /// Mean length of the edges; 0 if there are none.
     pub(super) mean_length: f64,
 }
 
 /// A side and the far end of its edge, as seen from the lower end.
 type SideAt = (u32, u32);
 
-/// The sides of the edges whose lower end is `a`, by the far end; the same edge's side by side.
+/// Sides of the edges whose lower end is `a`, by the far end; sides of one edge are adjacent.
 fn sides_above(surface: &Triangulation, at_vertex: &Pattern, a: usize, sides: &mut Vec<SideAt>) {
     sides.clear();
-    for &t in at_vertex.of(a) {
+    for &t in at_vertex.row(a) {
         for h in 3 * t as usize..3 * t as usize + 3 {
             let (from, to) = (surface.corner[h], surface.corner[next(h)]);
             if from.min(to) as usize == a {
@@ -43,12 +44,12 @@ fn sides_above(surface: &Triangulation, at_vertex: &Pattern, a: usize, sides: &m
     sides.sort_unstable();
 }
 
-/// Glues the sides of every edge of two triangles that run through it in opposite directions; the others stay free.
+/// Glues the sides of every edge of two triangles that traverse it in opposite directions; the others stay free.
 pub(super) fn glue_sheet(
     surface: &mut Triangulation,
     at_vertex: &Pattern,
     progress: Progress<'_>,
-) -> Result<Edges, Cancelled> {
+) -> Result<GluedEdges, Cancelled> {
     let shared = &*surface;
     let chunks = parallel::try_map_chunks(
         at_vertex.n_rows(),
@@ -73,10 +74,10 @@ pub(super) fn glue_sheet(
                     }
                 }
             }
-            (pairs, Edges { has_border, is_manifold, mean_length: total }, count)
+            (pairs, GluedEdges { has_border, is_manifold, mean_length: total }, count)
         },
     )?;
-    let mut edges = Edges { has_border: false, is_manifold: true, mean_length: 0.0 };
+    let mut edges = GluedEdges { has_border: false, is_manifold: true, mean_length: 0.0 };
     let mut n_edges = 0;
     for (pairs, seen, count) in chunks {
         edges.has_border |= seen.has_border;
@@ -93,14 +94,14 @@ pub(super) fn glue_sheet(
 }
 
 impl Triangulation {
-    /// The side of the back that lies under side `h` of the front, where the front has `n` sides.
-    fn under(h: usize, n: usize) -> usize {
+    /// Side of the back that belongs to side `h` of the front; the front has `n` sides.
+    fn back_side(h: usize, n: usize) -> usize {
         n + h - h % 3 + (2 - h % 3)
     }
 
-    /// A back for every triangle, run through the other way; backs are glued as their fronts are, and a free side to its own
-    /// back.
-    pub(super) fn doubled(self) -> Self {
+    /// Adds a back to every triangle, with reversed orientation. Backs are glued like their fronts, and a free side
+    /// to its own back.
+    pub(super) fn double(self) -> Self {
         let n = self.n_sides();
         let Self { mut corner, mut length, mut twin } = self;
         for t in (0..n).step_by(3) {
@@ -109,20 +110,20 @@ impl Triangulation {
         }
         twin.resize(2 * n, NONE);
         for h in 0..n {
-            let under = Self::under(h, n);
+            let under = Self::back_side(h, n);
             match twin[h] {
                 NONE => {
                     twin[h] = under as u32;
                     twin[under] = h as u32;
                 }
-                other => twin[under] = Self::under(other as usize, n) as u32,
+                other => twin[under] = Self::back_side(other as usize, n) as u32,
             }
         }
         Self { corner, length, twin }
     }
 }
 
-/// The closed double cover of triangles that are glued in any way; `surface` is glued to nothing.
+/// Closed double cover of triangles that are glued in any way; `surface` has no gluing.
 pub(super) fn cover(
     surface: Triangulation,
     points: &[[f64; 3]],
@@ -142,11 +143,11 @@ pub(super) fn cover(
                 sides_above(shared, at_vertex, a, sides);
                 for edge in sides.chunk_by_mut(|g, h| g.0 == h.0) {
                     if edge.len() > 2 {
-                        around(shared, points, a, edge);
+                        sort_around_edge(shared, points, a, edge);
                     }
                     for (k, &(_, h)) in edge.iter().enumerate() {
                         let g = edge[(k + 1) % edge.len()].1;
-                        // The copy that runs up, from a, with the next triangle's copy that runs down.
+                        // Glues the copy that starts at a to the copy of the next triangle that ends there.
                         let (up, _) = copies(shared, a, h as usize, n);
                         let (_, down) = copies(shared, a, g as usize, n);
                         pairs.push((up, down));
@@ -156,7 +157,7 @@ pub(super) fn cover(
             pairs
         },
     )?;
-    let mut cover = surface.doubled();
+    let mut cover = surface.double();
     for (up, down) in chunks.into_iter().flatten() {
         cover.twin[up as usize] = down;
         cover.twin[down as usize] = up;
@@ -164,14 +165,14 @@ pub(super) fn cover(
     Ok(cover)
 }
 
-/// Of the two copies of side `h` in the cover, the one that runs from `a` and the one that runs to it.
+/// The two copies of side `h` in the cover: the one that starts at `a` and the one that ends there.
 fn copies(surface: &Triangulation, a: usize, h: usize, n: usize) -> (u32, u32) {
-    let (front, back) = (h as u32, Triangulation::under(h, n) as u32);
+    let (front, back) = (h as u32, Triangulation::back_side(h, n) as u32);
     if surface.corner[h] as usize == a { (front, back) } else { (back, front) }
 }
 
-/// Sorts the sides of one edge by the direction in which their triangles lie around it, so that neighboring sheets are glued.
-fn around(surface: &Triangulation, points: &[[f64; 3]], a: usize, edge: &mut [SideAt]) {
+/// Sorts the sides of one edge by the angle of their triangles around it, so that neighboring sheets are glued.
+fn sort_around_edge(surface: &Triangulation, points: &[[f64; 3]], a: usize, edge: &mut [SideAt]) {
     let axis = subtract(&points[edge[0].0 as usize], &points[a]);
     let apex = |h: u32| -> Vector {
         let apex = surface.corner[previous(h as usize)];

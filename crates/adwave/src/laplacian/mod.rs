@@ -1,9 +1,10 @@
-//! The Laplace–Beltrami operator of a surface: weights of edges and masses of vertices that depend on the surface, and as
-//! little as they can on its mesh.
+//! Laplace–Beltrami operator of a surface: edge weights and vertex masses that depend on the surface and as little
+//! as possible on its mesh.
 //!
-//! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights (`pinkall1993`) of the
-//! intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its triangles' areas; on a mesh that is
-//! no surface those of its double cover (`sharp2020`); on a cloud those of Voronoi cells in tangent planes.
+//! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights
+//! (`pinkall1993`) of the intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its
+//! triangle areas. On a mesh that is not a surface they are those of its double cover (`sharp2020`); on a cloud
+//! those of Voronoi cells in tangent planes.
 
 mod cloud;
 mod gluing;
@@ -16,10 +17,11 @@ use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next};
 
-/// Weights at most this large, beside cotangents of about 1, are rounding: the diagonal of a rectangle has weight 0.
+/// Largest weight that counts as rounding, relative to cotangents of about 1: the diagonal of a rectangle has
+/// weight 0.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// A cell of a cloud is closed by about so many times as many neighbors as it has: those of the diffusion, twice over.
+/// Number of neighbors needed to close a cell of a cloud, relative to the number of neighbors of the diffusion.
 const NEIGHBORS_FOR_A_CELL: usize = 2;
 
 /// Weights and masses of the welded vertices of a shape, in the analysis order.
@@ -37,41 +39,42 @@ const NEIGHBORS_FOR_A_CELL: usize = 2;
 #[derive(Clone, Debug)]
 pub struct Laplacian {
     weights: CompressedRows<f64>,
-    /// In squares of `unit`.
+    /// Masses, in squares of `unit`.
     mass: Vec<f64>,
-    /// The unit of length here, in model units: squares of it neither overflow nor vanish.
+    /// Unit of length in model units, chosen so that its squares neither overflow nor underflow.
     unit: f64,
     /// Mean length of the edges, in units of `unit`.
     mean_length: f64,
     info: LaplacianInfo,
 }
 
-/// What became of the triangles of a mesh.
+/// Changes made to the triangles of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaplacianInfo {
-    /// Edges that were flipped to reach the Delaunay triangulation.
+    /// Number of edges flipped to reach the Delaunay triangulation.
     pub n_flips: usize,
-    /// Whether the mesh was covered twice, because it is no oriented surface or has obtuse angles at its border.
+    /// True if the mesh was covered twice, because it is not an oriented surface or has obtuse angles at its
+    /// border.
     pub is_covered: bool,
-    /// By how much every edge was lengthened to make degenerate triangles proper, in model units.
+    /// Length added to every edge to make degenerate triangles proper, in model units.
     pub lengthened: f64,
 }
 
 impl Laplacian {
-    /// The Laplacian of a prepared shape; of a graph `D − W` with masses of 1. `neighbors` is the number of nearest points
-    /// that a point of a cloud has. O(n log n).
+    /// Laplacian of a prepared shape; for a graph `D − W` with masses 1. `neighbors` is the number of nearest
+    /// points of a point of a cloud. O(n log n).
     ///
-    /// Everything is finite, whatever the shape: vertices of no triangle have no weight and no mass.
+    /// All values are finite, whatever the shape: vertices without a triangle have neither weight nor mass.
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     pub fn new(
         geometry: &PreparedGeometry,
         neighbors: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         if let Shape::Graph(graph) = geometry.shape() {
-            return of_graph(graph, geometry.vertex_map(), progress);
+            return graph_laplacian(graph, geometry.vertex_map(), progress);
         }
         let (points, unit) = geometry.unit_points(progress)?;
         let mut laplacian = match geometry.shape() {
@@ -79,40 +82,45 @@ impl Laplacian {
                 let near = try_nearest_neighbors(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
                 cloud::laplacian(&points, &near, progress)?
             }
-            _ => of_mesh(&points, geometry.triangles(), progress)?,
+            _ => mesh_laplacian(&points, geometry.triangles(), progress)?,
         };
         laplacian.unit = unit;
         laplacian.info.lengthened *= unit;
         Ok(laplacian)
     }
 
-    /// w, n × n: symmetric, > 0, without diagonal. Without unit on a surface.
+    /// Weights w, n × n: symmetric, > 0, without a diagonal; dimensionless on a surface.
     pub fn weights(&self) -> &CompressedRows<f64> {
         &self.weights
     }
 
-    /// The diagonal of M in squared model units (1 for a graph): ≥ 0, and the area of the surface in sum.
+    /// Diagonal of M in squared model units (1 for a graph): ≥ 0, with the area of the surface as sum.
     pub fn areas(&self) -> Vec<f64> {
         self.mass.iter().map(|m| m * self.unit * self.unit).collect()
     }
 
-    /// Mean length of the mesh's edges, or of those between the points of a cloud, in model units (1 for a graph).
+    /// Mean edge length of the mesh, or mean distance between neighboring points of a cloud, in model units (1 for
+    /// a graph).
     pub fn mean_length(&self) -> f64 {
         self.mean_length * self.unit
     }
 
-    /// What became of the triangles.
+    /// Changes made to the triangles.
     pub fn info(&self) -> &LaplacianInfo {
         &self.info
     }
 
-    /// The weights, and the masses in squares of a unit, which comes third in model units.
+    /// The weights, the masses in squares of a unit, and that unit in model units.
     pub fn into_parts(self) -> (CompressedRows<f64>, Vec<f64>, f64) {
         (self.weights, self.mass, self.unit)
     }
 }
 
-fn of_graph(graph: &Graph, vertex_map: &VertexMap, progress: Progress<'_>) -> Result<Laplacian, Cancelled> {
+fn graph_laplacian(
+    graph: &Graph,
+    vertex_map: &VertexMap,
+    progress: Progress<'_>,
+) -> Result<Laplacian, Cancelled> {
     let n = graph.n_nodes();
     let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
@@ -126,14 +134,14 @@ fn of_graph(graph: &Graph, vertex_map: &VertexMap, progress: Progress<'_>) -> Re
     Ok(Laplacian { weights, mass: vec![1.0; n], unit: 1.0, mean_length: 1.0, info: LaplacianInfo::default() })
 }
 
-fn of_mesh(
+fn mesh_laplacian(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<Laplacian, Cancelled> {
     let n = points.len();
     let mut surface = Triangulation::new(points, triangles, progress)?;
-    let at_vertex = surface.at_vertices(n, progress)?;
+    let at_vertex = surface.triangles_at_vertices(n, progress)?;
     let edges = glue_sheet(&mut surface, &at_vertex, progress)?;
     if !edges.is_manifold {
         surface.twin.fill(triangulation::NONE);
@@ -143,25 +151,26 @@ fn of_mesh(
     let lengthened = surface.mollify(progress)?;
     let mut n_flips = surface.flip_to_delaunay(progress)?;
     let mut is_covered = !edges.is_manifold;
-    // A border edge that sees an obtuse angle would have a negative weight. Over the border lies the back of the same
-    // triangle; inside, the triangulation stays as it is.
+    // A border edge opposite an obtuse angle would have a negative weight. Beyond the border lies the back of the
+    // same triangle; inside, the triangulation stays the same.
     if edges.is_manifold && edges.has_border && surface.has_obtuse_border(progress)? {
-        surface = surface.doubled();
+        surface = surface.double();
         n_flips += surface.flip_to_delaunay(progress)?;
         is_covered = true;
     }
-    let at_vertex = surface.at_vertices(n, progress)?;
+    let at_vertex = surface.triangles_at_vertices(n, progress)?;
     let share = if is_covered { 0.5 } else { 1.0 };
     let weights = weights(&surface, &at_vertex, n, share, progress)?;
     let mass = parallel::try_collect(n, progress, |x| {
-        let areas = at_vertex.of(x).iter().map(|&t| surface.area(3 * t as usize));
+        let areas = at_vertex.row(x).iter().map(|&t| surface.area(3 * t as usize));
         share / 3.0 * areas.sum::<f64>()
     })?;
     let info = LaplacianInfo { n_flips, is_covered, lengthened };
     Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, info })
 }
 
-/// `w(x,y) = ½(cot α + cot β)`, α and β opposite the edge; the edges between two vertices together.
+/// Cotangent weights `w(x,y) = ½(cot α + cot β)`, α and β opposite the edge; edges between the same two vertices
+/// are added.
 fn weights(
     surface: &Triangulation,
     at_vertex: &Pattern,
@@ -172,8 +181,8 @@ fn weights(
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
         row.clear();
         let mut before = None;
-        for &t in at_vertex.of(x) {
-            // A triangle with two corners at x stands twice.
+        for &t in at_vertex.row(x) {
+            // A triangle with two corners at x appears twice.
             if before.replace(t) == Some(t) {
                 continue;
             }

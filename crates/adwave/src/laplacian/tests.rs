@@ -12,7 +12,7 @@ fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> PreparedGeometry {
 }
 
 fn sample(name: &str, n: usize) -> PreparedGeometry {
-    let sample = Sample::by_name(name, Some(n)).unwrap();
+    let sample = Sample::from_name(name, Some(n)).unwrap();
     let mesh = Mesh::new(sample.points, sample.faces).unwrap();
     PreparedGeometry::new(&Shape::Mesh(mesh), WeldMode::default(), Progress::none()).unwrap()
 }
@@ -21,7 +21,7 @@ fn laplacian(geometry: &PreparedGeometry) -> Laplacian {
     Laplacian::new(geometry, 10, Progress::none()).unwrap()
 }
 
-/// `(L f)(x)`.
+/// The product `(L f)(x)`.
 fn product(l: &Laplacian, f: &[f64]) -> Vec<f64> {
     let row = |x: usize| {
         let (columns, weights) = l.weights().row(x);
@@ -40,7 +40,7 @@ fn is_symmetric_and_positive(l: &Laplacian) -> bool {
     }) && l.areas().iter().all(|m| m.is_finite() && *m >= 0.0)
 }
 
-/// A grid whose inner vertices are pushed about, so that some triangles are obtuse.
+/// A grid with displaced inner vertices, so that some triangles are obtuse.
 fn uneven_plane(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let inside = |i: u32, j: u32| i > 0 && j > 0 && i < n - 1 && j < n - 1;
     let shift = |i: u32, j: u32, k: u32| {
@@ -108,7 +108,7 @@ fn the_cover_of_a_surface_has_the_weights_of_the_surface() {
 
 #[test]
 fn an_obtuse_corner_at_the_border_has_no_negative_weight() {
-    // A thin kite: the diagonal 0–1 sees two obtuse angles, and without it the border does.
+    // A thin kite: the diagonal 0–1 is opposite two obtuse angles, and without it the border is.
     let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, -0.1, 0.0]];
     for triangles in [&[[0, 1, 2], [1, 0, 3]][..], &[[0, 1, 2]]] {
         let geometry = mesh(&points, triangles);
@@ -161,7 +161,7 @@ fn a_cloud_knows_the_plane_up_to_its_border() {
             assert!(!inside || v.abs() < 1e-9, "{p:?}: {v:e}");
         }
         let total: f64 = l.areas().iter().sum();
-        // A ragged border is filled here and there.
+        // A ragged border may be filled in places.
         assert!((total / (29.0 * 29.0) - 1.0).abs() < if shift > 0.0 { 0.05 } else { 1e-9 }, "{total}");
     }
 }
@@ -177,7 +177,7 @@ fn points_on_a_line_are_joined_along_it() {
         let p = geometry.points()[x][0];
         let (columns, weights) = l.weights().row(x);
         assert!(columns.iter().all(|&y| (geometry.points()[y as usize][0] - p).abs() < 1.5), "{columns:?}");
-        // d²/dx² of x²: 2.
+        // The second derivative of x² is 2.
         let f = |y: usize| geometry.points()[y][0].powi(2);
         let sum: f64 = columns.iter().zip(weights).map(|(&y, w)| w * (f(y as usize) - f(x))).sum();
         assert!(

@@ -1,4 +1,4 @@
-//! Triangles by the lengths of their sides, glued side to side: what intrinsic geometry needs, without positions.
+//! Triangles given by side lengths and glued side to side, without positions, for intrinsic geometry.
 
 use crate::parallel;
 use crate::rows::{Pattern, incidence};
@@ -6,42 +6,42 @@ use crate::vector::{norm, subtract};
 use crate::{Cancelled, Progress};
 use std::ops::Range;
 
-/// A side that is glued to none.
+/// Twin of a side that is not glued.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Each triangle inequality holds by at least this part of the mean side: rounding is a millionth of that.
+/// Margin of each triangle inequality relative to the mean side, a million times larger than rounding.
 const MARGIN: f64 = 1e-10;
 
-/// Cotangent sums above this count as Delaunay.
+/// Cotangent sums above this value count as Delaunay.
 const ROUNDING: f64 = -1e-10;
 
-/// Cap on the flips, for each side: a handful is usual, the bound known is quadratic.
+/// Cap on the number of flips per side: a handful is usual, and the known bound is quadratic.
 const MAX_FLIPS_PER_SIDE: usize = 100;
 
-/// Sides, triangles or flips between two looks at whether to go on.
+/// Number of sides, triangles or flips between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 13;
 
-/// Triangles; side `s` of triangle `t`, numbered `3t + s`, runs from corner `s` to corner `s + 1`.
+/// Triangles; side `s` of triangle `t` has number `3t + s` and runs from corner `s` to corner `s + 1`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Triangulation {
     pub(super) corner: Vec<u32>,
     pub(super) length: Vec<f64>,
-    /// The side that each side is glued to; it runs the other way.
+    /// Twin of each side, which runs in the opposite direction.
     pub(super) twin: Vec<u32>,
 }
 
-/// The side after `h` in its triangle.
+/// Next side of the triangle of `h`.
 pub(super) fn next(h: usize) -> usize {
     if h % 3 == 2 { h - 2 } else { h + 1 }
 }
 
-/// The side before `h` in its triangle.
+/// Previous side of the triangle of `h`.
 pub(super) fn previous(h: usize) -> usize {
     if h.is_multiple_of(3) { h + 2 } else { h - 1 }
 }
 
 impl Triangulation {
-    /// The triangles of three different corners, glued to nothing yet.
+    /// Builds the triangles with three different corners, without gluing.
     pub(super) fn new(
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -61,12 +61,16 @@ impl Triangulation {
     }
 
     /// The triangles at each vertex.
-    pub(super) fn at_vertices(&self, n: usize, progress: Progress<'_>) -> Result<Pattern, Cancelled> {
+    pub(super) fn triangles_at_vertices(
+        &self,
+        n: usize,
+        progress: Progress<'_>,
+    ) -> Result<Pattern, Cancelled> {
         incidence(n, self.n_sides() / 3, progress, |t| &self.corner[3 * t..3 * t + 3])
     }
 
-    /// Lengthens all sides by the least amount that gives every triangle inequality its margin, and says by how much
-    /// (`sharp2020`).
+    /// Lengthens all sides by the smallest amount that gives every triangle inequality its margin, and returns that
+    /// amount (`sharp2020`).
     pub(super) fn mollify(&mut self, progress: Progress<'_>) -> Result<f64, Cancelled> {
         let n = self.n_sides();
         if n == 0 {
@@ -77,7 +81,7 @@ impl Triangulation {
         let lacking = |h: usize| margin + length[h] - length[next(h)] - length[previous(h)];
         let add = parallel::max(n, 0.0, lacking);
         if add > 0.0 {
-            parallel::try_for_rows(&mut self.length, 1, AT_A_TIME, progress, |_, lengths| {
+            parallel::try_visit_rows(&mut self.length, 1, AT_A_TIME, progress, |_, lengths| {
                 for l in lengths {
                     *l += add;
                 }
@@ -86,7 +90,7 @@ impl Triangulation {
         Ok(add)
     }
 
-    /// Area of the triangle of side `h`, by Kahan's form of Heron's formula.
+    /// Area of the triangle of side `h`, by Kahan's stable form of Heron's formula.
     pub(super) fn area(&self, h: usize) -> f64 {
         let t = h - h % 3;
         let [l0, l1, l2] = [self.length[t], self.length[t + 1], self.length[t + 2]];
@@ -95,21 +99,21 @@ impl Triangulation {
         0.25 * ((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))).max(0.0).sqrt()
     }
 
-    /// Cotangent of the angle opposite side `h`; 0 where the triangle has no area.
+    /// Cotangent of the angle opposite side `h`; 0 if the triangle has no area.
     pub(super) fn cotangent(&self, h: usize) -> f64 {
         let (a, b, c) = (self.length[h], self.length[next(h)], self.length[previous(h)]);
         let area = self.area(h);
         if area > 0.0 { (b * b + c * c - a * a) / (4.0 * area) } else { 0.0 }
     }
 
-    /// Whether the edge of side `h` has to be flipped: its two opposite angles sum to more than π.
+    /// True if the edge of side `h` must be flipped: its two opposite angles sum to more than π.
     fn is_to_flip(&self, h: usize) -> bool {
         let g = self.twin[h];
-        // An edge between a triangle and itself cannot be flipped, and sees two angles of one triangle.
+        // An edge between a triangle and itself cannot be flipped; it is opposite two angles of one triangle.
         g != NONE && g as usize / 3 != h / 3 && self.cotangent(h) + self.cotangent(g as usize) < ROUNDING
     }
 
-    /// Flips until every glued edge is Delaunay (`bobenko2007`); gives the number of flips.
+    /// Flips edges until every glued edge is Delaunay (`bobenko2007`); returns the number of flips.
     pub(super) fn flip_to_delaunay(&mut self, progress: Progress<'_>) -> Result<usize, Cancelled> {
         let this = &*self;
         let found = parallel::try_map_chunks(
@@ -152,13 +156,13 @@ impl Triangulation {
         Ok(flips)
     }
 
-    /// Replaces the edge of side `h` by the other diagonal of its two triangles; false where that has no length. The new
-    /// edge is side 2 of the triangle of `h` and side 1 of the other.
+    /// Replaces the edge of side `h` by the other diagonal of its two triangles; returns false if that has no
+    /// length. The new edge is side 2 of the triangle of `h` and side 1 of the other.
     fn flip(&mut self, h: usize) -> bool {
         let g = self.twin[h] as usize;
         let (h1, h2, g1, g2) = (next(h), previous(h), next(g), previous(g));
         let (i, j, k, m) = (self.corner[h], self.corner[h1], self.corner[h2], self.corner[g2]);
-        // Both triangles laid flat, the edge from (0, 0) to (l, 0), k above and m below.
+        // Both triangles in the plane, the edge from (0, 0) to (l, 0), k above and m below.
         let l = self.length[h];
         let flat = |to_i: f64, to_j: f64| {
             let x = (to_i * to_i + l * l - to_j * to_j) / (2.0 * l);
@@ -185,7 +189,7 @@ impl Triangulation {
         for &(side, length, twin) in &old {
             let now = place(side);
             self.length[now] = length;
-            // A twin may be one of the four sides that move too.
+            // A twin may be one of the four sides that move.
             let moves_too = old.iter().any(|o| o.0 as u32 == twin);
             let twin = if moves_too { place(twin as usize) as u32 } else { twin };
             self.twin[now] = twin;
@@ -202,7 +206,7 @@ impl Triangulation {
 }
 
 impl Triangulation {
-    /// Whether a free side sees an obtuse angle.
+    /// True if a free side is opposite an obtuse angle.
     pub(super) fn has_obtuse_border(&self, progress: Progress<'_>) -> Result<bool, Cancelled> {
         let is_obtuse = |h: usize| self.twin[h] == NONE && 2.0 * self.cotangent(h) < ROUNDING;
         let found = parallel::try_map_chunks(

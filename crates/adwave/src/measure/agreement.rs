@@ -1,40 +1,40 @@
-//! How well a map agrees with where people looked.
+//! Agreement of a map with human fixations.
 
 use crate::shape::distance;
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// How well a map predicts fixations.
+/// Measures of how well a map predicts fixations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// Vertices that have both a map value and a fixation time.
+    /// Number of vertices with both a map value and a fixation time.
     pub n_vertices: usize,
-    /// Those of them that were looked at.
+    /// Number of those vertices that were looked at.
     pub n_positive: usize,
-    /// Area under the ROC curve: the chance that a vertex that was looked at has a larger value than one that was not, ties
-    /// counting half. ½ is chance; NaN where all or none were looked at.
+    /// Area under the ROC curve: the probability that a fixated vertex has a larger value than one that is not,
+    /// with ties counting half. ½ is chance; NaN if all or none were fixated.
     pub auc: f64,
-    /// Normalized scanpath saliency: the mean of `(map − mean)/deviation` where people looked. 0 is chance; NaN for a
-    /// constant map.
+    /// Normalized scanpath saliency: mean of `(map − mean)/deviation` over the fixated vertices. 0 is chance; NaN
+    /// for a constant map.
     pub nss: f64,
-    /// Pearson's correlation of the map and the fixations, in [−1, 1]; NaN where one is constant.
+    /// Pearson's correlation of the map and the fixations, in [−1, 1]; NaN if one of them is constant.
     pub correlation: f64,
-    /// The same with what both share with the control taken out (partial correlation); NaN without a control.
+    /// Partial correlation of the map and the fixations given the control; NaN without a control.
     pub partial_correlation: f64,
 }
 
-/// Why maps cannot be compared.
+/// Error of comparing maps.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum AgreementError {
-    /// They do not belong to one shape.
-    #[error("the map has {n_map} values, what it is compared with has {n_fixations}; they must be as many")]
+    /// The map and the fixations have different lengths.
+    #[error("the map and the fixations must have the same length, got {n_map} and {n_fixations}")]
     WrongLength {
-        /// Values of the map.
+        /// Number of map values.
         n_map: usize,
-        /// Fixation times given.
+        /// Number of fixation times.
         n_fixations: usize,
     },
-    /// Nothing to compare.
+    /// No vertex has both values.
     #[error("no vertex has both a finite map value and a finite fixation time")]
     NothingShared,
 }
@@ -45,12 +45,13 @@ impl ClassifiedError for AgreementError {
     }
 }
 
-/// Compares a map with fixations (in seconds, say): a vertex was looked at when its fixation time is above `threshold`. Vertices
-/// where either is not finite are skipped. `control` is another map whose share is taken out of
-/// [`partial_correlation`](Agreement::partial_correlation), such as [`center_distance`]. O(n log n).
+/// Compares a map with fixation times (for example in seconds): a vertex is fixated if its time is above
+/// `threshold`. Vertices where either value is not finite are skipped. `control` is another map, such as
+/// [`center_distance`], whose share is removed in [`partial_correlation`](Agreement::partial_correlation). O(n log
+/// n).
 ///
 /// # Errors
-/// [`AgreementError`] when lengths differ or no vertex is left.
+/// [`AgreementError`] if the lengths differ or no vertex is left.
 ///
 /// ```
 /// use adwave::measure::agreement;
@@ -97,15 +98,15 @@ pub fn agreement(
     })
 }
 
-/// Distance of every point from the mean of all, in model units: people look at what sticks out, and a map that only knows
-/// this is the control that others have to beat. O(n).
+/// Distance of every point from the mean of all points, in model units. People look at what sticks out, so this map
+/// is a control that others should beat. O(n).
 pub fn center_distance(points: &[[f64; 3]]) -> Vec<f64> {
     let n = points.len() as f64;
     let center: [f64; 3] = std::array::from_fn(|c| points.iter().map(|p| p[c] / n).sum());
     points.iter().map(|p| distance(p, &center)).collect()
 }
 
-/// Mann and Whitney's statistic (`mann1947`) by ranks, equal values sharing theirs.
+/// Mann–Whitney statistic (`mann1947`) by ranks; equal values share their mean rank.
 fn auc(map: &[f64], positive: &[bool]) -> f64 {
     let mut order: Vec<usize> = (0..map.len()).collect();
     order.sort_unstable_by(|&a, &b| map[a].total_cmp(&map[b]));
@@ -187,7 +188,7 @@ mod tests {
 
     #[test]
     fn what_is_only_the_control_has_no_partial_correlation() {
-        // Fixations are the control and something that the map does not know.
+        // Fixations are the control plus something that the map does not know.
         let control: Vec<f64> = (0..400).map(|i| f64::from(i % 20)).collect();
         let own: Vec<f64> = (0..400).map(|i| f64::from(i / 20 % 4)).collect();
         let fixations: Vec<f64> = control.iter().zip(&own).map(|(c, o)| c + o).collect();

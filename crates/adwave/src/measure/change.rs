@@ -14,49 +14,49 @@ use thiserror::Error;
 /// A change of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// Every vertex moves along its normal by a normal deviate of that standard deviation, in mean edge lengths (fig. 10 of
-    /// the paper: 0.1 … 0.5).
+    /// Moves every vertex along its normal by a normal deviate with standard deviation `edges` in mean edge lengths
+    /// (Fig. 10 of the paper: 0.1 … 0.5).
     Noise {
         /// Standard deviation in mean edge lengths (mean neighbor distances on a cloud), ≥ 0.
         edges: f64,
         /// Seed.
         seed: u64,
     },
-    /// A rotation about the origin, drawn evenly from all.
+    /// Rotates about the origin by a uniformly distributed rotation.
     Rotation {
         /// Seed.
         seed: u64,
     },
-    /// Every coordinate times a factor.
+    /// Multiplies every coordinate by a factor.
     Scaling {
         /// The factor, > 0.
         factor: f64,
     },
-    /// A mesh gets a vertex in the middle of every edge, each triangle becoming four; a cloud loses a random half of its
-    /// points.
+    /// Adds a vertex in the middle of every mesh edge, splitting each triangle into four; removes a random half of
+    /// the points of a cloud.
     Resampling {
         /// Seed of the half that a cloud loses.
         seed: u64,
     },
 }
 
-/// Why a shape cannot be changed so.
+/// Error of changing a shape.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum ChangeError {
-    /// A graph has no positions.
+    /// The shape is a graph, which has no positions.
     #[error("a graph has no positions that could be changed")]
     NoPositions,
-    /// A number without meaning.
+    /// A parameter is out of its range.
     #[error("the {what} is {value}; it must be a finite number {range}")]
     Number {
-        /// Which.
+        /// Name of the parameter.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Valid range.
         range: &'static str,
     },
-    /// The result has a vertex more than can be indexed, or a coordinate that is too large.
+    /// The result has too many vertices to index, or a coordinate that is too large.
     #[error("the changed shape is too large")]
     TooLarge,
 }
@@ -67,27 +67,27 @@ impl ClassifiedError for ChangeError {
     }
 }
 
-/// A changed shape, and the way back.
+/// A changed shape, with the inverse of its rotation and scaling.
 #[derive(Clone, Debug)]
-pub struct Changed {
+pub struct ChangedShape {
     /// The shape.
     pub shape: Shape,
     rotation: Rotation3<f64>,
     factor: f64,
 }
 
-impl Changed {
-    /// A shape with other vertices on the same surface, neither turned nor scaled.
+impl ChangedShape {
+    /// A shape with other vertices on the same surface, neither rotated nor scaled.
     pub fn resampled(shape: Shape) -> Self {
         Self { shape, rotation: Rotation3::identity(), factor: 1.0 }
     }
 
-    /// Where a point of the changed shape was before it was rotated and scaled; noise is not undone.
+    /// Position of a point of the changed shape before rotation and scaling; noise is not undone.
     pub fn before(&self, point: &[f64; 3]) -> [f64; 3] {
         (self.rotation.inverse() * (Vector3::from(*point) / self.factor)).into()
     }
 
-    /// A length of the changed shape as it was before.
+    /// A length of the changed shape before scaling.
     pub fn length_before(&self, length: f64) -> f64 {
         length / self.factor
     }
@@ -96,8 +96,8 @@ impl Changed {
 /// Changes a shape. The same seed gives the same change. O(n), with noise on a cloud O(n log n).
 ///
 /// # Errors
-/// [`ChangeError`] for a graph, a number without meaning, or a result that is too large.
-pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result<Changed, ChangeError> {
+/// [`ChangeError`] for a graph, a parameter out of its range, or a result that is too large.
+pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result<ChangedShape, ChangeError> {
     let geometry = decomposer.geometry();
     let points = shape.points().ok_or(ChangeError::NoPositions)?;
     let number = |what, value: f64, valid: bool, range| {
@@ -124,10 +124,10 @@ pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result
         },
     };
     let shape = changed.ok_or(ChangeError::TooLarge)?;
-    Ok(Changed { shape, rotation, factor })
+    Ok(ChangedShape { shape, rotation, factor })
 }
 
-/// The shape with other positions.
+/// The shape with new positions.
 fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
     match shape {
         Shape::Mesh(mesh) => Mesh::new(points, mesh.faces().clone()).map(Shape::Mesh),
@@ -137,7 +137,7 @@ fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
 }
 
 fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> Option<Shape> {
-    // On the welded vertices: what is one place must stay one.
+    // Applied to the welded vertices, so that they stay welded.
     let normals = match shape {
         Shape::Mesh(_) => vertex_normals(geometry.points(), geometry.triangles()),
         _ => cloud_normals(geometry.points(), &nearest_neighbors(geometry.points(), FIT_NEIGHBORS)),
@@ -149,12 +149,12 @@ fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> O
 
 fn random_rotation(seed: u64) -> Rotation3<f64> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    // A quaternion of four normal deviates points evenly in all directions of its sphere.
+    // A quaternion of four normal deviates is uniformly distributed over the directions of its sphere.
     let q: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
     UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3])).to_rotation_matrix()
 }
 
-/// Every triangle of the welded mesh in four.
+/// Splits every triangle of the welded mesh into four.
 fn subdivided(geometry: &PreparedGeometry) -> Option<Shape> {
     let mut points = geometry.points().to_vec();
     let mut middle: HashMap<(u32, u32), u32> = HashMap::new();

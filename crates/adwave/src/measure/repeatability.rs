@@ -1,10 +1,10 @@
-//! The share of features that are found again on a changed shape.
+//! Repeatability: the share of features that are found again on a changed shape.
 
-use super::Changed;
+use super::ChangedShape;
 use crate::features::Feature;
 use crate::shape::squared_distance;
 
-/// When a feature counts as found again.
+/// Criteria for a feature to count as found again.
 ///
 /// ```
 /// use adwave::measure::RepeatabilityParams;
@@ -12,10 +12,10 @@ use crate::shape::squared_distance;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepeatabilityParams {
-    /// How far off it may be, in its own σ.
+    /// Largest distance, in its own σ.
     pub sigmas: f64,
-    /// How much its σ may differ, in octaves (doublings). Dyadic levels are half an octave apart; noise lengthens edges, and
-    /// so the step that σ is counted in.
+    /// Largest difference of its σ in octaves (doublings). Dyadic levels are half an octave apart; noise lengthens
+    /// edges, and with them the step in which σ is counted.
     pub octaves: f64,
 }
 
@@ -25,33 +25,33 @@ impl Default for RepeatabilityParams {
     }
 }
 
-/// How many features of a level are found again.
+/// Repeatability of the features of one level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelRepeatability {
-    /// The level of the reference.
+    /// Level of the reference.
     pub level: usize,
-    /// Features of the reference.
+    /// Number of features of the reference.
     pub n_reference: usize,
-    /// Those of them that are found again.
+    /// Number of those that are found again.
     pub n_found: usize,
 }
 
 impl LevelRepeatability {
-    /// The share found again, in [0, 1]; NaN without features.
+    /// Share that is found again, in [0, 1]; NaN without features.
     pub fn share(&self) -> f64 {
         self.n_found as f64 / self.n_reference as f64
     }
 }
 
-/// For each level that has features in `reference`: how many have a feature of the same sign and channel in `found` within
-/// [`sigmas`](RepeatabilityParams::sigmas)·σ of their own place. `found` are those of a [`Changed`] shape. O(reference ×
-/// found).
+/// Repeatability of each level that has features in `reference`: the number of those that have a feature of the
+/// same sign and channel in `found` within [`sigmas`](RepeatabilityParams::sigmas)·σ of their position. `found`
+/// holds the features of a [`ChangedShape`]. O(reference × found).
 ///
-/// Features without positions are at one place when they are at one vertex.
+/// Features without positions match if they are at the same vertex.
 pub fn repeatability(
     reference: &[Feature],
     found: &[Feature],
-    changed: &Changed,
+    changed: &ChangedShape,
     params: &RepeatabilityParams,
 ) -> Vec<LevelRepeatability> {
     let mut levels: Vec<LevelRepeatability> = Vec::new();
@@ -67,25 +67,26 @@ pub fn repeatability(
     levels
 }
 
-/// How many of `found`, the features of a [`Changed`] shape, are one of `reference`, by the same rule as [`repeatability`]: over their
-/// number that is the precision, whose recall is the share found again. O(reference × found).
+/// Number of features in `found`, those of a [`ChangedShape`], that match one of `reference` by the rule of
+/// [`repeatability`]. Divided by their number this is the precision; the recall is the share found again.
+/// O(reference × found).
 pub fn n_right(
     reference: &[Feature],
     found: &[Feature],
-    changed: &Changed,
+    changed: &ChangedShape,
     params: &RepeatabilityParams,
 ) -> usize {
     found.iter().filter(|other| reference.iter().any(|f| is_again(f, other, changed, params))).count()
 }
 
-/// The share of `reference` that would be found again if the features of `found` lay anywhere on a surface of that `area`, in
-/// squared model units of the reference: the mean of `1 − (1 − π(sσ)²/area)^m`, m the features of the same sign, channel and size
-/// and s = [`sigmas`](RepeatabilityParams::sigmas). What is found again beyond that is not chance. NaN without features, without an
-/// area or without positions. O(reference × found).
+/// Expected share of `reference` found again if the features of `found` were at random positions on a surface of
+/// that `area`, in squared model units of the reference: the mean of `1 − (1 − π(sσ)²/area)^m`, where m is the
+/// number of features of the same sign, channel and size and s = [`sigmas`](RepeatabilityParams::sigmas). A larger
+/// share is not chance. NaN without features, area or positions. O(reference × found).
 pub fn share_by_chance(
     reference: &[Feature],
     found: &[Feature],
-    changed: &Changed,
+    changed: &ChangedShape,
     params: &RepeatabilityParams,
     area: f64,
 ) -> f64 {
@@ -100,14 +101,24 @@ pub fn share_by_chance(
     reference.iter().map(by_chance).sum::<f64>() / reference.len() as f64
 }
 
-/// Whether both have the same sign, channel and about the same size.
-fn is_alike(feature: &Feature, other: &Feature, changed: &Changed, params: &RepeatabilityParams) -> bool {
+/// True if both have the same sign, the same channel and about the same size.
+fn is_alike(
+    feature: &Feature,
+    other: &Feature,
+    changed: &ChangedShape,
+    params: &RepeatabilityParams,
+) -> bool {
     let octaves = (changed.length_before(other.sigma) / feature.sigma).log2().abs();
     (feature.sign(), feature.channel) == (other.sign(), other.channel) && octaves <= params.octaves
 }
 
-/// Whether `other`, of the changed shape, is `feature`.
-fn is_again(feature: &Feature, other: &Feature, changed: &Changed, params: &RepeatabilityParams) -> bool {
+/// True if `other`, of the changed shape, matches `feature`.
+fn is_again(
+    feature: &Feature,
+    other: &Feature,
+    changed: &ChangedShape,
+    params: &RepeatabilityParams,
+) -> bool {
     let near = match (feature.position, other.position) {
         (Some(p), Some(q)) => {
             squared_distance(&p, &changed.before(&q)).sqrt() <= params.sigmas * feature.sigma

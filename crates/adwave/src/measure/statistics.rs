@@ -1,7 +1,7 @@
-//! How alike two maps on the same vertices are.
+//! Similarity of two maps on the same vertices.
 
-/// Root of the mean square difference of two signals, `√(Σ_x |a(x) − b(x)|² / n)` over n vertices of `n_channels` values each,
-/// in the signals' unit; 0 for signals without vertices. O(values).
+/// Root mean square difference of two signals, `√(Σ_x |a(x) − b(x)|² / n)` over n vertices of `n_channels` values
+/// each, in the unit of the signals; 0 without vertices. O(values).
 ///
 /// ```
 /// assert_eq!(adwave::measure::rms(&[3.0, 4.0, 0.0, 0.0], &[0.0; 4], 2), 12.5_f64.sqrt());
@@ -11,7 +11,7 @@ pub fn rms(a: &[f64], b: &[f64], n_channels: usize) -> f64 {
     (squares / (a.len() / n_channels.max(1)).max(1) as f64).sqrt()
 }
 
-/// Pearson's correlation of two maps, in [−1, 1]; 0 where either is constant. O(n).
+/// Pearson's correlation of two maps, in [−1, 1]; 0 if either is constant. O(n).
 pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().max(1) as f64;
     let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
@@ -24,7 +24,7 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
-/// Spearman's ρ: the [`correlation`] of the ranks of two maps, equal values sharing their mean rank. O(n log n).
+/// Spearman's ρ: the [`correlation`] of the ranks of two maps; equal values share their mean rank. O(n log n).
 ///
 /// ```
 /// use adwave::measure::rank_correlation;
@@ -49,8 +49,8 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Which part, in [0, 1], of the largest `part` of the values of two maps is at the same vertices; at least one value of each is
-/// looked at, and of equal values the first. O(n log n).
+/// Overlap, in [0, 1], of the vertices with the largest `part` of the values of two maps. At least one value of
+/// each is used; ties go to the first vertex. O(n log n).
 ///
 /// ```
 /// assert_eq!(adwave::measure::shared_top(&[1.0, 2.0, 3.0, 4.0], &[4.0, 1.0, 2.0, 3.0], 0.5), 0.5);

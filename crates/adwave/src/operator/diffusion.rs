@@ -1,18 +1,18 @@
 //! The diffusion operator Φ₁: one step of a lazy random walk.
 
 use super::LocalOperator;
-use crate::rows::{CompressedRows, Pattern, RowsError, rows_at_a_time, try_for_entries};
+use crate::rows::{CompressedRows, Pattern, RowsError, rows_at_a_time, try_visit_entries};
 use crate::shape::Adjacency;
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use thiserror::Error;
 
-/// How far the sum of a given row may be from 1 and still be taken as rounding.
+/// Largest difference of a row's sum from 1 that counts as rounding.
 const ROW_SUM_TOLERANCE: f64 = 1e-12;
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 13;
 
-/// Why a matrix is no diffusion operator.
+/// Error of building a diffusion operator from a matrix.
 #[derive(Debug, Error, PartialEq)]
 pub enum DiffusionError {
     /// An entry is negative, NaN or infinite.
@@ -27,36 +27,38 @@ pub enum DiffusionError {
         /// The entry.
         value: f64,
     },
-    /// A row is not a probability distribution.
+    /// A row does not sum to 1.
     #[error("row {row} of the diffusion operator sums to {sum}, not to 1; divide it by its sum")]
     RowSum {
         /// The row.
         row: usize,
-        /// Its sum.
+        /// Sum of the row.
         sum: f64,
     },
-    /// The compressed rows do not fit together.
-    #[error("the compressed rows of the diffusion operator do not fit together: {0}")]
+    /// The compressed rows are inconsistent.
+    #[error("the compressed rows of the diffusion operator are inconsistent: {0}")]
     Layout(#[from] RowsError),
-    /// The entries' rows, columns and values are not of one length.
-    #[error("{n_rows} rows, {n_columns} columns and {n_values} values are not one of each for every entry")]
+    /// The lists of rows, columns and values have different lengths.
+    #[error(
+        "the lists of rows, columns and values must have one entry each per matrix entry, got {n_rows}, {n_columns} and {n_values}"
+    )]
     Lengths {
-        /// How many rows.
+        /// Number of rows.
         n_rows: usize,
-        /// How many columns.
+        /// Number of columns.
         n_columns: usize,
-        /// How many values.
+        /// Number of values.
         n_values: usize,
     },
-    /// There is not one flag per vertex.
-    #[error("{n_flags} flags do not say which of {n_vertices} vertices are masked; give one per vertex")]
+    /// The number of flags does not match the number of vertices.
+    #[error("there must be one mask flag per vertex, got {n_flags} for {n_vertices} vertices")]
     MaskLength {
         /// Number of flags.
         n_flags: usize,
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -71,25 +73,25 @@ impl ClassifiedError for DiffusionError {
     }
 }
 
-/// What n steps are, n whole or not.
+/// Meaning of n steps, for whole or fractional n.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Semigroup {
-    /// `Φ₁ⁿ`: n steps of the walk (eq. 6).
+    /// The power `Φ₁ⁿ`: n steps of the walk (eq. 6).
     #[default]
     Steps,
-    /// `exp(−n·rate·(I − Φ₁))`: heat after n times a step's time. As a walk it is Φ₁ whose steps come at random times, rate of
-    /// them on average in the time of one.
+    /// The exponential `exp(−n·rate·(I − Φ₁))`: heat after n times the time of a step. As a walk, it takes steps of
+    /// Φ₁ at random times, `rate` per step on average.
     Heat {
-        /// How many steps of Φ₁ one step is on average.
+        /// Mean number of steps of Φ₁ per step.
         rate: f64,
     },
 }
 
-/// One step of a lazy random walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4), n_vertices × n_vertices, as its off-diagonal entries; the
-/// diagonal is what is missing from 1.
+/// One step of a lazy random walk, `Φ₁ = [T]_r = ½I + ½Q` (eq. 4), n_vertices × n_vertices. Only off-diagonal
+/// entries are stored; the diagonal makes each row sum to 1.
 ///
-/// Rows sum to 1 by construction and all entries are ≥ 0. A reversible Φ₁ is similar to a symmetric matrix and, being
-/// lazy, has its eigenvalues in [0, 1].
+/// All entries are ≥ 0. A reversible Φ₁ is similar to a symmetric matrix and, being lazy, has its eigenvalues in
+/// [0, 1].
 #[derive(Clone, Debug)]
 pub struct Diffusion {
     rows: CompressedRows<f64>,
@@ -100,44 +102,44 @@ pub struct Diffusion {
 }
 
 impl Diffusion {
-    /// Φ₁ of a local operator (eq. 4): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity row where T has an
-    /// empty one. O(entries).
+    /// Diffusion operator of a local operator (eq. 4): `Φ₁(x,y) = T(x,y) / 2Σ_z T(x,z)`, `Φ₁(x,x) = ½`; an identity
+    /// row where the row of T is empty. O(entries).
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     pub fn new(operator: LocalOperator, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let LocalOperator { rows, log_factor, areas, measure, mean_square, is_reversible, .. } = operator;
         let areas = measure.unwrap_or(areas);
         let n = rows.n_rows();
         let (pattern, mut weights) = rows.into_parts();
         let mut row_sum = vec![0.0; n];
-        try_for_entries(&pattern, &mut weights, &mut row_sum, progress, |range, mut weights, row_sum| {
+        try_visit_entries(&pattern, &mut weights, &mut row_sum, progress, |range, mut weights, row_sum| {
             for (x, sum) in range.zip(row_sum) {
-                let (row, after) = std::mem::take(&mut weights).split_at_mut(pattern.of(x).len());
+                let (row, after) = std::mem::take(&mut weights).split_at_mut(pattern.row(x).len());
                 weights = after;
                 *sum = row.iter().sum();
                 if *sum > 0.0 {
-                    // Φ₁ = [T]_r (eq. 4): φ_{1,x} = T(x,·)/‖T(x,·)‖₁ (eq. 5), with ‖T(x,·)‖₁ = 2Σ_{y≠x} T(x,y) as T(x,x) is
-                    // one half of it.
+                    // Φ₁ = [T]_r (eq. 4): φ_{1,x} = T(x,·)/‖T(x,·)‖₁ (eq. 5), with ‖T(x,·)‖₁ = 2Σ_{y≠x} T(x,y),
+                    // because T(x,x) is half of it.
                     for w in row {
                         *w /= 2.0 * *sum;
                     }
                 }
             }
         })?;
-        // lim Φ₁ⁿ(z,x) = π(x) ∝ A(x)·Σ_z A(z)k(x,z) in place of the constant 1/A(M) (eq. 10), in logarithms: where
-        // distances differ much the kernel itself underflows.
+        // lim Φ₁ⁿ(z,x) = π(x) ∝ A(x)·Σ_z A(z)k(x,z) instead of the constant 1/A(M) (eq. 10), in logarithms, because
+        // the kernel underflows if distances differ much.
         let log_pi: Vec<f64> =
             parallel::try_collect(n, progress, |x| areas[x].ln() + log_factor[x] + row_sum[x].ln())?;
         let top = parallel::max(n, f64::NEG_INFINITY, |x| log_pi[x]);
         let weight = |x: usize| (log_pi[x] - top).exp();
         let stationary = if top.is_finite() {
-            normalized(parallel::try_collect(n, progress, weight)?, progress)?
+            normalize_sum(parallel::try_collect(n, progress, weight)?, progress)?
         } else {
             vec![1.0 / n.max(1) as f64; n] // nothing moves: every distribution is stationary
         };
         let step_square = parallel::try_sum(n, progress, |x| stationary[x] * 0.5 * mean_square[x])?;
-        let rows = CompressedRows::trusted(pattern, weights);
+        let rows = CompressedRows::new_unchecked(pattern, weights);
         Ok(Self {
             rows,
             stationary,
@@ -147,14 +149,15 @@ impl Diffusion {
         })
     }
 
-    /// A diffusion operator given by its own matrix: compressed rows with or without their diagonal, every row summing to 1.
+    /// Diffusion operator from its own matrix: compressed rows with or without a diagonal, each row summing to 1.
     ///
-    /// The stationary distribution π is taken as uniform and a step as of length 1; the operator counts as not reversible, so
-    /// that no method relies on a real spectrum. Entries of a row may come in any order and several times. O(entries).
+    /// The stationary distribution π is set to uniform and the step length to 1; the operator counts as not
+    /// reversible, so that no method relies on a real spectrum. Entries of a row may be in any order and repeated.
+    /// O(entries).
     ///
     /// # Errors
-    /// [`DiffusionError`] when the rows do not fit together, an entry is negative or not finite, or a row does not sum to
-    /// 1 within 1e-12.
+    /// [`DiffusionError`] if the rows are inconsistent, an entry is negative or not finite, or the sum of a row
+    /// differs from 1 by more than 1e-12.
     ///
     /// ```
     /// use adwave::operator::{Diffusion, DiffusionError};
@@ -168,7 +171,7 @@ impl Diffusion {
         let Some(n) = offsets.len().checked_sub(1) else { return Err(RowsError::NoOffsets.into()) };
         let pattern = Pattern::with_values(offsets.to_vec(), columns.to_vec(), n, values.len())?;
         let wrong = parallel::map_chunks(n, VERTICES_AT_A_TIME, |mut range| {
-            range.find_map(|row| wrong_row(row, pattern.of(row), &values[pattern.range(row)]))
+            range.find_map(|row| wrong_row(row, pattern.row(row), &values[pattern.range(row)]))
         });
         if let Some(error) = wrong.into_iter().flatten().next() {
             return Err(error);
@@ -178,7 +181,7 @@ impl Diffusion {
                    columns: &mut Vec<u32>,
                    weights: &mut Vec<f64>| {
             entries.clear();
-            entries.extend(pattern.of(x).iter().copied().zip(values[pattern.range(x)].iter().copied()));
+            entries.extend(pattern.row(x).iter().copied().zip(values[pattern.range(x)].iter().copied()));
             entries.sort_by_key(|e| e.0);
             let start = columns.len();
             for &(column, value) in entries.iter().filter(|e| e.0 as usize != x) {
@@ -196,11 +199,11 @@ impl Diffusion {
         Ok(Self { rows, stationary, step_length: 1.0, is_reversible: false, semigroup: Semigroup::Steps })
     }
 
-    /// [`from_rows`](Self::from_rows) of entries in three columns, in any order: entry `e` is `values[e]` at
+    /// [`from_rows`](Self::from_rows) from three lists in any order: entry `e` is `values[e]` at
     /// `(rows[e], columns[e])`. O(entries).
     ///
     /// # Errors
-    /// As [`from_rows`](Self::from_rows), and [`DiffusionError::Lengths`] when the columns are not of one length.
+    /// As for [`from_rows`](Self::from_rows), and [`DiffusionError::Lengths`] if the lists have different lengths.
     ///
     /// ```
     /// use adwave::operator::Diffusion;
@@ -238,15 +241,16 @@ impl Diffusion {
         Self::from_rows(&offsets, &columns, &values)
     }
 
-    /// Diffusion without the masked vertices: their rows become identity rows, no other row steps to them, and each row is
-    /// divided by what it kept, so that as much probability moves as before. `squared_length(x, y)` is the squared length
-    /// of a step in model units. O(entries).
+    /// Diffusion without the masked vertices: their rows become identity rows, no other row steps to them, and each
+    /// row is divided by the sum of its remaining steps, so that the same probability moves as before.
+    /// `squared_length(x, y)` is the squared length of a step in model units. O(entries).
     ///
-    /// A reversible operator stays so, with `π′(x) ∝ π(x)·(part of the row's steps that is kept)`: `π(x)Φ₁(x,y)` is as before.
+    /// A reversible operator stays reversible, with `π′(x) ∝ π(x)·(remaining part of the row's steps)`;
+    /// `π(x)Φ₁(x,y)` does not change.
     ///
     /// # Errors
-    /// [`DiffusionError::MaskLength`] when there is not one flag per vertex; cancelled.
-    pub fn restricted(
+    /// [`DiffusionError::MaskLength`] unless there is one flag per vertex; or if the call is cancelled.
+    pub fn remove_masked(
         &self,
         masked: &[bool],
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
@@ -264,7 +268,7 @@ impl Diffusion {
             let entries = columns.iter().copied().zip(values.iter().copied());
             entries.filter(move |&(y, _)| !masked[x] && !masked[y as usize])
         };
-        // What the steps of a row sum to, and what those that are kept sum to.
+        // Sum of the steps of a row, and of those that remain.
         let sums =
             |x: usize| (self.row(x).1.iter().sum::<f64>(), kept_entries(x).map(|(_, w)| w).sum::<f64>());
         let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
@@ -279,7 +283,7 @@ impl Diffusion {
             let (all, kept) = sums(x);
             if all > 0.0 { self.stationary[x] * (kept / all) } else { 0.0 }
         })?;
-        let stationary = normalized(stationary, progress)?;
+        let stationary = normalize_sum(stationary, progress)?;
         let step_square = parallel::try_sum(n, progress, |x| {
             let (columns, values) = rows.row(x);
             let square: f64 =
@@ -295,7 +299,7 @@ impl Diffusion {
         })
     }
 
-    /// Heat that does not flow into or out of the masked vertices: the border of what is left is natural.
+    /// Heat that does not flow into or out of masked vertices: the remaining part has a natural boundary.
     fn heat_restricted(&self, masked: &[bool], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = self.n_vertices();
         let row = |(): &mut (), x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
@@ -309,11 +313,12 @@ impl Diffusion {
         let (pattern, weights) =
             CompressedRows::from_rows(n, rows_at_a_time(n), progress, || (), row)?.into_parts();
         let mass = parallel::try_collect(n, progress, |x| if masked[x] { 0.0 } else { self.stationary[x] })?;
-        Self::of_heat(pattern, weights, mass, self.step_length, self.semigroup, progress)
+        Self::from_heat_weights(pattern, weights, mass, self.step_length, self.semigroup, progress)
     }
 
-    /// Heat by the off-diagonal entries of Φ₁ and a weight for each vertex that the distribution is proportional to.
-    pub(super) fn of_heat(
+    /// Heat operator from the off-diagonal entries of Φ₁ and a weight per vertex to which the stationary
+    /// distribution is proportional.
+    pub(super) fn from_heat_weights(
         pattern: Pattern,
         weights: Vec<f64>,
         mass: Vec<f64>,
@@ -321,16 +326,16 @@ impl Diffusion {
         semigroup: Semigroup,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let rows = CompressedRows::trusted(pattern, weights);
-        let stationary = normalized(mass, progress)?;
+        let rows = CompressedRows::new_unchecked(pattern, weights);
+        let stationary = normalize_sum(mass, progress)?;
         Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup })
     }
 
-    /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, every row by rising column: what
-    /// [`CompressedRows::into_scipy`] turns into arrays of SciPy's. O(entries).
+    /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, with ascending columns;
+    /// [`CompressedRows::into_scipy`] converts it to SciPy arrays. O(entries).
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
@@ -359,61 +364,63 @@ impl Diffusion {
         self.rows.n_rows()
     }
 
-    /// Number of entries, the diagonal included.
+    /// Number of entries, including the diagonal.
     pub fn nnz(&self) -> usize {
         self.rows.nnz() + self.n_vertices()
     }
 
-    /// Which off-diagonal entries there are.
+    /// Pattern of the off-diagonal entries.
     pub fn neighbors(&self) -> &Adjacency {
         self.rows.pattern()
     }
 
-    /// The off-diagonal entries, in the order of [`neighbors`](Self::neighbors).
+    /// Off-diagonal entries, in the order of [`neighbors`](Self::neighbors).
     pub fn weights(&self) -> &[f64] {
         self.rows.values()
     }
 
-    /// The off-diagonal entries of row `x`: columns by rising index, and values.
+    /// Off-diagonal entries of row `x`: ascending columns, and values.
     #[inline]
     pub fn row(&self, x: usize) -> (&[u32], &[f64]) {
         self.rows.row(x)
     }
 
-    /// `Φ₁(x,x)`: what the off-diagonal entries leave of 1.
+    /// Diagonal entry `Φ₁(x,x)`, which is 1 minus the off-diagonal entries.
     pub fn diagonal(&self, x: usize) -> f64 {
         1.0 - self.row(x).1.iter().sum::<f64>()
     }
 
-    /// What n steps are.
+    /// Meaning of n steps.
     pub fn semigroup(&self) -> Semigroup {
         self.semigroup
     }
 
-    /// The stationary distribution π over all vertices, ≥ 0, Σπ = 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. Rows of Φ₁ⁿ converge to
-    /// it; the paper's constant 1/A(M) (eq. 10) is that only where all rows of T weigh alike. With several components
-    /// it weighs them by that formula. For a directed cloud it is a weight by the same formula and not stationary.
+    /// Stationary distribution π over all vertices, ≥ 0 with sum 1: `π(x) ∝ A(x)·Σ_z A(z)k(x,z)`. Rows of Φ₁ⁿ
+    /// converge to it; it equals the paper's constant 1/A(M) (eq. 10) only if all rows of T have the same weight.
+    /// The formula also sets the weights of several components. For a directed cloud it is a weight by the same
+    /// formula and not stationary.
     pub fn stationary(&self) -> &[f64] {
         &self.stationary
     }
 
-    /// `s`, the root of the mean square length of a step `Σ_x π(x) Σ_y Φ₁(x,y)‖x−y‖²`, in model units; in hops on a graph.
+    /// Root mean square length s of a step, from `s² = Σ_x π(x) Σ_y Φ₁(x,y)‖x−y‖²`, in model units; in hops on a
+    /// graph.
     pub fn step_length(&self) -> f64 {
         self.step_length
     }
 
-    /// Bytes of memory that the operator takes.
+    /// Bytes of memory of the operator.
     pub fn bytes(&self) -> u64 {
         self.rows.bytes() + size_of_val(self.stationary.as_slice()) as u64
     }
 
-    /// Whether `π(x)Φ₁(x,y) = π(y)Φ₁(y,x)`, so that the spectrum is real and in [0, 1].
+    /// True if `π(x)Φ₁(x,y) = π(y)Φ₁(y,x)`, so that the spectrum is real and in [0, 1].
     pub fn is_reversible(&self) -> bool {
         self.is_reversible
     }
 }
 
-/// What is wrong with a row of a diffusion operator.
+/// First error in a row of a diffusion operator.
 fn wrong_row(row: usize, columns: &[u32], values: &[f64]) -> Option<DiffusionError> {
     let is_wrong = |value: &f64| !(value.is_finite() && *value >= 0.0);
     if let Some(at) = values.iter().position(is_wrong) {
@@ -423,11 +430,11 @@ fn wrong_row(row: usize, columns: &[u32], values: &[f64]) -> Option<DiffusionErr
     ((sum - 1.0).abs() > ROW_SUM_TOLERANCE).then_some(DiffusionError::RowSum { row, sum })
 }
 
-/// A distribution that is proportional to `weights`, which are ≥ 0: uniform where all of them are 0.
-fn normalized(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+/// Distribution proportional to `weights` ≥ 0; uniform if all of them are 0.
+fn normalize_sum(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
     let n = weights.len();
     let total = parallel::try_sum(n, progress, |x| weights[x])?;
-    parallel::try_for_rows(&mut weights, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
+    parallel::try_visit_rows(&mut weights, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
         for p in rows {
             *p = if total > 0.0 { *p / total } else { 1.0 / n as f64 };
         }

@@ -1,32 +1,32 @@
-//! Walks that are led by what their sites carry: they keep to neighbors that are alike, and so respect creases and steps.
+//! Walks guided by data at their sites: they favor similar neighbors and so respect creases and jumps.
 
 use super::{Diffusion, LocalOperator, Semigroup};
-use crate::rows::{CompressedRows, try_for_entries};
+use crate::rows::{CompressedRows, try_visit_entries};
 use crate::shape::{Adjacency, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 
-/// As many entries at most are looked at for a median.
+/// Number of entries sampled for a median.
 const SAMPLED_ENTRIES: usize = 1 << 16;
 
-/// Share of the mean square of a guide below which a squared difference counts as none: what rounding may make of values that are alike.
+/// Squared difference, relative to the mean square of a guide, that counts as zero because rounding may cause it.
 const LEAST_DIFFERENCE: f64 = 1e-10;
 
-/// Where the sites of a walk are, how much each counts, and which are next to which.
+/// Sites of a walk: positions, areas and neighbors.
 pub(crate) struct Sites<'a> {
     pub(crate) neighbors: &'a Adjacency,
-    /// In any unit of length, squares of which neither overflow nor vanish.
+    /// Positions, in a unit of length whose squares neither overflow nor underflow.
     pub(crate) positions: &'a [[f64; 3]],
-    /// ≥ 0.
+    /// Areas, ≥ 0.
     pub(crate) areas: &'a [f64],
 }
 
-/// One step of the lazy walk `Φ₁ = ½I + ½[w]_r` with `w(x,y) = A(y)·exp(−d²/2d̄²)`, d the distance of the sites and d̄ its median over
-/// neighbors. The step length is in units of the positions. O(entries).
+/// One step of the lazy walk `Φ₁ = ½I + ½[w]_r` with `w(x,y) = A(y)·exp(−d²/2d̄²)`, where d is the distance of the
+/// sites and d̄ its median over neighbors. The step length is in units of the positions. O(entries).
 ///
-/// Sites none of whose neighbors has an area stay where they are. `typical` is d̄² (see [`typical_square`]).
+/// A site without a neighbor of positive area stays where it is. `typical` is d̄² (see [`typical_square`]).
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] if the call is cancelled.
 pub(crate) fn site_diffusion(
     sites: &Sites<'_>,
     typical: f64,
@@ -35,27 +35,28 @@ pub(crate) fn site_diffusion(
     let &Sites { neighbors, positions, areas } = sites;
     let squared = |x: usize, y: usize| squared_distance(&positions[x], &positions[y]);
     let sharpness = sharpness(typical);
-    let at = |x: usize, k: usize| neighbors.of(x)[k] as usize;
+    let at = |x: usize, k: usize| neighbors.row(x)[k] as usize;
     let (rows, per_row) =
         weighted_rows(neighbors, |x, k| areas[at(x, k)], |x, k| sharpness * squared(x, at(x, k)), progress)?;
     diffusion(rows, &per_row, areas, squared, progress)
 }
 
-/// The median of `‖v_x − v_y‖²` over neighbors.
+/// Median of `‖v_x − v_y‖²` over neighbors.
 pub(crate) fn typical_square(neighbors: &Adjacency, vectors: &[[f64; 3]]) -> f64 {
     median(neighbors, |x, y| squared_distance(&vectors[x], &vectors[y]))
 }
 
 impl Diffusion {
-    /// The walk that keeps to neighbors with like values of a guide, one vector for each vertex:
-    /// `Φ₁ = ½I + ½[w]_r` with `w(x,y) = Φ(x,y)·exp(−‖g_x − g_y‖²/2s²)`, Φ the steps of this operator and s `reach` times the root of the
-    /// median of `‖g_x − g_y‖²` over neighbors. An infinite `reach` leaves the guide out. `squared_length(x, y)` is the squared
-    /// length of a step in model units. O(entries).
+    /// Weighs the walk by a guide, one vector per vertex, so that it favors neighbors with similar values:
+    /// `Φ₁ = ½I + ½[w]_r` with `w(x,y) = Φ(x,y)·exp(−‖g_x − g_y‖²/2s²)`, where Φ are the steps of this operator and
+    /// s is `reach` times the square root of the median of `‖g_x − g_y‖²` over neighbors. An infinite `reach`
+    /// ignores the guide. `squared_length(x, y)` is the squared length of a step in model units. O(entries).
     ///
-    /// Weights are ≥ 0 and rows sum to 1; of a reversible operator the result is reversible, with `π′(x) ∝ π(x)·Σ_y w(x,y)`.
+    /// Weights are ≥ 0 and rows sum to 1. A reversible operator gives a reversible result, with
+    /// `π′(x) ∝ π(x)·Σ_y w(x,y)`.
     ///
-    /// Of heat on a surface ([`Semigroup::Heat`]) the entries are `w(x,y)` themselves, as conductances are what a guide lowers
-    /// (`perona1990`): what does not flow stays, π is as before.
+    /// For heat on a surface ([`Semigroup::Heat`]) the entries are `w(x,y)` themselves, because a guide reduces
+    /// conductances (`perona1990`): heat that does not flow stays, and π does not change.
     ///
     /// ```
     /// use adwave::{Progress, operator::Diffusion};
@@ -65,17 +66,17 @@ impl Diffusion {
     ///     &[0.5, 0.5, 0.25, 0.5, 0.25, 0.25, 0.5, 0.25, 0.5, 0.5],
     /// )?;
     /// let guide = [0.0, 0.1, 9.0, 9.1].map(|v| [v, 0.0, 0.0]); // a step in the middle
-    /// let led = path.guided(&guide, 0.5, |_, _| 1.0, Progress::none())?;
+    /// let led = path.weigh_by_guide(&guide, 0.5, |_, _| 1.0, Progress::none())?;
     /// assert!(led.row(1).1[0] > 0.49); // to the one that is alike
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     ///
     /// # Panics
-    /// When there is not one vector for each vertex.
-    pub fn guided(
+    /// Unless there is one vector per vertex.
+    pub fn weigh_by_guide(
         &self,
         guide: &[[f64; 3]],
         reach: f64,
@@ -83,10 +84,10 @@ impl Diffusion {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let typical = self.typical_difference(guide, progress)?;
-        self.guided_within(guide, reach * reach * typical, squared_length, progress)
+        self.weigh_by_guide_within(guide, reach * reach * typical, squared_length, progress)
     }
 
-    /// The median of `‖g_x − g_y‖²` over neighbors.
+    /// Median of `‖g_x − g_y‖²` over neighbors.
     pub(crate) fn typical_difference(
         &self,
         guide: &[[f64; 3]],
@@ -95,13 +96,13 @@ impl Diffusion {
         let n = self.n_vertices();
         assert_eq!(guide.len(), n, "a vector for each vertex");
         let square: f64 = parallel::try_sum(n, progress, |x| squared_distance(&guide[x], &[0.0; 3]))?;
-        // Where most neighbors are alike any difference is a step, however little rounding has made of it.
+        // If most neighbors are equal, any difference would be a jump, even one that rounding caused.
         let least = LEAST_DIFFERENCE * square / n.max(1) as f64;
         Ok(typical_square(self.neighbors(), guide).max(least))
     }
 
-    /// [`guided`](Self::guided) by `scale`, the s² of its formula.
-    pub(crate) fn guided_within(
+    /// [`weigh_by_guide`](Self::weigh_by_guide) with `scale`, the s² of its formula.
+    pub(crate) fn weigh_by_guide_within(
         &self,
         guide: &[[f64; 3]],
         scale: f64,
@@ -115,19 +116,19 @@ impl Diffusion {
         let values = self.weights();
         if let Semigroup::Heat { .. } = self.semigroup() {
             let factor = |x: usize, y: usize| (-sharpness * squared(x, y)).exp();
-            return self.damped(factor, squared_length, progress);
+            return self.damp_rows(factor, squared_length, progress);
         }
         let (rows, per_row) = weighted_rows(
             neighbors,
             |x, k| values[neighbors.range(x).start + k],
-            |x, k| sharpness * squared(x, neighbors.of(x)[k] as usize),
+            |x, k| sharpness * squared(x, neighbors.row(x)[k] as usize),
             progress,
         )?;
         diffusion(rows, &per_row, self.stationary(), squared_length, progress)
     }
 
-    /// Heat whose entries off the diagonal are multiplied by `factor(x, y)`, symmetric and in [0, 1].
-    fn damped(
+    /// Heat with the off-diagonal entries multiplied by `factor(x, y)`, which is symmetric and in [0, 1].
+    fn damp_rows(
         &self,
         factor: impl Fn(usize, usize) -> f64 + Sync + Send,
         squared_length: impl Fn(usize, usize) -> f64 + Sync + Send,
@@ -135,13 +136,13 @@ impl Diffusion {
     ) -> Result<Self, Cancelled> {
         let (neighbors, pi) = (self.neighbors(), self.stationary());
         let mut values = self.weights().to_vec();
-        // The mean square length of a step, before and after.
+        // Mean square length of a step, before and after.
         let mut per_row = vec![[0.0; 2]; self.n_vertices()];
-        try_for_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        try_visit_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, squares) in range.zip(per_row) {
-                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
                 values = after;
-                for (w, &y) in row.iter_mut().zip(neighbors.of(x)) {
+                for (w, &y) in row.iter_mut().zip(neighbors.row(x)) {
                     let square = pi[x] * squared_length(x, y as usize);
                     squares[0] += *w * square;
                     *w *= factor(x, y as usize);
@@ -152,15 +153,22 @@ impl Diffusion {
         let [before, after] = [0, 1].map(|k| parallel::try_sum(per_row.len(), progress, |x| per_row[x][k]));
         let (before, after) = (before?, after?);
         let step_length = if before > 0.0 { self.step_length() * (after / before).sqrt() } else { 0.0 };
-        Self::of_heat(neighbors.clone(), values, pi.to_vec(), step_length, self.semigroup(), progress)
+        Self::from_heat_weights(
+            neighbors.clone(),
+            values,
+            pi.to_vec(),
+            step_length,
+            self.semigroup(),
+            progress,
+        )
     }
 }
 
-/// Rows, and of each the logarithm of the factor that it is divided by and its sum.
+/// Rows, and for each row the logarithm of its divisor and its sum.
 type WeightedRows = (CompressedRows<f64>, Vec<(f64, f64)>);
 
-/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbor of x, and of each row the logarithm of the factor that it is
-/// divided by and its sum.
+/// Rows of `base(x, k)·exp(−exponent(x, k))` for the k-th neighbor of x, and for each row the logarithm of its
+/// divisor and its sum.
 fn weighted_rows(
     neighbors: &Adjacency,
     base: impl Fn(usize, usize) -> f64 + Sync + Send,
@@ -169,14 +177,14 @@ fn weighted_rows(
 ) -> Result<WeightedRows, Cancelled> {
     let mut values = crate::pages::zeros(neighbors.nnz());
     let mut per_row = vec![(0.0, 0.0); neighbors.n_rows()];
-    try_for_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+    try_visit_entries(neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
         for (x, kept) in range.zip(per_row) {
-            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
+            let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
             values = after;
             *kept = fill_row(row, |k| base(x, k), |k| exponent(x, k));
         }
     })?;
-    Ok((CompressedRows::trusted(neighbors.clone(), values), per_row))
+    Ok((CompressedRows::new_unchecked(neighbors.clone(), values), per_row))
 }
 
 /// The lazy walk of rows whose weights times `measure` are symmetric.
@@ -206,13 +214,13 @@ fn diffusion(
     Diffusion::new(operator, progress)
 }
 
-/// `1/2m` of a median m, 0 where that is 0: all is alike then.
+/// The factor `1/2m` of a median m; 0 if m is 0, where all values are equal.
 pub(super) fn sharpness(median: f64) -> f64 {
     if median > 0.0 { 0.5 / median } else { 0.0 }
 }
 
-/// Fills a row by `base(k)·exp(−exponent(k))`, divided by its largest exponential so that it cannot underflow: the logarithm of that
-/// factor, and the row's sum.
+/// Fills a row with `base(k)·exp(−exponent(k))`, divided by its largest exponential so that it cannot underflow;
+/// returns the logarithm of that divisor and the row's sum.
 fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usize) -> f64) -> (f64, f64) {
     let mut least = f64::INFINITY;
     for (k, value) in row.iter_mut().enumerate() {
@@ -233,12 +241,12 @@ fn fill_row(row: &mut [f64], base: impl Fn(usize) -> f64, exponent: impl Fn(usiz
     (-least, sum)
 }
 
-/// The median of a number for each entry, from about [`SAMPLED_ENTRIES`] of them where there are more; 0 without entries.
+/// Median of a number per entry, from a sample of about [`SAMPLED_ENTRIES`] entries; 0 without entries.
 fn median(neighbors: &Adjacency, number: impl Fn(usize, usize) -> f64) -> f64 {
     let rows_apart = (neighbors.nnz() / SAMPLED_ENTRIES).max(1);
     let mut numbers: Vec<f64> = (0..neighbors.n_rows())
         .step_by(rows_apart)
-        .flat_map(|x| neighbors.of(x).iter().map(move |&y| (x, y as usize)))
+        .flat_map(|x| neighbors.row(x).iter().map(move |&y| (x, y as usize)))
         .map(|(x, y)| number(x, y))
         .collect();
     if numbers.is_empty() {

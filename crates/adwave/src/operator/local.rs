@@ -1,99 +1,101 @@
 //! The local operator T (eq. 1), for meshes, clouds and graphs.
 
-use super::density::{ByLength, by_length, measure};
+use super::density::{LengthNeighbors, measure, neighbors_within_length};
 use super::guided::sharpness;
 use super::{CloudGraph, OperatorParams};
-use crate::rows::{CompressedRows, rows_at_a_time, try_for_entries};
+use crate::rows::{CompressedRows, rows_at_a_time, try_visit_entries};
 use crate::shape::{
     Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
     triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbors, try_one_ring,
 };
 use crate::{Cancelled, Progress, parallel};
 
-/// The off-diagonal entries of T, n_vertices × n_vertices, each row divided by a factor of its own so that it cannot
+/// Off-diagonal entries of T, n_vertices × n_vertices, each row divided by its own factor so that it cannot
 /// underflow.
 ///
-/// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)` (eq. 1). All entries are ≥ 0. T is not
-/// symmetric, but `A(x)·T(x,y)` is whenever neighborhood is.
+/// `T(x,y) = A(y)·exp(−‖x−y‖²/4t)` for `y` in `N(x)`, `T(x,x) = Σ_{y≠x} T(x,y)` (eq. 1). All entries are ≥ 0. T is
+/// not symmetric, but `A(x)·T(x,y)` is if the neighborhoods are.
 ///
-/// It is the Laplacian L of `belkin2008` with the sign of its diagonal D_L turned: `T = 4πt²·(L − 2D_L)` (eq. 2).
+/// It is the Laplacian L of `belkin2008` with the sign of its diagonal D_L reversed: `T = 4πt²·(L − 2D_L)` (eq. 2).
 #[derive(Clone, Debug)]
 pub struct LocalOperator {
     pub(super) rows: CompressedRows<f64>,
     pub(super) log_factor: Vec<f64>,
     pub(super) areas: Vec<f64>,
-    /// What counts in place of areas where density is taken out: m.
+    /// Measure m that replaces areas if the density is removed.
     pub(super) measure: Option<Vec<f64>>,
     pub(super) mean_square: Vec<f64>,
     pub(super) mean_length: f64,
-    /// The standard deviation of the kernel along one axis, in model units.
+    /// Standard deviation of the kernel along one axis, in model units.
     pub(super) width: f64,
     pub(super) is_reversible: bool,
 }
 
 impl LocalOperator {
-    /// `T(x,y)·exp(−log_factor[x])` for `y ≠ x`, in units of an area that do not matter.
+    /// Entries `T(x,y)·exp(−log_factor[x])` for `y ≠ x`, in an arbitrary unit of area.
     pub fn rows(&self) -> &CompressedRows<f64> {
         &self.rows
     }
 
-    /// Which entries there are: the neighborhoods N(x).
+    /// Pattern of the entries: the neighborhoods N(x).
     pub fn neighbors(&self) -> &Adjacency {
         self.rows.pattern()
     }
 
-    /// The logarithm of the factor that each row was divided by.
+    /// Logarithm of the divisor of each row.
     pub fn log_factor(&self) -> &[f64] {
         &self.log_factor
     }
 
-    /// `A`, the area of each vertex in squared model units (1 for a graph).
+    /// Area A of each vertex in squared model units (1 for a graph).
     pub fn areas(&self) -> &[f64] {
         &self.areas
     }
 
-    /// Mean square distance of the neighbors, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units (1
-    /// for a graph, 0 at a vertex that no step leaves).
+    /// Mean square distance of the neighbors, `Σ_y T(x,y)·‖x−y‖² / Σ_y T(x,y)` over `y ≠ x`, in squared model units
+    /// (1 for a graph, 0 at a vertex without steps).
     pub fn mean_square(&self) -> &[f64] {
         &self.mean_square
     }
 
-    /// `E`, the mean length of edges or the mean distance to the nearest neighbors, in model units (1 for a graph).
+    /// Mean edge length E, or mean distance to the nearest neighbors, in model units (1 for a graph).
     pub fn mean_length(&self) -> f64 {
         self.mean_length
     }
 
-    /// Whether diffusion is reversible: neighborhood is symmetric.
+    /// True if the neighborhoods are symmetric, so that the diffusion is reversible.
     pub fn is_reversible(&self) -> bool {
         self.is_reversible
     }
 
-    /// `t` of the kernel `exp(−d²/4t)` (eq. 1), in squared model units: E²/2, or as long as neighborhoods by length are wide
-    /// ([`density_invariant`](OperatorParams::density_invariant)).
+    /// Time t of the kernel `exp(−d²/4t)` (eq. 1), in squared model units: E²/2, or the width of neighborhoods by
+    /// length ([`density_invariant`](OperatorParams::density_invariant)).
     pub fn time(&self) -> f64 {
         self.width * self.width / 2.0
     }
 }
 
-/// How far neighbors by length go on a mesh, in lengths of the longest edge of a vertex: about as many as a cloud's.
+/// Reach of neighborhoods by length on a mesh, in lengths of the longest edge of a vertex; it gives about as many
+/// neighbors as on a cloud.
 const MESH_REACH: f64 = 1.5;
 
-/// Stages that are reported: neighbors, areas, values.
+/// Number of reported stages: neighbors, areas, values.
 const STAGES: u64 = 3;
 
 /// Builds T (eq. 1) for a prepared shape. O(entries), for clouds O(n log n).
 ///
-/// Vertices without a neighbor that has an area get an empty row: what starts there stays there. Where the paper is
-/// silent: neighborhood on a mesh is the one-ring, on a cloud the union of both directions, and each row is shifted by its
-/// smallest d² before `exp`, which leaves the normalized row the same.
+/// A vertex without a neighbor of positive area gets an empty row, so that what starts there stays there. Choices
+/// that the paper leaves open: the neighborhood is the one-ring on a mesh and the union of both directions on a
+/// cloud; each row is shifted by its smallest d² before `exp`, which does not change the normalized row.
 ///
-/// With [`density_invariant`](OperatorParams::density_invariant) neighbors are those within one length that is the same everywhere, t goes
-/// with it, and `T(x,y) = m(y)·exp(−‖x−y‖²/4t)` with m = A divided by the density `q(x) = A(x) + Σ_{y≠x} A(y)·exp(−‖x−y‖²/4t)` that the kernel
-/// finds (`coifmanlafon2006`, α = 1), and three times more by what is left of that; on a graph neighbors stay and
-/// `T(x,y) = w(x,y)/(q(x)·q(y))`, `q(x) = Σ_y w(x,y)`.
+/// With [`density_invariant`](OperatorParams::density_invariant) the neighbors are those within one length that is
+/// the same everywhere, t follows from that length, and `T(x,y) = m(y)·exp(−‖x−y‖²/4t)`. Here m is A divided by the
+/// density estimate `q(x) = A(x) + Σ_{y≠x} A(y)·exp(−‖x−y‖²/4t)` of the kernel (`coifmanlafon2006`, α = 1), and
+/// three more times by the remaining density. On a graph the neighbors stay and `T(x,y) = w(x,y)/(q(x)·q(y))`,
+/// `q(x) = Σ_y w(x,y)`.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] if the call is cancelled.
 pub fn local_operator(
     geometry: &PreparedGeometry,
     params: &OperatorParams,
@@ -101,25 +103,26 @@ pub fn local_operator(
 ) -> Result<LocalOperator, Cancelled> {
     progress.step(0, STAGES)?;
     let operator = match geometry.shape() {
-        Shape::Mesh(_) => of_mesh(geometry, params, progress),
-        Shape::Cloud(_) => of_cloud(geometry, params, progress),
-        Shape::Graph(graph) => of_graph(graph, geometry.vertex_map(), params, progress),
+        Shape::Mesh(_) => mesh_operator(geometry, params, progress),
+        Shape::Cloud(_) => cloud_operator(geometry, params, progress),
+        Shape::Graph(graph) => graph_operator(graph, geometry.vertex_map(), params, progress),
     }?;
     progress.step(STAGES, STAGES)?;
     Ok(operator)
 }
 
-/// T (eq. 1) of a cloud, or of a part of one, whose neighborhoods, areas and E are known: `T(x,y) = A(y)·exp(−‖x−y‖²/2E²)` for y in
-/// `neighbors` of x. `points` and `mean_length` (E) are in model units, `areas` in squared ones. O(entries).
+/// Builds T (eq. 1) for a cloud, or a part of one, with known neighborhoods, areas and E:
+/// `T(x,y) = A(y)·exp(−‖x−y‖²/2E²)` for y in row x of `neighbors`. `points` and `mean_length` (E) are in model
+/// units, `areas` in squared model units. O(entries).
 ///
-/// A row depends on its own entries alone: those of a part of a cloud have the bits of the whole where all their neighbors are there.
-/// `neighbors` count as symmetric.
+/// A row depends on its own entries only: rows of a part of a cloud have the bits of the whole if all their
+/// neighbors are present. `neighbors` is taken as symmetric.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] if the call is cancelled.
 ///
 /// # Panics
-/// Unless `neighbors` has a row and a column, and `areas` a value, for each point.
+/// Unless `neighbors` has one row and one column, and `areas` one value, per point.
 pub fn local_operator_of_neighbors(
     points: &[[f64; 3]],
     neighbors: Adjacency,
@@ -129,10 +132,11 @@ pub fn local_operator_of_neighbors(
 ) -> Result<LocalOperator, Cancelled> {
     assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
     assert_eq!(areas.len(), points.len(), "an area for each point");
-    Kernel { points, unit: 1.0, area_unit: 1.0, areas, mean_length }.operator(neighbors, true, progress)
+    OperatorKernel { points, unit: 1.0, area_unit: 1.0, areas, mean_length }
+        .operator(neighbors, true, progress)
 }
 
-fn of_mesh(
+fn mesh_operator(
     geometry: &PreparedGeometry,
     params: &OperatorParams,
     progress: Progress<'_>,
@@ -147,18 +151,19 @@ fn of_mesh(
     drop(at_vertex);
     progress.step(2, STAGES)?;
     let neighbors = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
-    let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
+    let kernel =
+        OperatorKernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
     if !params.density_invariant {
         return kernel.operator(neighbors, true, progress);
     }
     let farthest = parallel::try_collect(points.len(), progress, |x| {
-        let squares = neighbors.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]));
+        let squares = neighbors.row(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]));
         MESH_REACH * squares.fold(0.0, f64::max).sqrt()
     })?;
-    kernel.density_invariant(by_length(&points, &neighbors, &farthest, progress)?, progress)
+    kernel.density_invariant(neighbors_within_length(&points, &neighbors, &farthest, progress)?, progress)
 }
 
-fn of_cloud(
+fn cloud_operator(
     geometry: &PreparedGeometry,
     params: &OperatorParams,
     progress: Progress<'_>,
@@ -168,17 +173,19 @@ fn of_cloud(
     progress.step(1, STAGES)?;
     let total = parallel::try_sum(points.len(), progress, |x| {
         let lengths =
-            near.adjacency.of(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]).sqrt());
+            near.adjacency.row(x).iter().map(|&y| squared_distance(&points[x], &points[y as usize]).sqrt());
         lengths.sum()
     })?;
     let mean_length = total / near.adjacency.nnz().max(1) as f64;
     let areas = try_cloud_areas(&points, &near, params.cloud_area, progress)?;
     progress.step(2, STAGES)?;
-    let kernel = Kernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
+    let kernel =
+        OperatorKernel { points: &points, unit, area_unit: geometry.size_unit(), areas, mean_length };
     let mut operator = match (params.cloud_graph, params.density_invariant) {
         (_, true) => {
             let next = near.adjacency.union_with_transpose(progress)?;
-            kernel.density_invariant(by_length(&points, &next, &near.radius, progress)?, progress)
+            kernel
+                .density_invariant(neighbors_within_length(&points, &next, &near.radius, progress)?, progress)
         }
         (CloudGraph::Union, _) => {
             kernel.operator(near.adjacency.union_with_transpose(progress)?, true, progress)
@@ -191,21 +198,21 @@ fn of_cloud(
     Ok(operator)
 }
 
-/// The kernel (eq. 1) of a mesh or cloud.
-struct Kernel<'a> {
+/// Kernel (eq. 1) of a mesh or cloud.
+struct OperatorKernel<'a> {
     /// Positions, in units of `unit` model units.
     points: &'a [[f64; 3]],
     unit: f64,
-    /// The unit of length in which entries count areas: of the order of the shape, so that their sums neither overflow nor
-    /// vanish.
+    /// Unit of the areas in the entries, of the order of the shape, so that their sums neither overflow nor
+    /// underflow.
     area_unit: f64,
-    /// A, in squares of `unit`.
+    /// Areas A, in squares of `unit`.
     areas: Vec<f64>,
-    /// E, in units of `unit`.
+    /// Mean length E, in units of `unit`.
     mean_length: f64,
 }
 
-impl Kernel<'_> {
+impl OperatorKernel<'_> {
     fn operator(
         self,
         neighbors: Adjacency,
@@ -216,10 +223,10 @@ impl Kernel<'_> {
         self.with_width(neighbors, width, is_reversible, progress)
     }
 
-    /// The kernel over neighborhoods by length, divided by the density that it finds.
+    /// Kernel over neighborhoods by length, divided by its density estimate.
     fn density_invariant(
         mut self,
-        within: ByLength,
+        within: LengthNeighbors,
         progress: Progress<'_>,
     ) -> Result<LocalOperator, Cancelled> {
         let measure = measure(self.points, &self.areas, &within, progress)?;
@@ -236,9 +243,9 @@ impl Kernel<'_> {
         progress: Progress<'_>,
     ) -> Result<LocalOperator, Cancelled> {
         let (n, unit, area_unit) = (self.points.len(), self.unit, self.area_unit);
-        // Both units are powers of two: nothing is rounded.
+        // Both units are powers of two, so nothing is rounded.
         let scaled = |areas: &mut [f64], factor: f64| {
-            parallel::try_for_rows(areas, 1, 1 << 14, progress, |_, areas| {
+            parallel::try_visit_rows(areas, 1, 1 << 14, progress, |_, areas| {
                 for a in areas {
                     *a = *a * factor * factor;
                 }
@@ -247,16 +254,16 @@ impl Kernel<'_> {
         scaled(&mut self.areas, unit / area_unit)?;
         let mut values = crate::pages::zeros(neighbors.nnz());
         let mut per_row = vec![(0.0, 0.0); n];
-        try_for_entries(&neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
+        try_visit_entries(&neighbors, &mut values, &mut per_row, progress, |range, mut values, per_row| {
             for (x, kept) in range.zip(per_row) {
-                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.of(x).len());
+                let (row, after) = std::mem::take(&mut values).split_at_mut(neighbors.row(x).len());
                 values = after;
-                *kept = self.fill_row(x, neighbors.of(x), width, row);
+                *kept = self.fill_row(x, neighbors.row(x), width, row);
             }
         })?;
         scaled(&mut self.areas, area_unit)?;
         Ok(LocalOperator {
-            rows: CompressedRows::trusted(neighbors, values),
+            rows: CompressedRows::new_unchecked(neighbors, values),
             log_factor: parallel::try_collect(n, progress, |x| per_row[x].0)?,
             areas: self.areas,
             measure: None,
@@ -267,13 +274,13 @@ impl Kernel<'_> {
         })
     }
 
-    /// Fills the row of `x`, whose neighbors are `near`: the logarithm of the row's factor, and the mean square of its
-    /// distances in squared model units.
+    /// Fills the row of `x` with neighbors `near`; returns the logarithm of the row's divisor and the mean square
+    /// distance in squared model units.
     fn fill_row(&self, x: usize, near: &[u32], width: f64, row: &mut [f64]) -> (f64, f64) {
         let Self { points, unit, areas, .. } = self;
-        // 1/4t = 1/2w² (eq. 1). All neighbors coincide where w is 0; the kernel is 1 then.
+        // 1/4t = 1/2w² (eq. 1). If w is 0 all neighbors coincide, and the kernel is 1.
         let sharpness = sharpness(width * width);
-        // Neighbors without area do not count for the shift: they do not keep the row from underflowing.
+        // Neighbors without area do not count for the shift, because they do not keep the row from underflowing.
         let mut nearest = f64::INFINITY;
         for (value, &y) in row.iter_mut().zip(near) {
             *value = squared_distance(&points[x], &points[y as usize]);
@@ -297,9 +304,9 @@ impl Kernel<'_> {
     }
 }
 
-/// Kernel of a graph: the weights themselves, every node of area 1, every edge of length 1. Rows and columns are in the
-/// numbering of `vertex_map`.
-fn of_graph(
+/// Kernel of a graph: the weights themselves, with area 1 per node and length 1 per edge. Rows and columns are in
+/// the numbering of `vertex_map`.
+fn graph_operator(
     graph: &Graph,
     vertex_map: &VertexMap,
     params: &OperatorParams,
@@ -311,7 +318,7 @@ fn of_graph(
         let weights = graph.rows().row(node_at[x] as usize).1;
         weights.iter().copied().fold(0.0, f64::max)
     };
-    // The logarithm of what a row is divided by: sums of very large weights would overflow.
+    // Logarithm of the divisor of a row; sums of very large weights would overflow.
     let log_degree = |x: usize| {
         let (weights, largest) = (graph.rows().row(node_at[x] as usize).1, largest_weight(x));
         if largest > 0.0 { largest.ln() + weights.iter().map(|w| w / largest).sum::<f64>().ln() } else { 0.0 }

@@ -18,25 +18,26 @@ use crate::named_values;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Whether the neighbor graph of a cloud is made symmetric.
+/// Symmetry of the neighbor graph of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudGraph {
-    /// `y` is a neighbor of `x` when either is among the nearest of the other. Φ₁ is then reversible and its
+    /// `y` is a neighbor of `x` if either is among the nearest points of the other. Φ₁ is then reversible and its
     /// spectrum real.
     #[default]
     Union,
-    /// The nearest of each point only, as the paper has it. Φ₁ need not be reversible.
+    /// Only the nearest points of each point are its neighbors, as in the paper. Φ₁ need not be reversible.
     Directed,
 }
 
-/// By what a signal is smoothed.
+/// Kind of operator that smooths signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OperatorKind {
-    /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbors, however far they are.
+    /// The paper's lazy random walk over the mesh (eq. 4): a step goes to neighbors, whatever their distance.
     #[default]
     Walk,
-    /// Heat on the surface, by its Laplace–Beltrami operator: bands that depend on the surface and hardly on its mesh.
+    /// Heat on the surface, by its Laplace–Beltrami operator: the bands depend on the surface and hardly on its
+    /// mesh.
     Surface,
 }
 
@@ -99,7 +100,7 @@ pub fn choose_operator(
     }
 }
 
-/// How the diffusion operator is built. The defaults are those of the paper, made precise.
+/// Parameters of the diffusion operator. The defaults are those of the paper, made precise.
 ///
 /// ```
 /// use adwave::operator::OperatorParams;
@@ -108,25 +109,26 @@ pub fn choose_operator(
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OperatorParams {
-    /// By what a signal is smoothed.
+    /// Kind of operator.
     pub kind: OperatorKind,
-    /// Whether vertices at equal positions are one welded vertex.
+    /// Welding of vertices at equal positions.
     pub weld: WeldMode,
-    /// Mesh: how many rings of neighbors a step may take in; at least 1.
+    /// Mesh: number of rings of neighbors that a step may reach, at least 1.
     pub rings: usize,
-    /// Mesh: the area of a vertex.
+    /// Mesh: definition of the area of a vertex.
     pub mesh_area: MeshArea,
-    /// Cloud: how many nearest neighbors a step may take in; at least 1.
+    /// Cloud: number of nearest neighbors that a step may reach, at least 1.
     pub neighbors: usize,
-    /// Cloud: whether neighborhood is made symmetric.
+    /// Cloud: symmetry of the neighbor graph.
     pub cloud_graph: CloudGraph,
-    /// Cloud: the area of a point.
+    /// Cloud: definition of the area of a point.
     pub cloud_area: CloudArea,
-    /// Walk: whether the density of the samples is taken out of it (see [`local_operator`]); a cloud's graph is symmetric then.
+    /// Walk: removes the density of the samples (see [`local_operator`]); the graph of a cloud is then symmetric.
     pub density_invariant: bool,
-    /// Whether steps keep to vertices whose normals are alike: each weight is multiplied by `exp(−‖n_x − n_y‖²/2s²)`, n being the
-    /// normals of the vertices of a mesh or cloud after two steps and s 2.5 times the root of the median of `‖n_x − n_y‖²` over neighbors
-    /// (see [`Diffusion::guided`]). A graph has no normals and is left as it is.
+    /// Favors vertices with similar normals: each weight is multiplied by `exp(−‖n_x − n_y‖²/2s²)`, where n are the
+    /// normals of the vertices of a mesh or cloud after two steps and s is 2.5 times the square root of the median
+    /// of `‖n_x − n_y‖²` over neighbors (see [`Diffusion::weigh_by_guide`]). A graph has no normals and does not
+    /// change.
     pub keep_creases: bool,
 }
 
@@ -147,55 +149,55 @@ impl Default for OperatorParams {
 }
 
 impl OperatorParams {
-    /// Sets by what a signal is smoothed.
+    /// Sets the kind of operator.
     #[must_use]
     pub fn with_kind(self, kind: OperatorKind) -> Self {
         Self { kind, ..self }
     }
 
-    /// Sets whether vertices at equal positions are one welded vertex.
+    /// Sets the welding of vertices at equal positions.
     #[must_use]
     pub fn with_weld(self, weld: WeldMode) -> Self {
         Self { weld, ..self }
     }
 
-    /// Sets how many rings of a mesh a step may take in; 0 is taken as 1.
+    /// Sets the number of rings that a step may reach on a mesh; 0 counts as 1.
     #[must_use]
     pub fn with_rings(self, rings: usize) -> Self {
         Self { rings: rings.max(1), ..self }
     }
 
-    /// Sets the area of a mesh vertex.
+    /// Sets the definition of the area of a mesh vertex.
     #[must_use]
     pub fn with_mesh_area(self, mesh_area: MeshArea) -> Self {
         Self { mesh_area, ..self }
     }
 
-    /// Sets how many nearest points of a cloud a step may take in; 0 is taken as 1.
+    /// Sets the number of nearest points that a step may reach on a cloud; 0 counts as 1.
     #[must_use]
     pub fn with_neighbors(self, neighbors: usize) -> Self {
         Self { neighbors: neighbors.max(1), ..self }
     }
 
-    /// Sets whether neighborhood in a cloud is made symmetric.
+    /// Sets the symmetry of the neighbor graph of a cloud.
     #[must_use]
     pub fn with_cloud_graph(self, cloud_graph: CloudGraph) -> Self {
         Self { cloud_graph, ..self }
     }
 
-    /// Sets the area of a point of a cloud.
+    /// Sets the definition of the area of a point of a cloud.
     #[must_use]
     pub fn with_cloud_area(self, cloud_area: CloudArea) -> Self {
         Self { cloud_area, ..self }
     }
 
-    /// Sets whether the density of the samples is taken out of the walk.
+    /// Sets the removal of the sampling density from the walk.
     #[must_use]
     pub fn with_density_invariant(self, density_invariant: bool) -> Self {
         Self { density_invariant, ..self }
     }
 
-    /// Sets whether steps keep to vertices whose normals are alike.
+    /// Sets the preference for vertices with similar normals.
     #[must_use]
     pub fn with_keep_creases(self, keep_creases: bool) -> Self {
         Self { keep_creases, ..self }

@@ -1,20 +1,20 @@
-//! A bound of the largest eigenvalue of a Laplacian.
+//! Upper bound of the largest eigenvalue of a Laplacian.
 
 use crate::parallel;
 use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};
 
-/// Products that the bound takes; more hardly lower it.
+/// Number of products for the bound; more hardly lower it.
 const N_PRODUCTS: usize = 5;
 
-/// Rows that a thread treats at a time.
+/// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 1 << 13;
 
-/// At least the largest eigenvalue of M⁻¹L, and on meshes about 5 % more: for any v > 0, `λ ≤ max_x (B v)(x)/v(x)`, B being M⁻¹L
-/// with its entries' absolute values (`collatz1942`). v starts as 1, which gives twice the largest L(x,x)/M(x), and becomes
-/// Bv. O(entries).
+/// Upper bound of the largest eigenvalue of M⁻¹L, about 5 % too large on meshes. For any v > 0,
+/// `λ ≤ max_x (B v)(x)/v(x)`, where B has the absolute values of the entries of M⁻¹L (`collatz1942`). v starts as
+/// 1, which gives twice the largest L(x,x)/M(x), and is replaced by Bv. O(entries).
 ///
-/// `weights` are w(x,y) = −L(x,y) ≥ 0 and `stiffness` L(x,x).
+/// `weights` holds w(x,y) = −L(x,y) ≥ 0 and `stiffness` holds L(x,x).
 pub(super) fn largest_eigenvalue(
     weights: &CompressedRows<f64>,
     mass: &[f64],
@@ -41,7 +41,7 @@ pub(super) fn largest_eigenvalue(
         if least == 0.0 {
             break;
         }
-        // Vertices without neighbors stay at 1; the others neither overflow nor vanish.
+        // Vertices without neighbors stay at 1; the others neither overflow nor underflow.
         v = parallel::try_collect(n, progress, |x| {
             if stiffness[x] > 0.0 { (product[x] / least).max(f64::MIN_POSITIVE) } else { 1.0 }
         })?;

@@ -1,7 +1,7 @@
-//! Soft regions: a weight r(x) in [0, 1] for every vertex, to edit here and not there.
+//! Soft regions: a weight r(x) in [0, 1] for every vertex, for local edits.
 //!
-//! Every region is 0 outside and rises to 1 at the depth `falloff` inside, along the quintic 6t⁵ − 15t⁴ + 10t³, whose
-//! first and second derivatives vanish at both ends: an edit has no seam at a region's edge.
+//! Every region is 0 outside and rises to 1 at the depth `falloff` inside, along the quintic 6t⁵ − 15t⁴ + 10t³. Its
+//! first and second derivatives vanish at both ends, so an edit has no seam at the boundary of a region.
 
 mod distance;
 mod metric;
@@ -11,7 +11,7 @@ mod stroke;
 mod weights;
 
 pub use distance::{SurfaceSearch, surface_distance};
-pub use metric::{Edges, SurfaceMetric};
+pub use metric::{MetricEdges, SurfaceMetric};
 pub use parse::{RegionSyntaxError, parse_region};
 pub use weights::{FieldLookup, RegionWeights};
 
@@ -19,21 +19,21 @@ use crate::{Cancelled, ClassifiedError, ErrorKind};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A length, in model units or as a part of the bounding box's diagonal.
+/// A length, in model units or relative to the diagonal of the bounding box.
 ///
 /// Written as a number (`0.25`) or as a percentage of the diagonal (`"5%"`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LengthText", into = "LengthText")]
 pub enum Length {
-    /// So many model units (hops on a graph).
+    /// Length in model units (hops on a graph).
     Units(f64),
-    /// So many percent of the bounding box's diagonal.
+    /// Length in percent of the diagonal of the bounding box.
     PercentOfDiagonal(f64),
 }
 
 impl Length {
-    /// The length in model units.
-    pub fn in_units(self, diagonal: f64) -> f64 {
+    /// The length in model units, for a bounding box with that `diagonal`.
+    pub fn to_model_units(self, diagonal: f64) -> f64 {
         match self {
             Self::Units(length) => length,
             Self::PercentOfDiagonal(percent) => percent / 100.0 * diagonal,
@@ -56,7 +56,7 @@ impl std::str::FromStr for Length {
     }
 }
 
-/// How a [`Length`] is written in a recipe.
+/// Text form of a [`Length`] in a recipe.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum LengthText {
@@ -85,13 +85,13 @@ impl From<Length> for LengthText {
     }
 }
 
-/// A place on a shape.
+/// A location on a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Place {
-    /// The vertex of this index, from 0.
+pub enum Location {
+    /// The vertex with this index, from 0.
     Vertex(u32),
-    /// The place of the shape nearest to this point, in model units.
+    /// The location on the shape nearest to this point, in model units.
     Point([f64; 3]),
 }
 
@@ -99,114 +99,117 @@ pub enum Place {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Region {
-    /// Everything.
+    /// The whole shape.
     Everywhere {},
-    /// All within `radius` of a place, measured along the surface.
+    /// All vertices within `radius` of a location, measured along the surface.
     Ball {
         /// The center.
-        center: Place,
-        /// Where the weight has fallen to 0.
+        center: Location,
+        /// Distance at which the weight has fallen to 0.
         radius: Length,
-        /// Width of the fall inside the radius; half the radius by default.
+        /// Width of the falloff inside the radius; half the radius by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
-    /// All within `radius` of a line drawn over the surface from place to place, measured along the surface.
+    /// All vertices within `radius` of a line over the surface through the given locations, measured along the
+    /// surface.
     Stroke {
-        /// Where the line runs.
-        path: Vec<Place>,
-        /// Where the weight has fallen to 0.
+        /// Locations that the line passes through.
+        path: Vec<Location>,
+        /// Distance at which the weight has fallen to 0.
         radius: Length,
-        /// Width of the fall inside the radius; half the radius by default.
+        /// Width of the falloff inside the radius; half the radius by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
-    /// All inside an axis-aligned box.
+    /// All vertices inside an axis-aligned box.
     Box {
         /// Smallest coordinates.
         min: [f64; 3],
         /// Largest coordinates.
         max: [f64; 3],
-        /// Width of the fall inside the box; 5 % of the shape's diagonal by default.
+        /// Width of the falloff inside the box; 5 % of the shape's diagonal by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
-    /// All on the side of a plane that its normal points to.
+    /// All vertices on the side of a plane to which its normal points.
     HalfSpace {
         /// A point of the plane.
         point: [f64; 3],
-        /// The direction into the region, of any length but 0.
+        /// Direction into the region, of any length except 0.
         normal: [f64; 3],
-        /// Width of the fall inside the region; 5 % of the shape's diagonal by default.
+        /// Width of the falloff inside the region; 5 % of the shape's diagonal by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
-    /// A scalar field of the vertices: 0 where it is `low` or less, 1 where it is `high` or more, linear between.
+    /// A scalar vertex field: weight 0 at `low` or less, 1 at `high` or more, linear between.
     Field {
         /// Name of the field.
         name: String,
-        /// Where the weight is 0; 0 by default.
+        /// Value with weight 0; 0 by default.
         #[serde(default)]
         low: f64,
-        /// Where the weight is 1; 1 by default. May be smaller than `low`.
+        /// Value with weight 1; 1 by default. May be smaller than `low`.
         #[serde(default = "one")]
         high: f64,
     },
-    /// Some vertices, with all that is within `radius` of one of them along the surface.
+    /// The given vertices, and all vertices within `radius` of one of them along the surface.
     Vertices {
-        /// Their indices, from 0.
+        /// Indices of the vertices, from 0.
         indices: Vec<u32>,
-        /// How far the region extends beyond them, falling to 0 there; 0 by default.
+        /// Distance by which the region extends beyond them, falling to 0 there; 0 by default.
         #[serde(default = "no_length")]
         radius: Length,
-        /// Width of the fall inside the radius; the radius by default.
+        /// Width of the falloff inside the radius; the radius by default.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         falloff: Option<Length>,
     },
-    /// What faces a direction: S(n·d / (|d|·falloff)) with the normal n of a vertex and the rise S of all regions, 1 where
-    /// n·d > 0 without a falloff. For meshes.
+    /// Vertices that face a direction: S(n·d / (|d|·falloff)) with the vertex normal n and the rise S of all
+    /// regions; without a falloff, 1 where n·d > 0. For meshes.
     Facing {
-        /// The direction d, of any length but 0.
+        /// Direction d, of any length except 0.
         direction: [f64; 3],
-        /// The cosine between normal and direction from which on the weight is 1; 0 by default.
+        /// Cosine between normal and direction from which the weight is 1; 0 by default.
         #[serde(default)]
         falloff: f64,
     },
-    /// The connected part that holds a vertex.
+    /// The connected component of a vertex.
     Component {
         /// The vertex, from 0.
         vertex: u32,
     },
-    /// Another region, larger: S(max_y 2 t(y) − d(x, y)/by) with r = S(t) and the distance d along the surface, which is 1 up to
-    /// `by` from where r is 1 and falls to 0 over `by` more. [`shrunk`](Region::shrunk) is the opposite.
+    /// Another region, enlarged: S(max_y 2 t(y) − d(x, y)/by) with r = S(t) and the distance d along the surface.
+    /// It is 1 up to the distance `by` from where r is 1, and falls to 0 over a further `by`.
+    /// [`shrink`](Region::shrink) is the opposite.
     Grown {
-        /// By how much, above 0.
+        /// Distance, above 0.
         by: Length,
-        /// The region.
+        /// The region to enlarge.
         region: Box<Region>,
     },
-    /// Another region, blurred along the surface: the mean of r where a lazy random walk over the edges ends after
-    /// k = 4 (by/h)² steps (rounded up, h the root mean square length of an edge), which spreads by `by` in each direction. Constants are kept.
+    /// Another region, blurred along the surface: the mean of r at the end of a lazy random walk over the edges
+    /// with k = 4 (by/h)² steps (rounded up, h the root mean square edge length), which spreads by `by` in each
+    /// direction. Constants do not change.
     Blurred {
-        /// The standard deviation of the walk in each direction of the surface; at most 2000 h.
+        /// Standard deviation of the walk in each direction of the surface; at most 2000 h.
         by: Length,
-        /// The region.
+        /// The region to blur.
         region: Box<Region>,
     },
-    /// Another region, fainter: factor·r.
+    /// Another region, attenuated: factor·r.
     Faded {
-        /// The factor, in [0, 1].
+        /// Factor in [0, 1].
         factor: f64,
-        /// The region.
+        /// The region to attenuate.
         region: Box<Region>,
     },
-    /// Strokes of a brush, one after the other, from 0 everywhere.
+    /// Brush strokes, applied in order, starting from 0 everywhere.
     Painted(Vec<BrushStroke>),
-    /// Where another region is not: 1 − r.
+    /// The complement of another region: 1 − r.
     Not(Box<Region>),
-    /// Where any of these is: the largest r.
+    /// The union of regions: the largest r.
     Any(Vec<Region>),
-    /// Where all of these are: the smallest r.
+    /// The intersection of regions: the smallest r.
     All(Vec<Region>),
 }
 
@@ -214,15 +217,15 @@ pub enum Region {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum BrushStroke {
-    /// The larger of what is there and r.
+    /// The larger of the present weight and r.
     Add(Region),
-    /// The smaller of what is there and 1 − r.
+    /// The smaller of the present weight and 1 − r.
     Subtract(Region),
-    /// What is there, blurred to the part r: m + r·(m blurred − m).
+    /// The present weights m, blurred by the fraction r: m + r·(m blurred − m).
     Smooth {
-        /// Where, and how much.
+        /// Location and amount of the blur.
         region: Region,
-        /// The length of the blur, as of [`Region::Blurred`].
+        /// Length of the blur, as in [`Region::Blurred`].
         by: Length,
     },
 }
@@ -235,73 +238,73 @@ fn no_length() -> Length {
     Length::Units(0.0)
 }
 
-/// Why a region does not fit a shape.
+/// Error of applying a region to a shape.
 #[derive(Debug, Error, PartialEq)]
 pub enum RegionError {
-    /// A vertex that does not exist.
+    /// The region names a vertex that does not exist.
     #[error("the region names vertex {vertex}, but the shape has {n_vertices} vertices, counted from 0")]
     NoSuchVertex {
-        /// The vertex.
+        /// Index of the vertex.
         vertex: u32,
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// A field that does not exist.
+    /// The region names a field that does not exist.
     #[error("the region names the field '{name}', but the shape has {}", list(.available))]
     NoSuchField {
-        /// The name.
+        /// Name of the field.
         name: String,
-        /// Fields that exist.
+        /// Names of the existing fields.
         available: Vec<String>,
     },
-    /// A field that has several values per vertex, or not one for each.
+    /// The field does not have one value per vertex.
     #[error(
         "the field '{name}' has {n_values} values for {n_vertices} vertices; a region needs one per vertex"
     )]
     NotScalar {
-        /// The name.
+        /// Name of the field.
         name: String,
-        /// Values it has.
+        /// Number of its values.
         n_values: usize,
         /// Number of vertices.
         n_vertices: usize,
     },
-    /// Weights that do not belong to this shape.
+    /// The number of weights does not match the shape.
     #[error("there are {n_values} weights, and {expected} are needed: one per vertex")]
     WrongLength {
-        /// Weights given.
+        /// Number of weights given.
         n_values: usize,
-        /// Weights needed.
+        /// Number of weights required.
         expected: usize,
     },
-    /// A field with a value that is no number.
+    /// The field has the value NaN.
     #[error("the field '{name}' is NaN at vertex {vertex}")]
     NotANumber {
-        /// The name.
+        /// Name of the field.
         name: String,
         /// The vertex, from 0.
         vertex: usize,
     },
-    /// A number that is not finite, or a size that must be above 0 and is not.
+    /// A number is not finite, or a size is not positive.
     #[error("{what} of the region is {value}; it must be {must}")]
     BadNumber {
-        /// What the number is.
+        /// Name of the number.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Requirement on the number.
         must: &'static str,
     },
-    /// A region by position on a shape that has no positions.
+    /// The region is given by positions, but the shape has none.
     #[error("a {0} region needs positions, which a graph does not have; use vertices or a field")]
     NeedsPositions(&'static str),
-    /// A region by normals on a shape that has none.
+    /// The region is given by normals, but the shape has none.
     #[error("a {0} region needs faces, which a cloud or a graph does not have; use a half-space")]
     NeedsFaces(&'static str),
-    /// A stroke without places.
+    /// The stroke has no locations.
     #[error("a stroke needs at least one place")]
     EmptyStroke,
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -316,7 +319,7 @@ fn list(names: &[String]) -> String {
     if names.is_empty() { "no fields".to_owned() } else { format!("only {}", names.join(", ")) }
 }
 
-/// 6t⁵ − 15t⁴ + 10t³, from 0 at t ≤ 0 to 1 at t ≥ 1.
+/// The quintic 6t⁵ − 15t⁴ + 10t³, from 0 at t ≤ 0 to 1 at t ≥ 1.
 pub(crate) fn smooth_rise(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (t * (6.0 * t - 15.0) + 10.0)

@@ -1,20 +1,20 @@
-//! Regions made of the surface and of other regions: by the direction of normals, by connection, grown, blurred.
+//! Regions derived from the surface and from other regions: by normals, by connection, enlarged, blurred.
 
 use super::{Length, Region, RegionError, RegionWeights, SurfaceMetric, smooth_rise, weights::welded};
 use crate::shape::Adjacency;
 use crate::{Cancelled, Progress, parallel};
 use nalgebra::Vector3;
 
-/// Steps of the walk of a blur for each squared (length / rms length of an edge): the lazy walk of `k` steps over edges of length
-/// `h` spreads by `σ² = k h²/4` in each direction of a surface.
+/// Number of steps of a blur per squared (length / rms edge length): the lazy walk of `k` steps over edges of
+/// length `h` spreads by `σ² = k h²/4` in each direction of a surface.
 const STEPS: f64 = 4.0;
-/// The widest blur in lengths of an edge: some 20 000 products.
+/// Largest blur in edge lengths: about 20 000 products.
 const WIDEST_BLUR: f64 = 2000.0;
-/// What is left of the walk's polynomial, against its largest coefficient, is left out.
+/// Remainder of the walk's polynomial, relative to its largest coefficient, that is omitted.
 const NEGLIGIBLE: f64 = 1e-10;
 
-/// `S(n·d / (|d| · falloff))` with the normal n of each vertex.
-pub(super) fn facing(
+/// Weights `S(n·d / (|d| · falloff))` with the normal n of each vertex.
+pub(super) fn facing_weights(
     metric: &SurfaceMetric,
     direction: &[f64; 3],
     falloff: f64,
@@ -43,7 +43,7 @@ pub(super) fn facing(
     })?))
 }
 
-/// 1 in the connected part of a vertex.
+/// Weights that are 1 in the connected component of a vertex.
 pub(super) fn component(
     metric: &SurfaceMetric,
     vertex: u32,
@@ -58,7 +58,7 @@ pub(super) fn component(
         if next.is_multiple_of(1 << 14) {
             progress.check()?;
         }
-        for &y in neighbors.of(found[next] as usize) {
+        for &y in neighbors.row(found[next] as usize) {
             if !std::mem::replace(&mut seen[y as usize], true) {
                 found.push(y);
             }
@@ -69,14 +69,15 @@ pub(super) fn component(
     Ok(RegionWeights::Sparse { weights: vec![1.0; found.len()], vertices: found })
 }
 
-/// `S(max_y 2 t(y) − d(x, y)/by)` with r = S(t): one search, in which a vertex y starts with the distance `2 by (1 − t(y))`.
-pub(super) fn grown(
+/// Weights `S(max_y 2 t(y) − d(x, y)/by)` with r = S(t), by one search in which a vertex y starts with the distance
+/// `2 by (1 − t(y))`.
+pub(super) fn grow(
     metric: &SurfaceMetric,
     weights: &RegionWeights,
     by: Length,
     progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
-    let by = by.in_units(metric.diagonal());
+    let by = by.to_model_units(metric.diagonal());
     if !(by.is_finite() && by > 0.0) {
         return Err(RegionError::BadNumber { what: "the growth", value: by, must: "above 0" });
     }
@@ -92,7 +93,7 @@ pub(super) fn grown(
         .filter(|(_, r)| *r > 0.0)
         .map(|(x, r)| (x, 2.0 * by * (1.0 - depth(r))))
         .collect();
-    let within = metric.within(&sources, 2.0 * by, progress)?;
+    let within = metric.find_within(&sources, 2.0 * by, progress)?;
     let weights = within.distances.into_iter().map(|d| smooth_rise(2.0 - d / by)).collect();
     Ok(RegionWeights::Sparse { vertices: within.vertices, weights })
 }
@@ -110,8 +111,8 @@ fn depth(r: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// [`blur`] of the weights of a region.
-pub(super) fn blurred(
+/// Applies [`blur`] to the weights of a region.
+pub(super) fn blur_weights(
     metric: &SurfaceMetric,
     weights: &RegionWeights,
     by: Length,
@@ -121,14 +122,15 @@ pub(super) fn blurred(
         return Ok(RegionWeights::Everywhere);
     }
     let r = weights.to_mean(metric.geometry().vertex_map());
-    Ok(RegionWeights::Welded(blur(metric, &r, by.in_units(metric.diagonal()), progress)?))
+    Ok(RegionWeights::Welded(blur(metric, &r, by.to_model_units(metric.diagonal()), progress)?))
 }
 
-/// The mean of `r` where a lazy random walk over the edges ends: `L^k r` with `L = (1 + P)/2`, P the mean over the neighbors and
-/// `k = 4 (by/h)²` rounded up, h the root mean square length of an edge.
+/// Mean of `r` at the end of a lazy random walk over the edges: `L^k r` with `L = (1 + P)/2`, where P is the mean
+/// over the neighbors and `k = 4 (by/h)²` rounded up, h the root mean square edge length.
 ///
-/// With Chebyshev's polynomials `L^k = Σ_d C(2k, k + d) 2^−2k T_|d|(P)`, d from −k to k: the coefficients are those of a fair
-/// walk on the line, of which those beyond some 6.5 standard deviations are left out. That takes about 10 by/h products in place of k.
+/// In Chebyshev polynomials `L^k = Σ_d C(2k, k + d) 2^−2k T_|d|(P)`, d from −k to k. The coefficients are those of
+/// a fair walk on the line; those beyond about 6.5 standard deviations are omitted. That takes about 10 by/h
+/// products instead of k.
 pub(super) fn blur(
     metric: &SurfaceMetric,
     r: &[f64],
@@ -145,12 +147,12 @@ pub(super) fn blur(
     let neighbors = metric.neighbors();
     let mut sum: Vec<f64> = r.iter().map(|r| coefficients[0] * r).collect();
     let mut before = r.to_vec();
-    let mut here = mean_of_neighbors(neighbors, r, progress, |_, mean| mean)?;
+    let mut here = neighbor_mean(neighbors, r, progress, |_, mean| mean)?;
     for &c in &coefficients[1..] {
         for (sum, t) in sum.iter_mut().zip(&here) {
             *sum += c * t;
         }
-        let next = mean_of_neighbors(neighbors, &here, progress, |x, mean| 2.0 * mean - before[x])?;
+        let next = neighbor_mean(neighbors, &here, progress, |x, mean| 2.0 * mean - before[x])?;
         (before, here) = (here, next);
     }
     for value in &mut sum {
@@ -159,15 +161,15 @@ pub(super) fn blur(
     Ok(sum)
 }
 
-/// `then(x, mean over the neighbors of x)`; of a vertex without neighbors its own value.
-fn mean_of_neighbors(
+/// Computes `then(x, mean over the neighbors of x)`; a vertex without neighbors uses its own value.
+fn neighbor_mean(
     neighbors: &Adjacency,
     r: &[f64],
     progress: Progress<'_>,
     then: impl Fn(usize, f64) -> f64 + Sync + Send,
 ) -> Result<Vec<f64>, Cancelled> {
     parallel::try_collect(r.len(), progress, |x| {
-        let around = neighbors.of(x);
+        let around = neighbors.row(x);
         let mean = if around.is_empty() {
             r[x]
         } else {
@@ -177,7 +179,7 @@ fn mean_of_neighbors(
     })
 }
 
-/// The coefficients of `T_0 … T_D` in `((1 + y)/2)^k`, which sum to 1.
+/// Coefficients of `T_0 … T_D` in `((1 + y)/2)^k`, which sum to 1.
 fn walk_coefficients(n_steps: f64) -> Vec<f64> {
     let mut parts = vec![1.0];
     let mut d = 0.0;
@@ -197,9 +199,9 @@ fn walk_coefficients(n_steps: f64) -> Vec<f64> {
 }
 
 impl Region {
-    /// The region less `by` at its edge: where another that is grown by it is not.
+    /// The region reduced by `by` at its boundary: the complement of the enlarged complement.
     #[must_use]
-    pub fn shrunk(self, by: Length) -> Self {
+    pub fn shrink(self, by: Length) -> Self {
         let outside = Self::Not(Box::new(self));
         Self::Not(Box::new(Self::Grown { by, region: Box::new(outside) }))
     }

@@ -1,4 +1,4 @@
-//! Regions written on a command line.
+//! Text form of regions, as on a command line.
 //!
 //! ```text
 //! region  = term { "|" term }                      any of them
@@ -6,44 +6,44 @@
 //! factor  = "!" factor | number "*" factor | "(" region ")" | name [ ":" key "=" value { "," key "=" value } ]
 //!         | ( "grown" | "shrunk" | "blurred" ) ":" "by" "=" length "(" region ")"
 //! ```
-//! Coordinates are separated by blanks, places of a stroke by `;`.
+//! Coordinates are separated by blanks, and locations of a stroke by `;`.
 
-use super::{Length, Place, Region};
+use super::{Length, Location, Region};
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why a text is no region.
+/// Syntax error in the text of a region.
 #[derive(Debug, Error, PartialEq)]
 pub enum RegionSyntaxError {
-    /// Something that is not a length.
+    /// The text is not a length.
     #[error("'{}' is not a length; write model units (0.25) or a percentage of the diagonal (5%)", one_line(.0))]
     NotALength(String),
-    /// Something that is not a number.
+    /// The text is not a number.
     #[error("'{}' is not a number", one_line(.0))]
     NotANumber(String),
-    /// Something that is not a point.
+    /// The text is not a point.
     #[error("'{}' is not a point; write three numbers with blanks between, as in '0.1 0 2.5'", one_line(.0))]
     NotAPoint(String),
-    /// Something that is not a vertex index.
+    /// The text is not a vertex index.
     #[error("'{}' is not a vertex index; vertices are counted from 0", one_line(.0))]
     NotAVertex(String),
-    /// A kind of region that does not exist.
+    /// The kind of region does not exist.
     #[error(
         "there is no region '{}'; there are all, ball, stroke, box, half-space, facing, component, field, vertices, grown, shrunk and blurred",
         one_line(.0)
     )]
     NoSuchRegion(String),
-    /// A key that the region does not have.
+    /// The region does not have this key.
     #[error("a {region} region has no '{}'; it has {known}", one_line(.key))]
     NoSuchKey {
         /// The kind of region.
         region: &'static str,
         /// The key.
         key: String,
-        /// Keys that it has.
+        /// Keys of the region.
         known: &'static str,
     },
-    /// A key without which the region means nothing.
+    /// A required key is missing.
     #[error("a {region} region needs {key}")]
     Missing {
         /// The kind of region.
@@ -51,16 +51,16 @@ pub enum RegionSyntaxError {
         /// The key.
         key: &'static str,
     },
-    /// A part without `key=value`.
+    /// A part does not have the form `key=value`.
     #[error("'{}' is not of the form key=value", one_line(.0))]
     NotAKeyValue(String),
-    /// The text ends too early or goes on too long.
+    /// The text ends too early or has extra characters.
     #[error(
-        "the region does not read on at '{}'; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'",
+        "unexpected text '{}' in the region; parts are joined by '&' and '|', negated by '!', grouped by '(' and ')'",
         one_line(.0)
     )]
     Unexpected(String),
-    /// More brackets than can be meant.
+    /// The text has too many nested brackets.
     #[error("the region is nested more than {0} deep")]
     TooDeep(usize),
 }
@@ -71,21 +71,21 @@ impl ClassifiedError for RegionSyntaxError {
     }
 }
 
-/// A part of the text for a message, control characters escaped, so that the message stays one line.
+/// Part of the text for a message, with control characters escaped so that the message stays on one line.
 fn one_line(text: &str) -> String {
     text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
 }
 
-/// Brackets and negations within each other: past this a text is an attack, not a region.
+/// Maximal nesting of brackets and negations, which limits the recursion on hostile text.
 const MAX_NESTED: usize = 64;
 
-/// Reads a region as written on a command line.
+/// Parses a region as written on a command line.
 ///
 /// ```
 /// use adwave::region::{parse_region, Length, Place, Region};
 /// let ball = parse_region("ball:vertex=12,radius=5%")?;
 /// assert_eq!(ball, Region::Ball {
-///     center: Place::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,
+///     center: Location::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,
 /// });
 /// let upper = parse_region("half-space:point=0 0 0,normal=0 1 0 & !ball:point=0 1 0,radius=0.2")?;
 /// assert!(matches!(upper, Region::All(parts) if parts.len() == 2));
@@ -93,10 +93,10 @@ const MAX_NESTED: usize = 64;
 /// ```
 ///
 /// # Errors
-/// [`RegionSyntaxError`] with what could not be read and what would do.
+/// [`RegionSyntaxError`] with the text that could not be parsed and what is valid.
 pub fn parse_region(text: &str) -> Result<Region, RegionSyntaxError> {
     let mut rest = text;
-    let region = any(&mut rest, 0)?;
+    let region = parse_union(&mut rest, 0)?;
     if rest.trim_start().is_empty() {
         Ok(region)
     } else {
@@ -106,11 +106,16 @@ pub fn parse_region(text: &str) -> Result<Region, RegionSyntaxError> {
 
 type Parsed = Result<Region, RegionSyntaxError>;
 
-fn any(rest: &mut &str, depth: usize) -> Parsed {
-    joined(rest, '|', |rest| joined(rest, '&', |rest| factor(rest, depth), Region::All), Region::Any)
+fn parse_union(rest: &mut &str, depth: usize) -> Parsed {
+    parse_list(
+        rest,
+        '|',
+        |rest| parse_list(rest, '&', |rest| parse_factor(rest, depth), Region::All),
+        Region::Any,
+    )
 }
 
-fn joined(
+fn parse_list(
     rest: &mut &str,
     sign: char,
     mut part: impl FnMut(&mut &str) -> Parsed,
@@ -124,71 +129,71 @@ fn joined(
     Ok(if parts.len() == 1 { parts.remove(0) } else { join(parts) })
 }
 
-fn factor(rest: &mut &str, depth: usize) -> Parsed {
+fn parse_factor(rest: &mut &str, depth: usize) -> Parsed {
     if depth > MAX_NESTED {
         return Err(RegionSyntaxError::TooDeep(MAX_NESTED));
     }
     *rest = rest.trim_start();
     if let Some(after) = rest.strip_prefix('!') {
         *rest = after;
-        return Ok(Region::Not(Box::new(factor(rest, depth + 1)?)));
+        return Ok(Region::Not(Box::new(parse_factor(rest, depth + 1)?)));
     }
     let end = rest.find(['*', ':', '&', '|', '(', ')']).unwrap_or(rest.len());
     if let Some(after) = rest[end..].strip_prefix('*') {
         let by = number(&rest[..end])?; // in [0, 1]: looked at with the shape
         *rest = after;
-        return Ok(Region::Faded { factor: by, region: Box::new(factor(rest, depth + 1)?) });
+        return Ok(Region::Faded { factor: by, region: Box::new(parse_factor(rest, depth + 1)?) });
     }
     if rest.starts_with('(') {
-        return bracketed(rest, depth);
+        return parse_brackets(rest, depth);
     }
     let end = rest.find(['&', '|', ')', '(']).unwrap_or(rest.len());
     let (here, after) = rest.split_at(end);
     *rest = after;
     let (name, keys) = here.split_once(':').unwrap_or((here, ""));
     match name.trim() {
-        kind @ ("grown" | "shrunk" | "blurred") => changed(kind, keys, rest, depth),
-        name => primitive(name, keys),
+        kind @ ("grown" | "shrunk" | "blurred") => parse_changed(kind, keys, rest, depth),
+        name => parse_primitive(name, keys),
     }
 }
 
-fn bracketed(rest: &mut &str, depth: usize) -> Parsed {
+fn parse_brackets(rest: &mut &str, depth: usize) -> Parsed {
     let unexpected = |rest: &str| RegionSyntaxError::Unexpected(rest.into());
     *rest = rest.strip_prefix('(').ok_or_else(|| unexpected(rest))?;
-    let region = any(rest, depth + 1)?;
+    let region = parse_union(rest, depth + 1)?;
     *rest = rest.trim_start().strip_prefix(')').ok_or_else(|| unexpected(rest))?;
     Ok(region)
 }
 
-/// A region that is made of the one in brackets after it.
-fn changed(kind: &str, keys: &str, rest: &mut &str, depth: usize) -> Parsed {
+/// Parses a region derived from the one in brackets after it.
+fn parse_changed(kind: &str, keys: &str, rest: &mut &str, depth: usize) -> Parsed {
     let name = match kind {
         "grown" => "grown",
         "shrunk" => "shrunk",
         _ => "blurred",
     };
-    let mut keys = Keys::new(name, "by, and a region in brackets after it", keys)?;
+    let mut keys = RegionKeys::new(name, "by, and a region in brackets after it", keys)?;
     let by: Length = keys.need("by")?.parse()?;
     keys.end(Region::Everywhere {})?;
     if !rest.starts_with('(') {
         return Err(RegionSyntaxError::Missing { region: name, key: "a region in brackets after it" });
     }
-    let region = bracketed(rest, depth)?;
+    let region = parse_brackets(rest, depth)?;
     Ok(match kind {
         "grown" => Region::Grown { by, region: Box::new(region) },
-        "shrunk" => region.shrunk(by),
+        "shrunk" => region.shrink(by),
         _ => Region::Blurred { by, region: Box::new(region) },
     })
 }
 
-/// The `key=value` parts of one region, taken out one by one.
-struct Keys<'a> {
+/// The `key=value` parts of one region, consumed one by one.
+struct RegionKeys<'a> {
     region: &'static str,
     known: &'static str,
     pairs: Vec<(&'a str, &'a str)>,
 }
 
-impl<'a> Keys<'a> {
+impl<'a> RegionKeys<'a> {
     fn new(region: &'static str, known: &'static str, text: &'a str) -> Result<Self, RegionSyntaxError> {
         let pairs = text
             .split(',')
@@ -231,14 +236,14 @@ impl<'a> Keys<'a> {
     }
 }
 
-fn primitive(name: &str, text: &str) -> Parsed {
+fn parse_primitive(name: &str, text: &str) -> Parsed {
     match name {
-        "all" | "everywhere" => Keys::new("all", "no keys", text)?.end(Region::Everywhere {}),
+        "all" | "everywhere" => RegionKeys::new("all", "no keys", text)?.end(Region::Everywhere {}),
         "ball" => {
-            let mut keys = Keys::new("ball", "vertex or point, radius, falloff", text)?;
+            let mut keys = RegionKeys::new("ball", "vertex or point, radius, falloff", text)?;
             let center = match (keys.take("vertex"), keys.take("point")) {
-                (Some(v), None) => Place::Vertex(vertex(v)?),
-                (None, Some(p)) => Place::Point(point(p)?),
+                (Some(v), None) => Location::Vertex(vertex(v)?),
+                (None, Some(p)) => Location::Point(point(p)?),
                 _ => {
                     return Err(RegionSyntaxError::Missing { region: "ball", key: "either vertex or point" });
                 }
@@ -247,15 +252,15 @@ fn primitive(name: &str, text: &str) -> Parsed {
             keys.end(Region::Ball { center, radius, falloff })
         }
         "stroke" => {
-            let mut keys = Keys::new("stroke", "path (points) or vertices, radius, falloff", text)?;
+            let mut keys = RegionKeys::new("stroke", "path (points) or vertices, radius, falloff", text)?;
             let path = match (keys.take("path"), keys.take("vertices")) {
                 (Some(points), None) => {
-                    points.split(';').map(|p| point(p).map(Place::Point)).collect::<Result<_, _>>()?
+                    points.split(';').map(|p| point(p).map(Location::Point)).collect::<Result<_, _>>()?
                 }
                 (None, Some(list)) => list
                     .split([' ', ';'])
                     .filter(|v| !v.is_empty())
-                    .map(|v| vertex(v).map(Place::Vertex))
+                    .map(|v| vertex(v).map(Location::Vertex))
                     .collect::<Result<Vec<_>, _>>()?,
                 _ => {
                     return Err(RegionSyntaxError::Missing {
@@ -268,35 +273,35 @@ fn primitive(name: &str, text: &str) -> Parsed {
             keys.end(Region::Stroke { path, radius, falloff })
         }
         "box" => {
-            let mut keys = Keys::new("box", "min, max, falloff", text)?;
+            let mut keys = RegionKeys::new("box", "min, max, falloff", text)?;
             let (min, max) = (point(keys.need("min")?)?, point(keys.need("max")?)?);
             let falloff = keys.length("falloff")?;
             keys.end(Region::Box { min, max, falloff })
         }
         "half-space" => {
-            let mut keys = Keys::new("half-space", "point, normal, falloff", text)?;
+            let mut keys = RegionKeys::new("half-space", "point, normal, falloff", text)?;
             let (at, normal) = (point(keys.need("point")?)?, point(keys.need("normal")?)?);
             let falloff = keys.length("falloff")?;
             keys.end(Region::HalfSpace { point: at, normal, falloff })
         }
         "facing" => {
-            let mut keys = Keys::new("facing", "direction, falloff", text)?;
+            let mut keys = RegionKeys::new("facing", "direction, falloff", text)?;
             let (direction, falloff) = (point(keys.need("direction")?)?, keys.number("falloff", 0.0)?);
             keys.end(Region::Facing { direction, falloff })
         }
         "component" => {
-            let mut keys = Keys::new("component", "vertex", text)?;
+            let mut keys = RegionKeys::new("component", "vertex", text)?;
             let vertex = vertex(keys.need("vertex")?)?;
             keys.end(Region::Component { vertex })
         }
         "field" => {
-            let mut keys = Keys::new("field", "name, low, high", text)?;
+            let mut keys = RegionKeys::new("field", "name, low, high", text)?;
             let name = keys.need("name")?.to_owned();
             let (low, high) = (keys.number("low", 0.0)?, keys.number("high", 1.0)?);
             keys.end(Region::Field { name, low, high })
         }
         "vertices" => {
-            let mut keys = Keys::new("vertices", "indices, radius, falloff", text)?;
+            let mut keys = RegionKeys::new("vertices", "indices, radius, falloff", text)?;
             let indices = keys
                 .need("indices")?
                 .split([' ', ';'])
@@ -360,7 +365,7 @@ mod tests {
         let inner = Region::Any(vec![Region::Everywhere {}, Region::Component { vertex: 3 }]);
         let with_all = |region: Region| Region::All(vec![region, Region::Everywhere {}]);
         assert_eq!(grown, with_all(Region::Grown { by, region: Box::new(inner.clone()) }));
-        assert_eq!(shrunk, with_all(inner.clone().shrunk(by)));
+        assert_eq!(shrunk, with_all(inner.clone().shrink(by)));
         assert_eq!(blurred, with_all(Region::Blurred { by, region: Box::new(inner) }));
         assert_eq!(parse_region(&"grown:by=1(".repeat(1000)), Err(RegionSyntaxError::TooDeep(MAX_NESTED)));
     }
@@ -381,7 +386,7 @@ mod tests {
             ("ball:vertex", "key=value"),
             ("grown:by=2%", "in brackets"),
             ("grown:by=2%(all", "''"),
-            ("blurred(all)", "needs by"),
+            ("blur_weights(all)", "needs by"),
             ("shrunk:by=-1(all)", "'-1'"),
             ("component:vertex=x", "'x'"),
             ("facing:falloff=1", "direction"),

@@ -1,4 +1,4 @@
-//! Where a line drawn over a surface runs.
+//! Course of a line drawn over a surface.
 
 use super::SurfaceMetric;
 use crate::parallel;
@@ -6,10 +6,11 @@ use crate::shape::{Adjacency, distance, squared_distance};
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
-/// Vertices next to a polyline with their distances from it, to start a search along the surface from.
+/// Vertices next to a polyline with their distances from it, as the start of a search along the surface.
 ///
-/// The line between two places is straight; where the surface curves away from it, the line is moved along the normal at
-/// the nearest vertex onto the surface, segment by segment, so that the sagitta does not count as distance.
+/// The line between two points is straight. Where the surface curves away from it, the line is moved onto the
+/// surface along the normal at the nearest vertex, segment by segment, so that the sagitta does not count as
+/// distance.
 pub(super) fn sources(
     metric: &SurfaceMetric,
     neighbors: &Adjacency,
@@ -32,7 +33,7 @@ pub(super) fn sources(
         let place = |t: f64| std::array::from_fn(|c| ends[0][c] + t * (ends[1][c] - ends[0][c]));
         places.extend((1..=segments).map(|k| place(k as f64 / segments as f64)));
     }
-    // The place nearest to a point off the surface is one of many that are about as far: each costs some 20 µs.
+    // A point off the surface has many nearest locations at about the same distance; each costs about 20 µs.
     let line = parallel::map_items(points.len(), places.len(), |k| {
         progress.check().map(|()| on_surface(&places[k]))
     });
@@ -43,7 +44,7 @@ pub(super) fn sources(
     let mut sources = Vec::new();
     for (k, &(vertex, _)) in line.iter().enumerate() {
         let around = &line[k.saturating_sub(1)..(k + 2).min(line.len())];
-        for y in std::iter::once(vertex).chain(neighbors.of(vertex).iter().map(|&y| y as usize)) {
+        for y in std::iter::once(vertex).chain(neighbors.row(vertex).iter().map(|&y| y as usize)) {
             let away = match around {
                 [(_, only)] => squared_distance(&points[y], only),
                 _ => around
@@ -57,21 +58,21 @@ pub(super) fn sources(
     Ok(sources)
 }
 
-/// The vertices around one place, as far as straight lines over two edges reach: those within one edge of the vertex nearest to
-/// it, and where the place is that vertex those within two, as a search from the vertex would have them.
+/// Vertices around one location, as far as straight lines over two edges reach: those within one edge of the vertex
+/// nearest to it, and, if the location is that vertex, those within two edges, as in a search from the vertex.
 fn ball(points: &[[f64; 3]], neighbors: &Adjacency, vertex: usize, place: &[f64; 3]) -> Vec<(usize, f64)> {
     if points[vertex] == *place {
         return vec![(vertex, 0.0)];
     }
-    let around = std::iter::once(vertex).chain(neighbors.of(vertex).iter().map(|&y| y as usize));
+    let around = std::iter::once(vertex).chain(neighbors.row(vertex).iter().map(|&y| y as usize));
     let mut near: Vec<usize> =
-        around.clone().chain(around.flat_map(|y| neighbors.of(y).iter().map(|&z| z as usize))).collect();
+        around.clone().chain(around.flat_map(|y| neighbors.row(y).iter().map(|&z| z as usize))).collect();
     near.sort_unstable();
     near.dedup();
     near.into_iter().map(|y| (y, distance(&points[y], place))).collect()
 }
 
-/// Segments that a straight part of a stroke is cut into at the most.
+/// Largest number of segments into which a straight part of a stroke is cut.
 const MAX_SEGMENTS: f64 = 100_000.0;
 
 fn squared_distance_to_segment(p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {

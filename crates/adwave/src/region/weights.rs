@@ -1,33 +1,33 @@
-//! From a region to its weights on the vertices of a shape.
+//! Weights of a region on the vertices of a shape.
 
-use super::metric::Within;
+use super::metric::VerticesWithin;
 use super::morph;
-use super::{BrushStroke, Length, Place, Region, RegionError, SurfaceMetric, smooth_rise};
+use super::{BrushStroke, Length, Location, Region, RegionError, SurfaceMetric, smooth_rise};
 use crate::shape::VertexMap;
 use crate::{Progress, parallel};
 use nalgebra::Vector3;
 
-/// The width of the fall where none is given, for boxes and half-spaces.
+/// Default width of the falloff of boxes and half-spaces.
 const DEFAULT_FALLOFF: Length = Length::PercentOfDiagonal(5.0);
 
-/// Scalar and other fields of a shape's vertices, by name: `(n_channels, values)`.
+/// Look-up of vertex fields by name, returning `(n_channels, values)`.
 pub type FieldLookup<'a> = dyn Fn(&str) -> Option<(usize, Vec<f64>)> + Sync + 'a;
 
-/// The weights r(x) in [0, 1] of a region, in the form that costs least.
+/// Weights r(x) in [0, 1] of a region, in the form that costs least.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RegionWeights {
-    /// 1 at every vertex.
+    /// Weight 1 at every vertex.
     Everywhere,
-    /// At some welded vertices, by rising index; 0 at all others.
+    /// Weights at some welded vertices, in ascending order; 0 at all others.
     Sparse {
         /// The welded vertices.
         vertices: Vec<u32>,
-        /// The weight of each.
+        /// Weight of each vertex in `vertices`.
         weights: Vec<f64>,
     },
-    /// For each welded vertex, in the analysis order.
+    /// Weight of each welded vertex, in the analysis order.
     Welded(Vec<f64>),
-    /// For each vertex of the shape, in its order: plain weights of the caller's, or of a field.
+    /// Weight of each vertex of the shape, in its order: weights given by the caller, or those of a field.
     Vertices(Vec<f64>),
 }
 
@@ -45,7 +45,7 @@ impl RegionWeights {
     /// One weight per welded vertex.
     ///
     /// # Panics
-    /// For weights per vertex of the shape.
+    /// If the weights are per vertex of the shape.
     fn to_welded(&self, n_welded: usize) -> Vec<f64> {
         match self {
             Self::Everywhere => vec![1.0; n_welded],
@@ -61,7 +61,7 @@ impl RegionWeights {
         }
     }
 
-    /// One weight per welded vertex, the mean of its members.
+    /// One weight per welded vertex: the mean over its members.
     pub(super) fn to_mean(&self, vertex_map: &VertexMap) -> Vec<f64> {
         match self {
             Self::Vertices(weights) => vertex_map.mean(weights, 1),
@@ -69,10 +69,10 @@ impl RegionWeights {
         }
     }
 
-    /// Checks that the weights belong to this shape and are finite.
+    /// Checks that the weights match the shape and are finite.
     ///
     /// # Errors
-    /// [`RegionError::WrongLength`], [`RegionError::NoSuchVertex`], [`RegionError::BadNumber`].
+    /// [`RegionError::WrongLength`], [`RegionError::NoSuchVertex`] or [`RegionError::BadNumber`].
     pub fn check(&self, vertex_map: &VertexMap) -> Result<(), RegionError> {
         let (n_welded, n_vertices) = (vertex_map.n_welded(), vertex_map.n_vertices());
         let (weights, expected) = match self {
@@ -94,13 +94,14 @@ impl RegionWeights {
 }
 
 impl Region {
-    /// The weights r(x) in [0, 1] of the region on a shape. Balls, strokes and lists of vertices cost what they cover, other
-    /// regions O(n).
+    /// Computes the weights r(x) in [0, 1] of the region on a shape. Balls, strokes and lists of vertices cost what
+    /// they cover, other regions O(n).
     ///
-    /// `field` gives the vertex fields of the shape by name, `field_names` is what an error lists.
+    /// `field` returns the vertex fields of the shape by name, and `field_names` lists them for error messages.
     ///
     /// # Errors
-    /// [`RegionError`] when the region names a vertex or field that does not exist, or numbers that make no sense; cancelled.
+    /// [`RegionError`] if the region names a vertex or field that does not exist, has an invalid number, or the
+    /// call is cancelled.
     pub fn weights(
         &self,
         metric: &SurfaceMetric,
@@ -119,7 +120,7 @@ impl Region {
             }
             Self::Box { min, max, falloff } => {
                 check_finite("a corner", min.iter().chain(max))?;
-                by_depth(metric, "box", *falloff, progress, |p| {
+                weights_from_depth(metric, "box", *falloff, progress, |p| {
                     (0..3).map(|c| (p[c] - min[c]).min(max[c] - p[c])).fold(f64::INFINITY, f64::min)
                 })?
             }
@@ -130,7 +131,7 @@ impl Region {
                     return Err(RegionError::BadNumber { what, value: 0.0, must });
                 };
                 let origin = Vector3::from(*point);
-                by_depth(metric, "half-space", *falloff, progress, |p| {
+                weights_from_depth(metric, "half-space", *falloff, progress, |p| {
                     unit.dot(&(Vector3::from(*p) - origin))
                 })?
             }
@@ -141,33 +142,38 @@ impl Region {
             Self::Vertices { indices, radius, falloff } => {
                 let source = |&v: &u32| Ok((welded(metric, v)?, 0.0));
                 let sources = indices.iter().map(source).collect::<Result<Vec<_>, RegionError>>()?;
-                let radius = radius.in_units(metric.diagonal());
-                let fall = falloff.map(|falloff| falloff.in_units(metric.diagonal()).min(radius));
+                let radius = radius.to_model_units(metric.diagonal());
+                let fall = falloff.map(|falloff| falloff.to_model_units(metric.diagonal()).min(radius));
                 let rise = |d: f64| match fall {
                     _ if d == 0.0 => 1.0,
                     None => smooth_rise(1.0 - d / radius),
                     Some(0.0) => 1.0,
                     Some(fall) => smooth_rise((radius - d) / fall),
                 };
-                sparse(metric.within(&sources, radius, progress)?, rise)
+                sparse(metric.find_within(&sources, radius, progress)?, rise)
             }
-            Self::Facing { direction, falloff } => morph::facing(metric, direction, *falloff, progress)?,
+            Self::Facing { direction, falloff } => {
+                morph::facing_weights(metric, direction, *falloff, progress)?
+            }
             Self::Component { vertex } => morph::component(metric, *vertex, progress)?,
             Self::Grown { by, region } => {
-                morph::grown(metric, &region.weights(metric, field, field_names, progress)?, *by, progress)?
+                morph::grow(metric, &region.weights(metric, field, field_names, progress)?, *by, progress)?
             }
-            Self::Blurred { by, region } => {
-                morph::blurred(metric, &region.weights(metric, field, field_names, progress)?, *by, progress)?
-            }
+            Self::Blurred { by, region } => morph::blur_weights(
+                metric,
+                &region.weights(metric, field, field_names, progress)?,
+                *by,
+                progress,
+            )?,
             Self::Faded { factor, region } => {
                 if !(0.0..=1.0).contains(factor) {
                     let must = "in [0, 1]";
                     return Err(RegionError::BadNumber { what: "the factor", value: *factor, must });
                 }
-                faded(region.weights(metric, field, field_names, progress)?, *factor, metric)
+                fade(region.weights(metric, field, field_names, progress)?, *factor, metric)
             }
             Self::Painted(strokes) => {
-                painted(strokes, metric, progress, |r| r.weights(metric, field, field_names, progress))?
+                paint(strokes, metric, progress, |r| r.weights(metric, field, field_names, progress))?
             }
             Self::Not(region) => invert(region.weights(metric, field, field_names, progress)?, metric),
             Self::Any(regions) => {
@@ -180,7 +186,7 @@ impl Region {
     }
 }
 
-/// 1 − r.
+/// The complement 1 − r.
 fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
     let less = |mut weights: Vec<f64>| {
         for r in &mut weights {
@@ -194,7 +200,7 @@ fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
     }
 }
 
-fn faded(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionWeights {
+fn fade(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionWeights {
     let times = |mut weights: Vec<f64>| {
         for weight in &mut weights {
             *weight *= factor;
@@ -211,8 +217,8 @@ fn faded(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionW
     }
 }
 
-/// Stroke after stroke, each at the cost of what it covers.
-fn painted(
+/// Applies stroke after stroke, each at the cost of what it covers.
+fn paint(
     strokes: &[BrushStroke],
     metric: &SurfaceMetric,
     progress: Progress<'_>,
@@ -220,7 +226,7 @@ fn painted(
 ) -> Result<RegionWeights, RegionError> {
     let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
     let mut welded = vec![0.0; n_welded];
-    // For each vertex of the shape, from the first stroke on that may differ within a welded vertex.
+    // One weight per vertex of the shape, from the first stroke that may differ within a welded vertex.
     let mut by_vertex: Option<Vec<f64>> = None;
     for stroke in strokes {
         let (region, join): (_, fn(f64, f64) -> f64) = match stroke {
@@ -229,7 +235,7 @@ fn painted(
             BrushStroke::Smooth { region, by } => {
                 let there =
                     by_vertex.take().map_or_else(|| welded.clone(), |weights| vertex_map.mean(&weights, 1));
-                let blurred = morph::blur(metric, &there, by.in_units(metric.diagonal()), progress)?;
+                let blurred = morph::blur(metric, &there, by.to_model_units(metric.diagonal()), progress)?;
                 let part = weights_of(region)?.to_mean(vertex_map);
                 for x in 0..n_welded {
                     welded[x] = there[x] + part[x] * (blurred[x] - there[x]);
@@ -286,42 +292,46 @@ pub(super) fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, Regio
     Ok(metric.geometry().vertex_map().welded(vertex as usize))
 }
 
-/// Weights by distance, which are 0 beyond the vertices given.
-fn sparse(within: Within, rise: impl Fn(f64) -> f64) -> RegionWeights {
+/// Weights by distance, 0 outside the given vertices.
+fn sparse(within: VerticesWithin, rise: impl Fn(f64) -> f64) -> RegionWeights {
     let weights = within.distances.into_iter().map(rise).collect();
     RegionWeights::Sparse { vertices: within.vertices, weights }
 }
 
-/// Weights by distance along the surface from a line, which is a ball where it has one place.
+/// Weights by distance along the surface from a line; with one location it is a ball.
 fn line_weights(
     metric: &SurfaceMetric,
-    path: &[Place],
+    path: &[Location],
     radius: Length,
     falloff: Option<Length>,
     progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
     let diagonal = metric.diagonal();
-    let radius = radius.in_units(diagonal);
+    let radius = radius.to_model_units(diagonal);
     if !(radius.is_finite() && radius > 0.0) {
         return Err(RegionError::BadNumber { what: "the radius", value: radius, must: "above 0" });
     }
-    let falloff = falloff.map_or(0.5 * radius, |f| f.in_units(diagonal)).min(radius);
+    let falloff = falloff.map_or(0.5 * radius, |f| f.to_model_units(diagonal)).min(radius);
     if path.is_empty() {
         return Err(RegionError::EmptyStroke);
     }
     let points = metric.geometry().points();
     let within = if points.is_empty() {
-        let source = |place: &Place| match place {
-            Place::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
-            Place::Point(_) => Err(RegionError::NeedsPositions("point")),
+        let source = |place: &Location| match place {
+            Location::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
+            Location::Point(_) => Err(RegionError::NeedsPositions("point")),
         };
-        metric.within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius, progress)?
+        metric.find_within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius, progress)?
     } else {
-        let position = |place: &Place| match place {
-            Place::Vertex(v) => Ok(points[welded(metric, *v)?]),
-            Place::Point(p) => check_finite("a point", p).map(|()| *p),
+        let position = |place: &Location| match place {
+            Location::Vertex(v) => Ok(points[welded(metric, *v)?]),
+            Location::Point(p) => check_finite("a point", p).map(|()| *p),
         };
-        metric.around_line(&path.iter().map(position).collect::<Result<Vec<_>, _>>()?, radius, progress)?
+        metric.find_around_line(
+            &path.iter().map(position).collect::<Result<Vec<_>, _>>()?,
+            radius,
+            progress,
+        )?
     };
     let rise = |d: f64| {
         if falloff > 0.0 { smooth_rise((radius - d) / falloff) } else { f64::from(d <= radius) }
@@ -330,7 +340,7 @@ fn line_weights(
 }
 
 /// Weights by depth below the region's boundary.
-fn by_depth(
+fn weights_from_depth(
     metric: &SurfaceMetric,
     what: &'static str,
     falloff: Option<Length>,
@@ -341,7 +351,7 @@ fn by_depth(
     if points.is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }
-    let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).in_units(metric.diagonal());
+    let falloff = falloff.unwrap_or(DEFAULT_FALLOFF).to_model_units(metric.diagonal());
     let rise = |x: usize| {
         let depth = depth(&points[x]);
         if falloff > 0.0 { smooth_rise(depth / falloff) } else { f64::from(depth >= 0.0) }

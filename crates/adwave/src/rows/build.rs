@@ -1,27 +1,27 @@
-//! Building rows chunk by chunk, on all threads, and going through the values of rows that are there.
+//! Construction of rows chunk by chunk on all threads, and parallel access to their values.
 
 use super::{CompressedRows, Pattern};
 use crate::parallel;
 use crate::{Cancelled, Progress};
 use std::ops::Range;
 
-/// Rows that a thread builds at a time where each is short; no result depends on it.
+/// Number of rows that a thread builds at a time if rows are short; results do not depend on it.
 pub(crate) fn rows_at_a_time(n_rows: usize) -> usize {
     if n_rows < 1 << 16 { 256 } else { 2048 }
 }
 
-/// The rows of a chunk, before it is known where they go.
-struct Chunk<V> {
+/// The rows of a chunk, before their final position is known.
+struct RowChunk<V> {
     counts: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<V>,
 }
 
 impl<V: Copy + Default + Send + Sync> CompressedRows<V> {
-    /// Builds the rows `0..n_rows`; `row(scratch, x, columns, values)` appends the entries of row `x` by rising column, as
-    /// many columns as values (or, of a pattern, columns alone).
+    /// Builds the rows `0..n_rows`; `row(scratch, x, columns, values)` appends the entries of row `x` with
+    /// ascending columns, one value per column (for a pattern, columns only).
     ///
-    /// The matrix lies in memory twice while its chunks are put together.
+    /// The matrix is in memory twice while its chunks are concatenated.
     pub(crate) fn from_rows<S>(
         n_rows: usize,
         at_a_time: usize,
@@ -31,7 +31,7 @@ impl<V: Copy + Default + Send + Sync> CompressedRows<V> {
     ) -> Result<Self, Cancelled> {
         let chunks = parallel::try_map_chunks(n_rows, at_a_time, progress, scratch, |scratch, range| {
             let mut chunk =
-                Chunk { counts: Vec::with_capacity(range.len()), columns: Vec::new(), values: Vec::new() };
+                RowChunk { counts: Vec::with_capacity(range.len()), columns: Vec::new(), values: Vec::new() };
             for x in range {
                 let start = chunk.columns.len();
                 row(scratch, x, &mut chunk.columns, &mut chunk.values);
@@ -42,7 +42,7 @@ impl<V: Copy + Default + Send + Sync> CompressedRows<V> {
         let nnz = chunks.iter().map(|chunk| chunk.columns.len()).sum();
         let mut offsets: Vec<usize> = vec![0; n_rows + 1];
         let mut columns: Vec<u32> = crate::pages::zeros(nnz);
-        // A pattern has no values; nor has the vector of its zero-sized ones any bytes.
+        // A pattern has no values, and a vector of zero-sized values has no bytes.
         let mut values: Vec<V> = crate::pages::zeros(nnz);
         let (mut free_ends, mut free_columns, mut free_values) =
             (&mut offsets[1..], columns.as_mut_slice(), values.as_mut_slice());
@@ -68,13 +68,13 @@ impl<V: Copy + Default + Send + Sync> CompressedRows<V> {
             values[..chunk.values.len()].copy_from_slice(&chunk.values);
             Ok(())
         })?;
-        Ok(Self::trusted(Pattern::trusted(offsets, columns), values))
+        Ok(Self::new_unchecked(Pattern::new_unchecked(offsets, columns), values))
     }
 }
 
-/// `work(rows, values, per_row)` for chunks of the rows of `pattern`, with the values of their entries and what is kept for
-/// each row.
-pub(crate) fn try_for_entries<V: Send, R: Send>(
+/// Calls `work(rows, values, per_row)` for chunks of the rows of `pattern`, with the values of their entries and
+/// one datum per row.
+pub(crate) fn try_visit_entries<V: Send, R: Send>(
     pattern: &Pattern,
     values: &mut [V],
     per_row: &mut [R],

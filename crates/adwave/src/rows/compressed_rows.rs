@@ -1,12 +1,12 @@
-//! Sparse matrices by compressed rows.
+//! Sparse matrices in compressed-row form.
 
 use super::{Pattern, RowsError, rows_at_a_time};
 use crate::parallel;
 use crate::{Cancelled, Progress};
 
-/// A stored value: `f32` for a basis, `f64` for operators and for the basis that is the reference.
+/// Type of a stored value: `f32` for a basis, `f64` for operators and for the reference basis.
 pub trait Value: Copy + Default + Send + Sync + PartialEq + Into<f64> {
-    /// The nearest stored value.
+    /// The stored value nearest to `value`.
     fn from_f64(value: f64) -> Self;
 }
 
@@ -22,7 +22,8 @@ impl Value for f64 {
     }
 }
 
-/// A sparse matrix by compressed rows: the entries of row `x` are at `offsets[x]..offsets[x + 1]`, by rising column, each once.
+/// A sparse matrix in compressed rows: the entries of row `x` are at `offsets[x]..offsets[x + 1]`, with strictly
+/// ascending columns.
 ///
 /// The arrays are those of SciPy's `csr_matrix` (`indptr`, `indices`, `data`).
 ///
@@ -40,14 +41,14 @@ pub struct CompressedRows<V = f32> {
     values: Vec<V>,
 }
 
-/// `indptr`, `indices` and `data` of SciPy's `csr_matrix`, with indices of type `I`.
+/// Arrays `indptr`, `indices` and `data` of SciPy's `csr_matrix`, with indices of type `I`.
 pub type ScipyArrays<I, V> = (Vec<I>, Vec<I>, Vec<V>);
 
 impl<V> CompressedRows<V> {
-    /// The matrix of `n_columns` columns with those arrays. O(entries).
+    /// Builds a matrix with `n_columns` columns from its arrays. O(entries).
     ///
     /// # Errors
-    /// [`RowsError`] where they do not fit together, or the columns of a row do not rise.
+    /// [`RowsError`] if the arrays are inconsistent or the columns of a row are not ascending.
     pub fn new(
         offsets: Vec<usize>,
         columns: Vec<u32>,
@@ -56,15 +57,15 @@ impl<V> CompressedRows<V> {
     ) -> Result<Self, RowsError> {
         let pattern = Pattern::with_values(offsets, columns, n_columns, values.len())?;
         for row in 0..pattern.n_rows() {
-            if let Some(pair) = pattern.of(row).windows(2).find(|pair| pair[0] >= pair[1]) {
+            if let Some(pair) = pattern.row(row).windows(2).find(|pair| pair[0] >= pair[1]) {
                 return Err(RowsError::NotRising { row, column: pair[1] as usize });
             }
         }
         Ok(Self { pattern, values })
     }
 
-    /// Values of a pattern, one for each entry (or none at all, for a pattern by itself).
-    pub(crate) fn trusted(pattern: Pattern, values: Vec<V>) -> Self {
+    /// Wraps a pattern with one value per entry (or none, for a pattern alone), without checks.
+    pub(crate) fn new_unchecked(pattern: Pattern, values: Vec<V>) -> Self {
         debug_assert_eq!(values.len(), pattern.nnz());
         Self { pattern, values }
     }
@@ -84,27 +85,27 @@ impl<V> CompressedRows<V> {
         bytes::<V>(self.n_rows(), self.nnz() as u64)
     }
 
-    /// Which entries there are.
+    /// Pattern of the entries.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }
 
-    /// Where each row starts, and the end of the last: one more than there are rows.
+    /// Start of each row and the end of the last one: n_rows + 1 numbers.
     pub fn offsets(&self) -> &[usize] {
         self.pattern.offsets()
     }
 
-    /// The columns, row after row.
+    /// Columns, row after row.
     pub fn columns(&self) -> &[u32] {
         self.pattern.columns()
     }
 
-    /// The value of each entry.
+    /// Value of each entry.
     pub fn values(&self) -> &[V] {
         &self.values
     }
 
-    /// The value of each entry, to be changed.
+    /// Value of each entry, mutable.
     pub fn values_mut(&mut self) -> &mut [V] {
         &mut self.values
     }
@@ -116,16 +117,17 @@ impl<V> CompressedRows<V> {
         (&self.pattern.columns()[range.clone()], &self.values[range])
     }
 
-    /// Where the entries are, and their values.
+    /// The pattern and the values.
     pub fn into_parts(self) -> (Pattern, Vec<V>) {
         (self.pattern, self.values)
     }
 
-    /// `indptr`, `indices` and `data` of SciPy's `csr_matrix`, in its usual index type. Indices and values keep their memory;
-    /// only `indptr`, one number for each row, may be copied. O(entries).
+    /// Arrays `indptr`, `indices` and `data` of SciPy's `csr_matrix`, with its usual index type. Indices and values
+    /// keep their memory; only `indptr`, one number per row, may be copied. O(entries).
     ///
     /// # Errors
-    /// [`RowsError::TooManyEntries`] beyond 2³¹ − 1 entries or rows; then take [`into_scipy_wide`](Self::into_scipy_wide).
+    /// [`RowsError::TooManyEntries`] beyond 2³¹ − 1 entries or rows; use [`into_scipy_wide`](Self::into_scipy_wide)
+    /// then.
     pub fn into_scipy(self) -> Result<ScipyArrays<i32, V>, RowsError> {
         let (nnz, n_rows) = (self.nnz(), self.n_rows());
         if nnz.max(n_rows) > i32::MAX as usize || self.columns().iter().any(|&y| y > i32::MAX as u32) {
@@ -145,11 +147,11 @@ impl<V> CompressedRows<V> {
 }
 
 impl CompressedRows<f64> {
-    /// The square matrix of `n` rows with `value` at `(row, column)`. Entries come by rising row and then column; those given
-    /// several times are summed in their order. O(entries).
+    /// Builds a square matrix with `n` rows from entries `value` at `(row, column)`, in ascending order of rows and
+    /// then columns; repeated entries are summed in their order. O(entries).
     ///
     /// # Errors
-    /// [`RowsError`] for an entry outside the matrix, or one that comes too late.
+    /// [`RowsError`] for an entry outside the matrix or out of order.
     ///
     /// ```
     /// use adwave::rows::CompressedRows;
@@ -183,24 +185,24 @@ impl CompressedRows<f64> {
         for x in 0..n {
             offsets[x + 1] += offsets[x];
         }
-        Ok(Self::trusted(Pattern::trusted(offsets, columns), values))
+        Ok(Self::new_unchecked(Pattern::new_unchecked(offsets, columns), values))
     }
 }
 
 impl<V: Value> CompressedRows<V> {
-    /// The identity of `n_rows` rows.
+    /// The identity matrix with `n_rows` rows.
     pub fn identity(n_rows: usize) -> Self {
-        let pattern = Pattern::trusted((0..=n_rows).collect(), (0..n_rows as u32).collect());
+        let pattern = Pattern::new_unchecked((0..=n_rows).collect(), (0..n_rows as u32).collect());
         Self { pattern, values: vec![V::from_f64(1.0); n_rows] }
     }
 
-    /// The entry of row `x` and column `y`, 0 where none is stored. O(log entries of the row).
+    /// Entry at row `x` and column `y`; 0 if none is stored. O(log entries of the row).
     pub fn get(&self, x: usize, y: usize) -> V {
         let (columns, values) = self.row(x);
         columns.binary_search(&(y as u32)).map_or(V::default(), |at| values[at])
     }
 
-    /// `self − other`, entry by entry: the pattern is the union of both.
+    /// The difference `self − other`; its pattern is the union of both.
     pub(crate) fn minus(&self, other: &Self, progress: Progress<'_>) -> Result<Self, Cancelled> {
         Self::from_rows(
             self.n_rows(),
@@ -214,9 +216,9 @@ impl<V: Value> CompressedRows<V> {
     /// The matrix whose row and column `new_of[x]` are row and column `x` of this one. O(nnz log(nnz / rows)).
     ///
     /// # Panics
-    /// When `new_of` is no permutation of the rows.
+    /// If `new_of` is not a permutation of the rows.
     #[must_use]
-    pub fn permuted(&self, new_of: &[u32]) -> Self {
+    pub fn permute(&self, new_of: &[u32]) -> Self {
         assert_eq!(new_of.len(), self.n_rows(), "one new number for each row");
         let mut old_of = vec![u32::MAX; new_of.len()];
         for (&new, old) in new_of.iter().zip(0..) {
@@ -232,17 +234,17 @@ impl<V: Value> CompressedRows<V> {
             columns.extend(entries.iter().map(|e| e.0));
             values.extend(entries.iter().map(|e| e.1));
         };
-        parallel::unstopped(Self::from_rows(n, at_a_time, Progress::none(), Vec::new, row))
+        parallel::expect_not_cancelled(Self::from_rows(n, at_a_time, Progress::none(), Vec::new, row))
     }
 }
 
-/// Bytes of a matrix of `n_rows` rows and `nnz` entries.
+/// Bytes of a matrix with `n_rows` rows and `nnz` entries.
 pub(crate) fn bytes<V>(n_rows: usize, nnz: u64) -> u64 {
     nnz * (size_of::<u32>() + size_of::<V>()) as u64 + (n_rows as u64 + 1) * size_of::<usize>() as u64
 }
 
-/// Appends the entries of the sparse row `fine − coarse`; where both have an entry the difference is rounded once. Of rows that
-/// sum to 1 it sums to 0: `Σ_y Ψ_j(x,y) = 0` (eq. 9).
+/// Appends the entries of the sparse row `fine − coarse`, each rounded once. For rows that sum to 1 the result sums
+/// to 0: `Σ_y Ψ_j(x,y) = 0` (eq. 9).
 pub(crate) fn subtract<V: Value>(
     fine: (&[u32], &[V]),
     coarse: (&[u32], &[V]),
@@ -251,7 +253,7 @@ pub(crate) fn subtract<V: Value>(
 ) {
     let (mut i, mut k) = (0, 0);
     while i < fine.0.len() || k < coarse.0.len() {
-        // A finished row counts as standing beyond every column.
+        // A finished row counts as positioned after every column.
         let (a, b) = (fine.0.get(i), coarse.0.get(k));
         let Some(column) = a.into_iter().chain(b).copied().min() else { break };
         let mut value = 0.0;

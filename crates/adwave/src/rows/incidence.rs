@@ -1,19 +1,19 @@
-//! Which items name a row: the triangles at each vertex, the members of each class, the transpose of a matrix.
+//! Inverse incidence lists: the triangles at each vertex, the members of each class, the transpose of a matrix.
 
 use super::Pattern;
 use crate::parallel::{self, SERIAL};
 use crate::{Cancelled, Progress};
 
-/// Items between two looks at whether to go on.
+/// Number of items between two checks for cancellation.
 const ITEMS_AT_A_TIME: usize = 1 << 14;
 
-/// More threads than this would spend their time on reading names that are not theirs.
+/// Maximal number of threads; more would mostly read names that belong to others.
 const MAX_PARTS: usize = 8;
 
-/// For each of `n_rows` rows the items of `0..n_items` that name it, by rising index; an item that names a row twice stands
-/// twice. Names of rows that do not exist are passed over. O(names).
+/// For each of `n_rows` rows, the items of `0..n_items` that name it, in ascending order; an item that names a row
+/// twice appears twice. Names of rows that do not exist are skipped. O(names).
 ///
-/// Each thread has rows of its own and reads all names, so that no two write to the same place.
+/// Each thread owns some rows and reads all names, so no two threads write to the same place.
 pub(crate) fn incidence<'a>(
     n_rows: usize,
     n_items: usize,
@@ -49,10 +49,10 @@ pub(crate) fn incidence<'a>(
             next[row] += 1;
         })
     })?;
-    Ok(Pattern::trusted(offsets, items))
+    Ok(Pattern::new_unchecked(offsets, items))
 }
 
-/// `hit(row − first, item)` for each name of one of `n` rows from `first` on.
+/// Calls `hit(row − first, item)` for each name of one of the `n` rows from `first` on.
 fn visit<'a>(
     first: usize,
     n: usize,
@@ -65,7 +65,7 @@ fn visit<'a>(
         progress.check()?;
         for item in start..(start + ITEMS_AT_A_TIME).min(n_items) {
             for &row in names(item) {
-                // Of a row before the first the difference wraps round to a large number.
+                // For a row before the first one the difference wraps around to a large number.
                 let local = (row as usize).wrapping_sub(first);
                 if local < n {
                     hit(local, item as u32);

@@ -1,7 +1,7 @@
-//! Compressed sparse rows (CSR): the one form in which sparse matrices and lists of neighbors are stored.
+//! Compressed sparse rows (CSR), the common form of sparse matrices and neighbor lists.
 //!
-//! [`Pattern`] says which entries there are, [`CompressedRows`] has a value for each. Both check their arrays when they are
-//! built and keep them private, so that a product may index by them without looking again.
+//! [`Pattern`] holds the positions of the entries, and [`CompressedRows`] a value for each. Both check their arrays
+//! on construction and keep them private, so a product may index them without further checks.
 
 mod build;
 mod compressed_rows;
@@ -10,7 +10,7 @@ mod pattern;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use build::{rows_at_a_time, try_for_entries};
+pub(crate) use build::{rows_at_a_time, try_visit_entries};
 pub(crate) use compressed_rows::bytes;
 pub(crate) use compressed_rows::subtract;
 pub use compressed_rows::{CompressedRows, ScipyArrays, Value};
@@ -20,22 +20,22 @@ pub use pattern::Pattern;
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
-/// Why some arrays are no compressed rows, or compressed rows do not fit where they should go.
+/// Error of building or converting compressed rows.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum RowsError {
-    /// Not even the start of the first row is given.
-    #[error("there are no offsets; a matrix without rows has the one offset 0")]
+    /// The list of offsets is empty.
+    #[error("the list of offsets is empty; a matrix without rows has the single offset 0")]
     NoOffsets,
-    /// The arrays are of lengths that do not belong together.
+    /// The arrays have inconsistent lengths.
     #[error("offsets run from {first} to {last}, for {n_columns} columns and {n_values} values")]
     Lengths {
         /// First offset.
         first: usize,
         /// Last offset.
         last: usize,
-        /// How many columns are given.
+        /// Number of columns given.
         n_columns: usize,
-        /// How many values are given.
+        /// Number of values given.
         n_values: usize,
     },
     /// An offset is smaller than the one before it.
@@ -44,7 +44,7 @@ pub enum RowsError {
         /// The row, from 0.
         row: usize,
     },
-    /// A column that the matrix does not have.
+    /// A column is outside the matrix.
     #[error("row {row} names column {column} of {n_columns}")]
     NoColumn {
         /// The row, from 0.
@@ -54,7 +54,7 @@ pub enum RowsError {
         /// Number of columns.
         n_columns: usize,
     },
-    /// Columns of a row do not rise, or one stands twice.
+    /// Columns of a row are not strictly ascending.
     #[error(
         "row {row} names column {column} after one that is not smaller; sort its entries and sum those that repeat"
     )]
@@ -64,10 +64,8 @@ pub enum RowsError {
         /// The column, from 0.
         column: usize,
     },
-    /// More entries than an index of SciPy's 32-bit form can count.
-    #[error(
-        "{nnz} entries in {n_rows} rows are more than a 32-bit index can count; take the form of 64-bit indices"
-    )]
+    /// There are more entries than SciPy's 32-bit index can count.
+    #[error("{nnz} entries in {n_rows} rows exceed a 32-bit index; use 64-bit indices")]
     TooManyEntries {
         /// Number of entries.
         nnz: usize,

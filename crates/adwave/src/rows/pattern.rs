@@ -1,17 +1,17 @@
-//! Which entries a sparse matrix has, or who is next to whom.
+//! Pattern of the entries of a sparse matrix, or neighbor lists.
 
 use super::{CompressedRows, RowsError, incidence, rows_at_a_time};
 use crate::{Cancelled, Progress};
 use std::ops::Range;
 
-/// The places of a sparse matrix's entries: row `x` has the columns `columns[offsets[x]..offsets[x + 1]]`.
+/// Positions of the entries of a sparse matrix: row `x` has the columns `columns[offsets[x]..offsets[x + 1]]`.
 ///
-/// Read as a graph, the columns of row `x` are the vertices that `x` is joined with.
+/// As a graph, the columns of row `x` are the neighbors of `x`.
 ///
 /// ```
 /// use adwave::rows::{Pattern, RowsError};
 /// let path = Pattern::new(vec![0, 1, 3, 4], vec![1, 0, 2, 1], 3)?;
-/// assert_eq!((path.n_rows(), path.nnz(), path.of(1)), (3, 4, [0, 2].as_slice()));
+/// assert_eq!((path.n_rows(), path.nnz(), path.row(1)), (3, 4, [0, 2].as_slice()));
 /// let wrong = Pattern::new(vec![0, 1], vec![7], 3).unwrap_err();
 /// assert_eq!(wrong, RowsError::NoColumn { row: 0, column: 7, n_columns: 3 });
 /// # Ok::<(), RowsError>(())
@@ -29,16 +29,17 @@ impl Default for Pattern {
 }
 
 impl Pattern {
-    /// Rows given by where each starts (and the end of the last) and their columns, all below `n_columns`. O(entries).
+    /// Builds rows from the start of each (and the end of the last) and their columns, all below `n_columns`.
+    /// O(entries).
     ///
     /// # Errors
-    /// [`RowsError`] where the arrays do not fit together.
+    /// [`RowsError`] if the arrays are inconsistent.
     pub fn new(offsets: Vec<usize>, columns: Vec<u32>, n_columns: usize) -> Result<Self, RowsError> {
         let n_values = columns.len();
         Self::with_values(offsets, columns, n_columns, n_values)
     }
 
-    /// [`new`](Self::new) for rows of which each entry has one of `n_values` values.
+    /// [`new`](Self::new), which also checks that there is one of `n_values` values per entry.
     pub(crate) fn with_values(
         offsets: Vec<usize>,
         columns: Vec<u32>,
@@ -61,13 +62,13 @@ impl Pattern {
         Ok(Self { offsets, columns })
     }
 
-    /// Rows that are known to fit together.
-    pub(crate) fn trusted(offsets: Vec<usize>, columns: Vec<u32>) -> Self {
+    /// Wraps rows that are known to be consistent.
+    pub(crate) fn new_unchecked(offsets: Vec<usize>, columns: Vec<u32>) -> Self {
         debug_assert!(offsets[0] == 0 && offsets[offsets.len() - 1] == columns.len());
         Self { offsets, columns }
     }
 
-    /// Rows without entries.
+    /// A pattern of `n_rows` empty rows.
     pub fn empty(n_rows: usize) -> Self {
         Self { offsets: vec![0; n_rows + 1], columns: Vec::new() }
     }
@@ -84,8 +85,8 @@ impl Pattern {
             .map(|rows| rows.into_parts().0)
     }
 
-    /// Builds lists of neighbors: `row(scratch, x, out)` appends those of `x` in any order and with repeats; they are
-    /// sorted, and `x` itself is not among them.
+    /// Builds neighbor lists; `row(scratch, x, out)` appends the neighbors of `x` in any order and with
+    /// repetitions. They are sorted, and `x` itself is removed.
     pub(crate) fn from_neighbors<S>(
         n_vertices: usize,
         progress: Progress<'_>,
@@ -117,24 +118,24 @@ impl Pattern {
         (size_of_val(self.offsets.as_slice()) + size_of_val(self.columns.as_slice())) as u64
     }
 
-    /// The columns of row `x`: of a graph, the neighbors of `x`.
+    /// Columns of row `x`; in a graph, the neighbors of `x`.
     #[inline]
-    pub fn of(&self, x: usize) -> &[u32] {
+    pub fn row(&self, x: usize) -> &[u32] {
         &self.columns[self.range(x)]
     }
 
-    /// Where the entries of row `x` are among all.
+    /// Range of the entries of row `x` among all entries.
     #[inline]
     pub fn range(&self, x: usize) -> Range<usize> {
         self.offsets[x]..self.offsets[x + 1]
     }
 
-    /// Where each row starts, and the end of the last: one more than there are rows.
+    /// Start of each row and the end of the last one: n_rows + 1 numbers.
     pub fn offsets(&self) -> &[usize] {
         &self.offsets
     }
 
-    /// The columns, row after row.
+    /// Columns, row after row.
     pub fn columns(&self) -> &[u32] {
         &self.columns
     }
@@ -144,8 +145,9 @@ impl Pattern {
         (self.offsets, self.columns)
     }
 
-    /// The lists without some vertices: they name nobody and are not named. Vertices without a flag stay.
-    pub(crate) fn without(&self, masked: &[bool], progress: Progress<'_>) -> Result<Self, Cancelled> {
+    /// The lists without masked vertices, whose lists become empty and which no other list contains. Vertices
+    /// without a flag stay.
+    pub(crate) fn remove_masked(&self, masked: &[bool], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let is_masked = |x: usize| masked.get(x).copied().unwrap_or(false);
         Self::from_rows(
             self.n_rows(),
@@ -153,23 +155,23 @@ impl Pattern {
             || (),
             |(), x, columns| {
                 if !is_masked(x) {
-                    columns.extend(self.of(x).iter().filter(|&&y| !is_masked(y as usize)));
+                    columns.extend(self.row(x).iter().filter(|&&y| !is_masked(y as usize)));
                 }
             },
         )
     }
 
-    /// The symmetric closure of lists of neighbors: `y` is a neighbor of `x` when either named the other.
+    /// Symmetric closure of neighbor lists: `y` is a neighbor of `x` if either list contains the other.
     pub(crate) fn union_with_transpose(&self, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = self.n_rows();
-        let transpose = incidence(n, n, progress, |x| self.of(x))?;
+        let transpose = incidence(n, n, progress, |x| self.row(x))?;
         Self::from_neighbors(
             n,
             progress,
             || (),
             |(), x, out| {
-                out.extend_from_slice(self.of(x));
-                out.extend_from_slice(transpose.of(x));
+                out.extend_from_slice(self.row(x));
+                out.extend_from_slice(transpose.row(x));
             },
         )
     }

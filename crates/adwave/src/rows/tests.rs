@@ -1,10 +1,10 @@
-//! Building, transposing and renumbering against dense copies.
+//! Construction, transposition and renumbering, compared with dense copies.
 
 use super::*;
 use crate::{Cancelled, Progress};
 use std::sync::atomic::AtomicBool;
 
-/// Rows of different lengths, some empty; below and above the size that one thread does alone.
+/// Rows of different lengths, some empty; below and above the size that one thread handles alone.
 fn pattern(n: usize) -> Pattern {
     let row = |(): &mut (), x: usize, columns: &mut Vec<u32>| {
         columns.extend((0..x % 7).map(|k| ((x * 31 + k * 977) % n) as u32));
@@ -38,19 +38,19 @@ fn the_transpose_names_who_named() {
     for n in [50, 9000] {
         let pattern = pattern(n);
         let five = rayon::ThreadPoolBuilder::new().num_threads(5).build().unwrap();
-        let transpose = five.install(|| incidence(n, n, Progress::none(), |x| pattern.of(x))).unwrap();
+        let transpose = five.install(|| incidence(n, n, Progress::none(), |x| pattern.row(x))).unwrap();
         assert_eq!(transpose.nnz(), pattern.nnz());
         for y in 0..n {
-            assert!(transpose.of(y).is_sorted());
-            assert!(transpose.of(y).iter().all(|&x| pattern.of(x as usize).contains(&(y as u32))));
+            assert!(transpose.row(y).is_sorted());
+            assert!(transpose.row(y).iter().all(|&x| pattern.row(x as usize).contains(&(y as u32))));
         }
         let union = pattern.union_with_transpose(Progress::none()).unwrap();
         for x in 0..n {
             let mut expected: Vec<u32> =
-                pattern.of(x).iter().chain(transpose.of(x)).copied().filter(|&y| y as usize != x).collect();
+                pattern.row(x).iter().chain(transpose.row(x)).copied().filter(|&y| y as usize != x).collect();
             expected.sort_unstable();
             expected.dedup();
-            assert_eq!(union.of(x), expected);
+            assert_eq!(union.row(x), expected);
         }
     }
 }

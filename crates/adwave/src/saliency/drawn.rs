@@ -5,23 +5,23 @@ use crate::bands::Wavelets;
 use crate::population::Population;
 use crate::{Decomposer, Progress, parallel};
 
-/// Values that are summed side by side.
+/// Number of values summed side by side.
 const LANES: usize = 8;
-/// Rows of these that are summed in single precision.
+/// Number of such rows that are summed in single precision.
 const ROWS: usize = 32;
-/// Vertices by which the mean of a level is guessed before it is known.
+/// Number of vertices from which the mean of a level is estimated before it is known.
 const GUESSED_BY: usize = 1000;
 
-/// The map of [`saliency`] for [`SaliencyParams::default`], in single precision and with logarithms of single precision, in the order of
-/// the shape: for pictures. What is off is below 1e-5 of the largest value. O(n × levels).
+/// The map of [`saliency`] for [`SaliencyParams::default`] with values and logarithms in single precision, in the
+/// order of the shape, for pictures. The error is below 1e-5 of the largest value. O(n × levels).
 ///
-/// Where vertices count by their areas or are masked it is that map itself.
+/// If vertices are weighted by area or masked, the result is that of [`saliency`] itself.
 ///
 /// # Errors
 /// As for [`saliency`].
 ///
 /// ```
-/// use adwave::saliency::{SaliencyParams, drawn_saliency, saliency};
+/// use adwave::saliency::{SaliencyParams, saliency_f32, saliency};
 /// use adwave::{Decomposer, Progress, bands::Schedule, shape::{Graph, Shape}};
 /// let edges: Vec<_> = (1..60).map(|i| (i - 1, i, 1.0)).collect();
 /// let path = Decomposer::new(&Shape::Graph(Graph::new(60, &edges)?));
@@ -29,11 +29,11 @@ const GUESSED_BY: usize = 1000;
 /// signal[30] = 1.0;
 /// let wavelets = path.request(&signal, 1, &Schedule::dyadic(5)?).norms()?;
 /// let exact = saliency(&path, &wavelets, &SaliencyParams::default(), Progress::none())?.map;
-/// let drawn = drawn_saliency(&path, &wavelets, Progress::none())?;
+/// let drawn = saliency_f32(&path, &wavelets, Progress::none())?;
 /// assert!((f64::from(drawn[30]) / exact[30] - 1.0).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn drawn_saliency(
+pub fn saliency_f32(
     decomposer: &Decomposer,
     wavelets: &Wavelets,
     progress: Progress<'_>,
@@ -46,7 +46,7 @@ pub fn drawn_saliency(
         return Ok(parallel::collect(map.len(), |x| map[x] as f32));
     };
     let mut map = vec![0.0_f32; n];
-    parallel::try_for_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
+    parallel::try_visit_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (factor, level) in factors.iter().zip(&wavelets.levels) {
             for (sum, w) in map.iter_mut().zip(&level[first..]) {
                 *sum += (factor * w) as f32; // Λ±(x) = Σ_j α_j·W_f(j,x)
@@ -56,7 +56,8 @@ pub fn drawn_saliency(
     Ok(decomposer.geometry().vertex_map().scatter(&map, 1))
 }
 
-/// α_j as of [`Weighting::Entropy`](super::Weighting::Entropy); nothing where a level has no magnitude that could be guessed.
+/// Weights α_j of [`Weighting::Entropy`](super::Weighting::Entropy); `None` if the magnitude of a level could not
+/// be estimated.
 fn factors(wavelets: &Wavelets) -> Option<Vec<f64>> {
     let n = wavelets.n_welded();
     let guessed: Vec<f64> = wavelets.levels.iter().map(|level| guessed_mean(level)).collect();
@@ -70,7 +71,7 @@ fn factors(wavelets: &Wavelets) -> Option<Vec<f64>> {
     let chunks = parallel::map_chunks(n, VERTICES_AT_A_TIME, chunk);
     let factor = |(j, guessed): (usize, &f64)| {
         let [r, uneven] = [0, 1].map(|i| chunks.iter().map(|sums| sums[j][i]).sum::<f64>() / n as f64);
-        // Of s = |W|/mean, which is r/mean(r): mean(s·ln s) by that of r·ln r − r + 1.
+        // For s = |W|/mean, which is r/mean(r), mean(s·ln s) follows from the mean of r·ln r − r + 1.
         let entropy = (uneven + r - 1.0) / r - r.ln();
         entropy.max(0.0) / (r * guessed)
     };
@@ -84,7 +85,7 @@ fn guessed_mean(level: &[f64]) -> f64 {
     sum / level.len().div_ceil(every) as f64
 }
 
-/// Σ r and Σ (r·ln r − r + 1) of r = |value|·scale.
+/// Sums of r and of (r·ln r − r + 1) for r = |value|·scale.
 fn sums(values: &[f64], scale: f64) -> [f64; 2] {
     let (rows, rest) = values.as_chunks::<LANES>();
     let mut total = [0.0; 2];
@@ -110,7 +111,7 @@ fn sums(values: &[f64], scale: f64) -> [f64; 2] {
     total
 }
 
-/// `r·ln r − r + 1` for r ≥ 0, within some 1e-7 of 1 or of the value.
+/// The function `r·ln r − r + 1` for r ≥ 0, to within about 1e-7 of 1 or of the value.
 #[inline]
 fn unevenness(r: f32) -> f32 {
     // r = 2^e·(1 + t) with 1 + t between √½ and √2; ln(1 + t) by the minimax polynomial of the Cephes library.
@@ -131,7 +132,7 @@ fn unevenness(r: f32) -> f32 {
     ] {
         p = p * t + c;
     }
-    // ln 2 in two parts, the first of which is exact times e.
+    // ln 2 in two parts, of which the first is exact times e.
     let e = e as f32;
     let ln = t + (p * t * t * t - 0.5 * t * t - 2.121_944_4e-4 * e) + 0.693_359_4 * e;
     r * ln - r + 1.0

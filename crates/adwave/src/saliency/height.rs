@@ -1,14 +1,15 @@
-//! A saliency map with what height adds to it.
+//! Combination of a saliency map with height.
 
-/// What a height counts for beside what stands out, both as ranks in [0, 1].
+/// Weight of height relative to saliency, both as ranks in [0, 1].
 const HEIGHT_WEIGHT: f64 = 0.5;
 
-/// A map of where people look, in [0, 1]: the mean of the rank of a saliency map and, for half as much, the rank of the height.
+/// Predicts fixations in [0, 1] from the rank of a saliency map and, with half its weight, the rank of the height.
 /// O(n log n).
 ///
-/// `(r(Λ) + ½·r(h))/1.5`, r the share of the other vertices with a smaller value, equal ones counting half. NaN where either is.
+/// The value is `(r(Λ) + ½·r(h))/1.5`, where r is the share of the other vertices with a smaller value, equal ones
+/// counting half. NaN if either is NaN.
 ///
-/// People look at heads and tops. The half is not fitted: docs/EVALUATION.md has other shares too.
+/// People look at heads and tops. The weight ½ is not fitted; docs/EVALUATION.md has results for other weights.
 ///
 /// ```
 /// use adwave::saliency::with_height;
@@ -16,7 +17,7 @@ const HEIGHT_WEIGHT: f64 = 0.5;
 /// ```
 ///
 /// # Panics
-/// Unless there is one height for each value of the map.
+/// Unless there is one height per value of the map.
 pub fn with_height(map: &[f64], heights: &[f64]) -> Vec<f64> {
     assert_eq!(map.len(), heights.len(), "a height at each vertex");
     let known = |x: usize| !map[x].is_nan() && !heights[x].is_nan();
@@ -25,10 +26,10 @@ pub fn with_height(map: &[f64], heights: &[f64]) -> Vec<f64> {
     map.iter().zip(&heights).map(mean).collect()
 }
 
-/// The share of the other known values that are smaller, equal ones counting half; NaN of what is not known.
+/// Share of the other known values that are smaller, equal ones counting half; NaN for unknown values.
 fn shares(values: &[f64], known: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).filter(|&x| known(x)).collect();
-    // −0 is 0.
+    // −0 equals 0.
     order.sort_by(|&a, &b| (values[a] + 0.0).total_cmp(&(values[b] + 0.0)));
     let others = order.len().saturating_sub(1).max(1) as f64;
     let mut shares = vec![f64::NAN; values.len()];

@@ -1,42 +1,43 @@
-//! Which levels a map is made of, how they are weighed, and whether the sign counts.
+//! Parameters of saliency: levels, weights and sign.
 
 use super::SaliencyError;
 use crate::bands::DEFAULT_EXTENT;
 use crate::named_values;
 
-/// The width, as a share of the diagonal, up to which the levels of the signed map go where none are asked for.
+/// Default width of the last level of the signed map, as a share of the diagonal.
 pub const SALIENCY_EXTENT: f64 = 0.16;
 
-/// How the levels are weighed against each other: the α_j.
+/// Weights α_j of the levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighting {
-    /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number a level: what the paper's text describes.
+    /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number per level, as the paper's text describes.
     PerLevel,
-    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a level the
-    /// weight 0.
+    /// `α_j(x) = (max_y|W_f(j,y)| − |W_f(j,x)|)²`, as (eq. 17) is printed. It gives the strongest response of a
+    /// level weight 0.
     AsPrinted,
-    /// `α_j = mean_x(r·ln r)/mean_x|W_f(j,x)|` with `r(x) = |W_f(j,x)|/mean|W_f(j)|`: every level by its own mean, and by how
-    /// unevenly it is spread. mean(r·ln r) ≥ 0 is what the entropy of the level falls short of that of an even one, 0 where |W| is the
-    /// same everywhere (a sphere): a level on which nothing stands out says nothing.
+    /// `α_j = mean_x(r·ln r)/mean_x|W_f(j,x)|` with `r(x) = |W_f(j,x)|/mean|W_f(j)|`: every level is divided by its
+    /// mean and weighted by its unevenness. mean(r·ln r) ≥ 0 is the difference between the entropy of an even level
+    /// and that of the level; it is 0 if |W| is the same everywhere (a sphere), so a level on which nothing stands
+    /// out contributes nothing.
     #[default]
     Entropy,
-    /// `α_j = 1/mean_x|W_f(j,x)|`: every level counts alike, as for features.
+    /// `α_j = 1/mean_x|W_f(j,x)|`: every level has the same weight, as for features.
     Normalized,
-    /// Every level by its ranks in place of its values: the share of vertices with a smaller |W_f(j)|, equal ones counting
-    /// half, so that no level and no outlier outweighs the rest.
+    /// Ranks instead of values on every level: the share of vertices with a smaller |W_f(j)|, equal ones counting
+    /// half, so that no level and no outlier dominates.
     Ranks,
     /// `α_j = 1`.
     Uniform,
 }
 
-/// Whether what stands out to one side counts against what stands out to the other.
+/// Treatment of the sign, which distinguishes bumps from dents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sign {
-    /// W_f(j) with its sign: that of a scalar signal, or of coordinates along the outward normal. Norms of several channels have
-    /// none, and their map is the unsigned one.
+    /// W_f(j) with its sign: that of a scalar signal, or, for coordinates, that along the outward normal. Norms of
+    /// several channels have no sign, and their map is the unsigned one.
     #[default]
     Signed,
-    /// |W_f(j)|: bumps and dents alike, as the paper has it.
+    /// |W_f(j)|: bumps and dents alike, as in the paper.
     Unsigned,
 }
 
@@ -87,7 +88,7 @@ impl MapWeighting {
     }
 }
 
-/// Which levels count, and how much.
+/// Parameters of a saliency map.
 ///
 /// ```
 /// use adwave::saliency::{SaliencyParams, Sign, Weighting};
@@ -98,55 +99,55 @@ impl MapWeighting {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SaliencyParams {
-    /// How many of the finest levels are skipped.
+    /// Number of finest levels that are skipped.
     pub skip: usize,
-    /// The α_j.
+    /// Weights α_j.
     pub weighting: Weighting,
-    /// Whether the sign counts.
+    /// Treatment of the sign.
     pub sign: Sign,
-    /// Fade out what the border of a mesh or cloud, or of masked vertices, gives by itself: with S
-    /// given, ≥ 0, |W_f(j)| is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a
-    /// smooth step between. The factor is each level's own, so what is too near for a coarse level is still judged by fine
-    /// ones, and the map stays a number everywhere. Coordinates need S = 1: along a straight border S_f(j) is drawn inwards
-    /// by σ_j/√π, at a distance of σ_j by a tenth of that. A graph has no border.
+    /// Fades out the effect of the border of a mesh or cloud, or of masked vertices. With a value S ≥ 0, |W_f(j)|
+    /// is multiplied by 0 within S·σ_j of the border along the surface and by 1 beyond 2S·σ_j, with a smooth
+    /// transition. The factor differs between levels, so vertices too close to the border for a coarse level are
+    /// still judged by fine ones, and the map is defined everywhere. Coordinates need S = 1: along a straight
+    /// border S_f(j) shrinks by σ_j/√π, and at a distance of σ_j by a tenth of that. A graph has no border.
     pub border_sigmas: Option<f64>,
 }
 
 impl SaliencyParams {
-    /// What the paper's map takes (eq. 17): all but the two finest levels, which hold the noise, by [`Weighting::PerLevel`], without
-    /// a sign.
+    /// Parameters of the paper's map (eq. 17): all but the two finest levels, which hold the noise, with
+    /// [`Weighting::PerLevel`] and without sign.
     pub fn paper() -> Self {
         Self { skip: 2, weighting: Weighting::PerLevel, sign: Sign::Unsigned, border_sigmas: None }
     }
 
-    /// Sets whether the sign counts.
+    /// Sets the treatment of the sign.
     #[must_use]
     pub fn with_sign(self, sign: Sign) -> Self {
         Self { sign, ..self }
     }
 
-    /// Sets how many of the finest levels are skipped.
+    /// Sets the number of finest levels that are skipped.
     #[must_use]
     pub fn with_skip(self, skip: usize) -> Self {
         Self { skip, ..self }
     }
 
-    /// Sets the α_j.
+    /// Sets the weights α_j.
     #[must_use]
     pub fn with_weighting(self, weighting: Weighting) -> Self {
         Self { weighting, ..self }
     }
 
-    /// Fades out the border.
+    /// Fades out the border within the given distance in σ.
     #[must_use]
     pub fn with_border_sigmas(self, sigmas: f64) -> Self {
         Self { border_sigmas: Some(sigmas), ..self }
     }
 
-    /// Checks that the numbers make sense.
+    /// Checks that every number is in its range.
     ///
     /// # Errors
-    /// [`SaliencyError::Border`].
+    /// [`SaliencyError::Border`] if the border distance is invalid.
     pub fn check(&self) -> Result<(), SaliencyError> {
         match self.border_sigmas {
             Some(sigmas) if !(sigmas.is_finite() && sigmas >= 0.0) => Err(SaliencyError::Border { sigmas }),

@@ -1,16 +1,18 @@
-//! The bracket: a part as from a workshop, with sharp edges, a drilled hole, a rounded edge, a fillet, a thick and a thin part.
+//! The bracket: a machined part with sharp edges, a drilled hole, a rounded edge, a fillet, a thick and a thin
+//! part.
 //!
-//! Its outline is drawn in a plane and pushed straight through the depth. Both faces and all walls are cut into patches of
-//! four sides ([`Weave`]), so that every sharp edge is a line of edges of the mesh and all triangles are about equally large.
+//! Its outline is drawn in a plane and extruded through the depth. Both faces and all walls are cut into four-sided
+//! patches ([`Weave`]), so that every sharp edge is a line of mesh edges and all triangles have about the same
+//! size.
 
 use super::implicit::V3;
-use super::weave::{Turn, Weave, rows_of, segments_of};
+use super::weave::{Turn, Weave, count_rows, count_segments};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The thick block is a square of side 1; the flange goes on from it to here, model units.
+/// Right end of the flange; the thick block is a unit square. Model units.
 const LENGTH: f64 = 2.2;
-/// Depth of the whole, model units.
+/// Depth of the part, model units.
 const DEPTH: f64 = 0.8;
 /// Thickness of the flange, model units.
 pub(super) const FLANGE: f64 = 0.12;
@@ -18,23 +20,24 @@ pub(super) const FLANGE: f64 = 0.12;
 const FILLET: f64 = 0.25;
 const ROUNDING: f64 = 0.3;
 const HOLE: f64 = 0.25;
-/// Where the cut between block and flange meets the bottom, model units: slanting, as the fillet leaves the block along its
-/// side, and triangles between the two would be slivers.
+/// Position at which the cut between block and flange meets the bottom, model units. The cut is slanted, because
+/// the fillet leaves the block along its side, and a straight cut would give slivers.
 const FOOT: f64 = 0.7;
-/// Middle of the hole, model units.
+/// Center of the hole, model units.
 const MIDDLE: [f64; 2] = [0.5, 0.5];
-/// Coarser brackets lose the roundness of the hole.
+/// Smallest number of vertices for which the hole is round.
 pub(super) const MIN_VERTICES: usize = 300;
-/// Vertices times the squared edge, model units: area · 2/√3, and a little for the ends of rows. A first guess only.
+/// Number of vertices times the squared edge, model units: area · 2/√3, with some allowance for row ends. Only a
+/// first guess.
 const FIRST_GUESS: f64 = 9.2;
-/// Edges tried until the count fits, and how well it has to.
+/// Maximal number of edge lengths tried to meet the count, and the required accuracy.
 const MAX_TRIES: usize = 36;
 const STEERED: usize = 6;
-/// Steps of the edge when it is no longer steered.
+/// Step of the edge length once it is no longer steered.
 const STEP: f64 = 0.004;
 const COUNT_TOLERANCE: f64 = 0.005;
 
-/// Volume of the exact solid, model units³: the outline's area times the depth.
+/// Volume of the exact solid, model units³: area of the outline times the depth.
 #[cfg(test)]
 pub(super) fn volume() -> f64 {
     let corner = 1.0 - 0.25 * PI;
@@ -42,16 +45,16 @@ pub(super) fn volume() -> f64 {
     DEPTH * (block + corner * FILLET * FILLET + (LENGTH - 1.0) * FLANGE)
 }
 
-/// A piece of the outline: from one point of the plane to another, straight or round a center.
+/// A piece of the outline from one point of the plane to another, straight or around a center.
 #[derive(Clone, Copy, Debug)]
-enum Piece {
+enum OutlinePiece {
     Line([f64; 2], [f64; 2]),
     /// Center, radius, angles at both ends.
     Arc([f64; 2], f64, [f64; 2]),
 }
 
-impl Piece {
-    /// Model units.
+impl OutlinePiece {
+    /// Length in model units.
     fn length(&self) -> f64 {
         match *self {
             Self::Line(a, b) => (b[0] - a[0]).hypot(b[1] - a[1]),
@@ -59,10 +62,10 @@ impl Piece {
         }
     }
 
-    /// The point at the part t ∈ [0, 1] of its length.
-    fn at(&self, t: f64) -> [f64; 2] {
+    /// Point at the fraction t ∈ [0, 1] of the length.
+    fn point(&self, t: f64) -> [f64; 2] {
         match *self {
-            Self::Line(a, b) => between(a, b, t),
+            Self::Line(a, b) => interpolate(a, b, t),
             Self::Arc(center, radius, [from, to]) => {
                 let (sin, cos) = (from * (1.0 - t) + to * t).sin_cos();
                 [center[0] + radius * cos, center[1] + radius * sin]
@@ -71,8 +74,8 @@ impl Piece {
     }
 }
 
-/// The block's outline, counter-clockwise from the lower left, and the piece of the hole inside each.
-fn block() -> Vec<(Piece, Piece)> {
+/// Outline of the block, counter-clockwise from the lower left, and the piece of the hole inside each.
+fn block() -> Vec<(OutlinePiece, OutlinePiece)> {
     let (top, left) = (FLANGE + FILLET, 1.0 - ROUNDING);
     let corners = [[0.0, 0.0], [FOOT, 0.0], [1.0, top], [1.0, 1.0], [ROUNDING, 1.0], [0.0, left]];
     let mut angles = corners.map(|p| (p[1] - MIDDLE[1]).atan2(p[0] - MIDDLE[0]));
@@ -85,46 +88,49 @@ fn block() -> Vec<(Piece, Piece)> {
         .map(|k| {
             let next = (k + 1) % corners.len();
             let outer = if k == 4 {
-                Piece::Arc([ROUNDING, left], ROUNDING, [FRAC_PI_2, PI])
+                OutlinePiece::Arc([ROUNDING, left], ROUNDING, [FRAC_PI_2, PI])
             } else {
-                Piece::Line(corners[k], corners[next])
+                OutlinePiece::Line(corners[k], corners[next])
             };
             let end = if next == 0 { angles[0] + TAU } else { angles[next] };
-            (outer, Piece::Arc(MIDDLE, HOLE, [angles[k], end]))
+            (outer, OutlinePiece::Arc(MIDDLE, HOLE, [angles[k], end]))
         })
         .collect()
 }
 
-/// What is right of the block: fillet and flange, each a lower and an upper piece, both from left to right.
-fn flange() -> [(Piece, Piece); 2] {
+/// Fillet and flange, to the right of the block, each as a lower and an upper piece from left to right.
+fn flange() -> [(OutlinePiece, OutlinePiece); 2] {
     let start = 1.0 + FILLET;
-    let fillet = Piece::Arc([start, FLANGE + FILLET], FILLET, [PI, 1.5 * PI]);
-    let bottom = |from, to| Piece::Line([from, 0.0], [to, 0.0]);
-    [(bottom(FOOT, start), fillet), (bottom(start, LENGTH), Piece::Line([start, FLANGE], [LENGTH, FLANGE]))]
+    let fillet = OutlinePiece::Arc([start, FLANGE + FILLET], FILLET, [PI, 1.5 * PI]);
+    let bottom = |from, to| OutlinePiece::Line([from, 0.0], [to, 0.0]);
+    [
+        (bottom(FOOT, start), fillet),
+        (bottom(start, LENGTH), OutlinePiece::Line([start, FLANGE], [LENGTH, FLANGE])),
+    ]
 }
 
-/// A piece of the outline with its vertices on one of the flat faces, and on which side of it the solid is.
+/// A piece of the outline with its vertices on one of the flat faces, and the side on which the solid is.
 struct Wall {
-    piece: Piece,
+    piece: OutlinePiece,
     line: Vec<u32>,
     turn: Turn,
 }
 
-/// One of the two flat faces, at the height z, and the outline that its walls start from.
+/// One of the two flat faces, at height z, and the outline from which its walls start.
 fn face(weave: &mut Weave, z: f64, turn: Turn, edge: f64) -> Vec<Wall> {
     let lift = |p: [f64; 2]| V3::new(p[0], p[1], z);
     let (pieces, mut walls) = (block(), Vec::new());
-    let spoke = |k: usize| Piece::Line(pieces[k].0.at(0.0), pieces[k].1.at(0.0));
+    let spoke = |k: usize| OutlinePiece::Line(pieces[k].0.point(0.0), pieces[k].1.point(0.0));
     let mean = (0..6).map(|k| spoke(k).length()).sum::<f64>() / 6.0;
-    let n_rows = rows_of(mean, edge);
-    let spokes: Vec<Vec<u32>> = (0..6).map(|k| weave.new_line(n_rows, |t| lift(spoke(k).at(t)))).collect();
+    let n_rows = count_rows(mean, edge);
+    let spokes: Vec<Vec<u32>> = (0..6).map(|k| weave.new_line(n_rows, |t| lift(spoke(k).point(t)))).collect();
     let mut side = Vec::new();
     for (k, &(outer, hole)) in pieces.iter().enumerate() {
         let (left, right) = (&spokes[k], &spokes[(k + 1) % 6]);
-        let segments = |piece: Piece| segments_of(piece.length(), edge);
-        let lower = weave.line(left[0], right[0], segments(outer), |t| lift(outer.at(t)));
-        let upper = weave.line(left[n_rows], right[n_rows], segments(hole), |t| lift(hole.at(t)));
-        let place = |t: f64, s: f64| lift(between(outer.at(t), hole.at(t), s));
+        let segments = |piece: OutlinePiece| count_segments(piece.length(), edge);
+        let lower = weave.line(left[0], right[0], segments(outer), |t| lift(outer.point(t)));
+        let upper = weave.line(left[n_rows], right[n_rows], segments(hole), |t| lift(hole.point(t)));
+        let place = |t: f64, s: f64| lift(interpolate(outer.point(t), hole.point(t), s));
         weave.patch([&lower, right, &upper, left], edge, turn, place);
         walls.push(Wall { piece: hole, line: upper, turn: Turn::Left });
         if k == 1 {
@@ -133,26 +139,26 @@ fn face(weave: &mut Weave, z: f64, turn: Turn, edge: f64) -> Vec<Wall> {
             walls.push(Wall { piece: outer, line: lower, turn: Turn::Right });
         }
     }
-    // From left to right, each from the upward line where the last one ended.
+    // From left to right, each from the upward line at which the previous one ended.
     for (below, above) in flange() {
-        let n_rows = rows_of(0.5 * (below.length() + above.length()), edge);
-        let end = Piece::Line(below.at(1.0), above.at(1.0));
-        let next = weave.new_line(segments_of(end.length(), edge), |t| lift(end.at(t)));
+        let n_rows = count_rows(0.5 * (below.length() + above.length()), edge);
+        let end = OutlinePiece::Line(below.point(1.0), above.point(1.0));
+        let next = weave.new_line(count_segments(end.length(), edge), |t| lift(end.point(t)));
         let (first, last) = (side[0], side[side.len() - 1]);
-        let lower = weave.line(first, next[0], n_rows, |t| lift(below.at(t)));
-        let upper = weave.line(last, next[next.len() - 1], n_rows, |t| lift(above.at(t)));
-        let place = |t: f64, s: f64| lift(between(below.at(s), above.at(s), t));
+        let lower = weave.line(first, next[0], n_rows, |t| lift(below.point(t)));
+        let upper = weave.line(last, next[next.len() - 1], n_rows, |t| lift(above.point(t)));
+        let place = |t: f64, s: f64| lift(interpolate(below.point(s), above.point(s), t));
         weave.patch([&side, &upper, &next, &lower], edge, turn.other(), place);
         walls.push(Wall { piece: below, line: lower, turn: Turn::Right });
         walls.push(Wall { piece: above, line: upper, turn: Turn::Left });
         side = next;
     }
-    let end = Piece::Line([LENGTH, 0.0], [LENGTH, FLANGE]);
+    let end = OutlinePiece::Line([LENGTH, 0.0], [LENGTH, FLANGE]);
     walls.push(Wall { piece: end, line: side, turn: Turn::Right });
     walls
 }
 
-fn between(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
+fn interpolate(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
     std::array::from_fn(|k| a[k] * (1.0 - t) + b[k] * t)
 }
 
@@ -162,19 +168,19 @@ fn with_edge(edge: f64) -> Weave {
     let half = 0.5 * DEPTH;
     let front = face(&mut weave, half, Turn::Left, edge);
     let back = face(&mut weave, -half, Turn::Right, edge);
-    let n_rows = rows_of(DEPTH, edge);
+    let n_rows = count_rows(DEPTH, edge);
     let mut through = BTreeMap::new();
     for (front, back) in front.iter().zip(&back) {
         let last = front.line.len() - 1;
         for (k, t) in [(0, 0.0), (last, 1.0)] {
-            let [x, y] = front.piece.at(t);
+            let [x, y] = front.piece.point(t);
             let place = |s: f64| V3::new(x, y, half * (1.0 - 2.0 * s));
             let (a, b) = (front.line[k], back.line[k]);
             through.entry(a).or_insert_with(|| weave.line(a, b, n_rows, place));
         }
         let sides = [&front.line, &through[&front.line[last]], &back.line, &through[&front.line[0]]];
         let place = |t: f64, s: f64| {
-            let [x, y] = front.piece.at(t);
+            let [x, y] = front.piece.point(t);
             V3::new(x, y, half * (1.0 - 2.0 * s))
         };
         weave.patch(sides, edge, front.turn, place);
@@ -182,13 +188,15 @@ fn with_edge(edge: f64) -> Weave {
     weave
 }
 
-/// The bracket with about `n_vertices` vertices: the length of the edges is tried until their number fits. Closed, genus 1.
+/// The bracket with about `n_vertices` vertices; the edge length is varied until the number matches. Closed, genus
+/// 1.
 pub(super) fn bracket(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let target = n_vertices as f64;
     let mut per_squared_edge = FIRST_GUESS;
     let mut best = Weave::default();
     for k in 0..MAX_TRIES {
-        // The count jumps where a row comes or goes: first toward it by half the way, then round it by small steps.
+        // The count jumps when a row is added or removed: first approach it by half the difference, then search
+        // around it in small steps.
         let aside = if k < STEERED { 0 } else { k as i64 - (MAX_TRIES + STEERED) as i64 / 2 };
         let edge = (per_squared_edge / target).sqrt() * (1.0 + STEP * aside as f64);
         let found = with_edge(edge);

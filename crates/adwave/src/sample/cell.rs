@@ -1,21 +1,21 @@
-//! One grid cell of the polygonizer: which of its crossed edges belong to one sheet of the surface.
+//! One grid cell of the polygonizer: the grouping of its crossed edges into sheets of the surface.
 //!
 //! Corner c of a cell has the bits x, y, z (1, 2, 4). Edge 4·axis + u + 2v runs along `axis`, at offset u along the
-//! next axis and v along the one after. Face 2·axis + side.
+//! next axis and v along the one after. Faces are numbered 2·axis + side.
 
 /// The sheets of the surface in one cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Links {
-    /// The loop that passes each edge, [`NONE`](Self::NONE) where the surface does not cross.
+    /// Loop that passes each edge; [`NONE`](Self::NONE) if the surface does not cross it.
     pub(super) loop_of: [u8; 12],
     /// Number of loops, 0 to 4.
     pub(super) n_loops: u8,
-    /// Bit per face: one loop passes it twice.
+    /// One bit per face, set if one loop passes it twice.
     pub(super) twice: u8,
 }
 
 impl Links {
-    /// No loop.
+    /// Marks an edge without a loop.
     pub(super) const NONE: u8 = u8::MAX;
 }
 
@@ -29,7 +29,7 @@ pub(super) fn edge_index(axis: usize, u: usize, v: usize) -> usize {
     4 * axis + u + 2 * v
 }
 
-/// The four corners of a face in order round it, and the edges between each and the next.
+/// The four corners of a face in cyclic order, and the edges between successive corners.
 fn face_ring(face: usize) -> ([usize; 4], [usize; 4]) {
     let (axis, side) = (face / 2, face % 2);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -66,7 +66,7 @@ pub(super) fn link(inside: u8, flips: u8) -> Links {
             join(edges[cut[0]], edges[cut[1]]);
         } else if cut.len() == 4 {
             let apart = flips >> face & 1 == 0;
-            // The corner between edges i − 1 and i is the one that gets cut off.
+            // The corner between edges i − 1 and i is cut off.
             let first = usize::from(is_inside(corners[0]) != apart);
             let pairs = [first, first + 2].map(|i| (edges[(i + 3) % 4], edges[i]));
             for (a, b) in pairs {

@@ -1,7 +1,7 @@
 //! Implicit surfaces f(p) = 0, f < 0 inside: round cones, flattening, smooth union and smooth carving.
 //!
-//! Everything here is 1-Lipschitz, |f(p) − f(q)| ≤ ‖p − q‖, so that |f(p)| bounds the distance to the surface from
-//! below; the polygonizer skips empty space by it.
+//! All functions are 1-Lipschitz, |f(p) − f(q)| ≤ ‖p − q‖, so |f(p)| is a lower bound of the distance to the
+//! surface; the polygonizer skips empty space by it.
 
 /// A point or direction in model units.
 pub(super) type V3 = nalgebra::Vector3<f64>;
@@ -9,9 +9,9 @@ pub(super) type V3 = nalgebra::Vector3<f64>;
 /// A side of a closed surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
-    /// f < 0
+    /// The inside, f < 0.
     Inside,
-    /// f > 0
+    /// The outside, f > 0.
     Outside,
 }
 
@@ -20,29 +20,29 @@ pub(super) trait Implicit: Sync {
     /// f(p), negative inside, zero on the surface, about the signed distance near it. Model units.
     fn value(&self, p: V3) -> f64;
 
-    /// On which side a whole ball lies, if a bound shows that the surface does not cross it. Model units.
+    /// Side that contains a whole ball, if a bound shows that the surface does not cross it. Model units.
     fn side_of_ball(&self, center: V3, radius: f64) -> Option<Side>;
 
-    /// Two opposite corners of a box that holds the solid.
+    /// Two opposite corners of a box that contains the solid.
     fn bounds(&self) -> (V3, V3);
 }
 
-/// The solid that a ball sweeps while it moves straight from one center to another and its radius changes linearly.
+/// The solid swept by a ball that moves straight from one center to another while its radius changes linearly.
 #[derive(Clone, Debug)]
 pub(super) struct RoundCone {
     start: V3,
     axis: V3,
-    /// ‖axis‖² and its inverse
+    /// Squared length of the axis, and its inverse.
     length2: f64,
     inverse_length2: f64,
     start_radius: f64,
     end_radius: f64,
-    /// ‖axis‖² − (difference of the radii)²
+    /// Squared length of the axis minus the squared difference of the radii.
     slant2: f64,
 }
 
 impl RoundCone {
-    /// Ball of radius `ra` at `a` swept to the ball of radius `rb` at `b`; neither may hold the other.
+    /// Sweeps the ball of radius `ra` at `a` to the ball of radius `rb` at `b`; neither may contain the other.
     pub(super) fn new(a: V3, ra: f64, b: V3, rb: f64) -> Self {
         let axis = b - a;
         let length2 = axis.norm_squared();
@@ -59,8 +59,8 @@ impl RoundCone {
         }
     }
 
-    /// Exact signed distance from `p`: the nearest of the two end balls and the cone tangent to both
-    /// (the case split is in the plane through `p` and the axis, scaled by ‖axis‖ to save the root).
+    /// Exact signed distance from `p`: the nearest of the two end balls and the cone tangent to both. Cases are
+    /// distinguished in the plane through `p` and the axis, scaled by ‖axis‖ to avoid the square root.
     pub(super) fn distance(&self, p: V3) -> f64 {
         let from_start = p - self.start;
         let along = from_start.dot(&self.axis);
@@ -80,7 +80,7 @@ impl RoundCone {
         }
     }
 
-    /// Where the projection of `p` falls on the axis: 0 at the start, 1 at the end, clamped.
+    /// Projection of `p` onto the axis: 0 at the start, 1 at the end, clamped.
     pub(super) fn fraction(&self, p: V3) -> f64 {
         ((p - self.start).dot(&self.axis) * self.inverse_length2).clamp(0.0, 1.0)
     }
@@ -96,7 +96,7 @@ impl RoundCone {
     }
 }
 
-/// Squeezes space toward a plane, so that a solid becomes `factor` times as thin across it.
+/// Compresses space towards a plane, so that a solid becomes thinner by `factor` across it.
 #[derive(Clone, Debug)]
 pub(super) struct Flatten {
     /// A point of the plane.
@@ -108,25 +108,25 @@ pub(super) struct Flatten {
 }
 
 impl Flatten {
-    /// Where `p` comes from: distances across the plane grow by `factor`.
+    /// Preimage of `p`: distances across the plane grow by `factor`.
     pub(super) fn unsqueeze(&self, p: V3) -> V3 {
         p + self.normal * ((self.factor - 1.0) * (p - self.center).dot(&self.normal))
     }
 }
 
-/// Union of a and b with a fillet: min(a, b) − max(k − |a − b|, 0)²/(4k). Equal to the smaller one, to the last bit,
-/// where they differ by k or more; at most k/4 below it. `k` in model units.
+/// Union of a and b with a fillet: min(a, b) − max(k − |a − b|, 0)²/(4k). It equals the smaller value exactly if
+/// they differ by k or more, and is at most k/4 below it otherwise. `k` in model units.
 pub(super) fn smooth_union(a: f64, b: f64, k: f64) -> f64 {
     let overlap = (k - (a - b).abs()).max(0.0);
     a.min(b) - overlap * overlap / (4.0 * k)
 }
 
-/// `a` without `b`, the rim rounded: −[`smooth_union`](−a, b, k).
+/// Difference `a` without `b` with a rounded rim: −[`smooth_union`](−a, b, k).
 pub(super) fn smooth_carve(a: f64, b: f64, k: f64) -> f64 {
     -smooth_union(-a, b, k)
 }
 
-/// 0 below `from`, 1 above `to`, 3t² − 2t³ between; with `from > to` it falls.
+/// Smooth step: 0 below `from`, 1 above `to`, 3t² − 2t³ between; with `from > to` it falls.
 pub(super) fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -150,8 +150,8 @@ mod tests {
     }
 
     proptest! {
-        /// The round cone is the union of all its balls, so no ball may come nearer than the distance says and one
-        /// of a fine sampling must come about as near.
+        /// The round cone is the union of all its balls: no ball may come closer than the distance, and one of a
+        /// fine sampling must come about as close.
         #[test]
         fn round_cone_is_the_union_of_its_balls(x in -2.0..2.0_f64, y in -2.0..2.0_f64, z in -2.0..2.0_f64,
                                                  ra in 0.05..0.5_f64, rb in 0.05..0.5_f64) {

@@ -1,26 +1,27 @@
-//! A tube round a torus knot.
+//! A tube around a torus knot.
 
 use super::implicit::V3;
 use super::ring::{closed_grid, grid_shape};
 use std::f64::consts::TAU;
 
-/// The knot winds this often round the axis …
+/// Number of turns of the knot around the axis.
 const TURNS: f64 = 2.0;
-/// … while it winds this often round the torus.
+/// Number of windings of the knot around the torus.
 const WINDINGS: f64 = 3.0;
-/// Radii of the torus that the knot lies on, model units.
+/// Radii of the torus that contains the knot, model units.
 const MAJOR_RADIUS: f64 = 0.7;
 const MINOR_RADIUS: f64 = 0.3;
 /// Radius of the tube, model units; less than half the distance of two strands.
 pub(super) const TUBE_RADIUS: f64 = 0.18;
-/// Below 24 rings of 4 the strands would cut each other.
+/// Smallest number of vertices: with fewer than 24 rings of 4 the strands would intersect.
 pub(super) const MIN_VERTICES: usize = 96;
-/// Rows of equilateral triangles are √3/2 as high as wide.
+/// Height of a row of equilateral triangles relative to their side: √3/2.
 const ROW_HEIGHT: f64 = 0.866;
-/// Pieces for the length of the curve; the midpoint rule on a closed smooth curve is exact to rounding long before.
+/// Number of pieces for the length of the curve; the midpoint rule on a closed smooth curve is exact to rounding
+/// with far fewer.
 const LENGTH_PIECES: usize = 4096;
 
-/// The curve's point and its derivative by u, where u runs once through the knot in [0, 1].
+/// Point of the curve and its derivative by u, where u runs once through the knot in [0, 1].
 fn curve(u: f64) -> [V3; 2] {
     let (a, b) = (TAU * TURNS, TAU * WINDINGS);
     let ((sa, ca), (sb, cb)) = ((a * u).sin_cos(), (b * u).sin_cos());
@@ -32,19 +33,19 @@ fn curve(u: f64) -> [V3; 2] {
     ]
 }
 
-/// Length of the knot, model units. The tube's area is 2π·[`TUBE_RADIUS`] times it, its volume π·radius² times it
-/// (Pappus).
+/// Length of the knot, model units. By Pappus the area of the tube is 2π·[`TUBE_RADIUS`] times the length, and its
+/// volume π·radius² times the length.
 pub(super) fn length() -> f64 {
     let n = LENGTH_PIECES as f64;
     (0..LENGTH_PIECES).map(|i| curve((i as f64 + 0.5) / n)[1].norm() / n).sum()
 }
 
-/// Circles in the normal planes of the curve, from a frame that turns as little as possible along it; what is missing
-/// to close it after one round is spread evenly, so that the triangles are sheared as little as can be.
+/// Builds circles in the normal planes of the curve, from a rotation-minimizing frame; the angle missing to close
+/// it after one round is spread evenly, so that the triangles are sheared as little as possible.
 pub(super) fn knot(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let ratio = length() / (TAU * TUBE_RADIUS) * ROW_HEIGHT;
     let (rings, around) = grid_shape(n_vertices, ratio);
-    // The grid asks for whole and half steps.
+    // The grid needs whole and half steps.
     let n_steps = 2 * rings;
     let normals = least_turning_normals(n_steps);
     closed_grid(rings, around, |u, v| {
@@ -52,13 +53,13 @@ pub(super) fn knot(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
         let [point, derivative] = curve(step as f64 / n_steps as f64);
         let normal = normals[step];
         let binormal = derivative.normalize().cross(&normal);
-        // ∂u × ∂v points outwards when v turns this way.
+        // ∂u × ∂v points outwards if v turns this way.
         let (sin, cos) = (TAU * v).sin_cos();
         point + (normal * cos - binormal * sin) * TUBE_RADIUS
     })
 }
 
-/// Unit normals at `n_steps` even steps of u (`wang2008`: two reflections take each frame to the next).
+/// Unit normals at `n_steps` even steps of u, by double reflection from each frame to the next (`wang2008`).
 fn least_turning_normals(n_steps: usize) -> Vec<V3> {
     let mut normals = Vec::with_capacity(n_steps + 1);
     let [mut point, derivative] = curve(0.0);

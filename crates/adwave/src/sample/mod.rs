@@ -1,7 +1,9 @@
-//! Built-in shapes: sphere, torus, bumpy plane, knot, a creature with fine skin and a machined bracket, for tests, benches and first steps.
+//! Built-in shapes for tests, benchmarks and first steps: sphere, torus, bumpy plane, knot, a creature with fine
+//! skin and a machined bracket.
 //!
-//! Each is computed, not stored; the same name and number of vertices give the same bits on any number of threads.
-//! The closed forms of the first four and the bracket's volume are known; the creature stands in for a scanned figure.
+//! Each is computed on demand; the same name and number of vertices give the same bits on any number of threads.
+//! Closed forms of the first four shapes and the volume of the bracket are known; the creature represents a scanned
+//! figure.
 
 #![allow(clippy::cast_possible_wrap, reason = "grid coordinates and counts stay far below 2^31 here")]
 
@@ -27,19 +29,19 @@ use crate::shape::Polygons;
 use crate::{ClassifiedError, ErrorKind};
 use implicit::V3;
 
-/// No sample has more vertices than this.
+/// Largest number of vertices of a sample.
 pub const MAX_VERTICES: usize = 50_000_000;
 
-/// What there is to know about a sample before it is made.
+/// Description of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleInfo {
-    /// What to call it in [`Sample::by_name`].
+    /// Name for [`Sample::from_name`].
     pub name: &'static str,
-    /// One line.
+    /// One-line description.
     pub description: &'static str,
-    /// Number of vertices when none is asked for.
+    /// Default number of vertices.
     pub default_vertices: usize,
-    /// The fewest vertices that it can be made with.
+    /// Smallest number of vertices.
     pub min_vertices: usize,
 }
 
@@ -83,40 +85,40 @@ pub const SAMPLE_NAMES: [SampleInfo; 6] = [
     },
 ];
 
-/// Why a sample could not be made.
+/// Error of generating a sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SampleError {
     /// No sample has this name.
     #[error("there is no sample `{name}`; choose one of {}", names())]
     UnknownName {
-        /// The name asked for.
+        /// The requested name.
         name: String,
     },
-    /// Too few or too many vertices asked for.
+    /// The number of vertices is out of range.
     #[error("{n_vertices} vertices asked for, but sample `{name}` has between {min} and {max}")]
     VertexCount {
-        /// The sample.
+        /// Name of the sample.
         name: &'static str,
-        /// The number asked for.
+        /// The requested number.
         n_vertices: usize,
-        /// The fewest possible.
+        /// Smallest valid number.
         min: usize,
-        /// The most possible.
+        /// Largest valid number.
         max: usize,
     },
-    /// No grid gave the shape with that many vertices.
+    /// No grid gave the shape with that number of vertices.
     #[error(
         "sample `{name}` found no grid for {n_vertices} vertices in {tries} tries; ask for more vertices"
     )]
     NotReached {
-        /// The sample.
+        /// Name of the sample.
         name: &'static str,
-        /// The number asked for.
+        /// The requested number.
         n_vertices: usize,
-        /// Grids tried.
+        /// Number of grids tried.
         tries: usize,
     },
-    /// Points and normals do not belong together.
+    /// The numbers of points and normals differ.
     #[error("{n_points} points but {n_normals} normals; give one normal for each point")]
     NormalsMismatch {
         /// Number of points.
@@ -124,10 +126,10 @@ pub enum SampleError {
         /// Number of normals.
         n_normals: usize,
     },
-    /// A standard deviation that is none.
+    /// The standard deviation is negative or not finite.
     #[error("standard deviation {sigma} of the noise; give a finite number that is not negative")]
     BadSigma {
-        /// The value given.
+        /// The value found.
         sigma: f64,
     },
 }
@@ -142,12 +144,12 @@ fn names() -> String {
     SAMPLE_NAMES.map(|info| info.name).join(", ")
 }
 
-/// A shape made by rule: vertices in model units, y up, and triangles counter-clockwise seen from outside.
+/// A generated shape: vertices in model units with y up, and triangles counter-clockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Vertex positions, model units.
     pub points: Vec<[f64; 3]>,
-    /// The faces, triangles.
+    /// Triangles.
     pub faces: Polygons,
 }
 
@@ -161,24 +163,25 @@ pub struct SampleCloud {
 }
 
 impl Sample {
-    /// Makes the sample `name` with about `n_vertices` vertices, or its default number.
+    /// Generates the sample `name` with about `n_vertices` vertices, or its default number.
     ///
-    /// The sphere has exactly that many. Torus, plane and knot are regular grids with the nearest count, within 1 %
-    /// from 1000 vertices up; creature and bracket (from 2000 up) are within 2 %. All but the plane are closed; Euler
-    /// characteristic: sphere and creature 2, torus, knot and bracket 0, plane 1. O(n) time and memory, about 300 bytes a vertex at most.
+    /// The sphere has exactly that number. Torus, plane and knot are regular grids with the nearest count, within 1
+    /// % from 1000 vertices up; creature and bracket (from 2000 up) are within 2 %. All except the plane are
+    /// closed. Euler characteristic: sphere and creature 2, torus, knot and bracket 0, plane 1. O(n) time and
+    /// memory, at most about 300 bytes per vertex.
     ///
     /// ```
     /// use adwave::sample::Sample;
-    /// let sphere = Sample::by_name("sphere", Some(500))?;
+    /// let sphere = Sample::from_name("sphere", Some(500))?;
     /// assert_eq!((sphere.points.len(), sphere.faces.len()), (500, 996));
     /// # Ok::<(), adwave::sample::SampleError>(())
     /// ```
     ///
     /// # Errors
     /// [`SampleError::UnknownName`], whose message lists the names; [`SampleError::VertexCount`] outside
-    /// `min_vertices` … [`MAX_VERTICES`]; [`SampleError::NotReached`] when the creature's parts do not hold together
+    /// `min_vertices` … [`MAX_VERTICES`]; [`SampleError::NotReached`] if the parts of the creature do not connect
     /// at that resolution.
-    pub fn by_name(name: &str, n_vertices: Option<usize>) -> Result<Self, SampleError> {
+    pub fn from_name(name: &str, n_vertices: Option<usize>) -> Result<Self, SampleError> {
         let info = SAMPLE_NAMES
             .iter()
             .find(|info| info.name == name)
@@ -205,7 +208,7 @@ impl Sample {
         })
     }
 
-    /// Unit vertex normals, outward, each the mean of the faces' normals weighted by area.
+    /// Unit outward vertex normals: the area-weighted mean of the face normals.
     pub fn normals(&self) -> Vec<[f64; 3]> {
         let mut normals = vec![V3::zeros(); self.points.len()];
         for face in self.faces.iter() {
@@ -231,10 +234,11 @@ impl Sample {
         total / edges.len().max(1) as f64
     }
 
-    /// Adds Gaussian noise along the [`normals`](Self::normals): [`add_noise`] with the unit of `sigma` resolved.
+    /// Adds Gaussian noise along the [`normals`](Self::normals) by [`add_noise`], with the unit of `sigma`
+    /// resolved.
     ///
     /// # Errors
-    /// [`SampleError::BadSigma`] when `sigma` is negative, infinite or NaN.
+    /// [`SampleError::BadSigma`] if `sigma` is negative, infinite or NaN.
     pub fn add_noise(&mut self, sigma: NoiseSigma, seed: u64) -> Result<(), SampleError> {
         let sigma = match sigma {
             NoiseSigma::Model(sigma) => sigma,
@@ -244,11 +248,11 @@ impl Sample {
         add_noise(&mut self.points, &normals, sigma, seed)
     }
 
-    /// Draws `n_points` points from the surface, evenly by area, with the normals of their faces. The same seed gives
-    /// the same points. O(faces + n log faces).
+    /// Draws `n_points` points from the surface, uniformly by area, with the normals of their faces. The same seed
+    /// gives the same points. O(faces + n log faces).
     ///
     /// # Errors
-    /// [`SampleError::VertexCount`] when `n_points` is more than [`MAX_VERTICES`].
+    /// [`SampleError::VertexCount`] if `n_points` is more than [`MAX_VERTICES`].
     pub fn draw_cloud(&self, n_points: usize, seed: u64) -> Result<SampleCloud, SampleError> {
         if n_points > MAX_VERTICES {
             return Err(SampleError::VertexCount {
@@ -266,7 +270,7 @@ impl Sample {
         V3::from(self.points[v as usize])
     }
 
-    /// Outward normal of a triangle, as long as twice its area.
+    /// Outward normal of a triangle, with twice its area as length.
     fn area_normal(&self, face: &[u32]) -> V3 {
         let [a, b, c] = [0, 1, 2].map(|k| self.corner(face[k]));
         (b - a).cross(&(c - a))

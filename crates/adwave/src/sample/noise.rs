@@ -1,4 +1,4 @@
-//! Gaussian noise along vertex normals, and points drawn from a surface; both seeded.
+//! Gaussian noise along vertex normals, and points drawn from a surface; both with a seed.
 
 use super::{Sample, SampleError};
 use rand_distr::{Distribution, StandardNormal};
@@ -14,9 +14,9 @@ pub enum NoiseSigma {
     MeanEdge(f64),
 }
 
-/// Moves every point along its normal by a normal deviate: p ← p + σ·g·n, g ~ N(0, 1), one g a point.
+/// Moves every point along its normal by a normal deviate: p ← p + σ·g·n with g ~ N(0, 1), one g per point.
 ///
-/// `sigma` in model units; `normals` of unit length. The same seed gives the same noise. O(points).
+/// `sigma` is in model units and `normals` have unit length. The same seed gives the same noise. O(points).
 ///
 /// ```
 /// let mut points = vec![[0.0, 0.0, 0.0]; 2];
@@ -27,7 +27,7 @@ pub enum NoiseSigma {
 /// ```
 ///
 /// # Errors
-/// [`SampleError::NormalsMismatch`] when the two slices differ in length, [`SampleError::BadSigma`] when `sigma` is
+/// [`SampleError::NormalsMismatch`] if the slices have different lengths, [`SampleError::BadSigma`] if `sigma` is
 /// negative, infinite or NaN.
 pub fn add_noise(
     points: &mut [[f64; 3]],
@@ -51,8 +51,8 @@ pub fn add_noise(
     Ok(())
 }
 
-/// `n_points` points drawn evenly by area from the faces of `sample`, with the unit normals of their faces: the face
-/// by inversion of the running area, then uniform barycentric coordinates.
+/// Draws `n_points` points uniformly by area from the faces of `sample`, with the unit normals of their faces: the
+/// face by inversion of the cumulative area, then uniform barycentric coordinates.
 pub(super) fn draw_cloud(sample: &Sample, n_points: usize, seed: u64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     let mut running = Vec::with_capacity(sample.faces.len());
     let mut total = 0.0;
@@ -61,7 +61,7 @@ pub(super) fn draw_cloud(sample: &Sample, n_points: usize, seed: u64) -> (Vec<[f
         running.push(total);
     }
     let mut random = Pcg64Mcg::seed_from_u64(seed);
-    // 53 random bits make a double in [0, 1).
+    // 53 random bits give a double in [0, 1).
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     (0..n_points)
         .map(|_| {

@@ -14,7 +14,8 @@ const BUMPS: [(f64, f64, f64, f64); 6] = [
     (-0.10, 0.70, -0.06, 0.04),
 ];
 
-/// y = Σ bumps(x, z) over [−1, 1]², normals up; a grid of rows × columns with alternating diagonals.
+/// Height field y = Σ bumps(x, z) over [−1, 1]² with normals up, as a grid of rows × columns with alternating
+/// diagonals.
 pub(super) fn plane(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let (rows, columns) = grid_shape(n_vertices);
     let along = |i: usize, n: usize| HALF_SIDE * (2.0 * i as f64 / (n - 1) as f64 - 1.0);
@@ -45,7 +46,7 @@ pub(super) fn height(x: f64, z: f64) -> f64 {
         .sum()
 }
 
-/// Rows and columns, within a tenth of each other where possible, whose product is nearest to `n_vertices`.
+/// Numbers of rows and columns, within a tenth of each other if possible, whose product is nearest to `n_vertices`.
 fn grid_shape(n_vertices: usize) -> (usize, usize) {
     let side = (n_vertices as f64).sqrt();
     ((0.9 * side) as usize..=side.ceil() as usize)

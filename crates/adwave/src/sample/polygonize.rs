@@ -1,10 +1,10 @@
 //! Closed triangle meshes of implicit surfaces: dual marching cubes on a sparse grid.
 //!
-//! The grid is searched from coarse to fine and balls of space that a bound shows empty are skipped, so the cost
-//! is that of the surface, not of the volume. In each cell the crossed edges fall into loops; each loop gives a
-//! vertex and each crossed grid edge a quad of the four cells round it: the dual of a marching-cubes surface. That
-//! dual is a manifold unless two loops meet twice on one ambiguous face, and such faces are linked the other way
-//! (`wenger2013`, `schaefer2007`).
+//! The grid is searched from coarse to fine, and balls of space that a bound shows to be empty are skipped, so the
+//! cost is that of the surface instead of the volume. In each cell the crossed edges form loops. Each loop gives a
+//! vertex, and each crossed grid edge a quad of the four cells around it: the dual of a marching-cubes surface.
+//! That dual is a manifold unless two loops meet twice on one ambiguous face, and such faces are linked in the
+//! other way (`wenger2013`, `schaefer2007`).
 
 use super::cell::{Links, corner_offset, edge_index, link};
 use super::implicit::{Implicit, Side, V3};
@@ -15,9 +15,9 @@ const BLOCK: usize = 8;
 /// Grid corners along a block's edge.
 const CORNERS: usize = BLOCK + 1;
 
-/// A triangle mesh in the making.
+/// A triangle mesh under construction.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
+pub(super) struct SampledSurface {
     pub(super) points: Vec<V3>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
@@ -25,35 +25,36 @@ pub(super) struct Surface {
 /// A cell that the surface crosses.
 #[derive(Clone, Debug)]
 struct Cell {
-    /// x + 8y + 64z within the block
+    /// Position x + 8y + 64z within the block.
     place: u16,
-    /// which corners are inside
+    /// One bit per corner inside the surface.
     inside: u8,
-    /// faces that are linked the other way
+    /// One bit per face that is linked in the other way.
     flips: u8,
-    /// first of its vertices within the block
+    /// First of its vertices within the block.
     first: u16,
 }
 
-/// The crossed cells of one block, in order of their place, and their vertices.
+/// The crossed cells of one block, ordered by position, and their vertices.
 #[derive(Debug)]
-struct Block {
+struct GridBlock {
     at: [i32; 3],
     cells: Vec<Cell>,
     points: Vec<V3>,
 }
 
-/// The blocks that the surface crosses, in order of z, y, x; what is known before any face is made.
+/// The blocks that the surface crosses, in order of z, y, x, before faces are built.
 #[derive(Debug)]
 pub(super) struct CrossedGrid {
-    blocks: Vec<Block>,
+    blocks: Vec<GridBlock>,
     links: Vec<Links>,
     spacing: f64,
     origin: V3,
 }
 
 impl CrossedGrid {
-    /// The cells of size `spacing` (model units) that the surface of `field` crosses. O(area / spacing²) time and memory.
+    /// Finds the cells of size `spacing` (model units) that the surface of `field` crosses. O(area / spacing²) time
+    /// and memory.
     pub(super) fn new<F: Implicit>(field: &F, spacing: f64) -> Self {
         let (low, high) = field.bounds();
         let margin = V3::repeat(2.0 * spacing);
@@ -61,7 +62,7 @@ impl CrossedGrid {
         let extent = (high + margin - origin).max() / (spacing * BLOCK as f64);
         let mut size = (extent.ceil() as u32).max(1).next_power_of_two() as i32;
         let mut nodes = vec![[0_i32; 3]];
-        // Every level of the descent keeps its order, whatever thread does the work.
+        // Every level of the descent keeps its order, whichever thread does the work.
         loop {
             let width = f64::from(size) * BLOCK as f64 * spacing;
             let reach = 0.5 * width * 3.0_f64.sqrt();
@@ -87,7 +88,7 @@ impl CrossedGrid {
         let links: Vec<Links> = (0..=255).map(|inside| link(inside, 0)).collect();
         let blocks = nodes
             .into_par_iter()
-            .filter_map(|at| Block::sample(field, &links, at, origin, spacing))
+            .filter_map(|at| GridBlock::sample(field, &links, at, origin, spacing))
             .collect();
         let mut grid = Self { blocks, links, spacing, origin };
         grid.separate_double_contacts(field);
@@ -103,7 +104,7 @@ impl CrossedGrid {
         self.blocks.binary_search_by_key(&sort_key(at), |b| sort_key(b.at)).ok()
     }
 
-    /// The block and the cell that holds grid cell `place` (may lie outside block `b` by one).
+    /// The block and the cell that contain grid cell `place`, which may lie outside block `b` by one.
     fn locate(&self, b: usize, place: [i32; 3]) -> Option<(usize, usize)> {
         let n = BLOCK as i32;
         let at: [i32; 3] = std::array::from_fn(|a| self.blocks[b].at[a] + place[a].div_euclid(n));
@@ -113,12 +114,12 @@ impl CrossedGrid {
         Some((b, c))
     }
 
-    fn links_of(&self, cell: &Cell) -> Links {
+    fn cell_links(&self, cell: &Cell) -> Links {
         if cell.flips == 0 { self.links[cell.inside as usize] } else { link(cell.inside, cell.flips) }
     }
 
-    /// Faces on the far sides of block `b`'s cells that one loop passes twice in both cells that share the face: block
-    /// and cell on this side, on the other, and the face's number on this side.
+    /// Faces on the far sides of the cells of block `b` that one loop passes twice in both adjacent cells: block
+    /// and cell on this side, block and cell on the other, and the face's number on this side.
     fn double_contacts(&self, b: usize) -> Vec<(usize, usize, usize, usize, usize)> {
         let mut found = Vec::new();
         for (c, cell) in self.blocks[b].cells.iter().enumerate() {
@@ -140,7 +141,7 @@ impl CrossedGrid {
         found
     }
 
-    /// Links the faces the other way on which one loop of either cell passes twice. Each such change splits a loop in
+    /// Links in the other way the faces on which one loop of either cell passes twice. Each change splits a loop in
     /// two in both cells and never joins any, so one sweep in a fixed order is enough.
     fn separate_double_contacts<F: Implicit>(&mut self, field: &F) {
         let this = &*self;
@@ -148,8 +149,8 @@ impl CrossedGrid {
             (0..this.blocks.len()).into_par_iter().flat_map_iter(|b| this.double_contacts(b)).collect();
         let mut touched = Vec::new();
         for (b, c, nb, nc, face) in suspects {
-            let here = self.links_of(&self.blocks[b].cells[c]).twice & (1 << face) != 0;
-            let there = self.links_of(&self.blocks[nb].cells[nc]).twice & (1 << (face - 1)) != 0;
+            let here = self.cell_links(&self.blocks[b].cells[c]).twice & (1 << face) != 0;
+            let there = self.cell_links(&self.blocks[nb].cells[nc]).twice & (1 << (face - 1)) != 0;
             if here && there {
                 self.blocks[b].cells[c].flips |= 1 << face;
                 self.blocks[nb].cells[nc].flips |= 1 << (face - 1);
@@ -160,15 +161,15 @@ impl CrossedGrid {
         touched.dedup();
         for b in touched {
             let (links, origin, spacing) = (&self.links, self.origin, self.spacing);
-            self.blocks[b].place_again(field, links, origin, spacing);
+            self.blocks[b].refit_positions(field, links, origin, spacing);
         }
     }
 
-    /// The mesh: closed, 2-manifold, faces counter-clockwise seen from outside.
+    /// Builds the mesh: closed, 2-manifold, faces counter-clockwise as seen from outside.
     ///
     /// # Panics
-    /// When the mesh has 2³² vertices or more.
-    pub(super) fn into_surface(self) -> Surface {
+    /// If the mesh has 2³² vertices or more.
+    pub(super) fn into_surface(self) -> SampledSurface {
         let mut starts = Vec::with_capacity(self.blocks.len());
         let mut n = 0_usize;
         for block in &self.blocks {
@@ -180,7 +181,7 @@ impl CrossedGrid {
             .flat_map_iter(|b| self.block_triangles(b, &starts))
             .collect();
         let points = self.blocks.into_iter().flat_map(|b| b.points).collect();
-        Surface { points, triangles }
+        SampledSurface { points, triangles }
     }
 
     fn block_triangles(&self, b: usize, starts: &[u32]) -> Vec<[u32; 3]> {
@@ -192,7 +193,7 @@ impl CrossedGrid {
                     continue;
                 }
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-                // Counter-clockwise about +axis; the edge is at the far side of the cells that lie before it.
+                // Counter-clockwise about +axis; the edge is at the far side of the cells before it.
                 let round = [(1, 1), (0, 1), (0, 0), (1, 0)];
                 let quad = round.map(|(du, dv)| {
                     let mut place = unpack(cell.place);
@@ -201,7 +202,7 @@ impl CrossedGrid {
                     let (nb, nc) = self.locate(b, place).expect("a crossed edge has four crossed cells");
                     let neighbor = &self.blocks[nb].cells[nc];
                     let edge = edge_index(axis, du as usize, dv as usize);
-                    let which = u16::from(self.links_of(neighbor).loop_of[edge]);
+                    let which = u16::from(self.cell_links(neighbor).loop_of[edge]);
                     let local = neighbor.first + which;
                     (starts[nb] + u32::from(local), self.blocks[nb].points[local as usize])
                 });
@@ -217,7 +218,7 @@ impl CrossedGrid {
     }
 }
 
-impl Block {
+impl GridBlock {
     fn sample<F: Implicit>(
         field: &F,
         links: &[Links],
@@ -273,8 +274,8 @@ impl Block {
         self.cells.push(cell);
     }
 
-    /// Puts the vertices where the present linking wants them.
-    fn place_again<F: Implicit>(&mut self, field: &F, links: &[Links], origin: V3, spacing: f64) {
+    /// Recomputes the vertex positions for the present linking.
+    fn refit_positions<F: Implicit>(&mut self, field: &F, links: &[Links], origin: V3, spacing: f64) {
         let cells = std::mem::take(&mut self.cells);
         let points = std::mem::take(&mut self.points);
         for cell in cells {
@@ -299,8 +300,8 @@ impl Block {
     }
 }
 
-/// Fills the corner values of the box of `width` cells at `low`: where the bound shows that the surface stays away,
-/// ±∞ tells the sign; elsewhere the true value.
+/// Fills the corner values of the box of `width` cells at `low`: ±∞ with the right sign where the bound excludes
+/// the surface, the true value elsewhere.
 fn refine<F: Implicit>(
     field: &F,
     corner: &impl Fn([usize; 3]) -> V3,

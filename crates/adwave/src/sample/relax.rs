@@ -1,25 +1,26 @@
-//! Better triangles for a closed surface: edge flips, tangential smoothing and projection back to f = 0, in turn.
+//! Improves the triangles of a closed surface by edge flips, tangential smoothing and projection back to f = 0, in
+//! turn.
 
 use super::implicit::{Implicit, V3};
-use super::polygonize::Surface;
+use super::polygonize::SampledSurface;
 use rayon::prelude::*;
 
-/// Part of the way to the mean of its surroundings that a vertex goes in one round.
+/// Fraction of the way to the mean of its neighborhood that a vertex moves per round.
 const SMOOTHING: f64 = 0.7;
-/// Rounds of flips, smoothing and one step of projection.
+/// Number of rounds of flips, smoothing and one projection step.
 const ROUNDS: usize = 6;
-/// Steps of the projection at the end, each a secant step along the normal.
+/// Number of projection steps at the end, each a secant step along the normal.
 const PROJECTION_STEPS: usize = 3;
-/// A projection step is at most this part of the vertex's mean edge length, so that no face turns over.
+/// Largest projection step relative to the vertex's mean edge length, so that no face turns over.
 const STEP_LIMIT: f64 = 0.3;
-/// Sweeps of flips in a round.
+/// Number of flip sweeps per round.
 const SWEEPS: usize = 3;
-/// An edge is not flipped when its faces meet at more than about 53° or would do so afterwards.
+/// Cosine of the dihedral angle (about 53°) beyond which an edge is not flipped, before or after.
 const FLAT_COSINE: f64 = 0.6;
 
-/// Improves the triangles and moves every vertex to f = 0. The number of vertices and faces, the genus and the
-/// orientation stay. O(vertices).
-pub(super) fn relax<F: Implicit>(field: &F, surface: &mut Surface) {
+/// Improves the triangles and moves every vertex to f = 0. The numbers of vertices and faces, the genus and the
+/// orientation do not change. O(vertices).
+pub(super) fn relax<F: Implicit>(field: &F, surface: &mut SampledSurface) {
     let mut opposite = opposite_corners(&surface.triangles);
     for _ in 0..ROUNDS {
         flip_edges(surface, &mut opposite);
@@ -54,7 +55,7 @@ fn project<F: Implicit>(field: &F, p: V3, direction: V3, reach: f64) -> V3 {
     for _ in 0..PROJECTION_STEPS {
         let f1 = field.value(p + direction * s1);
         let slope = (f1 - f0) / (s1 - s0);
-        // Away from a simple root the slope of a distance, 1, is the better guess.
+        // Away from a simple root the slope of a distance function, 1, is the better estimate.
         let slope = if slope.is_finite() && slope > 0.25 { slope } else { 1.0 };
         let next = (s1 - f1 / slope).clamp(-reach, reach);
         (s0, f0, s1) = (s1, f1, next);
@@ -65,13 +66,13 @@ fn project<F: Implicit>(field: &F, p: V3, direction: V3, reach: f64) -> V3 {
     p + direction * s1
 }
 
-/// The faces at each vertex: `corners[starts[v]..starts[v + 1]]` are corner numbers 3·face + k with value v.
+/// Faces at each vertex: `corners[starts[v]..starts[v + 1]]` are corner numbers 3·face + k with value v.
 struct Stars {
     starts: Vec<u32>,
     corners: Vec<u32>,
 }
 
-/// What the faces round one vertex say.
+/// Averages over the faces around one vertex.
 struct Star {
     /// Mean of the faces' centroids, each weighted by its area.
     center: V3,
@@ -81,7 +82,7 @@ struct Star {
 }
 
 impl Stars {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &SampledSurface) -> Self {
         let mut starts = vec![0_u32; surface.points.len() + 1];
         let all = surface.triangles.as_flattened();
         for &v in all {
@@ -99,7 +100,7 @@ impl Stars {
         Self { starts, corners }
     }
 
-    fn measure(&self, surface: &Surface, v: usize) -> Star {
+    fn measure(&self, surface: &SampledSurface, v: usize) -> Star {
         let mut weighted = V3::zeros();
         let mut normal = V3::zeros();
         let mut total_area = 0.0;
@@ -121,10 +122,10 @@ impl Stars {
     }
 }
 
-/// For each corner 3·face + k the corner across the edge that is opposite to it.
+/// For each corner 3·face + k, the corner across the opposite edge.
 ///
 /// # Panics
-/// When an edge has not exactly two faces.
+/// If an edge does not have exactly two faces.
 pub(super) fn opposite_corners(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut sides: Vec<(u64, u32)> = (0..3 * triangles.len())
         .into_par_iter()
@@ -144,9 +145,9 @@ pub(super) fn opposite_corners(triangles: &[[u32; 3]]) -> Vec<u32> {
     opposite
 }
 
-/// Flips edges whose two opposite angles sum to more than 180°, while that is so and at most [`SWEEPS`] times over.
-/// In order of the faces, by one thread: each flip depends on those before.
-fn flip_edges(surface: &mut Surface, opposite: &mut [u32]) {
+/// Flips edges whose two opposite angles sum to more than 180°, in at most [`SWEEPS`] sweeps. The order is that of
+/// the faces, on one thread, because each flip depends on those before.
+fn flip_edges(surface: &mut SampledSurface, opposite: &mut [u32]) {
     for _ in 0..SWEEPS {
         let wanted: Vec<u32> = (0..opposite.len() as u32)
             .into_par_iter()
@@ -157,7 +158,7 @@ fn flip_edges(surface: &mut Surface, opposite: &mut [u32]) {
         let mut n_flips = 0_usize;
         for corner in wanted {
             let corner = corner as usize;
-            if improves(surface, opposite, corner) && !joined(surface, opposite, corner) {
+            if improves(surface, opposite, corner) && !has_edge(surface, opposite, corner) {
                 flip(surface, opposite, corner);
                 n_flips += 1;
             }
@@ -168,16 +169,18 @@ fn flip_edges(surface: &mut Surface, opposite: &mut [u32]) {
     }
 }
 
-/// The edge's ends a, b and the two corners across it: c at `corner`, d beyond; a → b counter-clockwise in c's face.
-fn diamond(surface: &Surface, opposite: &[u32], corner: usize) -> [u32; 4] {
+/// The ends a, b of the edge and the two corners across it: c at `corner`, d beyond; a → b counter-clockwise in the
+/// face of c.
+fn diamond(surface: &SampledSurface, opposite: &[u32], corner: usize) -> [u32; 4] {
     let (face, k) = (surface.triangles[corner / 3], corner % 3);
     let beyond = opposite[corner] as usize;
     [face[(k + 1) % 3], face[(k + 2) % 3], face[k], surface.triangles[beyond / 3][beyond % 3]]
 }
 
-fn improves(surface: &Surface, opposite: &[u32], corner: usize) -> bool {
+fn improves(surface: &SampledSurface, opposite: &[u32], corner: usize) -> bool {
     let [a, b, c, d] = diamond(surface, opposite, corner).map(|v| surface.points[v as usize]);
-    // cos γ sin δ + sin γ cos δ < 0 without a division: the Delaunay criterion for a diamond folded flat.
+    // cos γ sin δ + sin γ cos δ < 0, without a division: the Delaunay criterion for a diamond unfolded into a
+    // plane.
     let (ca, cb, da, db) = (a - c, b - c, a - d, b - d);
     let (cross_c, cross_d) = (ca.cross(&cb), db.cross(&da));
     let sum = ca.dot(&cb) * cross_d.norm() + cross_c.norm() * da.dot(&db);
@@ -191,11 +194,11 @@ fn improves(surface: &Surface, opposite: &[u32], corner: usize) -> bool {
     flat(cross_c, cross_d) && flat(after_a, after_b) && flat(after_a, cross_c + cross_d)
 }
 
-/// Whether the two vertices that the flipped edge would join have an edge already.
-fn joined(surface: &Surface, opposite: &[u32], corner: usize) -> bool {
+/// True if the two vertices that the flipped edge would connect already share an edge.
+fn has_edge(surface: &SampledSurface, opposite: &[u32], corner: usize) -> bool {
     let [_, _, c, d] = diamond(surface, opposite, corner);
     let mut at = corner;
-    // Round c: across the edge from c to the next corner, the fan's next face has c after the corner across.
+    // Around c: across the edge from c to the next corner, the next face of the fan has c after the corner across.
     for _ in 0..surface.triangles.len() {
         let k = at % 3;
         let face = at - k;
@@ -215,7 +218,7 @@ fn joined(surface: &Surface, opposite: &[u32], corner: usize) -> bool {
 }
 
 /// Replaces faces (c, a, b), (d, b, a) by (c, a, d), (d, b, c).
-fn flip(surface: &mut Surface, opposite: &mut [u32], corner: usize) {
+fn flip(surface: &mut SampledSurface, opposite: &mut [u32], corner: usize) {
     let beyond = opposite[corner] as usize;
     let [a, b, c, d] = diamond(surface, opposite, corner);
     let at = |base: usize, k: usize| base - base % 3 + (base + k) % 3;

@@ -1,9 +1,9 @@
-//! Grids of rings that close in both directions: what torus and knot are made of.
+//! Grids of rings that close in both directions, for the torus and the knot.
 
 use super::implicit::V3;
 
-/// Numbers of rings and of vertices in a ring, the latter even, whose product is nearest to `n_vertices` among those
-/// whose proportion is near `ratio` = ring spacing count over vertices a ring.
+/// Numbers of rings and of vertices per ring, the latter even, whose product is nearest to `n_vertices` among those
+/// with a proportion near `ratio` = rings / vertices per ring.
 pub(super) fn grid_shape(n_vertices: usize, ratio: f64) -> (usize, usize) {
     let ideal = (n_vertices as f64 / ratio).sqrt();
     let (low, high) = ((0.8 * ideal) as usize / 2, (1.2 * ideal) as usize / 2 + 1);
@@ -21,8 +21,8 @@ pub(super) fn grid_shape(n_vertices: usize, ratio: f64) -> (usize, usize) {
         .expect("the range holds at least one number")
 }
 
-/// Vertices `place(u, v)`, u and v in turns, and triangles of a closed grid of `rings` × `around` vertices. Every
-/// other line of constant v is shifted by half a step in u, so that the triangles are nearly isosceles.
+/// Vertices `place(u, v)`, with u and v in turns, and triangles of a closed grid of `rings` × `around` vertices.
+/// Every other line of constant v is shifted by half a step in u, so that the triangles are nearly isosceles.
 /// Counter-clockwise about the direction ∂u × ∂v.
 pub(super) fn closed_grid(
     rings: usize,

@@ -3,12 +3,12 @@
 use super::implicit::V3;
 use std::f64::consts::{PI, TAU};
 
-/// Rows of equilateral triangles are √3/2 as high as wide.
+/// Height of a row of equilateral triangles relative to their side: √3/2.
 const ROW_HEIGHT: f64 = 0.866;
 
-/// Rings of latitude between two poles, exactly `n_vertices` ≥ 4 vertices, each ring as many as its length asks for,
-/// neighboring rings joined by the Delaunay-like greedy strip. Unlike a subdivided icosahedron, which has
-/// 10·f² + 2 vertices, any count can be had.
+/// Builds rings of latitude between two poles with exactly `n_vertices` ≥ 4 vertices; the number in each ring
+/// follows its length, and neighboring rings are joined by a greedy strip. Unlike a subdivided icosahedron, with
+/// 10·f² + 2 vertices, it allows any count.
 pub(super) fn sphere(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     if n_vertices == 4 {
         let third = 1.0 / 3.0_f64.sqrt();
@@ -20,12 +20,12 @@ pub(super) fn sphere(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let mut points = vec![V3::new(0.0, 1.0, 0.0)];
     let mut triangles = Vec::with_capacity(2 * n_vertices - 4);
     let mut before = Ring { first: 0, count: 1, phase: 0.0 };
-    // A vertex stands for 4π/n of the area, so the running count gives the height of a ring's middle.
+    // A vertex represents 4π/n of the area, so the cumulative count gives the height of a ring's middle.
     let mut seen = 1.0;
     for &count in &counts {
         let height = 1.0 - 2.0 * (seen + 0.5 * count as f64) / n_vertices as f64;
         let radius = (1.0 - height * height).sqrt();
-        // Half a step on from the ring before, so that strips start with an isosceles triangle.
+        // Shifted by half a step from the ring before, so that strips start with an isosceles triangle.
         let phase = before.phase + 0.5 / count as f64;
         let ring = Ring { first: points.len(), count, phase };
         for k in 0..count {
@@ -59,7 +59,7 @@ impl Ring {
     }
 }
 
-/// How many vertices each ring has; they and the two poles make `n_vertices`.
+/// Number of vertices of each ring; with the two poles they sum to `n_vertices`.
 fn ring_counts(n_vertices: usize) -> Vec<usize> {
     // n triangulated vertices with spacing s cover 4π = n·s²·√3/2.
     let spacing = (4.0 * PI / (n_vertices as f64 * ROW_HEIGHT)).sqrt();
@@ -67,7 +67,7 @@ fn ring_counts(n_vertices: usize) -> Vec<usize> {
     let n_rings = n_rings.min((n_vertices - 2) / 3);
     let lengths: Vec<f64> = (1..=n_rings).map(|r| (PI * r as f64 / (n_rings + 1) as f64).sin()).collect();
     let scale = (n_vertices - 2) as f64 / lengths.iter().sum::<f64>();
-    // Rounding the running sum, not each count, makes the total exact.
+    // Rounding the cumulative sum instead of each count makes the total exact.
     let (mut running, mut given) = (0.0, 0);
     let mut counts: Vec<usize> = lengths
         .iter()
@@ -78,13 +78,13 @@ fn ring_counts(n_vertices: usize) -> Vec<usize> {
             count
         })
         .collect();
-    // What the minimum of three added near the poles comes off the widest ring.
+    // Vertices that the minimum of three added near the poles are removed from the widest ring.
     let widest = n_rings / 2;
     counts[widest] = counts[widest] + (n_vertices - 2) - given;
     counts
 }
 
-/// The strip of triangles between a ring and the next one below, always across the nearer of the two next vertices.
+/// The strip of triangles between a ring and the one below, always across the nearer of the two next vertices.
 fn join(upper: &Ring, lower: &Ring, triangles: &mut Vec<[u32; 3]>) {
     let steps = |ring: &Ring| if ring.count == 1 { 0 } else { ring.count };
     let (mut i, mut j) = (0, 0);

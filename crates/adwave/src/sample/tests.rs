@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 fn make(name: &str, n_vertices: usize) -> Sample {
-    Sample::by_name(name, Some(n_vertices)).expect("a sample")
+    Sample::from_name(name, Some(n_vertices)).expect("a sample")
 }
 
 fn area(sample: &Sample) -> f64 {
@@ -16,8 +16,8 @@ fn volume(sample: &Sample) -> f64 {
     sample.faces.iter().map(|f| sample.corner(f[0]).dot(&sample.area_normal(f)) / 6.0).sum()
 }
 
-/// Directed edge → corner across it; panics where a directed edge occurs twice (neighbors wound differently, or
-/// more than two faces at an edge).
+/// Map from a directed edge to the corner across it; panics if a directed edge occurs twice (inconsistent
+/// orientation, or more than two faces at an edge).
 fn directed_edges(sample: &Sample) -> BTreeMap<(u32, u32), u32> {
     let mut edges = BTreeMap::new();
     for f in sample.faces.iter() {
@@ -30,7 +30,8 @@ fn directed_edges(sample: &Sample) -> BTreeMap<(u32, u32), u32> {
     edges
 }
 
-/// Closed, oriented, every vertex one fan, one component; returns the Euler characteristic.
+/// Checks that the mesh is closed and oriented, every vertex has one fan, and there is one component; returns the
+/// Euler characteristic.
 fn euler_of_closed_manifold(sample: &Sample) -> i64 {
     let edges = directed_edges(sample);
     let n = sample.points.len();
@@ -42,7 +43,7 @@ fn euler_of_closed_manifold(sample: &Sample) -> i64 {
         start[a as usize] = Some(b);
     }
     for a in 0..n as u32 {
-        // Going round the fan from face to face must meet every edge at the vertex.
+        // The fan around a vertex, followed from face to face, must meet every edge at the vertex.
         let first = start[a as usize].expect("a vertex has a face");
         let (mut at, mut steps) = (first, 0);
         loop {
@@ -69,7 +70,7 @@ fn euler_of_closed_manifold(sample: &Sample) -> i64 {
     n as i64 - (edges.len() / 2) as i64 + sample.faces.len() as i64
 }
 
-/// The least angle of each face, degrees, in rising order.
+/// Smallest angle of each face in degrees, in ascending order.
 fn least_angles(sample: &Sample) -> Vec<f64> {
     let mut least: Vec<f64> = sample
         .faces
@@ -154,7 +155,7 @@ fn creature_is_one_closed_surface_of_genus_zero() {
         assert!(volume(&creature) > 0.1, "outward");
         let angles = least_angles(&creature);
         let below = |limit: f64| angles.partition_point(|&a| a < limit) as f64 / angles.len() as f64;
-        // Where an edge is as long as a finger is wide a few slivers are left; none is degenerate.
+        // Where an edge is as long as a finger is wide a few slivers remain; none is degenerate.
         let least = if n < 8_000 { 1.0 } else { 5.0 };
         assert!(angles[0] > least, "least angle {} at {n}", angles[0]);
         assert!(below(25.0) < 0.01, "{} below 25° at {n}", below(25.0));
@@ -208,7 +209,7 @@ fn bracket_has_vertices_all_along_its_sharp_edges() {
 
 #[test]
 fn creature_is_the_same_shape_at_every_count() {
-    // What differs is the skin that the coarser grid cannot hold.
+    // The difference is the skin that the coarser grid cannot resolve.
     let (coarse, fine) = (make("creature", 15_000), make("creature", 60_000));
     assert!((volume(&coarse) / volume(&fine) - 1.0).abs() < 0.01);
     let height = |s: &Sample| s.points.iter().map(|p| p[1]).fold(0.0, f64::max);
@@ -286,17 +287,17 @@ fn normals_point_outwards() {
 
 #[test]
 fn bad_requests_are_errors_that_say_what_to_do() {
-    let unknown = Sample::by_name("teapot", None).expect_err("no such sample").to_string();
+    let unknown = Sample::from_name("teapot", None).expect_err("no such sample").to_string();
     assert!(SAMPLE_NAMES.iter().all(|info| unknown.contains(info.name)), "{unknown}");
     for info in SAMPLE_NAMES {
         for n in [0, 1, 3, info.min_vertices - 1, MAX_VERTICES + 1, usize::MAX] {
-            let error = Sample::by_name(info.name, Some(n)).expect_err("out of range");
+            let error = Sample::from_name(info.name, Some(n)).expect_err("out of range");
             assert!(
                 matches!(error, SampleError::VertexCount { n_vertices, .. } if n_vertices == n),
                 "{error}"
             );
         }
-        assert!(Sample::by_name(info.name, Some(info.min_vertices)).is_ok(), "{}", info.name);
+        assert!(Sample::from_name(info.name, Some(info.min_vertices)).is_ok(), "{}", info.name);
     }
     let mut points = vec![[0.0; 3]; 3];
     assert!(matches!(add_noise(&mut points, &[], 1.0, 0), Err(SampleError::NormalsMismatch { .. })));

@@ -1,4 +1,4 @@
-//! The torus round the z axis.
+//! The torus around the z axis.
 
 use super::implicit::V3;
 use super::ring::{closed_grid, grid_shape};
@@ -8,12 +8,12 @@ use std::f64::consts::TAU;
 pub(super) const MAJOR_RADIUS: f64 = 1.0;
 /// Radius of the tube, model units.
 pub(super) const MINOR_RADIUS: f64 = 0.4;
-/// Three rings of four.
+/// Smallest number of vertices: three rings of four.
 pub(super) const MIN_VERTICES: usize = 12;
-/// Rows of equilateral triangles are √3/2 as high as wide.
+/// Height of a row of equilateral triangles relative to their side: √3/2.
 const ROW_HEIGHT: f64 = 0.866;
 
-/// ((R + r cos v) cos u, (R + r cos v) sin u, r sin v): area 4π²Rr, volume 2π²Rr².
+/// Torus ((R + r cos v) cos u, (R + r cos v) sin u, r sin v), with area 4π²Rr and volume 2π²Rr².
 pub(super) fn torus(n_vertices: usize) -> (Vec<V3>, Vec<[u32; 3]>) {
     let (rings, around) = grid_shape(n_vertices, MAJOR_RADIUS / MINOR_RADIUS * ROW_HEIGHT);
     closed_grid(rings, around, |u, v| {

@@ -1,23 +1,23 @@
-//! Surfaces put together from patches of four sides that share their lines of vertices.
+//! Surfaces assembled from four-sided patches that share their lines of vertices.
 
 use super::implicit::V3;
 
-/// Rows of equilateral triangles are √3/2 as high as wide.
+/// Height of a row of equilateral triangles relative to their side: √3/2.
 const ROW_HEIGHT: f64 = 0.866;
-/// Chords for the length of a row.
+/// Number of chords that measure the length of a row.
 const CHORDS: usize = 16;
 
-/// An even number of rows that are as high as equilateral triangles, over a length.
-pub(super) fn rows_of(length: f64, edge: f64) -> usize {
+/// Even number of rows with the height of equilateral triangles over a length.
+pub(super) fn count_rows(length: f64, edge: f64) -> usize {
     2 * ((0.5 * length / (ROW_HEIGHT * edge)).round() as usize).max(1)
 }
 
-/// Segments of about this edge's length on a line.
-pub(super) fn segments_of(length: f64, edge: f64) -> usize {
+/// Number of segments of about this edge length on a line.
+pub(super) fn count_segments(length: f64, edge: f64) -> usize {
     ((length / edge).round() as usize).max(1)
 }
 
-/// Which way the triangles of a patch turn: to the left they are counter-clockwise about ∂t × ∂s.
+/// Orientation of the triangles of a patch: `Left` is counter-clockwise about ∂t × ∂s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Turn {
     Left,
@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// A triangle mesh in the making.
+/// A triangle mesh under construction.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weave {
     pub(super) points: Vec<V3>,
@@ -46,7 +46,7 @@ impl Weave {
         u32::try_from(self.points.len() - 1).expect("fewer than 2^32 vertices")
     }
 
-    /// The vertices of a line of `n` segments between two that are there, at even parts of [0, 1].
+    /// The vertices of a line of `n` segments between two existing vertices, at even parts of [0, 1].
     pub(super) fn line(&mut self, first: u32, last: u32, n: usize, at: impl Fn(f64) -> V3) -> Vec<u32> {
         let mut line = vec![first];
         line.extend((1..n).map(|k| self.point(at(k as f64 / n as f64))));
@@ -59,10 +59,10 @@ impl Weave {
         (0..=n).map(|k| self.point(at(k as f64 / n as f64))).collect()
     }
 
-    /// Fills a patch `place(t, s)`, (t, s) in the unit square, with triangles of about the same edge. Its sides are lines of
-    /// vertices: s = 0 by rising t, t = 1 by rising s, s = 1 by rising t, t = 0 by rising s; those of rising s have equally many
-    /// vertices, one for each row, the others any number. Each row has as many vertices as its length asks for, every
-    /// other row by half a step aside.
+    /// Fills a patch `place(t, s)`, (t, s) in the unit square, with triangles of about equal edges. Its sides are
+    /// lines of vertices: s = 0 by rising t, t = 1 by rising s, s = 1 by rising t, t = 0 by rising s. The two sides
+    /// of rising s have the same number of vertices, one per row; the others may have any number. The number of
+    /// vertices of a row follows its length, and every other row is shifted by half a step.
     pub(super) fn patch(
         &mut self,
         sides: [&Vec<u32>; 4],
@@ -81,7 +81,7 @@ impl Weave {
             } else {
                 let on_row = |k: usize| place(k as f64 / CHORDS as f64, s);
                 let length: f64 = (0..CHORDS).map(|k| (on_row(k + 1) - on_row(k)).norm()).sum();
-                let n = segments_of(length, edge);
+                let n = count_segments(length, edge);
                 let (shift, count) = if row % 2 == 1 { (0.5, n) } else { (1.0, n - 1) };
                 let mut line = vec![left[row]];
                 line.extend((0..count).map(|k| self.point(place((k as f64 + shift) / n as f64, s))));
@@ -93,7 +93,7 @@ impl Weave {
         }
     }
 
-    /// Triangles between two lines that run side by side: always on by the shorter diagonal.
+    /// Triangles between two parallel lines, always advancing along the shorter diagonal.
     fn zip(&mut self, below: &[u32], above: &[u32], turn: Turn) {
         let (mut i, mut j) = (0, 0);
         while i + 1 < below.len() || j + 1 < above.len() {

@@ -1,16 +1,16 @@
-//! Who is next to whom: the one-ring of a mesh, k rings, connected components.
+//! Neighborhoods: the one-ring of a mesh, k rings, connected components.
 
-use crate::parallel::unstopped;
+use crate::parallel::expect_not_cancelled;
 use crate::rows::{Pattern, incidence};
 use crate::{Cancelled, Progress};
 
-/// Lists of neighbors: those of `x` by rising index, without `x` itself and without repeats.
+/// Neighbor lists: the neighbors of `x` in ascending order, without `x` itself and without repetitions.
 pub type Adjacency = Pattern;
 
-/// Vertices between two looks at whether to go on.
+/// Number of vertices between two checks for cancellation.
 const VERTICES_AT_A_TIME: usize = 1 << 14;
 
-/// The triangles at each vertex, by rising index, a triangle once for each of its corners there.
+/// The triangles at each vertex, in ascending order, once for each of its corners there.
 pub(crate) fn triangles_at_vertices(
     n_vertices: usize,
     triangles: &[[u32; 3]],
@@ -19,26 +19,26 @@ pub(crate) fn triangles_at_vertices(
     incidence(n_vertices, triangles.len(), progress, |f| &triangles[f])
 }
 
-/// The one-ring: every vertex that shares an edge of a triangle with `x`. O(triangles).
+/// The one-ring: all vertices that share a triangle edge with `x`. O(triangles).
 ///
-/// Triangles without area count: their edges join their distinct corners.
+/// Triangles without area count too: their edges connect their distinct corners.
 ///
 /// # Panics
-/// Where a triangle names a vertex that does not exist.
+/// If a triangle names a vertex that does not exist.
 ///
 /// ```
 /// use adwave::shape::one_ring;
 /// let ring = one_ring(4, &[[0, 1, 2], [0, 2, 3]]);
-/// assert_eq!(ring.of(0), [1, 2, 3]);
-/// assert_eq!(ring.of(1), [0, 2]);
+/// assert_eq!(ring.row(0), [1, 2, 3]);
+/// assert_eq!(ring.row(1), [0, 2]);
 /// ```
 pub fn one_ring(n_vertices: usize, triangles: &[[u32; 3]]) -> Adjacency {
     let none = Progress::none();
-    let at_vertex = unstopped(triangles_at_vertices(n_vertices, triangles, none));
-    unstopped(try_one_ring(triangles, &at_vertex, none))
+    let at_vertex = expect_not_cancelled(triangles_at_vertices(n_vertices, triangles, none));
+    expect_not_cancelled(try_one_ring(triangles, &at_vertex, none))
 }
 
-/// [`one_ring`] from the triangles at each vertex, stopped when the call is.
+/// [`one_ring`] from the triangles at each vertex; stops if the call is cancelled.
 pub(crate) fn try_one_ring(
     triangles: &[[u32; 3]],
     at_vertex: &Pattern,
@@ -49,23 +49,23 @@ pub(crate) fn try_one_ring(
         progress,
         || (),
         |(), x, out| {
-            // The corner at `x` itself is no neighbor: a third less to sort.
+            // Skipping the corner at `x` itself leaves a third less to sort.
             let others = |&f: &u32| match triangles[f as usize] {
                 [a, b, c] if a as usize == x => [b, c],
                 [a, b, c] if b as usize == x => [c, a],
                 [a, b, _] => [a, b],
             };
-            out.extend(at_vertex.of(x).iter().flat_map(others));
+            out.extend(at_vertex.row(x).iter().flat_map(others));
         },
     )
 }
 
-/// The first `k` rings: every vertex that at most `k` edges lead to. O(neighbors found); `k = 1` copies `one_ring`.
+/// The first `k` rings: all vertices within `k` edges. O(neighbors found); `k = 1` copies `one_ring`.
 pub fn k_rings(one_ring: &Adjacency, k: usize) -> Adjacency {
-    unstopped(try_k_rings(one_ring, k, Progress::none()))
+    expect_not_cancelled(try_k_rings(one_ring, k, Progress::none()))
 }
 
-/// [`k_rings`], stopped when the call is.
+/// [`k_rings`]; stops if the call is cancelled.
 pub(crate) fn try_k_rings(
     one_ring: &Adjacency,
     k: usize,
@@ -77,14 +77,14 @@ pub(crate) fn try_k_rings(
         progress,
         || (vec![u32::MAX; n], Vec::new(), Vec::new()),
         |(seen_from, front, next), x, out| {
-            // `seen_from[y] == x` marks y as found from x, so the array is never cleared.
+            // `seen_from[y] == x` marks y as found from x, so the array never needs clearing.
             seen_from[x] = x as u32;
             front.clear();
             front.push(x as u32);
             for _ in 0..k {
                 next.clear();
                 for &y in &*front {
-                    for &z in one_ring.of(y as usize) {
+                    for &z in one_ring.row(y as usize) {
                         if seen_from[z as usize] != x as u32 {
                             seen_from[z as usize] = x as u32;
                             next.push(z);
@@ -98,7 +98,7 @@ pub(crate) fn try_k_rings(
     )
 }
 
-/// Number of connected components, whichever way edges point, a vertex without edges being one by itself.
+/// Number of connected components, ignoring the direction of edges; a vertex without edges is a component.
 /// O(neighbors log n).
 ///
 /// ```
@@ -109,20 +109,20 @@ pub(crate) fn try_k_rings(
 /// # Ok::<(), adwave::rows::RowsError>(())
 /// ```
 pub fn n_components(adjacency: &Adjacency) -> usize {
-    unstopped(try_n_components(adjacency, Progress::none()))
+    expect_not_cancelled(try_n_components(adjacency, Progress::none()))
 }
 
-/// [`n_components`], stopped when the call is.
+/// [`n_components`]; stops if the call is cancelled.
 pub(crate) fn try_n_components(adjacency: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
     let n = adjacency.n_rows();
-    // Toward the smallest vertex of the component so far.
+    // Points to the smallest vertex of the component so far.
     let mut parent: Vec<u32> = (0..n as u32).collect();
     let mut count = n;
     for x in 0..n {
         if x.is_multiple_of(VERTICES_AT_A_TIME) {
             progress.check()?;
         }
-        for &y in adjacency.of(x) {
+        for &y in adjacency.row(x) {
             let (a, b) = (root(&mut parent, x as u32), root(&mut parent, y));
             if a != b {
                 parent[a.max(b) as usize] = a.min(b);
@@ -133,7 +133,7 @@ pub(crate) fn try_n_components(adjacency: &Adjacency, progress: Progress<'_>) ->
     Ok(count)
 }
 
-/// The end of the way from `x`, which is halved for the next who goes it.
+/// The root of `x`, with path halving.
 fn root(parent: &mut [u32], mut x: u32) -> u32 {
     while parent[x as usize] != x {
         let next = parent[parent[x as usize] as usize];

@@ -1,15 +1,15 @@
-//! How much of the surface a vertex stands for.
+//! Area that a vertex represents on the surface.
 
+use crate::named_values;
 use super::adjacency::triangles_at_vertices;
 use super::{Adjacency, Neighborhoods, distance, squared_distance};
-use crate::named_values;
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 
-/// The area of a mesh vertex.
+/// Definition of the area of a mesh vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeshArea {
     /// A third of the area of the triangles at the vertex.
@@ -19,22 +19,22 @@ pub enum MeshArea {
     MixedVoronoi,
 }
 
-/// The area of a point of a cloud.
+named_values!(MeshArea, "mesh area", {
+    Barycentric => "barycentric", "A third of the area of the triangles at the vertex";
+    MixedVoronoi => "mixed-voronoi", "The Voronoi cell within the triangles";
+});
+
+/// Definition of the area of a point of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudArea {
     /// `π·r_k²/k`, `r_k` the distance to the k-th nearest neighbor.
     #[default]
     KthNeighbor,
-    /// 1 for every point.
+    /// The constant 1.
     Unit,
-    /// The Voronoi cell in the plane that fits the neighborhood best, within the disc of radius `r_k`.
+    /// The Voronoi cell in the best-fitting plane of the neighborhood, within the disc of radius `r_k`.
     TangentVoronoi,
 }
-
-named_values!(MeshArea, "mesh area", {
-    Barycentric => "barycentric", "A third of the area of the triangles at the vertex";
-    MixedVoronoi => "mixed-voronoi", "The Voronoi cell within the triangles";
-});
 
 named_values!(CloudArea, "cloud area", {
     KthNeighbor => "kth-neighbor", "The disc up to the k-th nearest neighbor, divided by k";
@@ -48,9 +48,10 @@ pub(crate) fn triangle_area(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
     0.5 * (b - a).cross(&(c - a)).norm()
 }
 
-/// The area of every vertex of a mesh, in squared units of `points`; ≥ 0, 0 at a vertex of no triangle. O(triangles).
+/// Areas of the vertices of a mesh, in squared units of `points`; ≥ 0, and 0 at a vertex without a triangle.
+/// O(triangles).
 ///
-/// The areas sum to the area of the surface, whichever kind is asked for.
+/// The areas sum to the area of the surface for every definition.
 ///
 /// ```
 /// use adwave::shape::{MeshArea, mesh_areas};
@@ -59,11 +60,11 @@ pub(crate) fn triangle_area(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {
 /// ```
 pub fn mesh_areas(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: MeshArea) -> Vec<f64> {
     let none = Progress::none();
-    let at_vertex = unstopped(triangles_at_vertices(points.len(), triangles, none));
-    unstopped(try_mesh_areas(points, triangles, &at_vertex, kind, none))
+    let at_vertex = expect_not_cancelled(triangles_at_vertices(points.len(), triangles, none));
+    expect_not_cancelled(try_mesh_areas(points, triangles, &at_vertex, kind, none))
 }
 
-/// [`mesh_areas`] from the triangles at each vertex, stopped when the call is.
+/// [`mesh_areas`] from the triangles at each vertex; stops if the call is cancelled.
 pub(crate) fn try_mesh_areas(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -77,10 +78,10 @@ pub(crate) fn try_mesh_areas(
             triangle_area(a, b, c) / 3.0
         })?;
         let share = |&f: &u32| thirds[f as usize];
-        return parallel::try_collect(points.len(), progress, |x| at_vertex.of(x).iter().map(share).sum());
+        return parallel::try_collect(points.len(), progress, |x| at_vertex.row(x).iter().map(share).sum());
     }
     parallel::try_collect(points.len(), progress, |x| {
-        let around = at_vertex.of(x);
+        let around = at_vertex.row(x);
         let share = |(k, f): (usize, &u32)| {
             // A triangle with a repeated corner is listed once for each of them; it has no area.
             if around[..k].contains(f) {
@@ -105,21 +106,21 @@ fn mixed_voronoi(points: &[[f64; 3]], corners: [u32; 3], x: u32) -> f64 {
     } else if ac >= ab + bc || ab >= ac + bc {
         area / 4.0 // obtuse at another corner
     } else {
-        // ⅛(|ab|²·cot γ + |ac|²·cot β), with cot γ = (|ac|² + |bc|² − |ab|²) / 4·area at c, and so for β at b.
+        // ⅛(|ab|²·cot γ + |ac|²·cot β), with cot γ = (|ac|² + |bc|² − |ab|²) / 4·area at c, and likewise β at b.
         (ab * (ac + bc - ab) + ac * (ab + bc - ac)) / (32.0 * area)
     }
 }
 
-/// The area of every point of a cloud, in squared units of `points`; > 0 unless all neighbors coincide with the point.
+/// Areas of the points of a cloud, in squared units of `points`; > 0 unless all neighbors coincide with the point.
 /// O(n k), for `TangentVoronoi` O(n k²).
 ///
 /// # Panics
-/// Unless `near` has as many neighborhoods as there are points.
+/// Unless `near` has one neighborhood per point.
 pub fn cloud_areas(points: &[[f64; 3]], near: &Neighborhoods, kind: CloudArea) -> Vec<f64> {
-    unstopped(try_cloud_areas(points, near, kind, Progress::none()))
+    expect_not_cancelled(try_cloud_areas(points, near, kind, Progress::none()))
 }
 
-/// [`cloud_areas`], stopped when the call is.
+/// [`cloud_areas`]; stops if the call is cancelled.
 pub(crate) fn try_cloud_areas(
     points: &[[f64; 3]],
     near: &Neighborhoods,
@@ -134,7 +135,7 @@ pub(crate) fn try_cloud_areas(
     })
 }
 
-/// Corners of the polygon that stands for the disc before bisectors cut it.
+/// Number of corners of the polygon that represents the disc before bisectors cut it.
 const DISC_CORNERS: usize = 24;
 
 /// Area of the Voronoi cell of `x` among its neighbors, in their best-fitting plane through `x`, within radius `r`.
@@ -142,10 +143,10 @@ fn tangent_voronoi(points: &[[f64; 3]], near: &Adjacency, x: usize, r: f64) -> f
     if r == 0.0 {
         return 0.0;
     }
-    let (u, v) = tangent_plane(points, near.of(x), x, r);
+    let (u, v) = tangent_plane(points, near.row(x), x, r);
     let (u, v) = (Vector3::from(u), Vector3::from(v));
     let origin = Vector3::from(points[x]);
-    let offsets = near.of(x).iter().map(|&y| (Vector3::from(points[y as usize]) - origin) / r);
+    let offsets = near.row(x).iter().map(|&y| (Vector3::from(points[y as usize]) - origin) / r);
     let mut cell: Vec<[f64; 2]> = (0..DISC_CORNERS)
         .map(|k| {
             let angle = 2.0 * PI * k as f64 / DISC_CORNERS as f64;
@@ -168,7 +169,7 @@ fn tangent_voronoi(points: &[[f64; 3]], near: &Adjacency, x: usize, r: f64) -> f
     0.5 * doubled.abs() * r * r
 }
 
-/// Two orthogonal directions of unit length in the plane that fits the points `near` best, `r` being of the order of their
+/// Two orthogonal unit vectors in the plane that fits the points `near` best; `r` is of the order of their
 /// distances from `x`.
 pub(crate) fn tangent_plane(points: &[[f64; 3]], near: &[u32], x: usize, r: f64) -> ([f64; 3], [f64; 3]) {
     let origin = Vector3::from(points[x]);
@@ -176,7 +177,7 @@ pub(crate) fn tangent_plane(points: &[[f64; 3]], near: &[u32], x: usize, r: f64)
     let mean = offsets.clone().sum::<Vector3<f64>>() / near.len().max(1) as f64;
     let covariance = offsets.fold(Matrix3::zeros(), |m, d| m + (d - mean) * (d - mean).transpose());
     if covariance.trace() == 0.0 {
-        // All of them are at one place, so that any plane through it will do, but not one across.
+        // All points coincide, so any plane through them will do, but not one across.
         let along = mean.try_normalize(0.0).unwrap_or_else(Vector3::x);
         let across = along.cross(&Vector3::ith(along.iamin(), 1.0)).normalize();
         return (along.into(), across.into());
@@ -187,7 +188,7 @@ pub(crate) fn tangent_plane(points: &[[f64; 3]], near: &[u32], x: usize, r: f64)
     (across.into_owned().into(), normal.cross(&across).into())
 }
 
-/// The part of a convex polygon where p·q ≤ half.
+/// The part of a convex polygon with p·q ≤ half.
 fn clip(polygon: &[[f64; 2]], q: [f64; 2], half: f64) -> Vec<[f64; 2]> {
     let side = |p: &[f64; 2]| p[0] * q[0] + p[1] * q[1] - half;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
@@ -212,7 +213,7 @@ pub(crate) fn mean_edge_length(
     progress: Progress<'_>,
 ) -> Result<f64, Cancelled> {
     let total = parallel::try_sum(points.len(), progress, |x| {
-        let later = edges.of(x).iter().filter(|&&y| y as usize > x);
+        let later = edges.row(x).iter().filter(|&&y| y as usize > x);
         later.map(|&y| distance(&points[x], &points[y as usize])).sum()
     })?;
     let count = edges.nnz() / 2;

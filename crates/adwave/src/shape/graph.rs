@@ -6,13 +6,13 @@ use crate::{ClassifiedError, ErrorKind, Progress, parallel};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Why a list of edges is not a graph that can be walked on.
+/// Error of building a graph from a list of edges.
 #[derive(Debug, Error, PartialEq)]
 pub enum GraphError {
-    /// There is no node.
+    /// The graph has no nodes.
     #[error("the graph has no nodes")]
     NoNodes,
-    /// More nodes than a 32-bit index can name.
+    /// The graph has more nodes than a 32-bit index can name.
     #[error("{0} nodes are more than the {max} that can be indexed", max = u32::MAX - 1)]
     TooManyNodes(usize),
     /// An edge names a node that does not exist.
@@ -20,29 +20,29 @@ pub enum GraphError {
     NodeOutOfRange {
         /// Index of the edge, from 0.
         edge: usize,
-        /// The node it names, from 0.
+        /// The node that it names, from 0.
         node: u32,
         /// Number of nodes.
         n_nodes: usize,
     },
-    /// A weight is negative, NaN or infinite, so it is no probability.
+    /// A weight is negative, NaN or infinite.
     #[error("edge {edge} (counted from 0) has the weight {weight}; weights are finite and at least 0")]
     BadWeight {
         /// Index of the edge, from 0.
         edge: usize,
-        /// Its weight.
+        /// The weight.
         weight: f64,
     },
-    /// The columns of the edges are not of one length.
+    /// The lists of nodes and weights have different lengths.
     #[error(
-        "{n_rows} first nodes, {n_columns} second nodes and {n_weights} weights are not one of each for every edge"
+        "the lists of first nodes, second nodes and weights must have one entry per edge, got {n_rows}, {n_columns} and {n_weights}"
     )]
     Lengths {
-        /// How many first nodes.
+        /// Number of first nodes.
         n_rows: usize,
-        /// How many second nodes.
+        /// Number of second nodes.
         n_columns: usize,
-        /// How many weights.
+        /// Number of weights.
         n_weights: usize,
     },
 }
@@ -60,13 +60,13 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// The graph of `n_nodes` nodes with the undirected edges `(u, v, weight)`.
+    /// Builds the graph of `n_nodes` nodes with the undirected edges `(u, v, weight)`.
     ///
-    /// An edge given several times, in either direction, counts with the sum of its weights; a loop `(u, u)` does not count,
-    /// because the diffusion operator has its own. Weights have no unit: only their ratios at a node matter. O(edges log edges).
+    /// Repeated edges, in either direction, are added; a loop `(u, u)` is ignored, because the diffusion operator
+    /// has its own. Weights have no unit: only their ratios at a node matter. O(edges log edges).
     ///
     /// # Errors
-    /// [`GraphError`] when there is no node, an edge names a node that does not exist, or a weight is negative or not
+    /// [`GraphError`] if there is no node, an edge names a node that does not exist, or a weight is negative or not
     /// finite.
     ///
     /// ```
@@ -79,10 +79,10 @@ impl Graph {
         Self::from_edges(n_nodes, edges.iter().copied())
     }
 
-    /// [`new`](Self::new) from three columns: edge `e` joins `rows[e]` and `columns[e]` with `weights[e]`.
+    /// [`new`](Self::new) from three lists: edge `e` connects `rows[e]` and `columns[e]` with `weights[e]`.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`GraphError::Lengths`] when the columns are not of one length.
+    /// As for [`new`](Self::new), and [`GraphError::Lengths`] if the lists have different lengths.
     ///
     /// ```
     /// use adwave::shape::Graph;
@@ -127,8 +127,8 @@ impl Graph {
                 directed.push((v, u, weight));
             }
         }
-        // A stable sort keeps repeated edges in their given order, so that both directions sum to the same bits.
-        parallel::unstopped(parallel::sort_by(&mut directed, Progress::none(), |a, b| {
+        // A stable sort keeps repeated edges in their given order, so both directions sum to the same bits.
+        parallel::expect_not_cancelled(parallel::sort_by(&mut directed, Progress::none(), |a, b| {
             (a.0, a.1).cmp(&(b.0, b.1))
         }));
         let Ok(rows) = CompressedRows::from_sorted(n_nodes, directed) else {
@@ -142,22 +142,22 @@ impl Graph {
         self.rows.n_rows()
     }
 
-    /// Who is joined with whom.
+    /// Neighbor lists of the nodes.
     pub fn adjacency(&self) -> &Adjacency {
         self.rows.pattern()
     }
 
-    /// The weight of each entry of [`adjacency`](Self::adjacency).
+    /// Weight of each entry of [`adjacency`](Self::adjacency).
     pub fn weights(&self) -> &[f64] {
         self.rows.values()
     }
 
-    /// The symmetric matrix of the weights, n_nodes × n_nodes with an empty diagonal.
+    /// Symmetric matrix of the weights, n_nodes × n_nodes with an empty diagonal.
     pub fn rows(&self) -> &CompressedRows<f64> {
         &self.rows
     }
 
-    /// The neighbors of node `u` with the weights of the edges to them, by rising index.
+    /// Neighbors of node `u` with the weights of their edges, in ascending order.
     pub fn neighbors(&self, u: usize) -> impl ExactSizeIterator<Item = (u32, f64)> + '_ {
         let (columns, weights) = self.rows.row(u);
         columns.iter().copied().zip(weights.iter().copied())

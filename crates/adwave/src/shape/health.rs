@@ -1,57 +1,57 @@
-//! What is unusual about a shape: counts that explain a surprising result.
+//! Counts of the elements and defects of a shape, which explain surprising results.
 
 use super::adjacency::try_n_components;
 use super::{Adjacency, Mesh, Polygons, PreparedGeometry, Shape, enclosed_volume, surface_area};
 use crate::{Cancelled, Progress, parallel};
 use nalgebra::Vector3;
 
-/// Counts of what a mesh, cloud or graph consists of and of what may be wrong with it.
+/// Counts of the elements of a mesh, cloud or graph, and of possible defects.
 ///
 /// Edges, components and isolated vertices are counted after welding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
-    /// Vertices, points or nodes of the shape.
+    /// Number of vertices, points or nodes of the shape.
     pub n_vertices: usize,
-    /// Faces of the shape.
+    /// Number of faces of the shape.
     pub n_faces: usize,
-    /// Faces of more than three corners.
+    /// Number of faces with more than three corners.
     pub n_polygons: usize,
-    /// Distinct undirected edges of faces, of the neighbor graph, or of the graph.
+    /// Number of distinct undirected edges of the faces, of the neighbor graph, or of the graph.
     pub n_edges: usize,
-    /// Connected components of these edges, whichever way they point, a vertex without edges being one by itself.
+    /// Number of connected components of these edges, ignoring their direction; a vertex without edges is a
+    /// component.
     pub n_components: usize,
-    /// Edges of one face only.
+    /// Number of edges with one face.
     pub n_boundary_edges: usize,
-    /// Edges of three faces or more.
+    /// Number of edges with three faces or more.
     pub n_non_manifold_edges: usize,
-    /// Edges that two faces run through in the same direction: their normals disagree.
+    /// Number of edges that two faces traverse in the same direction, so that their normals disagree.
     pub n_misoriented_edges: usize,
-    /// Faces without area, up to rounding.
+    /// Number of faces without area, up to rounding.
     pub n_zero_area_faces: usize,
-    /// Faces with the same vertices as an earlier face.
+    /// Number of faces with the same vertices as an earlier face.
     pub n_repeated_faces: usize,
-    /// Vertices at the position of an earlier vertex.
+    /// Number of vertices at the position of an earlier vertex.
     pub n_welded: usize,
-    /// Welded vertices without neighbors: they keep their value in every band.
+    /// Number of welded vertices without neighbors, which keep their value in every band.
     pub n_isolated: usize,
-    /// Vertices of no face.
+    /// Number of vertices without a face.
     pub n_unreferenced: usize,
     /// Surface area in squared model units; 0 without faces.
     pub area: f64,
-    /// Enclosed volume in cubed model units, where every edge has two faces that agree on the orientation.
+    /// Enclosed volume in cubed model units, if every edge has two consistently oriented faces.
     pub volume: Option<f64>,
     /// Euler characteristic V − E + F of the welded mesh without unreferenced vertices; `None` without faces.
     pub euler_characteristic: Option<i64>,
 }
 
-/// Faces or half-edges that a thread treats at a time.
+/// Number of faces or half-edges that a thread processes at a time.
 const AT_A_TIME: usize = 1 << 13;
 
-/// Counts what the shape of a [`PreparedGeometry`] consists of, given the neighbors that diffusion steps to.
-/// O(n log n).
+/// Counts the elements of the shape of a [`PreparedGeometry`], given the neighbors of a diffusion step. O(n log n).
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] if the call is cancelled.
 pub fn health(
     geometry: &PreparedGeometry,
     neighbors: &Adjacency,
@@ -70,7 +70,7 @@ pub fn health(
         n_zero_area_faces: 0,
         n_repeated_faces: 0,
         n_welded: shape.n_vertices() - geometry.n_vertices(),
-        n_isolated: (0..neighbors.n_rows()).filter(|&x| neighbors.of(x).is_empty()).count(),
+        n_isolated: (0..neighbors.n_rows()).filter(|&x| neighbors.row(x).is_empty()).count(),
         n_unreferenced: 0,
         area: 0.0,
         volume: None,
@@ -84,17 +84,17 @@ pub fn health(
     Ok(health)
 }
 
-/// Pairs of vertices that are joined in one direction or in both.
+/// Number of pairs of vertices that are connected in one direction or in both.
 fn n_pairs(neighbors: &Adjacency, progress: Progress<'_>) -> Result<usize, Cancelled> {
     let counts_here =
-        |x: usize, y: usize| x < y || (x > y && neighbors.of(y).binary_search(&(x as u32)).is_err());
+        |x: usize, y: usize| x < y || (x > y && neighbors.row(y).binary_search(&(x as u32)).is_err());
     let counts = parallel::try_map_chunks(
         neighbors.n_rows(),
         AT_A_TIME,
         progress,
         || (),
         |(), range| {
-            let of = |x: usize| neighbors.of(x).iter().filter(|&&y| counts_here(x, y as usize)).count();
+            let of = |x: usize| neighbors.row(x).iter().filter(|&&y| counts_here(x, y as usize)).count();
             range.map(of).sum::<usize>()
         },
     )?;
@@ -139,7 +139,7 @@ fn count_faces(
     Ok(())
 }
 
-/// How many of `n` vertices are a corner of a face.
+/// Number of the `n` vertices that are a corner of a face.
 fn n_named(
     n: usize,
     faces: &Polygons,
@@ -156,13 +156,13 @@ fn n_named(
     Ok(is_named.iter().filter(|&&named| named).count())
 }
 
-/// How many faces have the same vertices as an earlier one.
+/// Number of faces with the same vertices as an earlier one.
 fn n_repeated(
     faces: &Polygons,
     name: impl Fn(u32) -> u32 + Sync + Send,
     progress: Progress<'_>,
 ) -> Result<usize, Cancelled> {
-    // Triangles by themselves: vectors of their own for millions of faces take time to free, too.
+    // Triangles are handled separately, because millions of small vectors also take time to free.
     let sorted = |f: usize| {
         let mut corners = faces.get(f).iter().map(|&c| name(c)).collect::<Vec<u32>>();
         corners.sort_unstable();
@@ -197,14 +197,14 @@ fn n_repeated(
     Ok(repeated + others.windows(2).filter(|pair| pair[0] == pair[1]).count())
 }
 
-/// Counts the edges of all faces by how many faces they have.
+/// Counts the edges of all faces by their number of faces.
 fn count_edges(
     faces: &Polygons,
     name: impl Fn(u32) -> u32 + Sync + Send,
     health: &mut Health,
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
-    // Every edge of every face as (smaller end, larger end, runs upwards).
+    // Every edge of every face as (smaller end, larger end, ascending).
     let chunks = parallel::try_map_chunks(
         faces.len(),
         AT_A_TIME,
@@ -244,7 +244,7 @@ fn count_edges(
     Ok(())
 }
 
-/// Whether the corners of a face span no area beyond rounding (or are fewer than three).
+/// True if the corners of a face span no area beyond rounding, or are fewer than three.
 fn has_no_area<'a>(corners: impl ExactSizeIterator<Item = &'a [f64; 3]> + Clone) -> bool {
     let count = corners.len();
     let Some(first) = corners.clone().next().filter(|_| count > 2) else { return true };
@@ -260,7 +260,7 @@ fn has_no_area<'a>(corners: impl ExactSizeIterator<Item = &'a [f64; 3]> + Clone)
 }
 
 impl Health {
-    /// Whether every edge has exactly two faces.
+    /// True if every edge has exactly two faces.
     pub fn is_closed(&self) -> bool {
         self.n_faces > 0 && self.n_boundary_edges == 0 && self.n_non_manifold_edges == 0
     }

@@ -1,10 +1,10 @@
-//! Places along the Hilbert curve.
+//! Positions along the Hilbert curve.
 
 /// Bits per axis of a [`hilbert`] key: three axes fill 63 of 64 bits.
 pub const HILBERT_BITS: u32 = 21;
 
-/// Position along the Hilbert curve through the cube of 2²¹ cells a side (`skilling2004`): cells that follow each other share a side. Axes
-/// count cells, and are below 2²¹. A look into a table of 1.5 KB for each bit: 30 ns.
+/// Position along the Hilbert curve through the cube of 2²¹ cells per side (`skilling2004`), on which successive
+/// cells share a side. Axes count cells and are below 2²¹. One look-up per bit in a table of 1.5 KB: 30 ns.
 ///
 /// ```
 /// use adwave::shape::hilbert;
@@ -33,20 +33,21 @@ fn spread(x: u32) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-/// How the curve lies in a cube: which axis takes the place of each, which are reversed, and whether it runs backwards.
+/// Orientation of the curve in a cube: the axis in each position, the reversed axes, and the direction.
 #[derive(Clone, Copy)]
-struct Turn {
+struct CurveOrientation {
     axes: [usize; 3],
     reversed: [bool; 3],
     backwards: bool,
 }
 
-/// All orders of three axes.
+/// All permutations of three axes.
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 const N_TURNS: usize = 6 * 8 * 2;
 
-/// For each turn and octant (x in the highest of three bits) 8 times the turn in that octant and its place among the eight.
+/// For each orientation and octant (x in the highest of three bits), 8 times the orientation in that octant plus
+/// its position among the eight.
 static STEPS: [[u16; 8]; N_TURNS] = steps();
 
 const fn steps() -> [[u16; 8]; N_TURNS] {
@@ -55,7 +56,7 @@ const fn steps() -> [[u16; 8]; N_TURNS] {
     while n < N_TURNS {
         let mut octant = 0;
         while octant < 8 {
-            all[n][octant] = step(Turn::of(n), octant);
+            all[n][octant] = step(CurveOrientation::from_number(n), octant);
             octant += 1;
         }
         n += 1;
@@ -63,8 +64,8 @@ const fn steps() -> [[u16; 8]; N_TURNS] {
     all
 }
 
-impl Turn {
-    const fn of(number: usize) -> Self {
+impl CurveOrientation {
+    const fn from_number(number: usize) -> Self {
         let reversed = [number & 2 != 0, number & 4 != 0, number & 8 != 0];
         Self { axes: ORDERS[number / 16], reversed, backwards: number & 1 != 0 }
     }
@@ -79,8 +80,8 @@ impl Turn {
     }
 }
 
-/// One bit of Skilling's transform: what it does to the bits below is the turn of the next.
-const fn step(turn: Turn, octant: usize) -> u16 {
+/// One bit of Skilling's transform, whose effect on the lower bits is the next orientation.
+const fn step(turn: CurveOrientation, octant: usize) -> u16 {
     let mut bits = [false; 3];
     let mut i = 0;
     while i < 3 {
@@ -113,7 +114,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The transform as it is published, bit by bit.
+    /// The transform as published, bit by bit.
     fn published(mut axes: [u32; 3]) -> u64 {
         let bits = || (1..HILBERT_BITS).rev().map(|bit| 1_u32 << bit);
         for q in bits() {

@@ -3,11 +3,11 @@
 use super::{Polygons, ShapeError, check_points};
 use std::sync::Arc;
 
-/// Vertices and polygon faces, in the order of the file, with every coordinate finite and every index in range. Copies
-/// share both.
+/// Vertices and polygon faces in the order of the file, with finite coordinates and valid indices. Copies share
+/// both.
 ///
-/// Nothing else is promised: faces may repeat, have no area or fewer than three corners, share an edge three at a
-/// time, and vertices may be unreferenced. See [`Health`](super::Health) for a count of each.
+/// Nothing else is guaranteed: faces may repeat, have no area or fewer than three corners, share an edge three at a
+/// time, and vertices may be unreferenced. [`Health`](super::Health) counts each.
 #[derive(Clone, Debug)]
 pub struct Mesh {
     points: Arc<Vec<[f64; 3]>>,
@@ -15,10 +15,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// A mesh of `points` (model units) and `faces` (vertex indices from 0).
+    /// Builds a mesh of `points` (model units) and `faces` (vertex indices from 0).
     ///
     /// # Errors
-    /// [`ShapeError`] when there is no vertex, a coordinate is not finite, or a face names a vertex that does not
+    /// [`ShapeError`] if there is no vertex, a coordinate is not finite, or a face names a vertex that does not
     /// exist.
     ///
     /// ```
@@ -31,10 +31,10 @@ impl Mesh {
         Self::from_shared(Arc::new(points), Arc::new(faces))
     }
 
-    /// [`new`](Self::new) of points and faces that others use too.
+    /// [`new`](Self::new) with shared points and faces.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As for [`new`](Self::new).
     pub fn from_shared(points: Arc<Vec<[f64; 3]>>, faces: Arc<Polygons>) -> Result<Self, ShapeError> {
         check_points(&points)?;
         let n_vertices = points.len();
@@ -58,12 +58,12 @@ impl Mesh {
         &self.faces
     }
 
-    /// The vertices, to be used elsewhere without a copy.
+    /// The vertices, shared instead of copied.
     pub fn shared_points(&self) -> Arc<Vec<[f64; 3]>> {
         Arc::clone(&self.points)
     }
 
-    /// The faces, to be used elsewhere without a copy.
+    /// The faces, shared instead of copied.
     pub fn shared_faces(&self) -> Arc<Polygons> {
         Arc::clone(&self.faces)
     }

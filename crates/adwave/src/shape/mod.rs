@@ -1,8 +1,9 @@
-//! The shapes that adwave works on: polygon meshes, point clouds, weighted graphs, and what is measured on them.
+//! Shapes: polygon meshes, point clouds and weighted graphs, and their measures.
 //!
-//! A [`Shape`] holds what the file held, in the file's order. Everything that is computed works on a [`PreparedGeometry`]: the
-//! same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so that
-//! neighbors on the shape are neighbors in memory: along a space-filling curve, or for graphs by breadth-first search.
+//! A [`Shape`] holds the content of a file in the file's order. All computation works on a [`PreparedGeometry`]:
+//! the same shape with vertices at equal positions merged, polygons cut into triangles, and vertices renumbered so
+//! that neighbors on the shape are close in memory: along a space-filling curve, or for graphs by breadth-first
+//! search.
 
 mod adjacency;
 mod area;
@@ -29,7 +30,7 @@ pub use health::{Health, health};
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
-pub use nearest::{Neighborhoods, nearest_neighbors, nearest_of_one};
+pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
@@ -41,7 +42,7 @@ use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, parallel};
 use thiserror::Error;
 
-/// The largest magnitude of a coordinate: squares and products of three lengths stay finite below it.
+/// Largest magnitude of a coordinate; squares and products of three lengths stay finite below it.
 pub const MAX_COORDINATE: f64 = 1e100;
 
 /// A mesh, a point cloud or a graph, in the order of its file. Copies share its arrays.
@@ -65,7 +66,7 @@ impl Shape {
         }
     }
 
-    /// The positions in model units, where the shape has any (a graph has none).
+    /// Positions in model units; `None` for a graph.
     pub fn points(&self) -> Option<&[[f64; 3]]> {
         match self {
             Self::Mesh(mesh) => Some(mesh.points()),
@@ -74,19 +75,19 @@ impl Shape {
         }
     }
 
-    /// Length of the diagonal of the axis-aligned bounding box in model units; 0 for a graph.
+    /// Length of the bounding box's diagonal in model units; 0 for a graph.
     pub fn diagonal(&self) -> f64 {
         self.points().map_or(0.0, diagonal)
     }
 }
 
-/// Why a list of points and faces is not a shape.
+/// Error of building a shape from points and faces.
 #[derive(Debug, Error, PartialEq)]
 pub enum ShapeError {
-    /// There is nothing to analyze.
+    /// The shape has no vertices.
     #[error("the shape has no vertices")]
     NoVertices,
-    /// More vertices than a 32-bit index can name.
+    /// The shape has more vertices than a 32-bit index can name.
     #[error("{0} vertices are more than the {max} that can be indexed", max = u32::MAX - 1)]
     TooManyVertices(usize),
     /// A coordinate is NaN or infinite.
@@ -118,7 +119,7 @@ pub enum ShapeError {
     IndexOutOfRange {
         /// Index of the face, from 0.
         face: usize,
-        /// The vertex it names, from 0.
+        /// The vertex that it names, from 0.
         index: u32,
         /// Number of vertices.
         n_vertices: usize,
@@ -131,14 +132,14 @@ impl ClassifiedError for ShapeError {
     }
 }
 
-/// Points that a thread looks at in one go.
+/// Number of points that a thread processes at a time.
 const POINTS_AT_A_TIME: usize = 1 << 14;
 
-/// A box whose longest side is shorter, in model units, is measured by that side: squares of lengths would lose digits from
-/// 1e-154 on, and vanish from 1e-162 on.
+/// Side length in model units below which the diagonal is measured relative to the longest side: squares of lengths
+/// lose digits below 1e-154 and vanish below 1e-162.
 const SMALL_SIDE: f64 = 1e-140;
 
-/// Checks that there are points and that each is finite and of a magnitude that can be squared.
+/// Checks that there are points, that each is finite, and that its square is too.
 fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
     if points.is_empty() {
         return Err(ShapeError::NoVertices);
@@ -157,7 +158,7 @@ fn check_points(points: &[[f64; 3]]) -> Result<(), ShapeError> {
     }
 }
 
-/// The two corners of the axis-aligned bounding box, smallest coordinates first; `None` without points.
+/// Two corners of the axis-aligned bounding box, the smallest coordinates first; `None` without points.
 pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
     let first = *points.first()?;
     let wider = |(lo, hi): ([f64; 3], [f64; 3]), p: &([f64; 3], [f64; 3])| {
@@ -169,7 +170,7 @@ pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
     Some(boxes.iter().fold((first, first), wider))
 }
 
-/// Length of the bounding box's diagonal in model units; 0 without points or where all are one.
+/// Length of the bounding box's diagonal in model units; 0 without points or if all coincide.
 pub fn diagonal(points: &[[f64; 3]]) -> f64 {
     let Some((lo, hi)) = bounding_box(points) else { return 0.0 };
     let sides = subtract(&hi, &lo);

@@ -1,21 +1,21 @@
-//! An order of a graph's nodes in which neighbors are near each other.
+//! An order of the nodes of a graph in which neighbors are close to each other.
 
 use super::Adjacency;
 use crate::{Cancelled, Progress, parallel};
 
-/// The place of every node in the reverse Cuthill–McKee order: breadth-first from a node of few neighbors, those with few
-/// neighbors first, turned round; component after component. O(edges log degree).
+/// Position of every node in the reverse Cuthill–McKee order: breadth-first from a node of low degree, neighbors of
+/// low degree first, reversed; component after component. O(edges log degree).
 ///
-/// Source: `cuthill1969`, with the order turned round.
+/// Source: `cuthill1969`, with the order reversed.
 ///
-/// A product with a matrix in this order finds what it reads in the cache; meshes and clouds have positions and are
-/// numbered along a curve through space instead.
+/// Products with a matrix in this order read from the cache. Meshes and clouds have positions and are numbered
+/// along a space-filling curve instead.
 pub(crate) fn reverse_cuthill_mckee(
     adjacency: &Adjacency,
     progress: Progress<'_>,
 ) -> Result<Vec<u32>, Cancelled> {
     let n = adjacency.n_rows();
-    let degree = |x: u32| adjacency.of(x as usize).len();
+    let degree = |x: u32| adjacency.row(x as usize).len();
     let mut starts: Vec<u32> = (0..n as u32).collect();
     parallel::sort_by(&mut starts, progress, |&x, &y| degree(x).cmp(&degree(y)))?;
     let mut seen = vec![false; n];
@@ -35,7 +35,7 @@ pub(crate) fn reverse_cuthill_mckee(
             next.clear();
             next.extend(
                 adjacency
-                    .of(x as usize)
+                    .row(x as usize)
                     .iter()
                     .copied()
                     .filter(|&y| !std::mem::replace(&mut seen[y as usize], true)),
@@ -51,7 +51,7 @@ pub(crate) fn reverse_cuthill_mckee(
     Ok(place)
 }
 
-/// Nodes between two looks at whether to go on.
+/// Number of nodes between two checks for cancellation.
 const NODES_AT_A_TIME: usize = 1 << 13;
 
 #[cfg(test)]
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn a_shuffled_grid_gets_a_narrow_band_again() {
         let side = 40_u32;
-        // 7 shares no factor with 1600: a shuffle that tears neighbors apart.
+        // 7 and 1600 are coprime, so this shuffle separates neighbors.
         let name = |i: u32, j: u32| (i * side + j) * 7 % (side * side);
         let mut edges = Vec::new();
         for i in 0..side {

@@ -1,4 +1,4 @@
-//! Faces of a mesh as lists of corners, any number of corners a face.
+//! Faces of a mesh as lists of corners, with any number of corners per face.
 
 /// The faces of a mesh, each a list of vertex indices in the order of the file.
 ///
@@ -16,30 +16,31 @@
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Polygons {
     corners: Vec<u32>,
-    /// Where each face ends; empty while all faces are triangles.
+    /// End of each face; empty while all faces are triangles.
     ends: Vec<u32>,
 }
 
 impl Polygons {
-    /// No faces.
+    /// An empty list of faces.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// No faces, with room for `n_faces` faces of `n_corners` corners in total.
+    /// An empty list with room for `n_faces` faces of `n_corners` corners in total.
     pub fn with_capacity(n_faces: usize, n_corners: usize) -> Self {
-        // With three corners a face on average all may be triangles, whose ends are not stored.
+        // With three corners per face on average all may be triangles, whose ends are not stored.
         let n_ends = if n_corners == 3 * n_faces { 0 } else { n_faces };
         Self { corners: Vec::with_capacity(n_corners), ends: Vec::with_capacity(n_ends) }
     }
 
-    /// One face for each triangle.
+    /// One face per triangle.
     pub fn from_triangles(triangles: &[[u32; 3]]) -> Self {
         Self { corners: triangles.as_flattened().to_vec(), ends: Vec::new() }
     }
 
-    /// Faces from their two lists, which are not copied: face `f` has the corners `corners[offsets[f]..offsets[f + 1]]`. Nothing
-    /// where the offsets do not begin at 0, grow, and end at the number of corners.
+    /// Builds faces from their two lists without copying: face `f` has the corners
+    /// `corners[offsets[f]..offsets[f + 1]]`. `None` unless the offsets start at 0, do not decrease, and end at the
+    /// number of corners.
     ///
     /// ```
     /// use adwave::shape::Polygons;
@@ -60,16 +61,16 @@ impl Polygons {
         Some(Self { corners, ends: offsets })
     }
 
-    /// The offsets and the corners, these without a copy; see [`from_parts`](Self::from_parts).
+    /// The offsets and the corners, the latter without a copy; see [`from_parts`](Self::from_parts).
     pub fn into_parts(self) -> (Vec<u32>, Vec<u32>) {
         let offsets = std::iter::once(0).chain((0..self.len()).map(|f| end(self.end(f)))).collect();
         (offsets, self.corners)
     }
 
-    /// Adds a face at the end.
+    /// Appends a face.
     ///
     /// # Panics
-    /// When the faces have 2³² corners or more in total and are not all triangles.
+    /// If the faces have 2³² corners or more in total and are not all triangles.
     pub fn push(&mut self, corners: &[u32]) {
         let are_triangles = self.ends.is_empty();
         if are_triangles && corners.len() != 3 {
@@ -87,12 +88,12 @@ impl Polygons {
         if self.ends.is_empty() { self.corners.len() / 3 } else { self.ends.len() }
     }
 
-    /// Whether there is no face.
+    /// True if there are no faces.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The corners of face `f`, vertex indices in the file's order.
+    /// Corners of face `f` as vertex indices, in the order of the file.
     pub fn get(&self, f: usize) -> &[u32] {
         &self.corners[if f == 0 { 0 } else { self.end(f - 1) }..self.end(f)]
     }
@@ -102,17 +103,17 @@ impl Polygons {
         (0..self.len()).map(|f| self.get(f))
     }
 
-    /// All corners of all faces, one after the other.
+    /// Corners of all faces, one face after another.
     pub fn corners(&self) -> &[u32] {
         &self.corners
     }
 
-    /// Where face `f` ends in [`corners`](Self::corners), which is where the next one starts.
+    /// End of face `f` in [`corners`](Self::corners), which is the start of the next face.
     pub fn end(&self, f: usize) -> usize {
         if self.ends.is_empty() { 3 * f + 3 } else { self.ends[f] as usize }
     }
 
-    /// The faces as triangles, where all of them are.
+    /// The faces as triangles, if all of them are.
     pub fn triangles(&self) -> Option<&[[u32; 3]]> {
         self.ends.is_empty().then(|| self.corners.as_chunks().0)
     }
@@ -123,7 +124,7 @@ fn end(n_corners: usize) -> u32 {
 }
 
 impl From<Vec<[u32; 3]>> for Polygons {
-    /// One face for each triangle, without a copy.
+    /// One face per triangle, without a copy.
     fn from(triangles: Vec<[u32; 3]>) -> Self {
         Self { corners: triangles.into_flattened(), ends: Vec::new() }
     }

@@ -1,4 +1,4 @@
-//! A shape made ready for the analysis: welded, triangulated, numbered so that neighbors are near in memory.
+//! A shape prepared for the analysis: welded, triangulated, and numbered so that neighbors are close in memory.
 
 use super::order::reverse_cuthill_mckee;
 use super::triangulate::try_triangulate;
@@ -7,8 +7,8 @@ use crate::{Cancelled, Progress, parallel};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A shape with its welded vertices, in the order in which everything is computed, and how they belong to those of the
-/// shape. Copies share all arrays.
+/// A shape with its welded vertices in the analysis order, and their relation to the vertices of the shape. Copies
+/// share all arrays.
 ///
 /// ```
 /// use adwave::Progress;
@@ -27,21 +27,21 @@ pub struct PreparedGeometry {
     triangles: Arc<Vec<[u32; 3]>>,
 }
 
-/// Stages that are reported: vertex map, positions, triangles.
+/// Number of reported stages: vertex map, positions, triangles.
 const STAGES: u64 = 3;
 
-/// Shapes of a size between 2⁻³² and 2³² model units are computed on as they are: nothing can overflow or vanish that would
+/// Exponent range of moderate sizes: between 2⁻³² and 2³² model units nothing overflows or underflows that would
 /// not at a size of 1.
 const MODERATE_EXPONENT: f64 = 32.0;
 
-/// Positions in some unit, and how many model units that is.
+/// Positions in some unit, and the length of that unit in model units.
 pub(crate) type UnitPoints<'a> = (Cow<'a, [[f64; 3]]>, f64);
 
 impl PreparedGeometry {
     /// Welds and triangulates `shape`. O(n log n).
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Cancelled`] if the call is cancelled.
     pub fn new(shape: &Shape, weld_mode: WeldMode, progress: Progress<'_>) -> Result<Self, Cancelled> {
         progress.step(0, STAGES)?;
         let prepared = |vertex_map, points, triangles| Self {
@@ -74,8 +74,8 @@ impl PreparedGeometry {
         Ok(prepared(vertex_map, positions, triangles))
     }
 
-    /// A graph whose nodes stay in the order in which they are given, for one that is numbered well already.
-    pub fn of_ordered_graph(graph: Graph) -> Self {
+    /// Wraps a graph whose nodes keep the given order, for one that is already well numbered.
+    pub fn from_ordered_graph(graph: Graph) -> Self {
         let vertex_map = VertexMap::identity(graph.n_nodes());
         Self { shape: Shape::Graph(graph), vertex_map, points: Arc::default(), triangles: Arc::default() }
     }
@@ -85,7 +85,7 @@ impl PreparedGeometry {
         &self.shape
     }
 
-    /// Which vertices of the shape are one vertex here.
+    /// Map from the vertices of the shape to the welded vertices.
     pub fn vertex_map(&self) -> &VertexMap {
         &self.vertex_map
     }
@@ -95,7 +95,7 @@ impl PreparedGeometry {
         &self.points
     }
 
-    /// The triangulated faces between welded vertices; empty for a cloud or a graph.
+    /// Triangulated faces between welded vertices; empty for a cloud or a graph.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -105,14 +105,14 @@ impl PreparedGeometry {
         self.vertex_map.n_welded()
     }
 
-    /// The largest power of two that is not above the diagonal, in model units; 1 where all points are one.
+    /// Largest power of two not above the diagonal, in model units; 1 if all points coincide.
     pub(crate) fn size_unit(&self) -> f64 {
         let diagonal = super::diagonal(&self.points);
         if diagonal == 0.0 { 1.0 } else { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() }
     }
 
-    /// The positions in units in which squares of lengths can neither overflow nor vanish, and how many model units one such
-    /// unit is: a power of two, so that nothing is rounded, and 1 for a shape of moderate size.
+    /// Positions in a unit in which squares of lengths neither overflow nor underflow, and the length of that unit
+    /// in model units: a power of two, so that nothing is rounded, and 1 for a shape of moderate size.
     pub(crate) fn unit_points(&self, progress: Progress<'_>) -> Result<UnitPoints<'_>, Cancelled> {
         let unit = self.size_unit();
         if unit.log2().abs() <= MODERATE_EXPONENT {

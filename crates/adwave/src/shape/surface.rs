@@ -2,26 +2,26 @@
 
 use super::adjacency::triangles_at_vertices;
 use super::area::triangle_area;
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
-/// Twice the area of a triangle times its unit normal.
+/// Unit normal of a triangle times twice its area.
 fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> Vector3<f64> {
     let [a, b, c] = corners.map(|v| Vector3::from(points[v as usize]));
     (b - a).cross(&(c - a))
 }
 
-/// Unit normals of the triangles, by the right-hand rule; zero where a triangle has no area. O(triangles).
+/// Unit normals of the triangles, by the right-hand rule; zero for a triangle without area. O(triangles).
 pub fn face_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     parallel::collect(triangles.len(), |f| {
         doubled_normal(points, triangles[f]).try_normalize(0.0).unwrap_or_default().into()
     })
 }
 
-/// Unit normals of the vertices: the area-weighted mean of the triangles' normals; zero where that vanishes or where a
-/// vertex has no triangle. O(triangles).
+/// Unit normals of the vertices: the area-weighted mean of the triangle normals; zero if it vanishes or the vertex
+/// has no triangle. O(triangles).
 ///
 /// ```
 /// use adwave::shape::vertex_normals;
@@ -30,11 +30,11 @@ pub fn face_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]
 /// ```
 pub fn vertex_normals(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
     let none = Progress::none();
-    let at_vertex = unstopped(triangles_at_vertices(points.len(), triangles, none));
-    unstopped(try_vertex_normals(points, triangles, &at_vertex, none))
+    let at_vertex = expect_not_cancelled(triangles_at_vertices(points.len(), triangles, none));
+    expect_not_cancelled(try_vertex_normals(points, triangles, &at_vertex, none))
 }
 
-/// [`vertex_normals`] from the triangles at each vertex, stopped when the call is.
+/// [`vertex_normals`] from the triangles at each vertex; stops if the call is cancelled.
 pub(crate) fn try_vertex_normals(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -42,7 +42,7 @@ pub(crate) fn try_vertex_normals(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     parallel::try_collect(points.len(), progress, |x| {
-        let around = at_vertex.of(x).iter();
+        let around = at_vertex.row(x).iter();
         let sum: Vector3<f64> = around.map(|&f| doubled_normal(points, triangles[f as usize])).sum();
         sum.try_normalize(0.0).unwrap_or_default().into()
     })
@@ -56,8 +56,8 @@ pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
     })
 }
 
-/// Volume that a closed surface encloses, in cubed units of `points`: `⅙ Σ a·(b × c)`, positive where normals point out.
-/// Without meaning on an open surface. O(triangles).
+/// Volume enclosed by a closed surface, in cubed units of `points`: `⅙ Σ a·(b × c)`, positive if normals point
+/// outwards. Meaningless for an open surface. O(triangles).
 ///
 /// ```
 /// use adwave::shape::enclosed_volume;
@@ -66,7 +66,7 @@ pub fn surface_area(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
 /// assert!((volume - 1.0 / 6.0).abs() < 1e-15);
 /// ```
 pub fn enclosed_volume(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> f64 {
-    // Measured from a point of the surface: far from the origin the terms would cancel.
+    // Measured from a point of the surface, because far from the origin the terms would cancel.
     let Some(origin) = points.first().map(|p| Vector3::from(*p)) else { return 0.0 };
     parallel::sum(triangles.len(), |f| {
         let [a, b, c] = triangles[f].map(|v| Vector3::from(points[v as usize]) - origin);

@@ -1,14 +1,16 @@
-//! Polygon faces cut into triangles, for the mathematics only: files keep their polygons.
+//! Triangulation of polygon faces, for computation only: files keep their polygons.
 
 use super::Polygons;
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
-/// Cuts every face of three corners or more into triangles with the corners of the face. O(corners) for convex faces.
+/// Cuts every face of three corners or more into triangles with the corners of the face. O(corners) for convex
+/// faces.
 ///
-/// Convex faces become a fan round their first corner; faces that are not convex (in the plane of their Newell normal)
-/// are cut by ear clipping. A face of n corners gives n − 2 triangles that use them all; fewer than three corners give none.
+/// Convex faces become a fan around their first corner; faces that are not convex (in the plane of their Newell
+/// normal) are cut by ear clipping. A face of n corners gives n − 2 triangles that use all corners; faces with
+/// fewer than three corners give none.
 ///
 /// ```
 /// use adwave::shape::{Polygons, triangulate};
@@ -20,10 +22,10 @@ use nalgebra::Vector3;
 /// assert!(triangles.iter().all(|t| t.contains(&1)));
 /// ```
 pub fn triangulate(points: &[[f64; 3]], faces: &Polygons) -> Vec<[u32; 3]> {
-    unstopped(try_triangulate(points, faces, Progress::none(), |_, corners| corners))
+    expect_not_cancelled(try_triangulate(points, faces, Progress::none(), |_, corners| corners))
 }
 
-/// The triangles of [`triangulate`], each with the face that it is part of.
+/// The triangles of [`triangulate`], each with the index of its face.
 ///
 /// ```
 /// use adwave::shape::{Polygons, triangulate_with_faces};
@@ -35,13 +37,14 @@ pub fn triangulate(points: &[[f64; 3]], faces: &Polygons) -> Vec<[u32; 3]> {
 /// assert_eq!(triangles, [(0, [0, 1, 2]), (1, [0, 2, 3]), (1, [0, 3, 4])]);
 /// ```
 pub fn triangulate_with_faces(points: &[[f64; 3]], faces: &Polygons) -> Vec<(usize, [u32; 3])> {
-    unstopped(try_triangulate(points, faces, Progress::none(), |face, corners| (face, corners)))
+    expect_not_cancelled(try_triangulate(points, faces, Progress::none(), |face, corners| (face, corners)))
 }
 
-/// Faces that a thread cuts at a time.
+/// Number of faces that a thread cuts at a time.
 const FACES_AT_A_TIME: usize = 1 << 12;
 
-/// What `made` makes of each triangle of [`triangulate`], given its face and its corners; stopped when the call is.
+/// Values of `made` for each triangle of [`triangulate`], given its face and its corners; stops if the call is
+/// cancelled.
 pub(super) fn try_triangulate<T: Clone + Default + Send>(
     points: &[[f64; 3]],
     faces: &Polygons,
@@ -84,14 +87,15 @@ pub(super) fn try_triangulate<T: Clone + Default + Send>(
     Ok(triangles)
 }
 
-/// Ears that use all of `n` corners: ear clipping leaves out corners on straight edges, where other faces may meet, so the
-/// triangle at such an edge is cut once more for each. A fan where that gives no n − 2 triangles, as when edges cross.
+/// Ears that use all of `n` corners. Ear clipping omits corners on straight edges, where other faces may meet, so
+/// the triangle at such an edge is cut once more for each. Falls back to a fan if that does not give n − 2
+/// triangles, as for crossing edges.
 fn with_flat_corners(mut ears: Vec<[u32; 3]>, n: usize) -> Vec<[u32; 3]> {
     let n_corners = n as u32;
     if ears.len() + 2 != n {
         let mut is_used = vec![false; n];
         ears.as_flattened().iter().for_each(|&k| is_used[k as usize] = true);
-        // The next corner that is used, for each.
+        // The next used corner, for each corner.
         let mut next = vec![0; n];
         let mut following = is_used.iter().position(|&used| used).unwrap_or(0);
         for k in (0..n).rev() {
@@ -117,7 +121,7 @@ fn with_flat_corners(mut ears: Vec<[u32; 3]>, n: usize) -> Vec<[u32; 3]> {
     if ears.len() + 2 == n { ears } else { (2..n_corners).map(|k| [0, k - 1, k]).collect() }
 }
 
-/// The face in its own plane when it has a reflex corner, `None` when it is convex or has no area.
+/// The face in its own plane if it has a reflex corner, `None` if it is convex or has no area.
 fn reflex_outline(points: &[[f64; 3]], face: &[u32]) -> Option<Vec<[f64; 2]>> {
     let corner = |k: usize| Vector3::from(points[face[k % face.len()] as usize]);
     let origin = corner(0);
@@ -150,7 +154,7 @@ mod tests {
         0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
     }
 
-    /// The triangles of one face: n − 2 that use all corners, turn as it does and have its area.
+    /// Checks the n − 2 triangles of one face: they use all corners, have its orientation and its area.
     fn check(outline: &[[f64; 2]]) {
         for rotation in 0..outline.len() {
             let n = outline.len();
@@ -165,7 +169,7 @@ mod tests {
             let of_face: f64 = (0..n).map(|k| area([[0.0; 3], points[k], points[(k + 1) % n]])).sum();
             assert!((areas.iter().sum::<f64>() - of_face).abs() < 1e-12);
             for k in 0..n as u32 {
-                // Each edge of the face is one of a triangle, in its direction.
+                // Each edge of the face is an edge of a triangle, in its direction.
                 let edge = [k, (k + 1) % n as u32];
                 let has = |t: &[u32; 3]| (0..3).any(|c| [t[c], t[(c + 1) % 3]] == edge);
                 assert!(triangles.iter().any(has), "{edge:?} of {triangles:?}");

@@ -1,38 +1,38 @@
-//! Vertices at exactly equal positions are one welded vertex.
+//! Welding: vertices at exactly equal positions become one welded vertex.
 //!
-//! STL stores every triangle with corners of its own, OBJ and glTF split vertices along texture seams: without welding
-//! diffusion could not cross there. The welded vertices are numbered along a Hilbert curve, so that vertices near in
-//! space are near in memory whatever the order of the file, and so that the file's order does not change a single bit
-//! of the result.
+//! STL stores every triangle with its own corners, and OBJ and glTF split vertices along texture seams; without
+//! welding, diffusion could not cross there. The welded vertices are numbered along a Hilbert curve, so vertices
+//! that are close in space are close in memory whatever the order of the file, and the file's order does not change
+//! a single bit of the result.
 
 use super::hilbert::{HILBERT_BITS, hilbert};
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::rows::{Pattern, incidence};
 use crate::{Cancelled, Progress};
 use std::cmp::Ordering;
 use std::sync::Arc;
 use std::sync::atomic::{self, AtomicU32};
 
-/// Whether vertices at exactly equal positions are merged.
+/// Treatment of vertices at exactly equal positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WeldMode {
-    /// Vertices whose three coordinates are equal are one welded vertex (0 and −0 are equal).
+    /// Vertices with three equal coordinates are one welded vertex (0 and −0 are equal).
     #[default]
     EqualPositions,
-    /// Every vertex stands for itself.
+    /// Every vertex is a welded vertex.
     Off,
 }
 
-/// Which vertices of the shape are one welded vertex: a map from `0..n_vertices()` onto `0..n_welded()`. Of a graph, whose
+/// Map from the vertices `0..n_vertices()` of a shape onto the welded vertices `0..n_welded()`; for a graph, whose
 /// nodes have no positions, a permutation. Copies share it.
 #[derive(Clone, Debug)]
 pub struct VertexMap {
     welded: Arc<Vec<u32>>,
-    /// The last vertex of the shape in each class.
+    /// Last vertex of the shape in each class.
     last_member: Arc<Vec<u32>>,
 }
 
-/// Vertices that a thread treats at a time.
+/// Number of vertices that a thread processes at a time.
 const VERTICES_AT_A_TIME: usize = 1 << 13;
 
 impl VertexMap {
@@ -45,10 +45,10 @@ impl VertexMap {
     /// assert_eq!(vertex_map.welded(0), vertex_map.welded(2));
     /// ```
     pub fn new(points: &[[f64; 3]], mode: WeldMode) -> Self {
-        unstopped(Self::try_new(points, mode, Progress::none()))
+        expect_not_cancelled(Self::try_new(points, mode, Progress::none()))
     }
 
-    /// [`new`](Self::new), stopped when the call is.
+    /// [`new`](Self::new); stops if the call is cancelled.
     pub(crate) fn try_new(
         points: &[[f64; 3]],
         mode: WeldMode,
@@ -66,7 +66,7 @@ impl VertexMap {
                 || before.0 != here.0
                 || points[before.1 as usize] != points[here.1 as usize]
         };
-        // Where a class starts, the one before it has had its last member.
+        // At the start of a class, the class before has had its last member.
         let ended: Vec<Vec<u32>> = parallel::try_map_chunks(
             n,
             VERTICES_AT_A_TIME,
@@ -102,7 +102,7 @@ impl VertexMap {
         Ok(Self { welded: Arc::new(welded), last_member: Arc::new(last_member) })
     }
 
-    /// Every vertex stands for itself, at the given places: `welded(x) == place[x]`, each place once.
+    /// A map without welding, with `welded(x) == place[x]`; each place occurs once.
     pub(crate) fn from_places(place: Vec<u32>) -> Self {
         let mut vertex_at = vec![0; place.len()];
         for (x, &place) in (0..).zip(&place) {
@@ -111,7 +111,7 @@ impl VertexMap {
         Self { welded: Arc::new(place), last_member: Arc::new(vertex_at) }
     }
 
-    /// Every vertex stands for itself, in the given order: `welded(x) == x`.
+    /// A map without welding, in the given order: `welded(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
         let all = Arc::new((0..n_vertices as u32).collect::<Vec<_>>());
         Self { welded: Arc::clone(&all), last_member: all }
@@ -127,7 +127,7 @@ impl VertexMap {
         self.last_member.len()
     }
 
-    /// The welded vertex that vertex `x` of the shape belongs to.
+    /// Welded vertex of vertex `x` of the shape.
     pub fn welded(&self, x: usize) -> usize {
         self.welded[x] as usize
     }
@@ -137,14 +137,14 @@ impl VertexMap {
         &self.welded
     }
 
-    /// For each welded vertex one vertex of the shape that belongs to it: the last.
+    /// The last vertex of the shape in each welded vertex.
     pub(crate) fn last_members(&self) -> &[u32] {
         &self.last_member
     }
 
-    /// The vertices of the shape that belong to each welded vertex, by rising index.
+    /// The vertices of the shape in each welded vertex, in ascending order.
     pub(crate) fn members(&self) -> Pattern {
-        unstopped(self.try_members(Progress::none()))
+        expect_not_cancelled(self.try_members(Progress::none()))
     }
 
     fn try_members(&self, progress: Progress<'_>) -> Result<Pattern, Cancelled> {
@@ -154,12 +154,12 @@ impl VertexMap {
     /// The positions of the welded vertices.
     ///
     /// # Panics
-    /// When there is not a position per vertex of the shape.
+    /// Unless there is one position per vertex of the shape.
     pub fn positions(&self, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        unstopped(self.try_positions(points, Progress::none()))
+        expect_not_cancelled(self.try_positions(points, Progress::none()))
     }
 
-    /// [`positions`](Self::positions), stopped when the call is.
+    /// [`positions`](Self::positions); stops if the call is cancelled.
     pub(crate) fn try_positions(
         &self,
         points: &[[f64; 3]],
@@ -169,14 +169,14 @@ impl VertexMap {
         parallel::try_collect(self.n_welded(), progress, position)
     }
 
-    /// The mean of `signal` (n_vertices × n_channels, row-major) over the vertices of each class.
+    /// Mean of `signal` (n_vertices × n_channels, row-major) over the vertices of each class.
     ///
-    /// Where a class has one value only, however often, the mean is that value to the last bit.
+    /// If all values of a class are equal, the mean is exactly that value.
     pub fn mean(&self, signal: &[f64], n_channels: usize) -> Vec<f64> {
-        unstopped(self.try_mean(signal, n_channels, Progress::none()))
+        expect_not_cancelled(self.try_mean(signal, n_channels, Progress::none()))
     }
 
-    /// [`mean`](Self::mean), stopped when the call is.
+    /// [`mean`](Self::mean); stops if the call is cancelled.
     pub(crate) fn try_mean(
         &self,
         signal: &[f64],
@@ -189,7 +189,7 @@ impl VertexMap {
         }
         let row = |x: u32| &signal[x as usize * n_channels..][..n_channels];
         if self.n_welded() == self.n_vertices() {
-            parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+            parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
                 for (mean, &x) in rows.chunks_exact_mut(n_channels).zip(&self.last_member[first..]) {
                     mean.copy_from_slice(row(x));
                 }
@@ -197,9 +197,9 @@ impl VertexMap {
             return Ok(mean);
         }
         let members = self.try_members(progress)?;
-        parallel::try_for_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+        parallel::try_visit_rows(&mut mean, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
             for (class, mean) in (first..).zip(rows.chunks_exact_mut(n_channels)) {
-                for (count, &x) in (1..).zip(members.of(class)) {
+                for (count, &x) in (1..).zip(members.row(class)) {
                     for (m, value) in mean.iter_mut().zip(row(x)) {
                         *m += (value - *m) / f64::from(count);
                     }
@@ -209,12 +209,12 @@ impl VertexMap {
         Ok(mean)
     }
 
-    /// Gives every vertex of the shape the value of its class: n_welded × n_channels → n_vertices × n_channels.
+    /// Copies the value of its class to every vertex of the shape: n_welded × n_channels → n_vertices × n_channels.
     pub fn scatter<T: Copy + Send + Sync>(&self, values: &[T], n_channels: usize) -> Vec<T> {
-        unstopped(self.try_scatter(values, n_channels, Progress::none()))
+        expect_not_cancelled(self.try_scatter(values, n_channels, Progress::none()))
     }
 
-    /// [`scatter`](Self::scatter), stopped when the call is.
+    /// [`scatter`](Self::scatter); stops if the call is cancelled.
     pub(crate) fn try_scatter<T: Copy + Send + Sync>(
         &self,
         values: &[T],
@@ -223,7 +223,7 @@ impl VertexMap {
     ) -> Result<Vec<T>, Cancelled> {
         let Some(&any) = values.first() else { return Ok(Vec::new()) };
         let mut scattered = vec![any; self.n_vertices() * n_channels];
-        parallel::try_for_rows(&mut scattered, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
+        parallel::try_visit_rows(&mut scattered, n_channels, VERTICES_AT_A_TIME, progress, |first, rows| {
             for (row, &class) in rows.chunks_exact_mut(n_channels).zip(&self.welded[first..]) {
                 row.copy_from_slice(&values[class as usize * n_channels..][..n_channels]);
             }
@@ -232,16 +232,16 @@ impl VertexMap {
     }
 }
 
-/// Points by their coordinates, 0 and −0 being equal.
+/// Compares points by their coordinates; 0 and −0 are equal.
 fn compare(p: &[f64; 3], q: &[f64; 3]) -> Ordering {
     let [x, y, z] = [0, 1, 2].map(|c| (p[c] + 0.0).total_cmp(&(q[c] + 0.0)));
     x.then(y).then(z)
 }
 
-/// Sorts vertices by their Hilbert keys in the box of all of them, then by position and number.
+/// Sorts vertices by their Hilbert keys in their common bounding box, then by position and index.
 ///
-/// Where many have one key, because a few others are very far away, they are sorted by keys in their own box: each level makes cells
-/// 2²¹ times as small.
+/// If many vertices share a key, because a few others are very far away, they are sorted by keys in their own box:
+/// each level makes cells 2²¹ times smaller.
 fn sort_along_curve(
     points: &[[f64; 3]],
     order: &mut [(u64, u32)],
@@ -266,10 +266,10 @@ fn sort_along_curve(
     let extent = (0..3).map(|c| high(c) - lo[c]).fold(0.0, f64::max);
     let cells = f64::from((1_u32 << HILBERT_BITS) - 1);
     let scale = if extent > 0.0 { cells / extent } else { 0.0 };
-    parallel::try_for_rows(order, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
+    parallel::try_visit_rows(order, 1, VERTICES_AT_A_TIME, progress, |_, rows| {
         for (key, x) in rows {
             let p = &points[*x as usize];
-            // `scale` may overflow for a shape of subnormal extent; the cast saturates and the exact comparison
+            // `scale` may overflow for a shape of subnormal extent; the cast saturates, and the exact comparison
             // below still separates unequal points.
             *key = hilbert(std::array::from_fn(|c| ((p[c] - lo[c]) * scale) as u32));
         }
@@ -278,7 +278,7 @@ fn sort_along_curve(
         let by_position = || compare(&points[a.1 as usize], &points[b.1 as usize]);
         a.0.cmp(&b.0).then_with(by_position).then(a.1.cmp(&b.1))
     };
-    // As they are where the points are those of another map.
+    // Unchanged if the points belong to another map.
     if !order.is_sorted_by(|a, b| in_order(a, b).is_lt()) {
         parallel::sort_unstable_by(order, progress, in_order)?;
     }
@@ -291,7 +291,7 @@ fn sort_along_curve(
     Ok(())
 }
 
-/// So many vertices of one key stay in the order of their positions.
+/// Number of vertices with one key that stay in the order of their positions.
 const MOST_IN_A_CELL: usize = 32;
 
 #[cfg(test)]
@@ -304,7 +304,7 @@ mod tests {
             (0..4000_u32).map(|i| [f64::from(i * 7919 % 4000), f64::from(i * 104_729 % 4001), 0.0]).collect();
         points.extend_from_within(..100);
         let alone = VertexMap::new(&points, WeldMode::EqualPositions);
-        // Further on are cells within cells within cells.
+        // The next levels are cells within cells.
         for far in [1e12, 1e25, 1e80] {
             let mut with_far = points.clone();
             with_far.push([far; 3]);

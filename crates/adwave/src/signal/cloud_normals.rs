@@ -1,44 +1,44 @@
-//! Normals of a point cloud, oriented alike.
+//! Consistently oriented normals of a point cloud.
 
 use super::orientation::orient;
-use crate::parallel::{self, unstopped};
+use crate::parallel::{self, expect_not_cancelled};
 use crate::shape::{Adjacency, Neighborhoods};
-use crate::signal::Frame;
+use crate::signal::TangentFrame;
 use crate::{Cancelled, Progress};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// The angle between one neighbor and the next, seen from a point, at which it lies on the border: 180° on a straight one,
-/// 90° at a corner from inside, about 60° at most within an even cloud of ten neighbors.
+/// Angle between successive neighbors, seen from a point, beyond which it lies on the border: 180° on a straight
+/// border, 90° at a corner from inside, about 60° at most within an even cloud of ten neighbors.
 const BORDER_GAP: f64 = 0.75 * PI;
 
-/// Unit normals of a cloud: of the plane that fits each point's neighborhood best; zero where all its neighbors coincide
-/// with it. O(n k log n).
+/// Unit normals of a cloud: those of the plane that fits each point's neighborhood best; zero if all its neighbors
+/// coincide with it. O(n k log n).
 ///
-/// Their sign is spread from neighbor to neighbor along a minimum spanning tree, by reflecting the normal of one in the
-/// plane half-way to the other: on a circle through both that is the other's normal, whether they lie side by side or on
-/// opposite sides of something thin, where comparing directions alone would turn it inside out. Then each connected part is
-/// turned outwards by the volume that its discs enclose; a sheet that encloses none, such as a terrain, so that the mean of
-/// its normals points to the positive side of the axis that it is longest along.
+/// Their sign is propagated between neighbors along a minimum spanning tree, by reflecting one normal in the plane
+/// half-way to the other point. On a circle through both points this gives the other normal, whether they are side
+/// by side or on opposite sides of a thin part, where comparing directions would turn it inside out. Then each
+/// connected part is oriented outwards by the volume that its discs enclose. A sheet that encloses none, such as a
+/// terrain, is oriented so that the mean of its normals points along the positive side of their dominant axis.
 ///
 /// Source: `hoppe1992` for the tree, `xie2003` for the reflection.
 ///
 /// # Panics
-/// Unless `near` has as many neighborhoods as there are points.
+/// Unless `near` has one neighborhood per point.
 pub fn cloud_normals(points: &[[f64; 3]], near: &Neighborhoods) -> Vec<[f64; 3]> {
-    unstopped(try_cloud_normals(points, near, Progress::none()))
+    expect_not_cancelled(try_cloud_normals(points, near, Progress::none()))
 }
 
-/// [`cloud_normals`], stopped when the call is.
+/// [`cloud_normals`]; stops if the call is cancelled.
 pub(crate) fn try_cloud_normals(
     points: &[[f64; 3]],
     near: &Neighborhoods,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let mut normals: Vec<Vector3<f64>> = vec![Vector3::zeros(); points.len()];
-    parallel::try_for_rows(&mut normals, 1, POINTS_AT_A_TIME, progress, |first, normals| {
+    parallel::try_visit_rows(&mut normals, 1, POINTS_AT_A_TIME, progress, |first, normals| {
         for (x, normal) in (first..).zip(normals) {
-            *normal = plane_normal(points, near.adjacency.of(x), x);
+            *normal = plane_normal(points, near.adjacency.row(x), x);
         }
     })?;
     let joined = near.adjacency.union_with_transpose(progress)?;
@@ -46,8 +46,8 @@ pub(crate) fn try_cloud_normals(
     Ok(normals.into_iter().map(Into::into).collect())
 }
 
-/// Unit normals of the planes that fit each point and its `neighbors` best, each on any side; zero where these all coincide with it.
-/// O(n k).
+/// Unit normals of the planes that fit each point and its `neighbors` best, on either side; zero if they all
+/// coincide with it. O(n k).
 ///
 /// ```
 /// use adwave::{Progress, rows::Pattern, signal::plane_normals};
@@ -58,10 +58,10 @@ pub(crate) fn try_cloud_normals(
 /// ```
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Cancelled`] if the call is cancelled.
 ///
 /// # Panics
-/// Unless there are as many rows of neighbors as points.
+/// Unless there is one row of neighbors per point.
 pub fn plane_normals(
     points: &[[f64; 3]],
     neighbors: &Adjacency,
@@ -71,7 +71,7 @@ pub fn plane_normals(
     each_plane_normal(points, neighbors, |_, n| n, progress)
 }
 
-/// Normals of points that moved a little, each to the side of its old one. O(n k).
+/// Normals of points that moved slightly, each on the side of its old one. O(n k).
 pub(crate) fn aligned_normals(
     points: &[[f64; 3]],
     neighbors: &Adjacency,
@@ -82,7 +82,7 @@ pub(crate) fn aligned_normals(
     each_plane_normal(points, neighbors, aligned, progress)
 }
 
-/// What `made` makes of the normal of each point.
+/// Applies `made` to the normal of each point.
 fn each_plane_normal(
     points: &[[f64; 3]],
     neighbors: &Adjacency,
@@ -90,24 +90,25 @@ fn each_plane_normal(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let mut normals = crate::pages::zeros(points.len());
-    parallel::try_for_rows(
+    parallel::try_visit_rows(
         &mut normals,
         1,
         POINTS_AT_A_TIME,
         progress,
         |first, normals: &mut [[f64; 3]]| {
             for (x, normal) in (first..).zip(normals) {
-                *normal = made(x, plane_normal(points, neighbors.of(x), x)).into();
+                *normal = made(x, plane_normal(points, neighbors.row(x), x)).into();
             }
         },
     )?;
     Ok(normals)
 }
 
-/// Points that a thread treats, or that one walk over the cloud meets, between two looks at whether to go on.
+/// Number of points that a thread processes, or that a traversal of the cloud visits, between two checks for
+/// cancellation.
 pub(super) const POINTS_AT_A_TIME: usize = 1 << 10;
 
-/// The direction in which a point and its neighbors spread least.
+/// Direction in which a point and its neighbors spread least.
 fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     let origin = Vector3::from(points[x]);
     let offsets = near.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
@@ -125,18 +126,18 @@ fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     eigen.eigenvectors.column(eigen.eigenvalues.imin()).normalize()
 }
 
-/// The points on the border of a cloud: those whose neighbors leave a gap of 135° or more in the plane that fits them best,
-/// or that have none; by rising index. O(n k).
+/// Points on the border of a cloud, in ascending order: those whose neighbors leave a gap of 135° or more in their
+/// best-fitting plane, or that have none. O(n k).
 ///
 /// Source: the angle criterion of `bendels2006`.
 pub(crate) fn cloud_border(points: &[[f64; 3]], neighbors: &Adjacency) -> Vec<usize> {
     let is_border = |x: &usize| {
-        let normal = plane_normal(points, neighbors.of(*x), *x);
+        let normal = plane_normal(points, neighbors.row(*x), *x);
         if normal == Vector3::zeros() {
             return true;
         }
-        let frame = Frame::new(points[*x], normal);
-        let local = neighbors.of(*x).iter().map(|&y| frame.local(&points[y as usize]));
+        let frame = TangentFrame::new(points[*x], normal);
+        let local = neighbors.row(*x).iter().map(|&y| frame.local(&points[y as usize]));
         let mut angles: Vec<f64> = local.map(|p| p.y.atan2(p.x)).collect();
         angles.sort_unstable_by(f64::total_cmp);
         let round = angles[0] + TAU - angles[angles.len() - 1];

@@ -1,9 +1,9 @@
-//! The degree of a graph's nodes.
+//! Degree of the nodes of a graph.
 
 use crate::shape::Graph;
 
-/// The sum of the weights of each node's edges, which of weights 1 is how many edges it has; 0 where it has none. An edge
-/// of a node with itself does not count. O(nodes + edges).
+/// Sum of the weights of each node's edges; with weights 1 it is the number of edges. 0 for a node without edges.
+/// Loops do not count. O(nodes + edges).
 ///
 /// ```
 /// use adwave::shape::Graph;

@@ -1,13 +1,13 @@
-//! How bright a color is.
+//! Luminance and lightness of a color.
 
-/// The linear light that a channel of sRGB stands for (IEC 61966-2-1), both in [0, 1].
+/// Linear light of an sRGB channel (IEC 61966-2-1), both in [0, 1].
 fn linear(channel: f64) -> f64 {
     let c = channel.clamp(0.0, 1.0);
     if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear light, in [0, 1], of an sRGB color with channels in
-/// [0, 1]; NaN where a channel is.
+/// Relative luminance Y = 0.2126 R + 0.7152 G + 0.0722 B of linear light, in [0, 1], for an sRGB color with
+/// channels in [0, 1]; NaN if a channel is.
 ///
 /// ```
 /// use adwave::signal::luminance;
@@ -20,8 +20,8 @@ pub fn luminance(rgb: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
-/// CIE lightness L* in [0, 100] of an sRGB color with channels in [0, 1]: equal steps look equally large, which those
-/// of [`luminance`] do not.
+/// CIE lightness L* in [0, 100] of an sRGB color with channels in [0, 1]. Equal steps look equally large, unlike
+/// those of [`luminance`].
 ///
 /// ```
 /// use adwave::signal::lightness;

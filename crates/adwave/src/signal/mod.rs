@@ -1,8 +1,8 @@
-//! Signals that come from the shape itself: normals, curvatures, shape index, density, the degree of a
-//! graph's nodes; and the luminance of colors.
+//! Signals derived from the shape itself: normals, curvatures, shape index, density, degree of a graph's nodes; and
+//! the luminance of colors.
 //!
-//! [`surface_signal`] computes one by its kind on meshes and clouds alike; the parts can be used by themselves on points
-//! and triangles.
+//! [`surface_signal`] computes one by its kind on meshes and clouds; the other functions work on points and
+//! triangles.
 
 mod cloud_normals;
 mod curvature;
@@ -25,7 +25,7 @@ pub use orientation::{SideStep, side_step};
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;
-pub(crate) use quadric::{Frame, fit_quadric};
+pub(crate) use quadric::{TangentFrame, fit_quadric};
 
 use crate::shape::{
     CloudArea, PreparedGeometry, Shape, triangles_at_vertices, try_cloud_areas, try_nearest_neighbors,
@@ -34,22 +34,23 @@ use crate::shape::{
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use thiserror::Error;
 
-/// How many nearest points a normal or a curvature of a cloud is fitted to, where nothing else is said: three times what
-/// a quadric's six coefficients need, so that noise is averaged.
+/// Default number of nearest points for fitting a normal or a curvature of a cloud: three times the six
+/// coefficients of a quadric, which averages noise.
 pub const FIT_NEIGHBORS: usize = 20;
 
-/// How many nearest points the density of a cloud is measured with.
+/// Number of nearest points that measure the density of a cloud.
 const DENSITY_NEIGHBORS: usize = 10;
 
-/// Curvedness, in 1/size of the shape, below which it is flat: rounding alone gives a fine mesh of a plane about 1e-9.
+/// Curvedness, in 1/size of the shape, below which it counts as flat; rounding alone gives about 1e-9 on a fine
+/// mesh of a plane.
 const FLAT: f64 = 1e-6;
 
-/// A signal that the shape gives by itself.
+/// A signal derived from the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceSignal {
     /// Unit normals, three channels.
     Normals,
-    /// Mean curvature in 1/model unit; > 0 on a sphere whose normals point out.
+    /// Mean curvature in 1/model unit; positive on a sphere with outward normals.
     MeanCurvature,
     /// Gaussian curvature in 1/model unit².
     GaussianCurvature,
@@ -60,11 +61,11 @@ pub enum SurfaceSignal {
 }
 
 impl SurfaceSignal {
-    /// Every kind.
+    /// All kinds.
     pub const ALL: [Self; 5] =
         [Self::Normals, Self::MeanCurvature, Self::GaussianCurvature, Self::ShapeIndex, Self::Density];
 
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Normals => "normals",
@@ -75,7 +76,7 @@ impl SurfaceSignal {
         }
     }
 
-    /// In what it is measured; `None` where it is a number.
+    /// Unit of the values; `None` for a dimensionless signal.
     pub fn unit(self) -> Option<&'static str> {
         match self {
             Self::Normals | Self::ShapeIndex => None,
@@ -85,33 +86,33 @@ impl SurfaceSignal {
         }
     }
 
-    /// The kind of that name.
+    /// The kind with that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Numbers at each vertex.
+    /// Number of values per vertex.
     pub fn n_channels(self) -> usize {
         if self == Self::Normals { 3 } else { 1 }
     }
 }
 
-/// Why a shape does not give a signal.
+/// Error of deriving a signal from a shape.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum SignalError {
-    /// A graph has no positions.
+    /// The shape is a graph, which has no positions.
     #[error("a graph has no positions, so it has no {}; name a field", .kind.name())]
     NoPositions {
-        /// What was asked for.
+        /// The requested signal.
         kind: SurfaceSignal,
     },
-    /// A mesh was asked for what only clouds have.
+    /// The signal exists for clouds only.
     #[error("a mesh has no {}; take it as a cloud to get that of its vertices", .kind.name())]
     CloudsOnly {
-        /// What was asked for.
+        /// The requested signal.
         kind: SurfaceSignal,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -125,14 +126,14 @@ impl ClassifiedError for SignalError {
     }
 }
 
-/// The signal `kind` of a prepared shape, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the order of the shape;
-/// always finite. O(n) on a mesh, O(n log n) on a cloud.
+/// Computes the signal `kind` of a prepared shape, n_vertices × [`n_channels`](SurfaceSignal::n_channels), in the
+/// order of the shape; always finite. O(n) on a mesh, O(n log n) on a cloud.
 ///
-/// On a cloud normals and curvatures come from a quadric that is fitted to each point and its [`FIT_NEIGHBORS`] nearest;
-/// their sign from orienting neighboring normals alike (see [`cloud_normals`]).
+/// On a cloud, normals and curvatures come from a quadric fitted to each point and its [`FIT_NEIGHBORS`] nearest
+/// points; their sign comes from orienting neighboring normals consistently (see [`cloud_normals`]).
 ///
 /// # Errors
-/// [`SignalError`] where the shape is a graph, or a density is asked for on a mesh; cancelled.
+/// [`SignalError`] if the shape is a graph, a density is requested on a mesh, or the call is cancelled.
 ///
 /// ```
 /// use adwave::Progress;
@@ -184,7 +185,7 @@ pub fn surface_signal(
         try_cloud_curvature(&points, &near, progress)
     };
     let in_model_units = |mut values: Vec<f64>, scaled: fn(f64, f64) -> f64| {
-        parallel::try_for_rows(&mut values, 1, 1 << 13, progress, |_, values| {
+        parallel::try_visit_rows(&mut values, 1, 1 << 13, progress, |_, values| {
             for value in values {
                 *value = scaled(*value, unit);
             }
@@ -209,7 +210,7 @@ pub fn surface_signal(
     Ok(signal)
 }
 
-/// Stages that are reported: neighbors, values, the order of the shape.
+/// Number of reported stages: neighbors, values, conversion to the order of the shape.
 const STAGES: u64 = 3;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Normals of a cloud turned to one side of its surface, the outer one where there is one.
+//! Orientation of the normals of a cloud to one side of its surface, the outer one if there is one.
 
 use super::cloud_normals::POINTS_AT_A_TIME;
 use crate::shape::Adjacency;
@@ -7,19 +7,19 @@ use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// A step to a point whose normal or the one before says nothing: after all others.
+/// Cost of a step between points one of which has no normal: after all other steps.
 const BLIND: f64 = 8.0;
 
-/// What a step to one of the further neighbors costs more: after all to nearer ones.
+/// Additional cost of a step to one of the further neighbors: after all steps to nearer ones.
 const FAR: f64 = 3.0;
 
-/// A part whose discs enclose less than this share of what they could, by how far it is from closed, has no outside: a
-/// sphere reaches 1, a half sphere 0.5, a terrain some hundredths.
+/// Enclosed share of the possible volume below which a part has no outside: a sphere reaches 1, a half sphere 0.5,
+/// a terrain a few hundredths.
 const ENCLOSED: f64 = 0.1;
 
-/// Turns the unit `normals` of `points` alike along a spanning tree of each connected part of `near`, and each part
-/// outwards. `radius` is the distance of each point's furthest neighbor, which says how large a disc it stands for.
-/// O(edges · log points).
+/// Orients the unit `normals` of `points` consistently along a spanning tree of each connected part of `near`, and
+/// each part outwards. `radius` is the distance of each point's furthest neighbor, which gives the size of its
+/// disc. O(edges · log points).
 pub(super) fn orient(
     points: &[[f64; 3]],
     near: &Adjacency,
@@ -27,8 +27,13 @@ pub(super) fn orient(
     normals: &mut [Vector3<f64>],
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
-    let mut tree =
-        Tree { points, near, radius, cost: vec![f64::INFINITY; points.len()], queue: BinaryHeap::new() };
+    let mut tree = SpanningTree {
+        points,
+        near,
+        radius,
+        cost: vec![f64::INFINITY; points.len()],
+        queue: BinaryHeap::new(),
+    };
     for start in 0..points.len() {
         if tree.cost[start] == f64::INFINITY {
             let part = tree.spread(start, normals, progress)?;
@@ -38,20 +43,20 @@ pub(super) fn orient(
     Ok(())
 }
 
-/// Half of the neighbors of a point on a surface lie within this share of the distance of the furthest.
+/// Share of the furthest neighbor's distance within which half of the neighbors of a point on a surface lie.
 const NEAR: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// The way from one point to another, as their normals see it.
-struct Way {
-    /// What the normal there has of the reflection of the normal here in the plane half-way: 1 or −1 where both touch one
-    /// circle.
+/// Relation of the normals at the two ends of an edge.
+struct EdgeOrientation {
+    /// Cosine between the normal there and the reflection, in the half-way plane, of the normal here: ±1 if both
+    /// are normals of one circle.
     alike: f64,
-    /// The mean of the squared cosines between the way and the two normals: 0 along the surface, 1 across it.
+    /// Mean squared cosine between the edge and the two normals: 0 along the surface, 1 across it.
     across: f64,
     length: f64,
 }
 
-impl Way {
+impl EdgeOrientation {
     fn new([p, q]: [&[f64; 3]; 2], [n, m]: [&Vector3<f64>; 2]) -> Self {
         let way = Vector3::from(*q) - Vector3::from(*p);
         let along = way.try_normalize(0.0).unwrap_or_default();
@@ -63,28 +68,28 @@ impl Way {
         }
     }
 
-    /// What a step costs, ≥ 0: the less, the surer the side. `radius` is the larger of the two points' distances of their furthest
-    /// neighbors.
+    /// Cost of a step, ≥ 0; the smaller, the more certain the side. `radius` is the larger of the two points'
+    /// distances to their furthest neighbors.
     fn cost(&self, [n, m]: [&Vector3<f64>; 2], radius: f64) -> f64 {
         let is_blind = *n == Vector3::zeros() || *m == Vector3::zeros();
-        // Across a thin part the reflection is sure only when the normals are; along the surface it needs no luck.
+        // Across a thin part the reflection is reliable only if the normals are; along the surface it always is.
         let turn = (1.0 - self.alike.abs()).max(0.0) + self.across;
         let is_far = self.length > NEAR * radius;
         (if is_blind { BLIND } else { turn }) + if is_far { FAR } else { 0.0 }
     }
 }
 
-/// How the side of a surface is carried from one point of a cloud to a neighbor.
+/// Propagation of the side of a surface from one point of a cloud to a neighbor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideStep {
-    /// ≥ 0; the less, the surer: a spanning tree takes the least first. Whichever sides the two normals are on.
+    /// Cost ≥ 0, independent of the sides of the normals; a spanning tree takes the smallest first.
     pub cost: f64,
-    /// Whether the two normals are on different sides.
+    /// True if the two normals are on different sides.
     pub turns: bool,
 }
 
-/// The step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points: of each its position, its unit normal (on
-/// any side; zero where there is none) and the distance of its furthest neighbor.
+/// Step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points, each given by its
+/// position, its unit normal (on either side; zero if there is none) and the distance of its furthest neighbor.
 ///
 /// ```
 /// use adwave::signal::side_step;
@@ -95,26 +100,26 @@ pub struct SideStep {
 /// ```
 pub fn side_step((p, n, r): ([f64; 3], [f64; 3], f64), (q, m, s): ([f64; 3], [f64; 3], f64)) -> SideStep {
     let (n, m) = (Vector3::from(n), Vector3::from(m));
-    let way = Way::new([&p, &q], [&n, &m]);
+    let way = EdgeOrientation::new([&p, &q], [&n, &m]);
     SideStep { cost: way.cost([&n, &m], r.max(s)), turns: way.alike < 0.0 }
 }
 
-/// A step of the tree: the one with the least cost first, then by the points' order. Costs are ≥ 0, so that their bits are
-/// ordered as they are.
-type Step = Reverse<(u64, u32, u32)>;
+/// A step of the tree, ordered by cost, then by the points' order. Costs are ≥ 0, so their bit patterns have the
+/// same order.
+type TreeStep = Reverse<(u64, u32, u32)>;
 
 /// Prim's algorithm, part by part.
-struct Tree<'a> {
+struct SpanningTree<'a> {
     points: &'a [[f64; 3]],
     near: &'a Adjacency,
     radius: &'a [f64],
-    /// The least cost at which each point was reached so far; −∞ once it is in the tree.
+    /// Smallest cost at which each point was reached so far; −∞ once it is in the tree.
     cost: Vec<f64>,
-    queue: BinaryHeap<Step>,
+    queue: BinaryHeap<TreeStep>,
 }
 
-impl Tree<'_> {
-    /// The points that are connected with `start`, their normals turned like that of `start`.
+impl SpanningTree<'_> {
+    /// The points connected to `start`, with their normals oriented like that of `start`.
     fn spread(
         &mut self,
         start: usize,
@@ -142,12 +147,12 @@ impl Tree<'_> {
         Ok(part)
     }
 
-    fn way(&self, normals: &[Vector3<f64>], x: usize, y: usize) -> Way {
-        Way::new([&self.points[x], &self.points[y]], [&normals[x], &normals[y]])
+    fn way(&self, normals: &[Vector3<f64>], x: usize, y: usize) -> EdgeOrientation {
+        EdgeOrientation::new([&self.points[x], &self.points[y]], [&normals[x], &normals[y]])
     }
 
     fn reach_from(&mut self, x: usize, normals: &[Vector3<f64>]) {
-        for &y in self.near.of(x) {
+        for &y in self.near.row(x) {
             let known = self.cost[y as usize];
             if known == f64::NEG_INFINITY {
                 continue;
@@ -163,7 +168,7 @@ impl Tree<'_> {
     }
 }
 
-/// Turns a part whose normals are alike so that they point out of it.
+/// Orients a part with consistent normals outwards.
 fn turn_outwards(points: &[[f64; 3]], radius: &[f64], part: &[u32], normals: &mut [Vector3<f64>]) {
     let position = |x: usize| Vector3::from(points[x]);
     let center = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();

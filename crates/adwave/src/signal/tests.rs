@@ -4,10 +4,10 @@ use super::*;
 use crate::sample::Sample;
 use crate::shape::{Mesh, PointCloud, Polygons, WeldMode};
 
-/// How far a discrete curvature may be from that of the smooth surface: second-order in the edge length, which is about
-/// 2 % of the radius here, on triangles that are not all alike.
+/// Error of a discrete curvature: second order in the edge length, which is about 2 % of the radius here, on
+/// triangles of different shapes.
 const DISCRETE: f64 = 0.02;
-/// The same for quadrics fitted to 20 points.
+/// Error of a curvature fitted to 20 points.
 const FITTED: f64 = 0.02;
 /// Sums over a sphere: angle defects telescope, so only rounding is left.
 const ROUNDING: f64 = 1e-9;
@@ -29,7 +29,7 @@ fn median_error(values: &[f64], expected: impl Fn(usize) -> f64) -> f64 {
 
 #[test]
 fn a_sphere_of_radius_r_has_mean_curvature_one_over_r_and_gaussian_one_over_r_squared() {
-    let sphere = Sample::by_name("sphere", Some(4000)).unwrap();
+    let sphere = Sample::from_name("sphere", Some(4000)).unwrap();
     for r in [1.0, 3.0, 1e-60, 1e60] {
         let points: Vec<[f64; 3]> = sphere.points.iter().map(|p| p.map(|c| c * r)).collect();
         let shapes = [
@@ -50,7 +50,7 @@ fn a_sphere_of_radius_r_has_mean_curvature_one_over_r_and_gaussian_one_over_r_sq
 
 #[test]
 fn turning_the_faces_over_turns_the_sign() {
-    let sphere = Sample::by_name("sphere", Some(500)).unwrap();
+    let sphere = Sample::from_name("sphere", Some(500)).unwrap();
     let turned: Polygons = sphere
         .faces
         .iter()
@@ -67,7 +67,7 @@ fn turning_the_faces_over_turns_the_sign() {
 #[test]
 fn gaussian_curvature_integrates_to_four_pi_on_a_sphere_and_to_zero_on_a_torus() {
     for (name, expected) in [("sphere", 4.0 * std::f64::consts::PI), ("torus", 0.0)] {
-        let sample = Sample::by_name(name, Some(3000)).unwrap();
+        let sample = Sample::from_name(name, Some(3000)).unwrap();
         let shape = mesh(sample.points, sample.faces);
         let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
         let curvature = mesh_curvature(geometry.points(), geometry.triangles());
@@ -84,7 +84,7 @@ fn gaussian_curvature_integrates_to_four_pi_on_a_sphere_and_to_zero_on_a_torus()
 #[test]
 fn curvature_of_a_torus_is_that_of_its_closed_form() {
     // Radii 1 and 0.4 round the z axis: κ₁ = 1/0.4, κ₂ = cos φ/(1 + 0.4 cos φ).
-    let sample = Sample::by_name("torus", Some(8000)).unwrap();
+    let sample = Sample::from_name("torus", Some(8000)).unwrap();
     let principal = |p: &[f64; 3]| {
         let rho = (p[0] * p[0] + p[1] * p[1]).sqrt();
         ((rho - 1.0) / 0.4, 1.0 / 0.4)
@@ -125,7 +125,7 @@ fn an_open_plane_is_flat_up_to_its_border() {
 
 #[test]
 fn normals_of_a_cloud_point_out_of_a_closed_surface() {
-    let sample = Sample::by_name("knot", Some(6000)).unwrap();
+    let sample = Sample::from_name("knot", Some(6000)).unwrap();
     let expected = signal(&mesh(sample.points.clone(), sample.faces), SurfaceSignal::Normals);
     let cloud = Shape::Cloud(PointCloud::new(sample.points).unwrap());
     let normals = signal(&cloud, SurfaceSignal::Normals);
@@ -156,7 +156,7 @@ fn the_border_of_a_cloud_is_its_rim() {
     let expected: Vec<usize> =
         (0..900).filter(|&i| [i % 30, i / 30].iter().any(|&k| k == 0 || k == 29)).collect();
     assert_eq!(cloud_border(&grid, &near), expected);
-    let sphere = Sample::by_name("sphere", Some(2000)).unwrap().points;
+    let sphere = Sample::from_name("sphere", Some(2000)).unwrap().points;
     assert_eq!(
         cloud_border(&sphere, &crate::shape::nearest_neighbors(&sphere, 10).adjacency),
         Vec::<usize>::new()

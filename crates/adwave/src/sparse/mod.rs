@@ -1,4 +1,4 @@
-//! The products that everything runs on.
+//! Products with the diffusion operator.
 
 mod kernel;
 mod product;
@@ -8,5 +8,5 @@ mod tiles;
 
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
-pub(crate) use recurrence::{Kept, Next, Recurrence, Sum, Weighing};
+pub(crate) use recurrence::{Continuation, Recurrence, RowOutput, Sum, Weighing};
 pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};

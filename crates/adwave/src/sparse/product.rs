@@ -1,20 +1,21 @@
 //! One step of the diffusion operator applied to a block of channels.
 
-use super::kernel::{Rows, Target, apply_rows};
+use super::kernel::{InstructionSet, RowProduct, apply_rows};
 use crate::operator::Diffusion;
 use crate::pages::zeros;
-use crate::parallel::try_for_rows;
+use crate::parallel::try_visit_rows;
 use crate::{Cancelled, Progress};
 
-/// Rows that a thread takes at a time.
+/// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 2048;
 
-/// `y = Φ₁ x` for `n_channels` channels at once; `x` and `y` are n_vertices × n_channels, row-major. O(entries × channels).
+/// Applies `y = Φ₁ x` to `n_channels` channels at once; `x` and `y` are n_vertices × n_channels, row-major.
+/// O(entries × channels).
 ///
-/// Computed as `y = x + Σ w·(x_neighbor − x)`: where a signal is constant it stays so to the last bit.
+/// Computed as `y = x + Σ w·(x_neighbor − x)`, so a constant signal stays exactly constant.
 ///
 /// # Panics
-/// When `x` and `y` are not both n_vertices × n_channels.
+/// Unless `x` and `y` are both n_vertices × n_channels.
 ///
 /// ```
 /// use adwave::{operator::Diffusion, sparse::apply};
@@ -28,7 +29,7 @@ pub fn apply(diffusion: &Diffusion, x: &[f64], y: &mut [f64], n_channels: usize)
     debug_assert!(done.is_ok(), "nobody can stop this");
 }
 
-/// [`apply`], stopped when the call is.
+/// [`apply`]; stops if the call is cancelled.
 pub(crate) fn try_apply(
     diffusion: &Diffusion,
     x: &[f64],
@@ -44,7 +45,7 @@ pub(crate) fn try_apply(
         2 => apply_fixed::<2>(diffusion, x, y, progress),
         3 => apply_fixed::<3>(diffusion, x, y, progress),
         4 => apply_fixed::<4>(diffusion, x, y, progress),
-        d => try_for_rows(y, d, ROWS_AT_A_TIME, progress, |first, rows| {
+        d => try_visit_rows(y, d, ROWS_AT_A_TIME, progress, |first, rows| {
             for (row, out) in (first..).zip(rows.chunks_exact_mut(d)) {
                 let (columns, weights) = diffusion.row(row);
                 let here = &x[row * d..][..d];
@@ -66,10 +67,10 @@ fn apply_fixed<const D: usize>(
     y: &mut [f64],
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
-    let target = Target::detect();
+    let target = InstructionSet::detect();
     let neighbors = diffusion.neighbors();
-    try_for_rows(y, D, ROWS_AT_A_TIME, progress, |first, out| {
-        let rows = Rows {
+    try_visit_rows(y, D, ROWS_AT_A_TIME, progress, |first, out| {
+        let rows = RowProduct {
             offsets: neighbors.offsets(),
             columns: neighbors.columns(),
             weights: diffusion.weights(),
@@ -87,7 +88,7 @@ pub(crate) fn copied(
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, Cancelled> {
     let mut copy: Vec<f64> = zeros(values.len());
-    try_for_rows(&mut copy, n_channels.max(1), 1 << 12, progress, |first, copy| {
+    try_visit_rows(&mut copy, n_channels.max(1), 1 << 12, progress, |first, copy| {
         copy.copy_from_slice(&values[first * n_channels..][..copy.len()]);
     })?;
     Ok(copy)

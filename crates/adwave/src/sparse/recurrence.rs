@@ -1,68 +1,68 @@
 //! Chebyshev polynomials of the diffusion operator applied to a block of channels, and sums of them.
 //!
-//! `T_{k+1}(Y)u = 2Y·T_k(Y)u − T_{k−1}(Y)u` with `Y = 2Φ₁ − I`. Several steps are taken in one pass over the tiles, in
-//! place: first the values around every tile are copied, then each tile overwrites its own vertices' `T_{k−1}`, `T_k` by
-//! `T_{k+n−1}`, `T_{k+n}`.
+//! `T_{k+1}(Y)u = 2Y·T_k(Y)u − T_{k−1}(Y)u` with `Y = 2Φ₁ − I`. One pass over the tiles takes several steps, in
+//! place: first the values around every tile are copied, then each tile overwrites `T_{k−1}`, `T_k` at its interior
+//! vertices with `T_{k+n−1}`, `T_{k+n}`.
 
-use super::kernel::{self, Input, Pass, Term};
+use super::kernel::{self, PassInput, PassTerm, TilePass};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
-use super::tiles::{Index, Tiles, TilesOf, View};
+use super::tiles::{Index, TileList, TileView, Tiles};
 use crate::operator::Semigroup;
 use crate::parallel::SERIAL;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 
-/// A sum `Σ_k a_k T_k(Y)u` that is being added up.
+/// A sum `Σ_k a_k T_k(Y)u` that is being accumulated.
 pub(crate) struct Sum<'a> {
-    /// a_0 … a_d.
+    /// Coefficients a_0 … a_d.
     pub(crate) coefficients: &'a [f64],
-    /// n_vertices × n_channels of the whole signal, of which the block's channels are written; n_vertices where the parts along
-    /// normals are kept.
+    /// Output, n_vertices × n_channels of the whole signal, of which the channels of the block are written;
+    /// n_vertices for normal components.
     pub(crate) out: &'a mut [f64],
-    /// Whether it is to be weighed after the next pass.
+    /// Request for the norm after the next pass.
     pub(crate) weighing: Weighing,
-    /// `Σ_x μ(x)|sum(x)|²` after the last pass that weighed it.
+    /// Squared norm `Σ_x μ(x)|sum(x)|²` after the last pass that computed it.
     pub(crate) square: f64,
 }
 
-/// Whether the norm of a sum is wanted.
+/// Request for the norm of a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weighing {
-    /// It is.
+    /// The norm is computed.
     Weighed,
-    /// It is not.
+    /// The norm is not computed.
     Unweighed,
 }
 
-/// What is kept of each row of a sum.
+/// Output for each row of a sum.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Kept<'a> {
+pub(crate) enum RowOutput<'a> {
     /// All channels.
     Channels,
-    /// The part along the normal of the vertex, of three channels.
-    Along(&'a [[f64; 3]]),
+    /// Component along the normal of the vertex, for three channels.
+    AlongNormals(&'a [[f64; 3]]),
 }
 
-/// Whether the recurrence goes on after a pass.
+/// Continuation of the recurrence after a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Next {
-    /// More steps will follow.
+pub(crate) enum Continuation {
+    /// More steps follow.
     Continues,
-    /// These were the last steps.
+    /// These are the last steps.
     Ends,
 }
 
-/// `T_k(Y)u` for rising k, `Y = 2Φ₁ − I`, for up to four channels.
+/// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for up to four channels.
 pub(crate) struct Recurrence<'a> {
     operator: &'a TiledDiffusion,
-    /// `T_k u`, n_vertices × width.
+    /// Vector `T_k u`, n_vertices × width.
     now: Vec<f64>,
-    /// `T_{k−1} u`.
+    /// Vector `T_{k−1} u`.
     before: Vec<f64>,
-    scratch: Scratch,
-    /// μ.
+    scratch: NextVectors,
+    /// Weights μ of the norm.
     weights: &'a [f64],
-    /// `Σ_x μ(x)|u(x)|²`.
+    /// Squared norm `Σ_x μ(x)|u(x)|²`.
     square: f64,
     moves: bool,
     k: usize,
@@ -72,19 +72,20 @@ pub(crate) struct Recurrence<'a> {
     normals: &'a [[f64; 3]],
 }
 
-/// What lets the next vectors be written while others still read the present ones. Taken when a second pass is needed.
-enum Scratch {
+/// Buffers that allow the next vectors to be written while others still read the present ones. Allocated when a
+/// second pass is needed.
+enum NextVectors {
     None,
-    /// The values around each tile: of `T_k`, then of `T_{k−1}`.
+    /// Values around each tile: of `T_k`, then of `T_{k−1}`.
     Around(Vec<f64>),
-    /// Vectors of their own, where the tiles have more around them than inside.
-    Next(Vec<f64>, Vec<f64>),
+    /// Separate vectors, if the tiles have more values around them than inside.
+    Separate(Vec<f64>, Vec<f64>),
 }
 
-/// What a pass over one tile writes, besides the sums.
-enum Output<'a> {
+/// Output of a pass over one tile, besides the sums.
+enum TileOutput<'a> {
     Nothing,
-    /// The own vertices' part of `T_{k−1}` and `T_k` and the values around.
+    /// Interior part of `T_{k−1}` and `T_k`, and the values around.
     InPlace {
         before: &'a mut [f64],
         now: &'a mut [f64],
@@ -97,8 +98,8 @@ enum Output<'a> {
 }
 
 impl<'a> Recurrence<'a> {
-    /// Starts at `T_0 u = u = (I − Φ₁)f` for the channels `at .. at + width` of `signal`, which has `n_channels`. Norms are
-    /// weighted by `weights`.
+    /// Starts at `T_0 u = u = (I − Φ₁)f` for the channels `at .. at + width` of `signal`, which has `n_channels`.
+    /// Norms are weighted by `weights`.
     pub(crate) fn new(
         operator: &'a TiledDiffusion,
         weights: &'a [f64],
@@ -113,7 +114,7 @@ impl<'a> Recurrence<'a> {
             operator,
             now: operator.take(len),
             before: operator.take(len),
-            scratch: Scratch::None,
+            scratch: NextVectors::None,
             weights,
             square: 0.0,
             moves: false,
@@ -129,13 +130,13 @@ impl<'a> Recurrence<'a> {
         Ok(recurrence)
     }
 
-    /// Of each sum `kept` is kept.
+    /// Sets the output for each row of a sum.
     ///
     /// # Panics
-    /// Unless there are three channels and a normal at each vertex, where the parts along normals are.
+    /// Unless there are three channels and one normal per vertex, for normal components.
     #[must_use]
-    pub(crate) fn keeping(mut self, kept: Kept<'a>) -> Self {
-        if let Kept::Along(normals) = kept {
+    pub(crate) fn with_kept(mut self, kept: RowOutput<'a>) -> Self {
+        if let RowOutput::AlongNormals(normals) = kept {
             let n = self.operator.n_vertices();
             assert_eq!(
                 (self.width, self.stride, normals.len()),
@@ -151,23 +152,23 @@ impl<'a> Recurrence<'a> {
         self.k
     }
 
-    /// `Σ_x μ(x)|u(x)|²`.
+    /// Squared norm `Σ_x μ(x)|u(x)|²`.
     pub(crate) fn square(&self) -> f64 {
         self.square
     }
 
-    /// Whether u has any value but 0.
-    pub(crate) fn moves(&self) -> bool {
+    /// True if any value of u is not 0.
+    pub(crate) fn is_nonzero(&self) -> bool {
         self.moves
     }
 
-    /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet. Asks before each tile whether to
-    /// go on; a recurrence that has been stopped is of no use any more.
+    /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet. Checks for
+    /// cancellation before each tile; a cancelled recurrence cannot be continued.
     pub(crate) fn advance(
         &mut self,
         n_steps: usize,
         sums: &mut [Sum<'_>],
-        next: Next,
+        next: Continuation,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         let operator = self.operator;
@@ -176,7 +177,7 @@ impl<'a> Recurrence<'a> {
             Tiles::Wide(tiles) => self.pass(tiles, n_steps, sums, next, progress)?,
         }
         if n_steps > 0 {
-            if let (Scratch::Next(now, before), Next::Continues) = (&mut self.scratch, next) {
+            if let (NextVectors::Separate(now, before), Continuation::Continues) = (&mut self.scratch, next) {
                 std::mem::swap(&mut self.now, now);
                 std::mem::swap(&mut self.before, before);
             }
@@ -187,13 +188,13 @@ impl<'a> Recurrence<'a> {
 
     fn pass<I: Index>(
         &mut self,
-        tiles: &TilesOf<I>,
+        tiles: &TileList<I>,
         n_steps: usize,
         sums: &mut [Sum<'_>],
-        next: Next,
+        next: Continuation,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
-        if n_steps > 0 && next == Next::Continues {
+        if n_steps > 0 && next == Continuation::Continues {
             self.prepare_next(tiles, n_steps, progress)?;
         }
         let (k, own, width, stride, at) = (self.k, self.operator.own, self.width, self.stride, self.at);
@@ -205,7 +206,7 @@ impl<'a> Recurrence<'a> {
         for sum in &mut *sums {
             let to = sum.coefficients.len().min(k + n_steps + 1);
             if from < to {
-                terms.push(Term {
+                terms.push(PassTerm {
                     coefficients: &sum.coefficients[from..to],
                     first: usize::from(!is_first),
                     is_new: is_first,
@@ -218,26 +219,26 @@ impl<'a> Recurrence<'a> {
         }
         let len = self.operator.n_vertices() * width;
         let (mut whole_before, mut whole_now): (&[f64], &[f64]) = (&[], &[]);
-        let outputs: Vec<Output<'_>> = match (&mut self.scratch, next) {
-            (Scratch::Around(around), Next::Continues) if n_steps > 0 => {
+        let outputs: Vec<TileOutput<'_>> = match (&mut self.scratch, next) {
+            (NextVectors::Around(around), Continuation::Continues) if n_steps > 0 => {
                 let mut around = &around[..];
                 let own =
                     self.before[..len].chunks_mut(own * width).zip(self.now[..len].chunks_mut(own * width));
                 let output = |(tile, (before, now)): (_, (_, _))| {
                     let of_tile;
                     (of_tile, around) = around.split_at(n_around(tile, width));
-                    Output::InPlace { before, now, around: of_tile }
+                    TileOutput::InPlace { before, now, around: of_tile }
                 };
                 tiles.iter().zip(own).map(output).collect()
             }
-            (Scratch::Next(now, before), Next::Continues) if n_steps > 0 => {
+            (NextVectors::Separate(now, before), Continuation::Continues) if n_steps > 0 => {
                 (whole_before, whole_now) = (&self.before[..len], &self.now[..len]);
                 let own = before[..len].chunks_mut(own * width).zip(now[..len].chunks_mut(own * width));
-                own.map(|(before, now)| Output::Apart { before, now }).collect()
+                own.map(|(before, now)| TileOutput::Apart { before, now }).collect()
             }
             _ => {
                 (whole_before, whole_now) = (&self.before[..len], &self.now[..len]);
-                tiles.iter().map(|_| Output::Nothing).collect()
+                tiles.iter().map(|_| TileOutput::Nothing).collect()
             }
         };
         let (terms, pool, target, weights) =
@@ -245,16 +246,16 @@ impl<'a> Recurrence<'a> {
         let normals = self.normals;
         let jobs: Vec<_> = tiles.iter().zip(outs).zip(outputs).collect();
         let squares = map_tiles(jobs, len / width, progress, |((tile, mut outs), output)| {
-            let whole = Input::Whole { before: whole_before, now: whole_now };
+            let whole = PassInput::Whole { before: whole_before, now: whole_now };
             let (input, next_before, next_now): (_, &mut [f64], &mut [f64]) = match output {
-                Output::Nothing => (whole, &mut [], &mut []),
-                Output::Apart { before, now } => (whole, before, now),
-                Output::InPlace { before, now, around } => {
+                TileOutput::Nothing => (whole, &mut [], &mut []),
+                TileOutput::Apart { before, now } => (whole, before, now),
+                TileOutput::InPlace { before, now, around } => {
                     let (around_now, around_before) = around.split_at(tile.halo().len() * width);
-                    (Input::Copied { before: around_before, now: around_now }, before, now)
+                    (PassInput::Copied { before: around_before, now: around_now }, before, now)
                 }
             };
-            let pass = Pass {
+            let pass = TilePass {
                 input,
                 n_steps,
                 is_first,
@@ -269,32 +270,32 @@ impl<'a> Recurrence<'a> {
                 normals: if normals.is_empty() { normals } else { &normals[tile.first()..] },
             };
             let len = kernel::scratch_len(tile, n_steps, kernel::lanes(width));
-            pool.with(len, |scratch| kernel::run(target, tile, width, pass, scratch))
+            pool.use_free(len, |scratch| kernel::run(target, tile, width, pass, scratch))
         })?;
-        // In the order of the tiles, so that the sum does not depend on who was first.
+        // In the order of the tiles, so that the sum does not depend on the scheduling.
         for (i, sum) in sums.iter_mut().filter(|sum| from < sum.coefficients.len()).enumerate() {
             sum.square = squares.iter().map(|tile| tile[i]).sum();
         }
         Ok(())
     }
 
-    /// Makes room for the next vectors: copies what is around each tile, or takes vectors of their own.
+    /// Provides room for the next vectors: copies the values around each tile, or allocates separate vectors.
     fn prepare_next<I: Index>(
         &mut self,
-        tiles: &TilesOf<I>,
+        tiles: &TileList<I>,
         n_steps: usize,
         progress: Progress<'_>,
     ) -> Result<(), Cancelled> {
         let (operator, width) = (self.operator, self.width);
         let len = operator.n_vertices() * width;
-        if let Scratch::None = self.scratch {
+        if let NextVectors::None = self.scratch {
             self.scratch = if operator.is_in_place() {
-                Scratch::Around(operator.take(operator.n_around * width))
+                NextVectors::Around(operator.take(operator.n_around * width))
             } else {
-                Scratch::Next(operator.take(len), operator.take(len))
+                NextVectors::Separate(operator.take(len), operator.take(len))
             };
         }
-        let Scratch::Around(around) = &mut self.scratch else { return Ok(()) };
+        let NextVectors::Around(around) = &mut self.scratch else { return Ok(()) };
         let mut rest = &mut around[..];
         let mut jobs = Vec::with_capacity(tiles.len());
         for tile in tiles.iter() {
@@ -315,12 +316,12 @@ impl<'a> Recurrence<'a> {
     }
 }
 
-/// Values of `T_k` and `T_{k−1}` around a tile.
-fn n_around<I: Index>(tile: View<'_, I>, width: usize) -> usize {
+/// Number of values of `T_k` and `T_{k−1}` around a tile.
+fn n_around<I: Index>(tile: TileView<'_, I>, width: usize) -> usize {
     tile.n_around() * width
 }
 
-/// `work(job)` for each tile's job, in their order, for an operator of `n` vertices.
+/// Results of `work(job)` for each tile's job, in order, for an operator of `n` vertices.
 fn map_tiles<T: Send, R: Send>(
     jobs: Vec<T>,
     n: usize,
@@ -341,9 +342,9 @@ impl Drop for Recurrence<'_> {
         give(&mut self.now);
         give(&mut self.before);
         match &mut self.scratch {
-            Scratch::None => {}
-            Scratch::Around(around) => give(around),
-            Scratch::Next(now, before) => {
+            NextVectors::None => {}
+            NextVectors::Around(around) => give(around),
+            NextVectors::Separate(now, before) => {
                 give(now);
                 give(before);
             }

@@ -1,44 +1,44 @@
 //! The diffusion operator prepared for many products.
 
-use super::kernel::{MAX_DEPTH, Target};
+use super::kernel::{InstructionSet, MAX_DEPTH};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::sync::{Arc, Mutex};
 
-/// Channels that go through a product together.
+/// Number of channels that go through a product together.
 pub(crate) const MAX_CHANNELS: usize = 4;
 
-/// Own vertices of a tile of a large operator: with its rings, its vectors and its part of the operator it fills a
-/// second-level cache.
+/// Number of interior vertices of a tile of a large operator; with its rings, its vectors and its part of the
+/// operator it fills a second-level cache.
 const OWN: usize = 8192;
 
-/// No tile is to be larger than this many times its own vertices, for the memory that it takes.
+/// Largest size of a tile relative to its interior, which limits the memory.
 const MAX_SHARE: f64 = 1.6;
 
-/// A diffusion operator cut into tiles, with the memory that its products need. Shared by reference: any number of threads
-/// may use it at a time.
+/// A diffusion operator cut into tiles, with the memory that its products need. It is shared by reference; any
+/// number of threads may use it at a time.
 #[derive(Debug)]
 pub(crate) struct TiledDiffusion {
     diffusion: Arc<Diffusion>,
     pub(super) tiles: Tiles,
     pub(super) own: usize,
     depth: usize,
-    pub(super) target: Target,
-    /// Values around all tiles, a channel.
+    pub(super) target: InstructionSet,
+    /// Number of values around all tiles, per channel.
     pub(super) n_around: usize,
-    /// Vectors that earlier calls have left, so that calls in a loop take no fresh memory.
+    /// Vectors returned by earlier calls, so that calls in a loop allocate no memory.
     spare: Mutex<Vec<Vec<f64>>>,
-    /// What threads need for one tile at a time.
-    pub(super) pool: Pool,
+    /// Scratch buffers of the threads.
+    pub(super) pool: BufferPool,
 }
 
 impl TiledDiffusion {
     /// Cuts `diffusion` into tiles. O(entries).
     ///
     /// # Errors
-    /// [`Cancelled`] when the call is to stop.
+    /// [`Cancelled`] if the call is cancelled.
     pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = diffusion.n_vertices();
         let own = OWN.min(n / 16).max(512);
@@ -54,11 +54,11 @@ impl TiledDiffusion {
     ) -> Result<Self, Cancelled> {
         let tiles = Tiles::new(&diffusion, own, depth, progress)?;
         let n_around = tiles.n_around();
-        let (target, spare, pool) = (Target::detect(), Mutex::default(), Pool::default());
+        let (target, spare, pool) = (InstructionSet::detect(), Mutex::default(), BufferPool::default());
         Ok(Self { diffusion, tiles, own, depth, target, n_around, spare, pool })
     }
 
-    /// The same operator in tiles of another size.
+    /// This operator in tiles of another size.
     #[cfg(test)]
     pub(crate) fn with_tiles(&self, own: usize, depth: usize) -> Self {
         Self::cut(Arc::clone(&self.diffusion), own, depth, Progress::none()).expect("nobody can stop this")
@@ -72,26 +72,27 @@ impl TiledDiffusion {
         self.diffusion.n_vertices()
     }
 
-    /// Whether the recurrence overwrites its vectors: unless tiles have more around them than two vectors hold.
+    /// True if the recurrence overwrites its vectors, unless the tiles have more values around them than two
+    /// vectors hold.
     pub(super) fn is_in_place(&self) -> bool {
         self.n_around <= 2 * self.n_vertices()
     }
 
-    /// Bytes of memory that preparing `diffusion` and a recurrence of `width` channels will take at most, the diffusion not
-    /// included.
+    /// Upper bound of the bytes that preparing `diffusion` and a recurrence of `width` channels take, without the
+    /// diffusion itself.
     pub(crate) fn forecast_bytes(diffusion: &Diffusion, width: usize) -> u64 {
         let n = diffusion.n_vertices() as u64;
-        // Rows are repeated as `best_depth` allows, each entry and vertex named by 32 bits at most; and two vectors and what
-        // is around the tiles, which is less than two more.
+        // Rows are repeated as far as `best_depth` allows, with at most 32 bits per entry and vertex; and two
+        // vectors and the values around the tiles, which are less than two more.
         2 * 4 * (diffusion.nnz() as u64) + 4 * 8 * n * width as u64
     }
 
-    /// Bytes of memory taken beyond the diffusion itself.
+    /// Bytes of memory beyond the diffusion itself.
     pub(crate) fn bytes(&self) -> u64 {
         self.tiles.bytes()
     }
 
-    /// Bytes of memory that a recurrence of `width` channels takes.
+    /// Bytes of memory of a recurrence of `width` channels.
     pub(crate) fn vector_bytes(&self, width: usize) -> u64 {
         let around = self.n_around.min(2 * self.n_vertices());
         8 * ((2 * self.n_vertices() + around) * width) as u64
@@ -101,7 +102,7 @@ impl TiledDiffusion {
         self.depth
     }
 
-    /// A vector of at least `len` values, whatever they are.
+    /// A vector of at least `len` arbitrary values.
     pub(super) fn take(&self, len: usize) -> Vec<f64> {
         let mut spare = self.spare.lock().expect("nobody panics with the lock");
         let fits = (0..spare.len())
@@ -118,13 +119,14 @@ impl TiledDiffusion {
     }
 }
 
-/// Rows of u that are computed and weighed together.
+/// Number of rows of u that are computed and weighted together.
 const ROWS_AT_A_TIME: usize = 2048;
 
-/// `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))` for the channels `at ..` of f, as many as u has, and
+/// Computes `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))` for the channels `at ..` of f, as many as u has; returns
 /// `Σ_x weights(x)|u(x)|²`, and whether any value of u is not 0.
 ///
-/// Of differences, so that u has the relative accuracy of f's differences and is exactly 0 where f is constant.
+/// It is a sum of differences, so u has the relative accuracy of the differences of f and is exactly 0 where f is
+/// constant.
 pub(crate) fn difference(
     diffusion: &Diffusion,
     weights: &[f64],
@@ -178,10 +180,10 @@ fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first:
     }
 }
 
-/// How many steps a tile should take in a pass, where `shares[r]` is the size of a tile with r rings and that of its
-/// rows at most [`MAX_SHARE`].
+/// Best number of steps per pass, where `shares[r]` is the relative size of a tile with r rings; that of its rows
+/// is at most [`MAX_SHARE`].
 fn best_depth(shares: &[f64]) -> usize {
-    /// What one pass costs besides its steps, in steps: reading and writing the vectors and the bands.
+    /// Fixed cost of a pass in units of a step: reading and writing the vectors and the bands.
     const PASS: f64 = 6.0;
     let cost = |depth: usize| {
         let steps: f64 = shares[..depth].iter().sum();
@@ -193,13 +195,13 @@ fn best_depth(shares: &[f64]) -> usize {
         .unwrap_or(1)
 }
 
-/// The scratch of threads: taken when one starts a tile and given back after it.
+/// Scratch buffers of threads, taken at the start of a tile and returned after it.
 #[derive(Debug, Default)]
-pub(super) struct Pool(Mutex<Vec<Vec<f64>>>);
+pub(super) struct BufferPool(Mutex<Vec<Vec<f64>>>);
 
-impl Pool {
-    /// `work` on `len` values, whatever they are.
-    pub(super) fn with<R>(&self, len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
+impl BufferPool {
+    /// Calls `work` with a buffer of `len` arbitrary values.
+    pub(super) fn use_free<R>(&self, len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
         let mut scratch = self.0.lock().expect("nobody panics with the lock").pop().unwrap_or_default();
         if scratch.len() < len {
             scratch = zeros(len);

@@ -1,9 +1,9 @@
 //! The diffusion operator cut into tiles: blocks of consecutive vertices with the rings of neighbors around them.
 //!
-//! A tile carries several steps of a recurrence on its own: for `depth` steps of its own vertices it needs the values
-//! of `depth` rings around them, and step i recomputes what `depth − i` rings need. So the vectors between the steps
-//! stay in the processor's cache, and memory is read and written once in `depth` steps (the matrix-powers kernel).
-//! A pass reads the weights of a tile where the operator has them, once.
+//! A tile takes several steps of a recurrence independently: `depth` steps of its interior need the values of
+//! `depth` rings around it, and step i recomputes the values that `depth − i` rings need. The vectors between the
+//! steps stay in the processor's cache, and memory is read and written once in `depth` steps (the matrix-powers
+//! kernel). A pass reads the weights of a tile once, from the operator.
 //!
 //! Source: `demmel2008`.
 
@@ -11,7 +11,7 @@ use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
 use std::sync::Arc;
 
-/// Numbers vertices of a tile.
+/// Index of a vertex within a tile.
 pub(crate) trait Index: Copy + Send + Sync + TryFrom<u32> + std::fmt::Debug {
     fn get(self) -> usize;
 }
@@ -32,52 +32,53 @@ impl Index for u32 {
 
 /// Rows of a tile with the same number of neighbors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
+pub(super) struct DegreeRun {
     pub(super) degree: u32,
     pub(super) n_rows: u32,
 }
 
-/// Own rows that are put in the order of their degrees among themselves: their weights and values, which lie in the order of
-/// the vertices, are still in the nearest cache when their turn comes.
+/// Number of interior rows that are sorted by degree together; their weights and values, stored in vertex order,
+/// are still in the first-level cache.
 const ROWS_SORTED: usize = 128;
 
-/// A block of vertices and the rings around it. Vertices are numbered with the own ones first, in their order, then ring
-/// by ring, within a ring but for the outermost by rising degree.
+/// A block of vertices and the rings around it. The interior is numbered first, in vertex order, then ring by ring;
+/// within each ring except the outermost by ascending degree.
 #[derive(Debug)]
 pub(super) struct Tile<I> {
-    /// The first of its own vertices; the others follow.
+    /// First interior vertex; the others follow.
     first: usize,
-    /// Vertices within r rings, r = 0 … depth.
+    /// Number of vertices within r rings, r = 0 … depth.
     within: Vec<usize>,
-    /// The vertices of rings 1 … depth.
+    /// Vertices of rings 1 … depth.
     halo: Vec<u32>,
     /// Runs of the rows of rings 0 … depth − 1.
-    runs: Vec<Run>,
-    /// Runs within r rings, r = 0 … depth − 1.
+    runs: Vec<DegreeRun>,
+    /// Number of runs within r rings, r = 0 … depth − 1.
     runs_within: Vec<usize>,
-    /// The vertex of each own row, in the order of the runs. The rows of the rings are in the order of their vertices.
+    /// Vertex of each interior row, in the order of the runs. The rows of the rings are in the order of their
+    /// vertices.
     rows: Vec<I>,
-    /// The neighbors of each row.
+    /// Neighbors of each row.
     columns: Vec<I>,
 }
 
-/// A tile and the operator that it is cut from: what the loops over it read.
+/// A tile and its operator, as read by the loops.
 #[derive(Debug)]
-pub(super) struct View<'a, I> {
+pub(super) struct TileView<'a, I> {
     tile: &'a Tile<I>,
     offsets: &'a [usize],
     weights: &'a [f64],
 }
 
-impl<I> Clone for View<'_, I> {
+impl<I> Clone for TileView<'_, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<I> Copy for View<'_, I> {}
+impl<I> Copy for TileView<'_, I> {}
 
-impl<'a, I: Index> View<'a, I> {
+impl<'a, I: Index> TileView<'a, I> {
     pub(super) fn first(self) -> usize {
         self.tile.first
     }
@@ -94,18 +95,19 @@ impl<'a, I: Index> View<'a, I> {
         &self.tile.halo
     }
 
-    /// Values around it that a pass of all its steps needs, a channel: `T_k` in all rings, `T_{k−1}` in all but the outermost.
+    /// Number of values around it that a full pass needs per channel: `T_k` in all rings, `T_{k−1}` in all but the
+    /// outermost.
     pub(super) fn n_around(self) -> usize {
         self.tile.n_around()
     }
 
-    /// Runs of the own rows.
-    pub(super) fn own_runs(self) -> &'a [Run] {
+    /// Runs of the interior rows.
+    pub(super) fn own_runs(self) -> &'a [DegreeRun] {
         &self.tile.runs[..self.tile.runs_within[0]]
     }
 
     /// Runs of the rows of rings 1 … `rings`.
-    pub(super) fn ring_runs(self, rings: usize) -> &'a [Run] {
+    pub(super) fn ring_runs(self, rings: usize) -> &'a [DegreeRun] {
         &self.tile.runs[self.tile.runs_within[0]..self.tile.runs_within[rings]]
     }
 
@@ -117,12 +119,12 @@ impl<'a, I: Index> View<'a, I> {
         &self.tile.columns
     }
 
-    /// Where the weights of each vertex of the operator start.
+    /// Start of the weights of each vertex of the operator.
     pub(super) fn offsets(self) -> &'a [usize] {
         self.offsets
     }
 
-    /// `Φ₁(x,y)`.
+    /// Weights `Φ₁(x,y)`.
     pub(super) fn weights(self) -> &'a [f64] {
         self.weights
     }
@@ -134,7 +136,7 @@ impl<I: Index> Tile<I> {
             + size_of::<I>() * (self.rows.len() + self.columns.len())
             + 8 * (self.within.len() + self.runs_within.len())
             + 4 * self.halo.len()
-            + size_of::<Run>() * self.runs.len()
+            + size_of::<DegreeRun>() * self.runs.len()
     }
 
     fn n_around(&self) -> usize {
@@ -142,8 +144,8 @@ impl<I: Index> Tile<I> {
         self.within[depth] + self.within[depth - 1] - 2 * self.within[0]
     }
 
-    /// Asserts what the kernels rely on: every row and column is a vertex of the tile, the lists are as long as the
-    /// runs say, and each row has as many entries in the operator as its run says.
+    /// Checks the assumptions of the kernels: every row and column is a vertex of the tile, the lists have the
+    /// lengths of the runs, and each row has as many entries in the operator as its run states.
     fn assert_consistent(&self, diffusion: &Diffusion) {
         let depth = self.runs_within.len();
         assert_eq!(self.within.len(), depth + 1);
@@ -177,26 +179,26 @@ impl<I: Index> Tile<I> {
     }
 }
 
-/// Tiles with the numbers of their vertices in `I`, of one operator.
+/// Tiles of one operator with vertex indices of type `I`.
 #[derive(Debug)]
-pub(super) struct TilesOf<I> {
+pub(super) struct TileList<I> {
     tiles: Vec<Tile<I>>,
     diffusion: Arc<Diffusion>,
 }
 
-impl<I: Index> TilesOf<I> {
+impl<I: Index> TileList<I> {
     pub(super) fn len(&self) -> usize {
         self.tiles.len()
     }
 
     /// The tiles, each with the operator that it has been checked against.
-    pub(super) fn iter(&self) -> impl Iterator<Item = View<'_, I>> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = TileView<'_, I>> {
         let (offsets, weights) = (self.diffusion.neighbors().offsets(), self.diffusion.weights());
-        self.tiles.iter().map(move |tile| View { tile, offsets, weights })
+        self.tiles.iter().map(move |tile| TileView { tile, offsets, weights })
     }
 
-    /// Cuts the operator into tiles of `own` vertices and `depth` rings; `None` when `I` cannot number the vertices of some
-    /// tile.
+    /// Cuts the operator into tiles of `own` vertices and `depth` rings; `None` if `I` cannot number the vertices
+    /// of some tile.
     fn new(
         diffusion: &Arc<Diffusion>,
         own: usize,
@@ -205,18 +207,18 @@ impl<I: Index> TilesOf<I> {
     ) -> Result<Option<Self>, Cancelled> {
         assert!(own > 0 && depth > 0, "a tile has vertices and rings");
         let n = diffusion.n_vertices();
-        let scratches = ScratchPool::new(n);
+        let scratches = NumberingPool::new(n);
         let tiles = crate::parallel::try_map_chunks(
             n,
             own,
             progress,
             || (),
             |(), range| {
-                scratches.with(|scratch| {
+                scratches.use_free(|scratch| {
                     let (halo, within) = scratch.rings(diffusion, range.clone(), depth);
                     let tile = number(diffusion, scratch, range.clone(), &halo, within);
                     scratch.forget(range, &halo);
-                    tile.map(|tile| Tile { halo, ..tile }.checked(diffusion))
+                    tile.map(|tile| Tile { halo, ..tile }.validate(diffusion))
                 })
             },
         )?;
@@ -225,11 +227,11 @@ impl<I: Index> TilesOf<I> {
     }
 }
 
-/// All tiles of an operator, with the narrowest numbers that name their vertices.
+/// All tiles of an operator, with the narrowest sufficient index type.
 #[derive(Debug)]
 pub(super) enum Tiles {
-    Narrow(TilesOf<u16>),
-    Wide(TilesOf<u32>),
+    Narrow(TileList<u16>),
+    Wide(TileList<u32>),
 }
 
 impl Tiles {
@@ -240,7 +242,7 @@ impl Tiles {
         depth: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        Ok(match TilesOf::new(diffusion, own, depth, progress)? {
+        Ok(match TileList::new(diffusion, own, depth, progress)? {
             Some(tiles) => Self::Narrow(tiles),
             None => Self::Wide(Self::wide(diffusion, own, depth, progress)?),
         })
@@ -251,8 +253,8 @@ impl Tiles {
         own: usize,
         depth: usize,
         progress: Progress<'_>,
-    ) -> Result<TilesOf<u32>, Cancelled> {
-        Ok(TilesOf::new(diffusion, own, depth, progress)?.expect("32 bits name every vertex"))
+    ) -> Result<TileList<u32>, Cancelled> {
+        Ok(TileList::new(diffusion, own, depth, progress)?.expect("32 bits name every vertex"))
     }
 
     pub(super) fn bytes(&self) -> u64 {
@@ -262,7 +264,7 @@ impl Tiles {
         }
     }
 
-    /// Values that all tiles need of vertices around them in a pass of all their steps.
+    /// Number of values around all tiles in a full pass.
     pub(super) fn n_around(&self) -> usize {
         match self {
             Self::Narrow(tiles) => tiles.tiles.iter().map(Tile::n_around).sum(),
@@ -271,34 +273,34 @@ impl Tiles {
     }
 }
 
-/// What building a tile needs for every vertex of the operator.
-struct Scratch {
-    /// One more than the number of each vertex in the tile; 0 where the vertex is not in it.
+/// Numbering of the vertices of the operator while a tile is built.
+struct TileNumbering {
+    /// One more than the index of each vertex in the tile; 0 for vertices outside it.
     local: Vec<u32>,
 }
 
-/// One for each thread that builds tiles at the same time.
-struct ScratchPool {
+/// One numbering for each thread that builds tiles at the same time.
+struct NumberingPool {
     n: usize,
-    free: std::sync::Mutex<Vec<Scratch>>,
+    free: std::sync::Mutex<Vec<TileNumbering>>,
 }
 
-impl ScratchPool {
+impl NumberingPool {
     fn new(n: usize) -> Self {
         Self { n, free: std::sync::Mutex::default() }
     }
 
-    fn with<R>(&self, work: impl FnOnce(&mut Scratch) -> R) -> R {
+    fn use_free<R>(&self, work: impl FnOnce(&mut TileNumbering) -> R) -> R {
         let free = self.free.lock().expect("nobody panics with the lock").pop();
-        let mut scratch = free.unwrap_or_else(|| Scratch { local: crate::pages::zeros(self.n) });
+        let mut scratch = free.unwrap_or_else(|| TileNumbering { local: crate::pages::zeros(self.n) });
         let result = work(&mut scratch);
         self.free.lock().expect("nobody panics with the lock").push(scratch);
         result
     }
 }
 
-impl Scratch {
-    /// The vertices of rings 1 … `depth` around `own`, and how many are within r rings. Leaves the vertices numbered.
+impl TileNumbering {
+    /// The vertices of rings 1 … `depth` around `own`, and the number within r rings. Leaves the vertices numbered.
     fn rings(
         &mut self,
         diffusion: &Diffusion,
@@ -332,7 +334,7 @@ impl Scratch {
                 scanned = end;
             }
             if ring + 1 < depth {
-                // Rows of the same degree follow each other.
+                // Groups rows of the same degree.
                 halo[end..].sort_by_key(|&x| diffusion.row(x as usize).0.len());
                 for (k, &x) in (end..).zip(&halo[end..]) {
                     self.local[x as usize] = (n_own + k) as u32 + 1;
@@ -352,8 +354,8 @@ impl Scratch {
     }
 }
 
-/// Vertices of rings 1 … `depth` around each of a few blocks of `own` vertices spread over the operator, in parts of the
-/// block: `shares[r]` is how much larger a block with r rings is.
+/// Relative size of a block with rings: `shares[r]` for r rings around each of a few blocks of `own` vertices
+/// spread over the operator.
 pub(super) fn halo_shares(
     diffusion: &Diffusion,
     own: usize,
@@ -363,7 +365,7 @@ pub(super) fn halo_shares(
     const SAMPLES: usize = 8;
     let n = diffusion.n_vertices();
     let n_blocks = n.div_ceil(own).max(1);
-    let mut scratch = Scratch { local: crate::pages::zeros(n) };
+    let mut scratch = TileNumbering { local: crate::pages::zeros(n) };
     let mut sums = vec![0_usize; depth + 1];
     for sample in 0..SAMPLES.min(n_blocks) {
         progress.check()?;
@@ -379,7 +381,7 @@ pub(super) fn halo_shares(
 
 fn number<I: Index>(
     diffusion: &Diffusion,
-    scratch: &Scratch,
+    scratch: &TileNumbering,
     own: std::ops::Range<usize>,
     halo: &[u32],
     within: Vec<usize>,
@@ -402,7 +404,7 @@ fn number<I: Index>(
         let start = if ring == 0 { 0 } else { within[ring - 1] };
         let rows = &order[start..within[ring]];
         for same in rows.chunk_by(|&x, &y| degree(x) == degree(y)) {
-            runs.push(Run { degree: degree(same[0]) as u32, n_rows: same.len() as u32 });
+            runs.push(DegreeRun { degree: degree(same[0]) as u32, n_rows: same.len() as u32 });
         }
         runs_within.push(runs.len());
         for &x in rows {
@@ -416,8 +418,8 @@ fn number<I: Index>(
 }
 
 impl<I: Index> Tile<I> {
-    /// Checks every tile once, after it is complete.
-    fn checked(self, diffusion: &Diffusion) -> Self {
+    /// Checks a tile once it is complete.
+    fn validate(self, diffusion: &Diffusion) -> Self {
         self.assert_consistent(diffusion);
         self
     }

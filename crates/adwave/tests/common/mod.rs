@@ -1,4 +1,4 @@
-//! What several tests need: meshes to measure on, and single calls.
+//! Helpers of several tests: meshes to measure on, and single calls.
 
 #![allow(dead_code)] // each test file uses a part of it
 

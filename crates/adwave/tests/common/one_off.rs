@@ -34,7 +34,7 @@ pub(crate) fn weighted_bands(
     transform.weighted(vertex_map, signal, n_channels, schedule, factors, progress)
 }
 
-/// What [`decompose`] will take.
+/// Bytes that [`decompose`] will need.
 pub(crate) fn forecast_bytes(
     diffusion: &Diffusion,
     vertex_map: &VertexMap,

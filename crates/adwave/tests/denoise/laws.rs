@@ -1,4 +1,4 @@
-//! What holds on shapes whose truth is known, and on shapes that are hardly any.
+//! Laws on shapes whose truth is known, and on degenerate shapes.
 
 use crate::{denoised, mean_angle, mesh, pair, rms};
 use adwave::denoise::{Creases, DenoiseError, DenoiseParams, denoise};

@@ -21,7 +21,7 @@ fn mesh(points: Vec<[f64; 3]>, faces: &Polygons) -> Shape {
 
 /// A built-in shape, clean and with noise of so many mean edges.
 fn pair(name: &str, n_vertices: usize, noise: f64) -> (Shape, Shape) {
-    let clean = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let clean = Sample::from_name(name, Some(n_vertices)).unwrap();
     let mut noisy = clean.clone();
     noisy.add_noise(NoiseSigma::MeanEdge(noise), 3).unwrap();
     (mesh(clean.points, &clean.faces), mesh(noisy.points, &noisy.faces))

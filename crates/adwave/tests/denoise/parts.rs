@@ -11,7 +11,7 @@ use std::ops::Range;
 /// A strip of so many points across.
 const ACROSS: usize = 12;
 const ALONG: usize = 900;
-/// Which of its points, counted along, the part is asked for.
+/// Indices of the points of the part.
 const OWN: Range<usize> = 400..500;
 
 /// A roof along the strip, with noise.
@@ -51,7 +51,7 @@ fn a_part_of_a_mesh_is_denoised_as_the_whole() {
     let shape = mesh(points.clone(), &Polygons::from_triangles(&triangles(ALONG)));
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
     for creases in [Creases::Auto, Creases::Keep, Creases::None] {
-        let choice = DenoiseChoice::of(&geometry, &params(creases), Progress::none()).unwrap();
+        let choice = DenoiseChoice::estimate(&geometry, &params(creases), Progress::none()).unwrap();
         let whole = choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap();
         let (columns, own) = part();
         let of_part = &points[columns.start * ACROSS..columns.end * ACROSS];
@@ -69,9 +69,9 @@ fn a_part_of_a_mesh_is_denoised_as_the_whole() {
 /// The union of the nearest neighbors both ways.
 fn neighbors(points: &[[f64; 3]]) -> Vec<Vec<u32>> {
     let near = nearest_neighbors(points, DenoiseChoice::NEIGHBORS).adjacency;
-    let mut rows: Vec<Vec<u32>> = (0..points.len()).map(|x| near.of(x).to_vec()).collect();
+    let mut rows: Vec<Vec<u32>> = (0..points.len()).map(|x| near.row(x).to_vec()).collect();
     for x in 0..points.len() {
-        near.of(x).iter().for_each(|&y| rows[y as usize].push(x as u32));
+        near.row(x).iter().for_each(|&y| rows[y as usize].push(x as u32));
     }
     for row in &mut rows {
         row.sort_unstable();
@@ -101,7 +101,7 @@ fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on(
         let shape = Shape::Cloud(PointCloud::new(points.clone()).unwrap());
         PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap()
     };
-    let choice = DenoiseChoice::of(&geometry, &params(Creases::Auto), Progress::none()).unwrap();
+    let choice = DenoiseChoice::estimate(&geometry, &params(Creases::Auto), Progress::none()).unwrap();
     let rows = neighbors(&points);
     let upwards = |points: &[[f64; 3]], neighbors: &Pattern, up: f64| {
         let mut normals = plane_normals(points, neighbors, Progress::none()).unwrap();
@@ -132,12 +132,13 @@ fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on(
 fn nothing_is_chosen_for_a_graph_and_nothing_moves_where_there_is_no_noise() {
     let graph = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)]).unwrap());
     let geometry = PreparedGeometry::new(&graph, WeldMode::EqualPositions, Progress::none()).unwrap();
-    let refused = DenoiseChoice::of(&geometry, &DenoiseParams::default(), Progress::none());
+    let refused = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none());
     assert_eq!(refused.unwrap_err(), DenoiseError::NoPositions);
     let points = strip();
     let shape = mesh(points.clone(), &Polygons::from_triangles(&triangles(ALONG)));
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
     let choice =
-        DenoiseChoice::of(&geometry, &DenoiseParams::default().with_noise(0.0), Progress::none()).unwrap();
+        DenoiseChoice::estimate(&geometry, &DenoiseParams::default().with_noise(0.0), Progress::none())
+            .unwrap();
     assert_eq!(choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap(), points);
 }

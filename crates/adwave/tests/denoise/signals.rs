@@ -7,7 +7,7 @@ use adwave::shape::{Graph, Mesh, Shape};
 use adwave::{Decomposer, Progress};
 
 fn decomposer(n_vertices: usize) -> (Decomposer, Vec<[f64; 3]>) {
-    let sample = Sample::by_name("creature", Some(n_vertices)).unwrap();
+    let sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
     let points = sample.points.clone();
     (Decomposer::new(&Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())), points)
 }
@@ -17,7 +17,7 @@ fn noise(n: usize) -> Vec<f64> {
     noise_of(n, 5)
 }
 
-/// The same for any seed.
+/// Noise for any seed.
 fn noise_of(n: usize, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut uniform = || {
@@ -128,7 +128,7 @@ fn white_noise_is_foretold_and_the_mixture_is_nearly_the_best() {
     let angle = |k: u32| f64::from(k) / f64::from(side) * std::f64::consts::TAU;
     let on_torus: Vec<f64> =
         (0..side * side).map(|v| (2.0 * angle(v % side)).sin() + (3.0 * angle(v / side)).cos()).collect();
-    let sphere = Sample::by_name("sphere", Some(16_000)).unwrap();
+    let sphere = Sample::from_name("sphere", Some(16_000)).unwrap();
     let on_sphere: Vec<f64> = sphere.points.iter().map(|p| 4.0 * p[0] * p[1] + p[2]).collect();
     let sphere = Decomposer::new(&Shape::Mesh(Mesh::new(sphere.points, sphere.faces).unwrap()));
     for (name, decomposer, truth) in [("torus", torus, on_torus), ("sphere", sphere, on_sphere)] {

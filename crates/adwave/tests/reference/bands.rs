@@ -21,7 +21,7 @@ const REAL_POWER: f64 = 1e-7;
 
 /// Steps after which nothing is left of the second eigenvalue of any of the shapes.
 const FOREVER: f64 = 262_144.0;
-/// What rounding adds up to in so many steps: about 1e-13 for each.
+/// Rounding over that many steps: about 1e-13 per step.
 const LIMIT: f64 = 1e-7;
 
 const LEVELS: usize = 6;

@@ -1,4 +1,4 @@
-//! How borders fade out of saliency and reject features, on a square of squares, where distances are known.
+//! Fading of borders in saliency and rejection of features near them, on a square of squares, where distances are known.
 
 use crate::fast::{Fast, FeatureParams, Response, SaliencyParams, Weighting};
 use crate::shapes::{Case, Parts, signal};
@@ -28,7 +28,7 @@ fn square() -> Case {
     Case { name: "square", parts: Parts::Mesh { points, triangles }, params: OperatorParams::default() }
 }
 
-/// How far each vertex is from the border, or from those next to a hole in the middle.
+/// Distance of each vertex from the border, or from those next to a hole in the middle.
 fn distances(has_hole: bool) -> Vec<f64> {
     let distance = |(i, j): (i32, i32)| {
         let outside = f64::from(HALF - i.abs().max(j.abs()));
@@ -57,7 +57,7 @@ fn share_left(distance: f64, none: f64) -> f64 {
     }
 }
 
-/// What is left of a level, weighed.
+/// Weighted remainder of a level.
 fn level_map(w: &[f64], left: &[f64], weighting: Weighting) -> Vec<f64> {
     let known = |x: &usize| !w[*x].is_nan();
     let faded: Vec<f64> = w.iter().zip(left).map(|(w, left)| w * left).collect();

@@ -13,7 +13,7 @@ pub(crate) type Matrix = Vec<Vec<f64>>;
 /// Relative difference of distances that count as equal in a cloud.
 const TIE: f64 = 1e-9;
 
-/// What may be wrong in eq. 1, 4 and 5, to see that the tests would notice.
+/// Mutations of eq. 1, 4 and 5, which the tests must notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Mutant {
     /// Nothing.
@@ -32,7 +32,7 @@ pub(crate) enum Mutant {
     HalfLazy,
 }
 
-/// Which vertices of the file are one vertex.
+/// Vertices of the file that are one vertex.
 pub(crate) struct Welded {
     /// The welded vertex of each vertex of the file.
     pub(crate) class: Vec<usize>,
@@ -64,9 +64,9 @@ pub(crate) fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {
 pub(crate) struct LocalOperator {
     /// T(x,y), the diagonal included.
     pub(crate) t: Matrix,
-    /// Whether y is in N(x).
+    /// True if y is in N(x).
     pub(crate) is_neighbor: Vec<Vec<bool>>,
-    /// Whether y is in the one-ring of x on a mesh; N(x) for clouds and graphs.
+    /// True if y is in the one-ring of x on a mesh; N(x) for clouds and graphs.
     pub(crate) is_next: Vec<Vec<bool>>,
     /// A.
     pub(crate) areas: Vec<f64>,
@@ -170,7 +170,7 @@ fn edges_of(n: usize, triangles: &[[usize; 3]]) -> Vec<Vec<bool>> {
     next
 }
 
-/// Which vertices are at most `k` edges away, without the vertex itself.
+/// Vertices at most `k` edges away, without the vertex itself.
 pub(crate) fn within(next: &[Vec<bool>], k: usize) -> Vec<Vec<bool>> {
     let n = next.len();
     let mut found: Vec<Vec<bool>> = (0..n).map(|x| (0..n).map(|y| x == y).collect()).collect();
@@ -279,7 +279,7 @@ pub(crate) fn spread(points: &[[f64; 3]]) -> [Vector3<f64>; 3] {
 /// All half-planes at once: its corners are where two of their edges meet that lie in all the others.
 fn voronoi_area(p: [f64; 3], others: &[[f64; 3]], radius: f64) -> f64 {
     const CORNERS: usize = 24;
-    /// What a corner may be outside of an edge that it lies on, in units of the radius.
+    /// Tolerance of a corner outside of an edge that it lies on, in units of the radius.
     const ON_IT: f64 = 1e-12;
     let [u, v, _] = spread(others);
     // (n, h) is where n·q ≤ h. The sides of the polygon are half-way between its corners.

@@ -23,7 +23,7 @@ const ACCURACY: f64 = 1e-13;
 pub(crate) struct Fast<'a> {
     case: &'a Case,
     decomposer: Decomposer,
-    /// Where the analysis has each welded vertex.
+    /// Position of each welded vertex in the analysis order.
     place: Vec<usize>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct FastBands {
     pub(crate) sigma: Vec<f64>,
 }
 
-/// How bands are computed.
+/// Method of computing bands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Method {
     Default,
@@ -61,7 +61,7 @@ impl<'a> Fast<'a> {
         Self { case, decomposer, place }
     }
 
-    /// The same without some vertices of the file.
+    /// This shape without some vertices of the file.
     pub(crate) fn masked(case: &'a Case, flags: &[bool]) -> Self {
         let whole = Self::new(case);
         Self { decomposer: whole.decomposer.masked(flags).unwrap(), ..whole }
@@ -341,7 +341,7 @@ impl<'a> Fast<'a> {
         saliency(&self.decomposer, &self.given(levels, sigma), params, Progress::none()).unwrap()
     }
 
-    /// Whether the analysis has the welded vertex `x` before `y`.
+    /// True if the analysis order has the welded vertex `x` before `y`.
     pub(crate) fn comes_first(&self, x: usize, y: usize) -> bool {
         self.place[x] < self.place[y]
     }

@@ -15,7 +15,7 @@ const RESPONSE: f64 = 1e-10;
 const RESPONSES: [Response; 4] =
     [Response::Normalized, Response::Literal, Response::Channels, Response::Sigma];
 
-/// What is changed in the search, to see that the tests would notice.
+/// Mutations of the search, which the tests must notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Search {
     Paper,
@@ -63,7 +63,7 @@ fn layers(
     let of_each = norms(phi, f, n_channels);
     for (j, level) in levels.iter_mut().enumerate() {
         let scale = match response {
-            Response::Normalized => mean_of(&of_each[j], is_masked),
+            Response::Normalized => mean_over(&of_each[j], is_masked),
             Response::Sigma => sigma[j],
             _ => 1.0,
         };
@@ -74,12 +74,12 @@ fn layers(
     vec![(None, levels)]
 }
 
-fn mean_of(values: &[f64], is_masked: &[bool]) -> f64 {
+fn mean_over(values: &[f64], is_masked: &[bool]) -> f64 {
     let known: Vec<f64> = (0..values.len()).filter(|&x| !is_masked[x]).map(|x| values[x].abs()).collect();
     known.iter().sum::<f64>() / known.len() as f64
 }
 
-/// What Algorithm 2 needs of a shape.
+/// Input of Algorithm 2.
 struct Prepared {
     phi: Vec<Matrix>,
     /// σ_1 … σ_J.

@@ -12,12 +12,12 @@ const ON_A_CIRCLE: f64 = 1e-9;
 
 /// Corners of the polygon that stands for a disc.
 const DISC_CORNERS: usize = 24;
-/// How far a cell reaches, in units of the distance to the last of the neighbors looked at.
+/// Extent of a cell, in units of the distance to the last of the neighbors looked at.
 const REACH: f64 = 0.75;
-/// How far out of the tangent plane a neighbor may be, in units of its distance.
+/// Largest height of a neighbor above the tangent plane, in units of its distance.
 const STEEP: f64 = 0.8;
 
-/// What may be wrong, to see that the tests would notice.
+/// Mutations of the formula, which the tests must notice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Wrong {
     /// Nothing.
@@ -254,7 +254,7 @@ pub(crate) fn planar_delaunay(points: &[[f64; 3]]) -> (Matrix, Vec<[usize; 3]>) 
     (w, triangles)
 }
 
-/// What heat on a shape is.
+/// Heat operator of a shape.
 pub(crate) struct Heat {
     /// τ·M⁻¹L.
     pub(crate) generator: DMatrix<f64>,

@@ -20,7 +20,7 @@ mod ties;
 /// Sums and products of some hundred numbers in double precision, relative to the largest.
 const ROUNDING: f64 = 1e-12;
 
-/// How many times its tolerance a comparison must be off when a formula is changed.
+/// Factor by which a comparison must exceed its tolerance when a formula is changed.
 const SEEN: f64 = 1e4;
 
 /// The largest difference of two lists, relative to the largest magnitude in the second. NaN must meet NaN.

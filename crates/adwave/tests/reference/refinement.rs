@@ -1,4 +1,4 @@
-//! Where features are placed between vertices and levels, and the ratio of their curvatures.
+//! Refined positions of features between vertices and levels, and the ratio of their curvatures.
 
 use crate::dense::{LocalOperator, Mutant, distance, local_operator, spread, weld, within};
 use crate::fast::{Fast, FeatureParams, Refinement, Response};
@@ -59,7 +59,7 @@ impl Around {
         Some((Vector2::new(q[1], q[2]), Matrix2::new(2.0 * q[3], q[4], q[4], 2.0 * q[5])))
     }
 
-    /// Where R has its top, or the vertex.
+    /// Position of the maximum of R, or the vertex.
     fn top(&self, r: &[f64]) -> [f64; 3] {
         let Some((gradient, hessian)) = self.quadric(|k| r[self.vertices[k]]) else {
             return self.origin.into();

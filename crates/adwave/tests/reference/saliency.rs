@@ -52,7 +52,7 @@ fn level_map(w: &[f64], weighting: Weighting, is_masked: &[bool]) -> Vec<f64> {
         .collect()
 }
 
-/// Whether two values are equal but for rounding, as they are at the ends of an edge by itself: equally large on the first
+/// True if two values are equal up to rounding, as at the ends of an isolated edge: equally large on the first
 /// level and 0 on the others.
 fn has_ties(w: &[f64], is_masked: &[bool]) -> bool {
     let mut sorted: Vec<f64> = (0..w.len()).filter(|&x| !is_masked[x]).map(|x| w[x]).collect();

@@ -3,7 +3,7 @@
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::shape::{CloudArea, Graph, Mesh, MeshArea, PointCloud, Polygons, Shape};
 
-/// What a shape consists of, for the formulas.
+/// Elements of a shape, for the formulas.
 #[derive(Clone, Debug)]
 pub(crate) enum Parts {
     Mesh { points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]> },

@@ -13,7 +13,7 @@ fn path(n: u32) -> Case {
     Case { name: "path", parts, params: OperatorParams::default() }
 }
 
-/// What is found where R is 0 but for `(level, vertex, value)`: levels and vertices.
+/// Features found if R is 0 except at `(level, vertex, value)`: levels and vertices.
 fn found(fast: &Fast<'_>, n: usize, theta: f64, values: &[(usize, usize, f64)]) -> Vec<(usize, usize)> {
     let mut levels = vec![vec![0.0; n]; 4];
     for &(j, x, value) in values {

@@ -7,13 +7,13 @@ use adwave::bands::{FWHM, Schedule};
 use adwave::operator::surface_diffusion;
 use std::f64::consts::PI;
 
-/// How far the decay of an eigenfunction may be from `e^(−λt)`, relative to it.
+/// Error of the decay of an eigenfunction relative to `e^(−λt)`, relative to it.
 const DECAY: f64 = 0.01;
 /// Times are looked at until the function has decayed by `e^(−3)`.
 const LONGEST: f64 = 3.0;
-/// How much the error must fall where edges halve; of second order it falls by 4.
+/// Factor by which the error must fall when edges are halved; of second order it falls by 4.
 const SECOND_ORDER: f64 = 3.3;
-/// How far the second moments of an impulse may be from σ²/2, where σ is so many edges or more. At 3 edges it is 0.0225.
+/// Largest error of the second moments of an impulse relative to σ²/2, for σ of at least that many edges. At 3 edges it is 0.0225.
 const MOMENT: f64 = 0.02;
 const FROM_EDGES: f64 = 4.0;
 
@@ -177,7 +177,7 @@ fn the_second_moments_of_an_impulse_are_half_of_sigma_squared_anywhere() {
     assert!(errors.iter().all(|&(edges, error)| edges < FROM_EDGES || error <= MOMENT), "{errors:?}");
 }
 
-/// What spreads from one vertex in the middle of a flat grid: how wide it is at half of its height, along either axis.
+/// Spread from one vertex in the middle of a flat grid: its width at half its height, along either axis.
 #[test]
 fn an_impulse_is_as_wide_at_half_its_height_as_was_asked_for() {
     let n = 100_u32;

@@ -10,9 +10,9 @@ use adwave::shape::{Graph, Shape};
 use adwave::{Decomposer, Progress};
 use std::f64::consts::TAU;
 
-/// What the default accuracy promises.
+/// Default accuracy.
 const ACCURACY: f64 = 1e-9;
-/// What rounding adds up to for each jump of heat, in the long recurrence that needles need.
+/// Rounding per jump of heat in the long recurrence of needles.
 const ROUNDED_JUMPS: f64 = 1e-13;
 const LEVELS: usize = 6;
 
@@ -83,7 +83,7 @@ fn keeps_its_value(name: &str, bands: &Bands, x: usize) {
     assert!(bands.wavelets().all(|w| w[x] == 0.0), "{name}: vertex {x}");
 }
 
-/// How much of the heat of `from` has come to `to` after `n` steps.
+/// Heat that has flowed from `from` to `to` after `n` steps.
 fn heat(decomposer: &Decomposer, from: usize, to: usize, n: f64) -> f64 {
     let schedule = Schedule::real(vec![n]).unwrap();
     decomposer.basis_of_vertex(from, &schedule, Progress::none()).unwrap().scaling_function[to]

@@ -25,7 +25,7 @@ impl Noise {
 }
 
 pub(crate) fn sample(name: &str, n_vertices: usize) -> (Points, Triangles) {
-    let sample = Sample::by_name(name, Some(n_vertices)).unwrap();
+    let sample = Sample::from_name(name, Some(n_vertices)).unwrap();
     let triangles = sample.faces.iter().map(|f| [f[0], f[1], f[2]]).collect();
     (sample.points, triangles)
 }

@@ -188,7 +188,7 @@ fn diffusion_json(decomposer: &Decomposer) -> Value {
 
 /// The levels of the octree of a LAZ or EPT, if it has one.
 fn octree(input: &Input, global: &Global<'_>) -> Option<Result<CloudLevels, ReadError>> {
-    let has_file = matches!(input.file.format(), Some(Format::Laz | Format::Ept)) && input.name != "-";
+    let has_file = matches!(input.file.format(), Some(Format::LAZ | Format::EPT)) && input.name != "-";
     has_file.then(|| cloud_levels(Path::new(&input.name), &global.limits).transpose()).flatten()
 }
 

@@ -63,7 +63,7 @@ struct Seconds {
 
 /// Refuses targets that no shape can reach, before anything is read.
 fn check_target(args: &SimplifyArgs) -> Result<(), CliError> {
-    let error = args.error.map(|error| error.in_units(1.0)).filter(|e| !(e.is_finite() && *e >= 0.0));
+    let error = args.error.map(|error| error.to_model_units(1.0)).filter(|e| !(e.is_finite() && *e >= 0.0));
     let ratio = args.ratio.filter(|r| !(*r > 0.0 && *r <= 1.0));
     match (error, ratio, args.vertices) {
         (Some(error), ..) => Err(SimplifyError::Length(error).into()),
@@ -80,7 +80,7 @@ fn simplify_mesh_file(
     global: &Global<'_>,
 ) -> Result<Simplified, CliError> {
     let target = match (args.error, args.vertices, args.ratio) {
-        (Some(error), ..) => MeshTarget::Error(error.in_units(input.shape.diagonal())),
+        (Some(error), ..) => MeshTarget::Error(error.to_model_units(input.shape.diagonal())),
         (_, Some(n), _) => MeshTarget::Vertices(n),
         (.., ratio) => MeshTarget::Ratio(ratio.unwrap_or(1.0)),
     };
@@ -148,7 +148,7 @@ fn simplify_cloud_file(
         ));
     }
     let target = match (args.error, args.vertices, args.ratio) {
-        (Some(error), ..) => CloudTarget::Spacing(error.in_units(input.shape.diagonal())),
+        (Some(error), ..) => CloudTarget::Spacing(error.to_model_units(input.shape.diagonal())),
         (_, Some(n), _) => CloudTarget::Points(n),
         (.., ratio) => CloudTarget::Ratio(ratio.unwrap_or(1.0)),
     };

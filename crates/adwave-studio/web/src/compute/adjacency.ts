@@ -1,12 +1,12 @@
-/** Who is next to whom, as compressed rows. */
+/** Adjacency in compressed rows. */
 
 export interface Rows {
-  /** n + 1 numbers: the entries of row v are `entries[offsets[v] .. offsets[v + 1]]`. */
+  /** Offsets, n + 1 numbers: the entries of row v are `entries[offsets[v] .. offsets[v + 1]]`. */
   offsets: Uint32Array;
   entries: Uint32Array;
 }
 
-/** The triangles at each vertex. */
+/** Lists the triangles of each vertex. */
 export function trianglesOfVertices(triangles: Uint32Array, n: number): Rows {
   const offsets = new Uint32Array(n + 1);
   for (let k = 0; k < triangles.length; k++) offsets[triangles[k]! + 1]!++;
@@ -19,7 +19,7 @@ export function trianglesOfVertices(triangles: Uint32Array, n: number): Rows {
   return { offsets, entries };
 }
 
-/** The vertices that share an edge of a triangle with each vertex, every one once, in ascending order. */
+/** Lists the one-ring of each vertex, without duplicates, in ascending order. */
 export function neighborsOfMesh(triangles: Uint32Array, n: number, around: Rows): Rows {
   const offsets = new Uint32Array(n + 1);
   let entries = new Uint32Array(Math.max(16, triangles.length + n));
@@ -34,11 +34,11 @@ export function neighborsOfMesh(triangles: Uint32Array, n: number, around: Rows)
         const w = triangles[t + c]!;
         if (w === v || seen[w] === v) continue;
         seen[w] = v;
-        if (k === ring.length) ring = grown(ring);
+        if (k === ring.length) ring = growArray(ring);
         ring[k++] = w;
       }
     }
-    // Short rings: sorting by insertion is the fastest.
+    // Insertion sort is fastest for short rings.
     if (k > 40) ring.subarray(0, k).sort();
     else {
       for (let i = 1; i < k; i++) {
@@ -51,22 +51,22 @@ export function neighborsOfMesh(triangles: Uint32Array, n: number, around: Rows)
         ring[j + 1] = w;
       }
     }
-    while (size + k > entries.length) entries = grown(entries);
+    while (size + k > entries.length) entries = growArray(entries);
     for (let i = 0; i < k; i++) entries[size++] = ring[i]!;
     offsets[v + 1] = size;
   }
   return { offsets, entries: entries.slice(0, size) };
 }
 
-function grown(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
+function growArray(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
   const larger = new Uint32Array(2 * array.length);
   larger.set(array);
   return larger;
 }
 
 /**
- * The `k` points next to each point of a cloud, by a grid whose cells hold four points on average. A preview of the
- * neighbor graph that the server has: what a brush paints on a cloud is fetched from there after the stroke.
+ * Lists the `k` nearest neighbors of each point of a cloud, with a grid whose cells hold four points on average. It is a
+ * preview of the neighbor graph of the server, which computes the mask of a stroke on a cloud.
  */
 export function neighborsOfCloud(positions: Float32Array, k: number): Rows {
   const n = positions.length / 3;
@@ -99,7 +99,7 @@ export function neighborsOfCloud(positions: Float32Array, k: number): Rows {
         best[i] = d;
         who[i] = w;
       });
-      // All that is nearer than the cubes reach has been seen.
+      // All points within the visited cubes have been seen.
       if (found === Math.min(k, n - 1) && best[found - 1]! <= (reach * grid.cell) ** 2) break;
     }
     for (let i = 0; i < found; i++) entries[size++] = who[i]!;
@@ -108,7 +108,7 @@ export function neighborsOfCloud(positions: Float32Array, k: number): Rows {
   return { offsets, entries: entries.slice(0, size) };
 }
 
-/** Points in cubes of equal size, found by a hash of the cube's place. */
+/** Hash grid of points in cubes of equal size. */
 export class Grid {
   readonly cell: number;
   private readonly heads: Int32Array;
@@ -126,7 +126,7 @@ export class Grid {
       if (x > high[c]!) high[c] = x;
     }
     const sides = [0, 1, 2].map((c) => Math.max(0, high[c]! - low[c]!)).sort((a, b) => b - a);
-    // Scans are surfaces: two of the three sides count.
+    // Scans are surfaces, so that two of the three sides count.
     this.cell = Math.max(
       Math.sqrt((4 * sides[0]! * Math.max(sides[1]!, sides[0]! * 1e-3)) / Math.max(1, n)),
       1e-30,
@@ -149,7 +149,7 @@ export class Grid {
     return (Math.imul(x, 73856093) ^ Math.imul(y, 19349663) ^ Math.imul(z, 83492791)) & this.bits;
   }
 
-  /** Calls `see` for all points in the cubes up to `reach` cubes away, and perhaps for some others, each once. */
+  /** Calls `see` once for each point in the cubes up to `reach` cubes away, and possibly for some others. */
   visit(x: number, y: number, z: number, reach: number, see: (v: number) => void): void {
     const cx = Math.floor(x / this.cell);
     const cy = Math.floor(y / this.cell);
@@ -159,7 +159,7 @@ export class Grid {
       for (let j = -reach; j <= reach; j++) {
         for (let k = -reach; k <= reach; k++) {
           const h = this.hash(cx + i, cy + j, cz + k);
-          if (seen.includes(h)) continue; // two cubes may share a place in the table
+          if (seen.includes(h)) continue; // two cubes may share a slot of the table
           seen.push(h);
           for (let v = this.heads[h]!; v >= 0; v = this.nexts[v]!) see(v);
         }

@@ -1,6 +1,6 @@
 /**
- * Fewer triangles over the same vertices, drawn while something moves: vertices in one cube become the first of
- * them. All edits apply to it, since it has no vertices of its own.
+ * Coarse triangles over the same vertices, drawn during motion: all vertices in a cube are replaced by the first of them.
+ * Edits apply unchanged, because no new vertices are created.
  */
 export function coarseTriangles(
   positions: Float32Array,
@@ -9,7 +9,7 @@ export function coarseTriangles(
 ): Uint32Array {
   const n = positions.length / 3;
   const { area, low } = extent(positions, triangles);
-  // A surface of area A meets about 1.7 A / h² cubes of side h, and a cube's vertex has two triangles.
+  // A surface of area A meets about 1.7 A / h² cubes of side h, with two triangles per vertex.
   const h = Math.sqrt((3.4 * area) / target) || 1;
   let bits = 1 << 16;
   while (bits < 4 * target) bits <<= 1;
@@ -22,7 +22,7 @@ export function coarseTriangles(
     const z = Math.floor((positions[3 * v + 2]! - low[2]!) / h) & 1023;
     const key = (z << 20) | (y << 10) | x;
     let slot = (Math.imul(key, 0x9e3779b1) >>> 8) & (bits - 1);
-    // A full table (many loose points) ends in keeping the vertex as it is.
+    // If the table is full (many loose points), the vertex is kept.
     let tries = 0;
     while (keys[slot] !== -1 && keys[slot] !== key && tries < 64) {
       slot = (slot + 1) & (bits - 1);
@@ -73,7 +73,7 @@ function extent(p: Float32Array, triangles: Uint32Array): { area: number; low: n
   return { area: twice / 2, low };
 }
 
-/** Every edge once, as pairs of vertices. */
+/** Lists every edge once, as pairs of vertices. */
 export function edgePairs(offsets: Uint32Array, entries: Uint32Array): Uint32Array {
   const out = new Uint32Array(entries.length);
   let size = 0;

@@ -2,7 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { neighborsOfCloud } from './adjacency';
 import { coarseTriangles, edgePairs } from './coarse';
 import { cloudNormals, meshNormals } from './normals';
-import { ballsOf, nearestVertex, pickMesh } from './pick';
+import { enclosingBalls, nearestVertex, pickMesh } from './pick';
 import { displacement, editedPositions, volume } from './positions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
@@ -10,7 +10,7 @@ import { readBands } from './stream';
 import { placeNormals, readSurface } from './surface';
 import { random, rows, sheet, surfaceOf } from './testing';
 
-/** Dijkstra with the straight line over two edges, as the server has it, literally: the queue is searched through. */
+/** Literal reference of the server's search: Dijkstra with straight lines over two edges and a linear queue. */
 function literalDistances(
   neighbors: { offsets: Uint32Array; entries: Uint32Array },
   p: Float32Array,
@@ -71,7 +71,7 @@ describe('distance along the surface', () => {
     // The same sheet as loose triangles.
     const positions = new Float32Array(3 * s.triangles.length);
     for (const [i, v] of s.triangles.entries()) positions.set(s.positions.subarray(3 * v, 3 * v + 3), 3 * i);
-    // As the server numbers the places: any order will do.
+    // Any order of the places is valid.
     const places = Uint32Array.from(s.triangles, (v) => s.n - 1 - v);
     const bytes = new ArrayBuffer(28 * places.length);
     new Float64Array(bytes, 0, 3 * places.length).set(positions);
@@ -146,7 +146,7 @@ describe('positions', () => {
     const out = new Float32Array(3 * s.n);
     editedPositions(s.positions, bands, [{ opacity: 1, gains, mask: null }], out);
     expect(out).toEqual(expected);
-    // A layer whose mask is full at one band alone cuts the row of bands in two.
+    // A full mask at a single band splits the sum of bands.
     const mask = new Uint8Array(s.n).fill(255);
     const alone = gains.map((_, j) => (j === 4 ? gains[4]! : 1));
     const layers = [
@@ -215,7 +215,7 @@ test('a pick finds the triangle under the ray, and the nearest of its corners', 
   const s = sheet(20);
   const { around } = rows(s);
   const ray = { origin: [0.51, 0.26, 2] as const, direction: [0, 0, -1] as const, pixel: 1e-4 };
-  const balls = ballsOf(s.positions);
+  const balls = enclosingBalls(s.positions);
   const hit = pickMesh(s.positions, balls, s.triangles, around, 1 / 20, ray)!;
   expect(hit.point[0]).toBeCloseTo(0.51, 6);
   expect(hit.point[2]).toBeCloseTo(0, 6);
@@ -227,7 +227,7 @@ test('a pick finds the triangle under the ray, and the nearest of its corners', 
 test('picking leaves out only what is far from the ray', () => {
   const s = sheet(60, 0.004);
   const { around } = rows(s);
-  const balls = ballsOf(s.positions);
+  const balls = enclosingBalls(s.positions);
   const everything = balls.map((x, i) => (i % 4 === 3 ? 10 : x));
   const next = random(3);
   let hits = 0;
@@ -290,7 +290,7 @@ test('bands are read whatever the pieces they come in', async () => {
       controller.close();
     },
   });
-  await expect(readBands(cut, n, 2, false, () => {})).rejects.toThrow('ended too early');
+  await expect(readBands(cut, n, 2, false, () => {})).rejects.toThrow('incomplete bands');
 });
 
 test('stamps added one after the other have the distances of all of them in one search', () => {
@@ -299,7 +299,7 @@ test('stamps added one after the other have the distances of all of them in one 
   const whole = new SurfaceSearch(surfaceOf(s));
   whole.run(stamps, 0.2);
   const added = new SurfaceSearch(surfaceOf(s));
-  added.run([0], 0.5); // what was measured before does not count
+  added.run([0], 0.5); // earlier searches do not count
   added.run(stamps.slice(0, 1), 0.2);
   let found = added.nReached;
   for (const stamp of stamps.slice(1)) {

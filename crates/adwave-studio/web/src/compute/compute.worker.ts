@@ -1,13 +1,13 @@
-/** Computes all that depends on the number of vertices: positions, normals, masks, what is under the cursor. */
+/** Web worker for everything that depends on the number of vertices: positions, normals, masks and picking. */
 
 import { type Rows, trianglesOfVertices } from './adjacency';
 import { edgePairs } from './coarse';
 import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
 import { Painter } from './painter';
-import { type Balls, ballsOf, type Hit, pickCloud, pickMesh, type Ray } from './pick';
+import { type Balls, enclosingBalls, type Hit, pickCloud, pickMesh, type Ray } from './pick';
 import { type Band, displacement, editedPositions, type LayerTerm, volume } from './positions';
-import type { Ground } from './regions';
+import type { RegionContext } from './regions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
@@ -15,14 +15,14 @@ import { cloudSurface, placeNormals, readSurface, type Surface } from './surface
 
 const post = self.postMessage.bind(self) as (message: FromWorker, transfer?: Transferable[]) => void;
 
-/** Vertices within the brush up to which its circle is drawn along the surface. */
+/** Largest number of vertices within the brush for a circle along the surface. */
 const RING_MOST = 60_000;
 const CLOUD_NEIGHBORS = 8;
 
 class Shape {
   readonly n: number;
   readonly edited: Float32Array;
-  readonly ground: Ground;
+  readonly ground: RegionContext;
   readonly painter: Painter;
   bands: (Band | null)[] = [];
   private readonly sums: Float32Array;
@@ -31,27 +31,27 @@ class Shape {
   private searchOnce: SurfaceSearch | null = null;
   private normalsOnce: Float64Array | null = null;
   private bandsAbort: AbortController | null = null;
-  /** Round the edited vertices, for picking; null since they moved. */
+  /** Enclosing balls of the edited vertices, for picking; `null` after they moved. */
   balls: Balls | null = null;
 
   constructor(readonly given: Calls['shape'][0]) {
     this.n = given.n;
     this.edited = given.positions.slice();
     this.sums = given.cloud ? new Float32Array(0) : new Float32Array(3 * this.n);
-    const of = this;
+    const shape = this;
     this.ground = {
       n: this.n,
       diagonal: given.diagonal,
       local: !given.cloud,
       get surface() {
-        return of.surface;
+        return shape.surface;
       },
       get search() {
-        return of.search;
+        return shape.search;
       },
       get normals() {
-        of.normalsOnce ??= placeNormals(of.surface, given.triangles);
-        return of.normalsOnce;
+        shape.normalsOnce ??= placeNormals(shape.surface, given.triangles);
+        return shape.normalsOnce;
       },
       ask: async (region) => {
         const response = await this.fetch('weights', { method: 'POST', body: JSON.stringify(region) });
@@ -59,7 +59,7 @@ class Shape {
       },
     };
     this.painter = new Painter(this.ground, given.positions, (key, from, bytes) => {
-      post({ news: 'mask', key, from, bytes }, [bytes.buffer as ArrayBuffer]);
+      post({ event: 'mask', key, from, bytes }, [bytes.buffer as ArrayBuffer]);
     });
   }
 
@@ -68,7 +68,7 @@ class Shape {
     return this.aroundRows;
   }
 
-  /** Distances need the surface as the server has it: whoever measures waits for it once. */
+  /** Fetches the surface once: distances must be measured on the data of the server. */
   async prepare(): Promise<void> {
     if (this.surfaceOnce) return;
     const { cloud, positions, triangles } = this.given;
@@ -82,7 +82,7 @@ class Shape {
   }
 
   private get surface(): Surface {
-    if (!this.surfaceOnce) throw new Error('The surface has not come yet. Try again.');
+    if (!this.surfaceOnce) throw new Error('The surface is not loaded yet. Try again.');
     return this.surfaceOnce;
   }
 
@@ -91,7 +91,7 @@ class Shape {
     return this.searchOnce;
   }
 
-  /** Every edge once, as vertices. */
+  /** Lists every edge once, as pairs of vertices. */
   async edges(): Promise<Uint32Array> {
     await this.prepare();
     const { neighbors, members } = this.surface;
@@ -121,9 +121,9 @@ class Shape {
       try {
         sentence = (JSON.parse(text) as { error: string }).error;
       } catch {
-        // Not JSON: the text itself.
+        // The body is not JSON: it is shown as text.
       }
-      throw new Error(sentence || `The server answered ${response.status}.`);
+      throw new Error(sentence || `The server responded with status ${response.status}.`);
     }
     return response;
   }
@@ -135,11 +135,11 @@ class Shape {
     this.bands = Array.from({ length: nLevels }, () => null);
     const bands = this.bands;
     const response = await this.fetch('bands', { signal: abort.signal });
-    if (!response.body) throw new Error('The server sent no bands. Load the page again.');
+    if (!response.body) throw new Error('The server sent no bands. Reload the page.');
     await readBands(response.body, this.n, nLevels, shared, (level, band) => {
       bands[level - 1] = band;
       post({
-        news: 'band',
+        event: 'band',
         level,
         scale: band.scale,
         values: band.values,
@@ -160,7 +160,7 @@ class Shape {
 
   hit(ray: Ray): Hit | null {
     const { triangles, meanLength, cloud } = this.given;
-    this.balls ??= ballsOf(this.edited);
+    this.balls ??= enclosingBalls(this.edited);
     return cloud
       ? pickCloud(this.edited, this.balls, meanLength, ray)
       : pickMesh(this.edited, this.balls, triangles, this.around, meanLength, ray);
@@ -181,7 +181,7 @@ class Shape {
       took: 0,
     };
     if (hit && radius && !this.given.cloud && this.hasSurface) {
-      // A little beyond the radius, so that the triangles it crosses are known.
+      // Slightly beyond the radius, to include the triangles that the circle crosses.
       if (this.search.run([hit.vertex], radius + 2 * this.given.meanLength, RING_MOST)) {
         const { triangles } = this.given;
         answer.outer = contour(this.search, this.edited, triangles, this.around, radius);
@@ -217,15 +217,15 @@ function shape(): Shape {
   return current;
 }
 
-/** The normals of as many triangles take less time than the first bands. */
+/** Number of triangles whose normals are computed faster than the first bands arrive. */
 const FEW_TRIANGLES = 200_000;
 
 const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls[C][1]> } = {
   async shape(what) {
     const opened = new Shape(what);
     current = opened;
-    // The bands are asked for by the next message: few normals are computed while they are on their way. Of many, what is unpacked
-    // meanwhile would wait for them.
+    // The next message requests the bands. A few normals are computed while those are in transit; many would delay
+    // unpacking them.
     if (what.triangles.length <= 3 * FEW_TRIANGLES) await new Promise((done) => setTimeout(done));
     return { normals: opened.normals(what.positions) };
   },
@@ -239,8 +239,8 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
   },
   async edit({ layers, regions, exact }) {
     const s = shape();
-    s.painter.learn(regions);
-    s.painter.keepOnly(new Set(layers.map((l) => l.key)));
+    s.painter.updateRegions(regions);
+    s.painter.retainLayers(new Set(layers.map((l) => l.key)));
     let problem: string | null = null;
     for (const l of layers) {
       if (l.region === null) continue;
@@ -248,7 +248,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
         await s.prepare();
         await s.painter.show(l.key, l.region);
       } catch (error) {
-        // A layer whose place cannot be known changes nothing; the others go on.
+        // A layer whose region cannot be computed has no effect; the others do.
         problem = (error as Error).message;
       }
     }
@@ -274,14 +274,14 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
   },
   async warm() {
     await shape().prepare();
-    // Touching it builds it.
+    // Reading the property builds the search.
     void shape().search;
     return {};
   },
   async mask({ key, id, regions, smoothing }) {
     const s = shape();
     await s.prepare();
-    s.painter.learn(regions);
+    s.painter.updateRegions(regions);
     await s.painter.show(key, id);
     if (smoothing !== null) await s.painter.prepareSmoothing(key, id, smoothing);
     return {};
@@ -362,7 +362,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
   },
 };
 
-/** Requests are answered one after the other, but for the bands, whose stream goes on beside them. */
+/** Requests are answered one after the other, except for the stream of bands, which runs concurrently. */
 let queue: Promise<void> = Promise.resolve();
 
 async function answer(message: ToWorker): Promise<void> {

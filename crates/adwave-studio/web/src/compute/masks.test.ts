@@ -1,11 +1,11 @@
 import { describe, expect, test } from 'vitest';
-import { painted } from '../brush';
+import { appendStroke } from '../brush';
 import type { Region } from '../protocol';
-import { packBefore, unpackBefore } from './delta';
 import type { BrushShape } from './messages';
 import { Painter } from './painter';
-import { maskOf, smoothstep, weights } from './regions';
+import { computeMask, smoothstep, weights } from './regions';
 import { ground, random, sheet } from './testing';
+import { packBefore, unpackBefore } from './undo-packing';
 
 const BRUSH: BrushShape = { radius: 1, falloff: 1, strength: 1, mode: 'add', facing: null, mirror: null };
 
@@ -44,11 +44,11 @@ describe('regions and strokes', () => {
     const field = { field: { name: 'x', low: 0, high: 1 } };
     const blurred = { blurred: { by: 0.1, region: stamp([1], 0.2) } };
     for (const region of [field, { not: { any: [field] } }, blurred, { painted: [{ add: blurred }] }]) {
-      await expect(maskOf(region, g)).rejects.toThrow('asked');
+      await expect(computeMask(region, g)).rejects.toThrow('asked');
     }
-    // Of clouds the server has its own neighbors.
-    await expect(maskOf(stamp([1], 0.2), { ...g, local: false })).rejects.toThrow('asked');
-    expect((await maskOf(stamp([1], 0.2), g))[1]).toBe(255);
+    // The server has its own neighbor graph of clouds.
+    await expect(computeMask(stamp([1], 0.2), { ...g, local: false })).rejects.toThrow('asked');
+    expect((await computeMask(stamp([1], 0.2), g))[1]).toBe(255);
   });
 
   test('a mask after strokes equals the region from scratch; undo and redo give back every byte', async () => {
@@ -56,7 +56,7 @@ describe('regions and strokes', () => {
     const g = ground(s);
     const next = random(3);
     const painter = new Painter(g, s.positions, () => {});
-    painter.learn([[0, { painted: [] }]]);
+    painter.updateRegions([[0, { painted: [] }]]);
     await painter.show(7, 0);
     const strokes: ({ add: Region } | { subtract: Region })[] = [];
     const masks = [painter.mask(7)!.slice()];
@@ -71,10 +71,10 @@ describe('regions and strokes', () => {
       painter.stamp(7, [(at + 60) % s.n], brush);
       const region = stamp(painter.end(id), radius, strength);
       strokes.push(subtract ? { subtract: region } : { add: region });
-      painter.learn([[id, { extends: id - 1, stroke: strokes.at(-1)! }]]);
+      painter.updateRegions([[id, { extends: id - 1, stroke: strokes.at(-1)! }]]);
       await painter.show(7, id);
       masks.push(painter.mask(7)!.slice());
-      expect(painter.mask(7)).toEqual(await maskOf({ painted: strokes }, g));
+      expect(painter.mask(7)).toEqual(await computeMask({ painted: strokes }, g));
     }
     for (let id = 29; id >= 0; id--) {
       await painter.show(7, id);
@@ -87,7 +87,7 @@ describe('regions and strokes', () => {
   test('a stroke that is given up leaves nothing', async () => {
     const s = sheet(12);
     const painter = new Painter(ground(s), s.positions, () => {});
-    painter.learn([[0, { painted: [] }]]);
+    painter.updateRegions([[0, { painted: [] }]]);
     await painter.show(1, 0);
     painter.stamp(1, [5, 6], { ...BRUSH, radius: 0.3, falloff: 0.1 });
     expect(Math.max(...painter.mask(1)!)).toBe(255);
@@ -99,7 +99,7 @@ describe('regions and strokes', () => {
     const s = sheet(24, 0.15);
     const g = ground(s);
     const painter = new Painter(g, s.positions, () => {});
-    painter.learn([[0, { painted: [] }]]);
+    painter.updateRegions([[0, { painted: [] }]]);
     await painter.show(1, 0);
     const facing = { direction: [1, 2, 1], falloff: 0.3 };
     const brush: BrushShape = { ...BRUSH, radius: 0.4, falloff: 0.4, strength: 0.8, facing };
@@ -108,11 +108,11 @@ describe('regions and strokes', () => {
     const stamps: Region = { vertices: { indices, radius: 0.4, falloff: 0.4 } };
     const region: Region = { faded: { factor: 0.8, region: { all: [stamps, { facing }] } } };
     const mask = painter.mask(1)!;
-    expect(mask).toEqual(await maskOf({ painted: [{ add: region }] }, g));
-    const all = await maskOf({ faded: { factor: 0.8, region: stamps } }, g);
+    expect(mask).toEqual(await computeMask({ painted: [{ add: region }] }, g));
+    const all = await computeMask({ faded: { factor: 0.8, region: stamps } }, g);
     expect(mask.some((w, v) => w === all[v] && w > 0)).toBe(true);
     expect(mask.some((w, v) => w < all[v]!)).toBe(true);
-    painter.learn([[1, { extends: 0, stroke: { add: region } }]]);
+    painter.updateRegions([[1, { extends: 0, stroke: { add: region } }]]);
     await painter.show(1, 0);
     expect(Math.max(...painter.mask(1)!)).toBe(0);
     await painter.show(1, 1);
@@ -128,15 +128,17 @@ describe('regions and strokes', () => {
       return Promise.resolve(blurred);
     };
     const painter = new Painter({ ...ground(s), ask }, s.positions, () => {});
-    painter.learn([[0, { painted: [] }]]);
+    painter.updateRegions([[0, { painted: [] }]]);
     await painter.show(1, 0);
     await painter.prepareSmoothing(1, 0, 0.05);
     expect(asked).toEqual([{ blurred: { by: 0.05, region: { painted: [] } } }]);
     painter.stamp(1, [80], { ...BRUSH, mode: 'smooth', radius: 0.3, falloff: 0.3, strength: 0.5 });
     expect(painter.mask(1)![80]).toBe(50);
     painter.end(1);
-    // What it is in the end only the server knows.
-    painter.learn([[1, { extends: 0, stroke: { smooth: { region: stamp([80], 0.3, 0.5), by: 0.05 } } }]]);
+    // Only the server computes the final mask.
+    painter.updateRegions([
+      [1, { extends: 0, stroke: { smooth: { region: stamp([80], 0.3, 0.5), by: 0.05 } } }],
+    ]);
     await painter.show(1, 1);
     expect(painter.mask(1)).toEqual(blurred);
   });
@@ -162,12 +164,12 @@ describe('regions and strokes', () => {
     const next = random(11);
     const painter = new Painter(g, s.positions, () => {});
     const none: Region = { painted: [] };
-    painter.learn([[0, none]]);
+    painter.updateRegions([[0, none]]);
     await painter.show(1, 0);
     const brush: BrushShape = { ...BRUSH, radius: 0.05 * Math.SQRT2, falloff: 0.05 * Math.SQRT2 };
     const regions: Region[] = [none];
     for (let id = 1; id <= 100; id++) {
-      // A line of stamps, as a hand draws it: .15 radii apart.
+      // A line of stamps, 0.15 radii apart.
       const [x, y, angle] = [next(), next(), 7 * next()];
       for (let k = 0; k < 40; k++) {
         const t = 0.15 * brush.radius * k;
@@ -175,26 +177,26 @@ describe('regions and strokes', () => {
         if (px < 0 || px > 1 || py < 0 || py > 1) continue;
         painter.stamp(1, [Math.round(220 * px) * 221 + Math.round(220 * py)], brush);
       }
-      const region = painted(regions.at(-1)!, painter.end(id), brush);
+      const region = appendStroke(regions.at(-1)!, painter.end(id), brush);
       if (!('painted' in region)) throw new Error('not painted');
-      painter.learn([[id, { extends: id - 1, stroke: region.painted.at(-1)! }]]);
+      painter.updateRegions([[id, { extends: id - 1, stroke: region.painted.at(-1)! }]]);
       await painter.show(1, id);
       regions.push(region);
     }
-    // The page's documents, and the same in the worker, which is sent each stroke once.
+    // Documents of the page, and their copies in the worker, which receives each stroke once.
     const documents = 2 * bytesOf(regions);
     expect(painter.undoSize).toBeGreaterThan(1000);
     console.log(documents, painter.undoSize);
     expect(documents + painter.undoSize).toBeLessThan(1e6);
     const last = painter.mask(1)!.slice();
     await painter.show(1, 99);
-    expect(painter.mask(1)).toEqual(await maskOf(regions[99]!, g));
+    expect(painter.mask(1)).toEqual(await computeMask(regions[99]!, g));
     await painter.show(1, 100);
     expect(painter.mask(1)).toEqual(last);
   }, 60_000);
 });
 
-/** Bytes of arrays, numbers and objects, each object once: 8 a number or reference, 16 a property list. */
+/** Estimated size in bytes of a value, each object once: 8 per number or reference, 16 per property list. */
 function bytesOf(what: unknown, seen = new Set<unknown>()): number {
   if (typeof what !== 'object' || what === null || seen.has(what)) return 8;
   seen.add(what);

@@ -1,4 +1,4 @@
-/** What the page and its worker say to each other. */
+/** Messages between the page and its worker. */
 
 import type { BrushStroke, Region } from '../protocol';
 import type { Hit, Ray } from './pick';
@@ -8,29 +8,29 @@ export interface WorkerLayer {
   on: boolean;
   opacity: number;
   gains: number[];
-  /** Names a region that was sent once; null acts everywhere. */
+  /** Number of a region that was sent before; `null` is the whole shape. */
   region: number | null;
 }
 
 export type BrushMode = 'add' | 'subtract' | 'smooth';
 
-/** A region by its number: whole, or a painted one with one stroke more. */
-export type RegionNews = [number, Region | { extends: number; stroke: BrushStroke }];
+/** Number and content of a region: complete, or as a stroke appended to another one. */
+export type RegionUpdate = [number, Region | { extends: number; stroke: BrushStroke }];
 
 export interface BrushShape {
   radius: number;
   falloff: number;
   strength: number;
   mode: BrushMode;
-  /** Paints only what faces this direction; null: all within the radius. */
+  /** Paints only vertices that face this direction; `null` paints all within the radius. */
   facing: { direction: number[]; falloff: number } | null;
-  /** Mirror the stamped vertices at x = this, in relative coordinates; null: no symmetry. */
+  /** Mirror plane x = mirror, in coordinates relative to the center; `null` turns mirroring off. */
   mirror: number | null;
 }
 
 export type Scalar = { band: number } | 'change';
 
-/** Requests that are answered, by name: [what is sent, what comes back]. */
+/** Requests by name: [parameters, result]. */
 export interface Calls {
   shape: [
     {
@@ -48,19 +48,22 @@ export interface Calls {
   ];
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
-  edit: [{ layers: WorkerLayer[]; regions: RegionNews[]; exact: boolean }, EditAnswer];
-  /** Builds what picking and painting need, before they need it. */
+  edit: [{ layers: WorkerLayer[]; regions: RegionUpdate[]; exact: boolean }, EditAnswer];
+  /** Prepares picking and painting in advance. */
   warm: [Record<string, never>, Record<string, never>];
-  /** Makes sure that the mask of a layer is that of its region, and is ready to be smoothed by a length. */
-  mask: [{ key: number; id: number; regions: RegionNews[]; smoothing: number | null }, Record<string, never>];
-  /** The mask of a layer, for tests. */
+  /** Updates the mask of a layer to its region, and prepares softening by a blur length. */
+  mask: [
+    { key: number; id: number; regions: RegionUpdate[]; smoothing: number | null },
+    Record<string, never>,
+  ];
+  /** Mask of a layer, for tests. */
   maskBytes: [{ key: number }, { bytes: Uint8Array }];
   pick: [{ ray: Ray; ring: { radius: number; half: number } | null }, PickAnswer];
   paint: [{ key: number; rays: Ray[]; brush: BrushShape; ring: number }, PaintAnswer];
   paintEnd: [{ key: number; keep: boolean; child: number; brush: BrushShape }, PaintEndAnswer];
   scalar: [Scalar, { values: Float32Array }];
   energy: [{ key: number | null; vertex: number | null; radius: number }, { rms: number[] }];
-  /** Normals of other positions of the same vertices. */
+  /** Normals for other positions of the same vertices. */
   normals: [{ positions: Float32Array }, { normals: Int8Array }];
   positions: [Record<string, never>, { positions: Float32Array }];
 }
@@ -71,17 +74,17 @@ export interface EditAnswer {
   greatest: number;
   rms: number;
   volume: number | null;
-  /** Why a layer was left out. */
+  /** Message about a layer that was skipped. */
   problem: string | null;
-  /** Milliseconds of computing. */
+  /** Computing time in milliseconds. */
   took: number;
 }
 
 export interface PickAnswer {
   hit: Hit | null;
-  /** |W_j| at the vertex that was hit. */
+  /** |W_j| at the hit vertex. */
   spectrum: number[];
-  /** Segments of the circle at the brush's radius, then of that at half weight: [x, y, z] of both ends. */
+  /** Segments of the circle at the radius of the brush and at half weight (`inner`): [x, y, z] of both ends. */
   outer: Float32Array | null;
   inner: Float32Array | null;
   took: number;
@@ -89,7 +92,7 @@ export interface PickAnswer {
 
 export interface PaintAnswer extends PickAnswer {
   stamped: number;
-  /** Milliseconds of one stamp. */
+  /** Time of one stamp in milliseconds. */
   stampTook: number;
 }
 
@@ -101,9 +104,9 @@ export type Call = keyof Calls;
 
 export type ToWorker = { [C in Call]: { id: number; call: C; with: Calls[C][0] } }[Call];
 
-/** What the worker says unasked. */
-export type News =
-  | { news: 'band'; level: number; scale: number; values: Int16Array; at: number }
-  | { news: 'mask'; key: number; from: number; bytes: Uint8Array };
+/** Messages that the worker sends unprompted. */
+export type WorkerEvent =
+  | { event: 'band'; level: number; scale: number; values: Int16Array; at: number }
+  | { event: 'mask'; key: number; from: number; bytes: Uint8Array };
 
-export type FromWorker = { id: number; answer: unknown } | { id: number; error: string } | News;
+export type FromWorker = { id: number; answer: unknown } | { id: number; error: string } | WorkerEvent;

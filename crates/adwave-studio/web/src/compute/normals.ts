@@ -1,6 +1,6 @@
-/** Normals of vertices, as four signed bytes each (the last is 0). */
+/** Vertex normals as four signed bytes each, of which the last is 0. */
 
-/** Sums of the normals of the triangles round each vertex, weighted by area, in `sums` (3 n), packed into `out` (4 n). */
+/** Sums the area-weighted normals of the triangles of each vertex in `sums` (3 n) and packs them into `out` (4 n). */
 export function meshNormals(
   positions: Float32Array,
   triangles: Uint32Array,
@@ -51,8 +51,8 @@ function pack(sums: Float32Array, out: Int8Array): void {
 }
 
 /**
- * Normals of a cloud: the direction in which the points round a vertex spread least, by the smallest eigenvector of
- * their covariance. Their sign is arbitrary; the shader turns them to the viewer.
+ * Computes the normals of a cloud: the eigenvector of the smallest eigenvalue of the covariance of the neighbors. Their
+ * sign is arbitrary; the shader turns them to the viewer.
  */
 export function cloudNormals(
   positions: Float32Array,
@@ -98,7 +98,7 @@ export function cloudNormals(
     yy -= (my * my) / k;
     yz -= (my * mz) / k;
     zz -= (mz * mz) / k;
-    // Powers of (trace − C): the direction of least spread becomes the dominant one.
+    // Powers of (trace − C) make the direction of least spread the dominant one.
     const trace = xx + yy + zz;
     if (trace <= 0) continue;
     let a = [trace - xx, -xy, -xz, trace - yy, -yz, trace - zz] as [
@@ -123,7 +123,7 @@ export function cloudNormals(
       ];
     }
     const [p, q, r, s, t, u] = a;
-    // The longest column of a matrix that is almost of rank 1 is its direction.
+    // The longest column of a matrix of almost rank 1 is its direction.
     let x = p;
     let y = q;
     let z = r;

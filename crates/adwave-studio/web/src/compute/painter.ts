@@ -1,15 +1,23 @@
-/** The masks of the layers, and the brush that changes them. */
+/** Masks of the layers, and the brush that changes them. */
 
 import type { Region } from '../protocol';
-import { Before } from './before';
-import { packBefore, unpackBefore } from './delta';
-import type { BrushShape, RegionNews } from './messages';
+import { MaskBackup } from './mask-backup';
+import type { BrushShape, RegionUpdate } from './messages';
 import { nearestVertex } from './pick';
-import { facingWeight, type Ground, isLocal, maskOf, toByte, visitStroke, weightAt } from './regions';
+import {
+  computeMask,
+  facingWeight,
+  isLocal,
+  type RegionContext,
+  toByte,
+  visitStroke,
+  weightAt,
+} from './regions';
 import { SurfaceSearch } from './search';
+import { packBefore, unpackBefore } from './undo-packing';
 
-/** What is told to the page: `bytes` are the mask's values from vertex `from` on. */
-type Tell = (key: number, from: number, bytes: Uint8Array) => void;
+/** Reports values of a mask from vertex `from` on to the page. */
+type ReportMask = (key: number, from: number, bytes: Uint8Array) => void;
 
 interface LayerMask {
   region: number;
@@ -20,22 +28,22 @@ interface Stroke {
   key: number;
   indices: number[];
   stamped: Set<number>;
-  before: Before;
+  before: MaskBackup;
   brush: BrushShape;
-  /** Which vertices it may touch, from 0 to 1. */
+  /** Weight by which a vertex may be changed, in [0, 1]. */
   toward: ((v: number) => number) | null;
-  /** What a stroke that smooths leads to. */
+  /** Blurred mask that a softening stroke leads to. */
   smoothed: Uint8Array | null;
 }
 
-/** Which region a stroke was painted on to make this one, and what leads back to it. */
+/** Region that the last stroke was appended to, and the data that undoes the stroke. */
 interface Step {
   parent: number;
-  /** Forgotten where there are too many: then the mask is computed anew. */
+  /** Packed undo data; `null` if it was discarded and the mask must be recomputed. */
   undo: Uint8Array | null;
 }
 
-/** Bytes kept for undo, at the least and a stroke. */
+/** Budget for undo data in bytes: in total and per stroke. */
 const UNDO_LEAST = 256 << 10;
 const UNDO_EACH = 8 << 10;
 
@@ -45,20 +53,20 @@ export class Painter {
   private readonly steps = new Map<number, Step>();
   private undoBytes = 0;
   private stroke: Stroke | null = null;
-  private beforeOnce: Before | null = null;
-  private smoothed: { key: number; bytes: Uint8Array } | null = null;
-  /** Distances from all stamps of the stroke, beside what else is measured meanwhile. */
+  private beforeOnce: MaskBackup | null = null;
+  private smoothedMask: { key: number; bytes: Uint8Array } | null = null;
+  /** Distances from all stamps of the current stroke, independent of other searches. */
   private searchOnce: SurfaceSearch | null = null;
 
   constructor(
-    private readonly ground: Ground,
-    /** Relative to the center of the page's shape. */
+    private readonly ground: RegionContext,
+    /** Positions relative to the center of the shape. */
     private readonly positions: Float32Array,
-    private readonly tell: Tell,
+    private readonly reportMask: ReportMask,
   ) {}
 
-  /** Regions by number: whole, or as one stroke more than another has, whose strokes it shares. */
-  learn(regions: readonly RegionNews[]): void {
+  /** Regions by number; appended strokes share the strokes of their parent. */
+  updateRegions(regions: readonly RegionUpdate[]): void {
     for (const [id, what] of regions) {
       if (!('extends' in what)) {
         this.regions.set(id, what);
@@ -66,7 +74,7 @@ export class Painter {
       }
       const parent = this.regions.get(what.extends);
       if (!parent || !('painted' in parent))
-        throw new Error('A region was lost on its way. Load the page again.');
+        throw new Error('A region is missing in the worker. Reload the page.');
       this.regions.set(id, { painted: [...parent.painted, what.stroke] });
       const undo = this.steps.get(id)?.undo ?? null;
       this.steps.set(id, { parent: what.extends, undo });
@@ -77,27 +85,27 @@ export class Painter {
     return this.masks.get(key)?.bytes ?? null;
   }
 
-  /** Bytes that undo takes here, beside the strokes themselves. */
+  /** Size of the undo data in bytes, without the strokes. */
   get undoSize(): number {
     return this.undoBytes;
   }
 
-  /** Forgets the masks of layers that are gone. */
-  keepOnly(keys: ReadonlySet<number>): void {
+  /** Discards the masks of deleted layers. */
+  retainLayers(keys: ReadonlySet<number>): void {
     for (const key of this.masks.keys()) if (!keys.has(key)) this.masks.delete(key);
   }
 
-  /** Makes the mask of a layer that of `region`: one stroke forth or back where that is known, else from scratch. */
+  /** Updates the mask of a layer to `region`: by one stroke forward or back if possible, otherwise from scratch. */
   async show(key: number, region: number): Promise<void> {
-    if (this.stroke?.key === key) return; // being painted: its end says what it is
+    if (this.stroke?.key === key) return; // updated at the end of the stroke
     const mask = this.masks.get(key);
     if (mask?.region === region) return;
     if (mask && (this.redo(key, mask, region) || this.undo(key, mask, region))) return;
     const what = this.regions.get(region);
-    if (!what) throw new Error('A region was lost on its way. Load the page again.');
-    const bytes = await maskOf(what, this.ground);
+    if (!what) throw new Error('A region is missing in the worker. Reload the page.');
+    const bytes = await computeMask(what, this.ground);
     this.masks.set(key, { region, bytes });
-    this.tell(key, 0, bytes.slice());
+    this.reportMask(key, 0, bytes.slice());
   }
 
   private redo(key: number, mask: LayerMask, region: number): boolean {
@@ -108,7 +116,7 @@ export class Painter {
     if (!isLocal({ painted: [stroke] }, this.ground)) return false;
     const adds = 'add' in stroke;
     const { bytes } = mask;
-    const range = new Range();
+    const range = new ChangedRange();
     visitStroke(stroke, this.ground, (v, w) => {
       const value = toByte(adds ? w : 1 - w);
       if (adds ? value <= bytes[v]! : value >= bytes[v]!) return;
@@ -116,7 +124,7 @@ export class Painter {
       range.add(v);
     });
     mask.region = region;
-    range.tell(this.tell, key, bytes);
+    range.report(this.reportMask, key, bytes);
     return true;
   }
 
@@ -124,55 +132,55 @@ export class Painter {
     const step = this.steps.get(mask.region);
     if (step?.parent !== region || !step.undo) return false;
     const { entries } = this.ground.surface.members;
-    const range = new Range();
+    const range = new ChangedRange();
     unpackBefore(step.undo, (rank, value) => {
       const v = entries[rank]!;
       mask.bytes[v] = value;
       range.add(v);
     });
     mask.region = region;
-    range.tell(this.tell, key, mask.bytes);
+    range.report(this.reportMask, key, mask.bytes);
     return true;
   }
 
-  /** Before a stroke that smooths: what the mask is, blurred. */
+  /** Computes the blurred mask for a softening stroke. */
   async prepareSmoothing(key: number, region: number, by: number): Promise<void> {
     const what = this.regions.get(region);
-    if (what) this.smoothed = { key, bytes: await this.ground.ask({ blurred: { by, region: what } }) };
+    if (what) this.smoothedMask = { key, bytes: await this.ground.ask({ blurred: { by, region: what } }) };
   }
 
-  /** Stamps the brush at `vertices`, each once a stroke. How many were new. */
+  /** Stamps the brush at `vertices`, each once per stroke; returns the number of new ones. */
   stamp(key: number, vertices: readonly number[], brush: BrushShape): number {
-    if (this.stroke?.key !== key) this.begin(key, brush);
+    if (this.stroke?.key !== key) this.beginStroke(key, brush);
     const stroke = this.stroke!;
     const { bytes } = this.masks.get(key)!;
     this.searchOnce ??= new SurfaceSearch(this.ground.surface);
     const search = this.searchOnce;
     const all = [...vertices];
-    if (brush.mirror !== null) for (const v of vertices) all.push(this.mirrored(v, brush.mirror));
+    if (brush.mirror !== null) for (const v of vertices) all.push(this.mirroredVertex(v, brush.mirror));
     const fresh = new Set(all.filter((v) => !stroke.stamped.has(v)));
     if (fresh.size === 0) return 0;
     const stamps = [...fresh];
-    // What an earlier stamp is nearer to has its weight already.
+    // Vertices nearer to an earlier stamp have their weight already.
     if (stroke.indices.length === 0) search.run(stamps, stroke.brush.radius);
     else search.add(stamps, stroke.brush.radius);
     for (const v of stamps) {
       stroke.stamped.add(v);
       stroke.indices.push(v);
     }
-    const range = new Range();
+    const range = new ChangedRange();
     for (let i = 0; i < search.nReached; i++) {
       const v = search.reached[i]!;
-      if (touch(stroke, bytes, v, search.distance(v))) range.add(v);
+      if (paintVertex(stroke, bytes, v, search.distance(v))) range.add(v);
     }
-    range.tell(this.tell, key, bytes);
+    range.report(this.reportMask, key, bytes);
     return fresh.size;
   }
 
-  private begin(key: number, brush: BrushShape): void {
+  private beginStroke(key: number, brush: BrushShape): void {
     if (this.stroke) this.cancel();
     if (!this.masks.has(key)) this.masks.set(key, { region: -1, bytes: new Uint8Array(this.ground.n) });
-    this.beforeOnce ??= new Before(this.ground.n);
+    this.beforeOnce ??= new MaskBackup(this.ground.n);
     this.beforeOnce.clear();
     this.stroke = {
       key,
@@ -181,18 +189,18 @@ export class Painter {
       before: this.beforeOnce,
       brush,
       toward: brush.facing && this.ground.local ? facingWeight(brush.facing, this.ground) : null,
-      smoothed: brush.mode === 'smooth' && this.smoothed?.key === key ? this.smoothed.bytes : null,
+      smoothed: brush.mode === 'smooth' && this.smoothedMask?.key === key ? this.smoothedMask.bytes : null,
     };
   }
 
-  private mirrored(v: number, at: number): number {
+  private mirroredVertex(v: number, at: number): number {
     const p = this.positions;
     return nearestVertex(p, 2 * at - p[3 * v]!, p[3 * v + 1]!, p[3 * v + 2]!);
   }
 
   /**
-   * Ends the stroke: all stamps in one search, as the server replays it, since a straight line over two edges may begin
-   * at another stamp. `child` names the region that the mask then has.
+   * Ends the stroke. All stamps are searched at once, as the server replays them, because a straight line over two edges
+   * may begin at another stamp. `child` is the number of the resulting region.
    */
   end(child: number): number[] {
     const { stroke, ground } = this;
@@ -204,24 +212,24 @@ export class Painter {
     search.run(stroke.indices, stroke.brush.radius);
     for (let i = 0; i < search.nReached; i++) {
       const v = search.reached[i]!;
-      touch(stroke, bytes, v, search.distance(v));
+      paintVertex(stroke, bytes, v, search.distance(v));
     }
-    // Where only the server knows the outcome, it is asked for the mask as it will be.
+    // If only the server can compute the result, the mask is fetched later.
     const known = ground.local && stroke.brush.mode !== 'smooth';
-    if (mask.region >= 0 && known) this.remember(child, stroke, bytes);
+    if (mask.region >= 0 && known) this.storeUndo(child, stroke, bytes);
     mask.region = known ? child : -1;
-    const range = new Range();
-    for (const v of stroke.before.touched) range.add(v);
+    const range = new ChangedRange();
+    for (const v of stroke.before.changedVertices) range.add(v);
     this.stroke = null;
-    range.tell(this.tell, stroke.key, bytes);
+    range.report(this.reportMask, stroke.key, bytes);
     return stroke.indices;
   }
 
-  /** What undoes the stroke; older ones are forgotten where all take too much. */
-  private remember(child: number, stroke: Stroke, after: Uint8Array): void {
+  /** Stores the undo data of a stroke; discards the oldest data beyond the budget. */
+  private storeUndo(child: number, stroke: Stroke, after: Uint8Array): void {
     const { members, places } = this.ground.surface;
     const ranks: number[] = [];
-    for (const v of stroke.before.touched) {
+    for (const v of stroke.before.changedVertices) {
       if (stroke.before.value(v, 0) === after[v]) continue;
       let rank = members.offsets[places[v]!]!;
       while (members.entries[rank] !== v) rank++;
@@ -246,12 +254,12 @@ export class Painter {
     this.stroke = null;
     const mask = this.masks.get(stroke.key)!;
     stroke.before.restore(mask.bytes);
-    this.tell(stroke.key, 0, mask.bytes.slice());
+    this.reportMask(stroke.key, 0, mask.bytes.slice());
   }
 }
 
-/** The vertices between the first and the last that changed. */
-class Range {
+/** Range from the first to the last changed vertex. */
+class ChangedRange {
   private first = Infinity;
   private last = -1;
 
@@ -260,13 +268,13 @@ class Range {
     if (v > this.last) this.last = v;
   }
 
-  tell(tell: Tell, key: number, bytes: Uint8Array): void {
+  report(tell: ReportMask, key: number, bytes: Uint8Array): void {
     if (this.last >= this.first) tell(key, this.first, bytes.slice(this.first, this.last + 1));
   }
 }
 
-/** Changes the mask at one vertex; false where the stroke changes nothing there. */
-function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): boolean {
+/** Applies the stroke at one vertex; returns false if nothing changes. */
+function paintVertex(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): boolean {
   const { radius, falloff, strength, mode } = stroke.brush;
   let weight = weightAt(distance, radius, falloff);
   if (stroke.toward) weight = Math.min(weight, stroke.toward(v));
@@ -274,7 +282,7 @@ function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): 
   const now = bytes[v]!;
   let value: number;
   if (mode === 'smooth') {
-    // A preview, until the server says it: from what was there toward what is blurred.
+    // Preview until the server computes the mask: from the previous value toward the blurred one.
     const before = stroke.before.value(v, now);
     const there = stroke.smoothed?.[v] ?? before;
     value = Math.round(before + w * (there - before));
@@ -283,7 +291,7 @@ function touch(stroke: Stroke, bytes: Uint8Array, v: number, distance: number): 
     value = toByte(mode === 'subtract' ? 1 - w : w);
     if (mode === 'subtract' ? value >= now : value <= now) return false;
   }
-  stroke.before.keep(v, now);
+  stroke.before.saveValue(v, now);
   bytes[v] = value;
   return true;
 }

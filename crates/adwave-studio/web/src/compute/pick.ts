@@ -1,12 +1,12 @@
-/** What is under the cursor: vertices in a thin cone about the ray, then the triangles round them. */
+/** Picking: vertices in a thin cone around the ray, then the triangles around them. */
 
 import type { Rows } from './adjacency';
 
 export interface Ray {
   origin: readonly [number, number, number];
-  /** Of length 1. */
+  /** Direction of length 1. */
   direction: readonly [number, number, number];
-  /** Width of a pixel at distance 1. */
+  /** Width of a pixel at distance 1, in model units. */
   pixel: number;
 }
 
@@ -20,16 +20,16 @@ export interface Hit {
 const MOST_CANDIDATES = 1 << 14;
 const candidates = new Uint32Array(MOST_CANDIDATES);
 const ROOM = 1.001;
-/** Pixels round the ray in which a point of a cloud counts as hit. */
+/** Distance from the ray in pixels within which a point of a cloud is hit. */
 const POINT_PIXELS = 6;
 
-/** Vertices in a row that one ball encloses. */
+/** Number of consecutive vertices per enclosing ball. */
 const RUN = 256;
 
-/** Balls round the vertices, a run at a time: middle and radius (4 a run). What is next in memory is mostly near. */
+/** Computes enclosing balls of runs of vertices, as center and radius (4 numbers per run). Neighbors in memory are mostly near. */
 export type Balls = Float64Array;
 
-export function ballsOf(p: Float32Array): Balls {
+export function enclosingBalls(p: Float32Array): Balls {
   const balls = new Float64Array(4 * Math.ceil(p.length / (3 * RUN)));
   for (let from = 0, b = 0; from < p.length; from += 3 * RUN, b += 4) {
     const to = Math.min(p.length, from + 3 * RUN);
@@ -69,7 +69,7 @@ export function pickMesh(
     }
     if (best) return best;
   }
-  // Triangles much larger than the mean: look at all, where that is cheap.
+  // Some triangles are much larger than the mean: test all, if that is cheap.
   if (triangles.length > 3 * 60_000) return null;
   let best: Hit | null = null;
   for (let t = 0; 3 * t < triangles.length; t++) best = nearer(best, positions, triangles, t, ray);
@@ -100,7 +100,7 @@ export function pickCloud(positions: Float32Array, balls: Balls, meanLength: num
   return { vertex: best, point, normal: [-dx, -dy, -dz], depth };
 }
 
-/** Puts the vertices nearer to the ray than `width + slope · depth` into `candidates`. */
+/** Collects the vertices nearer to the ray than `width + slope · depth` in `candidates`. */
 function inCone(p: Float32Array, balls: Balls, ray: Ray, width: number, slope: number): number {
   const [ox, oy, oz] = ray.origin;
   const [dx, dy, dz] = ray.direction;
@@ -112,7 +112,7 @@ function inCone(p: Float32Array, balls: Balls, ray: Ray, width: number, slope: n
     const radius = balls[b + 3]!;
     const depth = mx * dx + my * dy + mz * dz;
     if (depth + radius <= 0) continue;
-    // The cone where the ball is farthest, with room for rounding.
+    // Width of the cone at the far side of the ball, with a margin for rounding.
     const widest = (width + slope * (depth + radius) + radius) * ROOM;
     if (mx * mx + my * my + mz * mz - depth * depth > widest * widest) continue;
     const to = Math.min(p.length, from + 3 * RUN);
@@ -131,7 +131,7 @@ function inCone(p: Float32Array, balls: Balls, ray: Ray, width: number, slope: n
   return found;
 }
 
-/** The nearer of `best` and where the ray meets triangle `t` (Möller and Trumbore, both sides). */
+/** Returns the nearer of `best` and the intersection with triangle `t` (Möller and Trumbore, both sides). */
 function nearer(best: Hit | null, p: Float32Array, triangles: Uint32Array, t: number, ray: Ray): Hit | null {
   const a = 3 * triangles[3 * t]!;
   const b = 3 * triangles[3 * t + 1]!;
@@ -175,7 +175,7 @@ function nearer(best: Hit | null, p: Float32Array, triangles: Uint32Array, t: nu
   };
 }
 
-/** The vertex nearest to a point, by looking at all. */
+/** Nearest vertex of a point, by brute force. */
 export function nearestVertex(p: Float32Array, x: number, y: number, z: number): number {
   let best = 0;
   let least = Infinity;

@@ -1,19 +1,19 @@
 /** Positions of an edit: f′ = f + Σ_j (Γ_j(x) − 1) W_j(x), Γ_j(x) = Π_l (1 + opacity_l r_l(x) (g_lj − 1)). */
 
-/** One band as it came over the wire: W = scale · (x, y, z), four numbers a vertex of which the last is 0. */
+/** One band as received: W = scale · (x, y, z), four numbers per vertex, of which the last is 0. */
 export interface Band {
   scale: number;
   values: Int16Array;
 }
 
-/** A layer as the sum needs it: `mask` is null where the layer acts everywhere, else 255 r(x). */
+/** Term of a layer in the sum: `mask` is 255 r(x), or `null` for a layer without a region. */
 export interface LayerTerm {
   opacity: number;
   gains: readonly number[];
   mask: Uint8Array | null;
 }
 
-/** Π_l (1 + opacity_l (g_lj − 1)) over the layers that act everywhere, for each of `nLevels` bands. */
+/** Π_l (1 + opacity_l (g_lj − 1)) over the layers without a region, for each of `nLevels` bands. */
 export function globalGains(layers: readonly LayerTerm[], nLevels: number): Float64Array {
   const gains = new Float64Array(nLevels).fill(1);
   for (const layer of layers) {
@@ -23,15 +23,14 @@ export function globalGains(layers: readonly LayerTerm[], nLevels: number): Floa
   return gains;
 }
 
-/** Layers that change something, with a mask. */
+/** Selects layers with a mask that change something. */
 export function maskedTerms(layers: readonly LayerTerm[]): LayerTerm[] {
   return layers.filter((l) => l.mask && l.opacity !== 0 && l.gains.some((g) => g !== 1));
 }
 
 /**
- * Writes the positions after an edit into `out` (3 n). `bands[j]` is the band of level j + 1, null while it has not
- * come. Bands that no mask multiplies are added four in a pass; each other one has a pass of its own, in which vertices
- * outside its masks cost no more than without.
+ * Writes the positions after an edit into `out` (3 n). `bands[j]` is the band of level j + 1, `null` before it is loaded.
+ * Bands without masks are added four per pass; each masked band has its own pass, which skips unmasked vertices.
  */
 export function editedPositions(
   base: Float32Array,
@@ -48,7 +47,7 @@ export function editedPositions(
   for (let j = 0; j < nLevels; j++) {
     const band = bands[j];
     if (!band) continue;
-    // What the masks multiply at band j: (mask, opacity (g − 1) / 255).
+    // Masked factors of band j: (mask, opacity (g − 1) / 255).
     const terms = masked
       .map((l) => ({ mask: l.mask!, slope: (l.opacity * ((l.gains[j] ?? 1) - 1)) / 255 }))
       .filter((t) => t.slope !== 0);
@@ -58,7 +57,7 @@ export function editedPositions(
       if (c !== 0) plain.push({ c, w: band.values });
       continue;
     }
-    // The order of the sum is that of the bands, so that its rounding is the same with masks and without.
+    // Bands are added in order, so that rounding is the same with and without masks.
     addBands(out, plain);
     plain = [];
     if (terms.length === 1) addBandMasked(out, band, global, terms[0]!.mask, terms[0]!.slope, n);
@@ -67,7 +66,7 @@ export function editedPositions(
   addBands(out, plain);
 }
 
-/** A band and what it is multiplied by. */
+/** A band and its factor. */
 interface Term {
   c: number;
   w: Int16Array;
@@ -88,7 +87,7 @@ function addOne(out: Float32Array, { c, w }: Term): void {
   }
 }
 
-/** The same four times over, with `out` read and written once. */
+/** Adds four terms in one pass over `out`, with the rounding of four separate passes. */
 function addFour(
   out: Float32Array,
   { c: c0, w: w0 }: Term,
@@ -151,7 +150,7 @@ function addBandManyMasks(
   }
 }
 
-/** How far an edit moves the vertices: greatest and root mean square, in model units. */
+/** Largest and root mean square displacement of an edit, in model units. */
 export function displacement(base: Float32Array, edited: Float32Array): { greatest: number; rms: number } {
   let greatest = 0;
   let sum = 0;

@@ -1,6 +1,6 @@
-/** Weights of a region, as far as the page computes them itself. */
+/** Weights of the regions that the page computes itself. */
 
-import { lengthOf } from '../lengths';
+import { toModelUnits } from '../lengths';
 import type { BrushStroke, Region } from '../protocol';
 import type { SurfaceSearch } from './search';
 import type { Surface } from './surface';
@@ -11,30 +11,30 @@ export function smoothstep(t: number): number {
   return s * s * s * (s * (6 * s - 15) + 10);
 }
 
-/** The weight at `distance` from a place: 0 at `radius`, risen to 1 at `radius − falloff`. */
+/** Weight at `distance` from a source: 0 at `radius`, rising to 1 at `radius − falloff`. */
 export function weightAt(distance: number, radius: number, falloff: number): number {
   if (distance === 0) return 1;
   if (distance > radius) return 0;
   return falloff > 0 ? smoothstep((radius - distance) / falloff) : 1;
 }
 
-/** What a region's weights are computed from. */
-export interface Ground {
+/** Data from which the weights of a region are computed. */
+export interface RegionContext {
   n: number;
   diagonal: number;
-  /** Positions in double precision, as the file has them. */
+  /** Positions in double precision, as in the file. */
   surface: Surface;
   search: SurfaceSearch;
-  /** Normals of the places. */
+  /** Normals of the welded points. */
   normals: Float64Array;
-  /** Whether distances of the page are those of the server: on meshes they are, of clouds it has its own graph. */
+  /** True if distances equal those of the server: on meshes, but not on clouds, where the server has its own graph. */
   local: boolean;
-  /** Asks the server for the mask of a region that is not known here. */
+  /** Fetches the mask of a region from the server. */
   ask: (region: Region) => Promise<Uint8Array>;
 }
 
-/** Whether the page computes a region itself, to the same bits as the server. */
-export function isLocal(region: Region, ground: Ground): boolean {
+/** True if the page computes a region itself, bit-identical to the server. */
+export function isLocal(region: Region, ground: RegionContext): boolean {
   const inner = (r: Region) => isLocal(r, ground);
   if (!ground.local) return false;
   if ('any' in region) return region.any.every(inner);
@@ -46,15 +46,15 @@ export function isLocal(region: Region, ground: Ground): boolean {
   return 'vertices' in region || 'facing' in region || 'box' in region || 'half-space' in region;
 }
 
-/** The mask of a region, 255 · w rounded: computed here where that is possible, else by the server. */
-export async function maskOf(region: Region, ground: Ground): Promise<Uint8Array> {
+/** Computes the mask of a region, 255 · w rounded; fetches it from the server if necessary. */
+export async function computeMask(region: Region, ground: RegionContext): Promise<Uint8Array> {
   return isLocal(region, ground) ? toBytes(weights(region, ground)) : ground.ask(region);
 }
 
-/** A region that is 0 but for a few vertices: calls `see` with the weight of each of those. False where it is not so. */
+/** Calls `see` with the nonzero weights of a sparse region; returns false if the region is not sparse. */
 export function visitSparse(
   region: Region,
-  ground: Ground,
+  ground: RegionContext,
   see: (v: number, w: number) => void,
   factor = 1,
 ): boolean {
@@ -71,8 +71,8 @@ export function visitSparse(
   }
   if (!('vertices' in region)) return false;
   const { search } = ground;
-  const radius = lengthOf(region.vertices.radius, ground.diagonal);
-  const falloff = Math.min(radius, lengthOf(region.vertices.falloff ?? radius, ground.diagonal));
+  const radius = toModelUnits(region.vertices.radius, ground.diagonal);
+  const falloff = Math.min(radius, toModelUnits(region.vertices.falloff ?? radius, ground.diagonal));
   search.run(
     region.vertices.indices.filter((v) => v < ground.n),
     radius,
@@ -85,11 +85,11 @@ export function visitSparse(
   return true;
 }
 
-/** The weights of a region that is local at every vertex, in [0, 1]. */
-export function weights(region: Region, ground: Ground): Float64Array {
+/** Computes the weights of a local region at every vertex, in [0, 1]. */
+export function weights(region: Region, ground: RegionContext): Float64Array {
   if ('any' in region) return combine(region.any, ground, 0, Math.max);
   if ('all' in region) return combine(region.all, ground, 1, Math.min);
-  if ('painted' in region) return painted(region.painted, ground);
+  if ('painted' in region) return paintedWeights(region.painted, ground);
   if ('not' in region) {
     const w = weights(region.not, ground);
     for (let v = 0; v < w.length; v++) w[v] = 1 - w[v]!;
@@ -113,19 +113,19 @@ export function weights(region: Region, ground: Ground): Float64Array {
   }
   if ('box' in region) return boxWeights(region.box, ground, out);
   if ('half-space' in region) return halfSpaceWeights(region['half-space'], ground, out);
-  throw new Error(`The page cannot compute a region ${Object.keys(region)[0]}.`);
+  throw new Error(`The page cannot compute a region of kind ${Object.keys(region)[0]}.`);
 }
 
-/** What a stroke makes of the value that is there; both in [0, 1]. */
-function joined(stroke: BrushStroke): (there: number, w: number) => number {
+/** Returns the rule that combines the previous value and the weight of a stroke, both in [0, 1]. */
+function strokeRule(stroke: BrushStroke): (there: number, w: number) => number {
   return 'add' in stroke ? (there, w) => Math.max(there, w) : (there, w) => Math.min(there, 1 - w);
 }
 
-/** Strokes one after the other, from 0 everywhere; each touches only the vertices that it reaches. */
-function painted(strokes: readonly BrushStroke[], ground: Ground): Float64Array {
+/** Applies strokes in order, starting from 0; each changes only the vertices that it reaches. */
+function paintedWeights(strokes: readonly BrushStroke[], ground: RegionContext): Float64Array {
   const out = new Float64Array(ground.n);
   for (const stroke of strokes) {
-    const join = joined(stroke);
+    const join = strokeRule(stroke);
     visitStroke(stroke, ground, (v, w) => {
       out[v] = join(out[v]!, w);
     });
@@ -133,10 +133,14 @@ function painted(strokes: readonly BrushStroke[], ground: Ground): Float64Array 
   return out;
 }
 
-/** Calls `see` with the weight of the stroke's own region, at least where it is not 0. */
-export function visitStroke(stroke: BrushStroke, ground: Ground, see: (v: number, w: number) => void): void {
+/** Calls `see` with the weight of the region of a stroke, at least where it is not 0. */
+export function visitStroke(
+  stroke: BrushStroke,
+  ground: RegionContext,
+  see: (v: number, w: number) => void,
+): void {
   const region = 'add' in stroke ? stroke.add : 'subtract' in stroke ? stroke.subtract : null;
-  if (!region) throw new Error('The page leaves smoothing strokes to the server.');
+  if (!region) throw new Error('Softening strokes are computed by the server.');
   if (visitSparse(region, ground, see)) return;
   const w = weights(region, ground);
   for (let v = 0; v < w.length; v++) see(v, w[v]!);
@@ -144,7 +148,7 @@ export function visitStroke(stroke: BrushStroke, ground: Ground, see: (v: number
 
 function combine(
   regions: readonly Region[],
-  ground: Ground,
+  ground: RegionContext,
   empty: number,
   pick: (a: number, b: number) => number,
 ): Float64Array {
@@ -159,7 +163,7 @@ function combine(
 /** S(n·d / (|d| falloff)) with the normal n at a vertex. */
 export function facingWeight(
   facing: { direction: readonly number[]; falloff?: number },
-  ground: Ground,
+  ground: RegionContext,
 ): (v: number) => number {
   const [a, b, c] = facing.direction as [number, number, number];
   const length = Math.sqrt(a * a + b * b + c * c);
@@ -176,11 +180,11 @@ export function facingWeight(
 
 function boxWeights(
   box: { min: number[]; max: number[]; falloff?: number | string },
-  ground: Ground,
+  ground: RegionContext,
   out: Float64Array,
 ): Float64Array {
   const { places, points } = ground.surface;
-  const falloff = lengthOf(box.falloff ?? '5%', ground.diagonal);
+  const falloff = toModelUnits(box.falloff ?? '5%', ground.diagonal);
   for (let v = 0; v < ground.n; v++) {
     let inside = Infinity;
     for (let c = 0; c < 3; c++) {
@@ -194,7 +198,7 @@ function boxWeights(
 
 function halfSpaceWeights(
   half: { point: number[]; normal: number[]; falloff?: number | string },
-  ground: Ground,
+  ground: RegionContext,
   out: Float64Array,
 ): Float64Array {
   const { places, points } = ground.surface;
@@ -202,7 +206,7 @@ function halfSpaceWeights(
   const length = Math.sqrt(a * a + b * b + c * c);
   const [x, y, z] = [a / length, b / length, c / length];
   const [px, py, pz] = half.point as [number, number, number];
-  const falloff = lengthOf(half.falloff ?? '5%', ground.diagonal);
+  const falloff = toModelUnits(half.falloff ?? '5%', ground.diagonal);
   for (let v = 0; v < ground.n; v++) {
     const i = 3 * places[v]!;
     const d = x * (points[i]! - px) + y * (points[i + 1]! - py) + z * (points[i + 2]! - pz);
@@ -211,7 +215,7 @@ function halfSpaceWeights(
   return out;
 }
 
-/** 255 w, rounded. */
+/** Rounds 255 w. */
 export function toByte(w: number): number {
   return Math.round(255 * w);
 }

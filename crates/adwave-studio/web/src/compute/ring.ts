@@ -1,4 +1,4 @@
-/** Where the distance of the last search is `level`, as segments over the triangles round the vertices it reached. */
+/** Computes the contour at distance `level` of the last search, as segments over the triangles. */
 
 import type { Rows } from './adjacency';
 import type { Hit } from './pick';
@@ -13,9 +13,9 @@ export function contour(
 ): Float32Array {
   const out: number[] = [];
   const { offsets, entries } = around;
-  // From within this distance no edge reaches the level.
+  // No edge from within this distance reaches the level.
   const within = level - 1.001 * search.longest;
-  /** The place on the edge from `a` to `b` where the distance is `level`. */
+  /** Adds the point on the edge from `a` to `b` where the distance is `level`. */
   const crossing = (a: number, b: number, da: number, db: number) => {
     const t = (level - da) / (db - da);
     for (let c = 0; c < 3; c++) out.push(positions[3 * a + c]! * (1 - t) + positions[3 * b + c]! * t);
@@ -40,7 +40,7 @@ export function contour(
         crossing(v, p, dv, dp);
         crossing(v, q, dv, dq);
       } else if (pOut ? q > v : p > v) {
-        // Two corners are inside: the smaller one draws it.
+        // With two corners inside, the smaller one draws the segment.
         if (pOut) {
           crossing(v, p, dv, dp);
           crossing(q, p, dq, dp);
@@ -54,7 +54,7 @@ export function contour(
   return Float32Array.from(out);
 }
 
-/** A circle in the tangent plane, where distances along the surface are not drawn. */
+/** Circle in the tangent plane, for clouds and large brushes. */
 export function flatRing({ point, normal }: Hit, radius: number): Float32Array {
   const [nx, ny, nz] = normal;
   const a = Math.abs(nx) < 0.8 ? [0, -nz, ny] : [nz, 0, -nx];

@@ -1,7 +1,7 @@
 /**
  * Distance along a surface, by the rule of the server's `SurfaceSearch`: shortest paths over the edges, in which two
- * edges in a row may be replaced by the straight line between their ends; of equal distances the smaller vertex first.
- * Memory is kept from one search to the next, so that a search costs what it finds.
+ * consecutive edges may be replaced by the straight line between their ends; ties are broken by the smaller index. Memory
+ * is reused, so that a search costs only what it reaches.
  */
 
 import type { Surface } from './surface';
@@ -9,17 +9,17 @@ import type { Surface } from './surface';
 const NONE = 0xffffffff;
 
 export class SurfaceSearch {
-  /** Vertices that the last search found: all within its radius, or those that `add` has brought nearer. */
+  /** Vertices reached by the last search: all within its radius, or those whose distance `add` has reduced. */
   reached = new Uint32Array(1024);
   nReached = 0;
-  /** The same as places of the surface, in the order in which they were first seen. */
+  /** Reached points of the surface, in the order of discovery. */
   private found = new Uint32Array(1024);
   private nFound = 0;
   private readonly distances: Float64Array;
   private readonly before: Uint32Array;
   private readonly stamps: Uint32Array;
   private stamp = 0;
-  /** The stamp of the search that later ones were added to. */
+  /** Stamp of the search that later ones were added to. */
   private first = 0;
   private heapKeys = new Float64Array(1024);
   private heapPlaces = new Uint32Array(1024);
@@ -34,13 +34,13 @@ export class SurfaceSearch {
     this.stamps = new Uint32Array(n);
   }
 
-  /** The longest edge. */
+  /** Length of the longest edge. */
   get longest(): number {
     this.longestOnce ??= longestEdge(this.surface);
     return this.longestOnce;
   }
 
-  /** The distance of a vertex from the nearest source of the last search; infinite beyond its radius. */
+  /** Distance of a vertex from the nearest source of the last search; infinite beyond its radius. */
   distance(v: number): number {
     return this.distanceOf(this.surface.places[v]!);
   }
@@ -49,13 +49,13 @@ export class SurfaceSearch {
     return this.stamps[place]! >= this.first ? this.distances[place]! : Infinity;
   }
 
-  /** Searches from `sources`, all with distance 0. At most `most` places are looked at; false where there were more. */
+  /** Searches from `sources`, all at distance 0. Returns false if more than `most` points were reached. */
   run(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
     this.first = this.stamp + 1;
     return this.add(sources, radius, most);
   }
 
-  /** The same beside the sources of the searches since the last `run`: costs what is nearer to the new ones. */
+  /** Adds sources to those since the last `run`; costs only the points that are nearer to the new ones. */
   add(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
     const { places, neighbors, points } = this.surface;
     this.stamp++;
@@ -73,16 +73,16 @@ export class SurfaceSearch {
       const x = this.heapPlaces[0]!;
       this.pop();
       const here = distances[x]!;
-      if (key > here) continue; // reached on a shorter way since it was put in
+      if (key > here) continue; // outdated entry: a shorter path was found
       if (this.nFound > most) return false;
       const before = this.before[x]!;
       const start = before === NONE ? 0 : distances[before]!;
       for (let e = offsets[x]!, end = offsets[x + 1]!; e < end; e++) {
         const y = entries[e]!;
         const known = stamps[y]! >= first ? distances[y]! : Infinity;
-        let there = here + apart(points, x, y);
+        let there = here + pointDistance(points, x, y);
         if (before !== NONE) {
-          const straight = start + apart(points, before, y);
+          const straight = start + pointDistance(points, before, y);
           if (straight < there) there = straight;
         }
         if (there < known && there <= radius) this.label(y, there, x);
@@ -92,13 +92,13 @@ export class SurfaceSearch {
     return true;
   }
 
-  /** The vertices at the places that were found. */
+  /** Lists the vertices at the reached points. */
   private listVertices(): void {
     const { offsets, entries } = this.surface.members;
     for (let i = 0; i < this.nFound; i++) {
       const place = this.found[i]!;
       for (let e = offsets[place]!; e < offsets[place + 1]!; e++) {
-        if (this.nReached === this.reached.length) this.reached = doubled(this.reached);
+        if (this.nReached === this.reached.length) this.reached = growArray(this.reached);
         this.reached[this.nReached++] = entries[e]!;
       }
     }
@@ -107,7 +107,7 @@ export class SurfaceSearch {
   private label(place: number, distance: number, before: number): void {
     if (this.stamps[place] !== this.stamp) {
       this.stamps[place] = this.stamp;
-      if (this.nFound === this.found.length) this.found = doubled(this.found);
+      if (this.nFound === this.found.length) this.found = growArray(this.found);
       this.found[this.nFound++] = place;
     }
     this.distances[place] = distance;
@@ -120,7 +120,7 @@ export class SurfaceSearch {
       const keys = new Float64Array(2 * this.heapSize);
       keys.set(this.heapKeys);
       this.heapKeys = keys;
-      this.heapPlaces = doubled(this.heapPlaces);
+      this.heapPlaces = growArray(this.heapPlaces);
     }
     const keys = this.heapKeys;
     const places = this.heapPlaces;
@@ -165,8 +165,8 @@ export class SurfaceSearch {
   }
 }
 
-/** How far two places are from each other, straight. */
-function apart(p: Float64Array, x: number, y: number): number {
+/** Straight distance of two points. */
+function pointDistance(p: Float64Array, x: number, y: number): number {
   const a = p[3 * x]! - p[3 * y]!;
   const b = p[3 * x + 1]! - p[3 * y + 1]!;
   const c = p[3 * x + 2]! - p[3 * y + 2]!;
@@ -177,13 +177,13 @@ function longestEdge({ points, neighbors: { offsets, entries } }: Surface): numb
   let most = 0;
   for (let x = 0; x + 1 < offsets.length; x++) {
     for (let e = offsets[x]!; e < offsets[x + 1]!; e++) {
-      if (entries[e]! > x) most = Math.max(most, apart(points, x, entries[e]!));
+      if (entries[e]! > x) most = Math.max(most, pointDistance(points, x, entries[e]!));
     }
   }
   return most;
 }
 
-function doubled(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
+function growArray(array: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
   const larger = new Uint32Array(2 * array.length);
   larger.set(array);
   return larger;

@@ -1,22 +1,22 @@
 /**
- * The surface as distances along it are measured: vertices at one point are one place, places are in the server's order, and
- * positions are those of the file in double precision, so that a brush paints here what the server will replay, to the bit.
+ * Surface on which distances are measured. Vertices at one point are welded to one place. Places have the order of the
+ * server and the double precision positions of the file, so that brush strokes are bit-identical to the server's replay.
  */
 
 import { neighborsOfCloud, neighborsOfMesh, type Rows, trianglesOfVertices } from './adjacency';
 
 export interface Surface {
-  /** The place of each vertex. */
+  /** Place of each vertex. */
   places: Uint32Array;
-  /** Where the places are (3 a place). */
+  /** Positions of the places, 3 numbers each. */
   points: Float64Array;
-  /** The vertices at each place. */
+  /** Vertices at each place. */
   members: Rows;
-  /** The places next to each. */
+  /** Adjacent places of each place. */
   neighbors: Rows;
 }
 
-/** What `GET surface` gives: `f64 × 3 × n`, then `u32 × n` places. */
+/** Parses the response of `GET surface`: `f64 × 3 × n` positions, then `u32 × n` places. */
 export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Array): Surface {
   const positions = new Float64Array(buffer, 0, 3 * n);
   const places = new Uint32Array(buffer, 24 * n, n);
@@ -28,18 +28,18 @@ export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Arr
   }
   const welded = triangles.map((v) => places[v]!);
   const neighbors = neighborsOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
-  return { places: places.slice(), points, members: membersOf(places, nPlaces), neighbors };
+  return { places: places.slice(), points, members: listMembers(places, nPlaces), neighbors };
 }
 
-/** The surface of a cloud: near to that of the server, which is asked for what a brush has painted. */
+/** Builds the surface of a cloud, an approximation of the server's; the server computes the final mask of a stroke. */
 export function cloudSurface(positions: Float32Array, nNeighbors: number): Surface {
   const n = positions.length / 3;
   const places = Uint32Array.from({ length: n }, (_, v) => v);
   const neighbors = neighborsOfCloud(positions, nNeighbors);
-  return { places, points: Float64Array.from(positions), members: membersOf(places, n), neighbors };
+  return { places, points: Float64Array.from(positions), members: listMembers(places, n), neighbors };
 }
 
-function membersOf(places: Uint32Array, nPlaces: number): Rows {
+function listMembers(places: Uint32Array, nPlaces: number): Rows {
   const offsets = new Uint32Array(nPlaces + 1);
   for (const place of places) offsets[place + 1]!++;
   for (let p = 0; p < nPlaces; p++) offsets[p + 1]! += offsets[p]!;
@@ -49,7 +49,7 @@ function membersOf(places: Uint32Array, nPlaces: number): Rows {
   return { offsets, entries };
 }
 
-/** Normals of the places: sums of those of the triangles round them, weighted by area, of length 1; 0 where there are none. */
+/** Area-weighted unit normals of the places; 0 for places without triangles. */
 export function placeNormals({ places, points }: Surface, triangles: Uint32Array): Float64Array {
   const sums = new Float64Array(points.length);
   for (let t = 0; t < triangles.length; t += 3) {

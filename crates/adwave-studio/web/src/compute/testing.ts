@@ -1,11 +1,11 @@
 /** Small shapes for tests. */
 
 import { neighborsOfMesh, trianglesOfVertices } from './adjacency';
-import type { Ground } from './regions';
+import type { RegionContext } from './regions';
 import { SurfaceSearch } from './search';
 import { placeNormals, readSurface, type Surface } from './surface';
 
-/** A grid of (k + 1)² vertices in the unit square, bumpy in z, with a fixed pattern of diagonals. */
+/** Grid of (k + 1)² vertices in the unit square, bumpy in z, with a fixed pattern of diagonals. */
 export function sheet(k: number, bump = 0): { positions: Float32Array; triangles: Uint32Array; n: number } {
   const n = (k + 1) ** 2;
   const positions = new Float32Array(3 * n);
@@ -31,7 +31,7 @@ export function rows(s: { triangles: Uint32Array; n: number }) {
   return { around, neighbors: neighborsOfMesh(s.triangles, s.n, around) };
 }
 
-/** The surface of a sheet whose vertices are their own places. */
+/** Surface of a sheet without welded vertices. */
 export function surfaceOf(s: { positions: Float32Array; triangles: Uint32Array; n: number }): Surface {
   const bytes = new ArrayBuffer(28 * s.n);
   new Float64Array(bytes, 0, 3 * s.n).set(s.positions);
@@ -39,7 +39,7 @@ export function surfaceOf(s: { positions: Float32Array; triangles: Uint32Array; 
   return readSurface(bytes, s.n, s.triangles);
 }
 
-export function ground(s: ReturnType<typeof sheet>): Ground {
+export function ground(s: ReturnType<typeof sheet>): RegionContext {
   const surface = surfaceOf(s);
   return {
     n: s.n,
@@ -52,7 +52,7 @@ export function ground(s: ReturnType<typeof sheet>): Ground {
   };
 }
 
-/** Numbers in [0, 1), the same each time. */
+/** Deterministic pseudorandom numbers in [0, 1). */
 export function random(seed: number): () => number {
   let x = seed;
   return () => {

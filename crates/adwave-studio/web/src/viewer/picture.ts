@@ -1,4 +1,4 @@
-/** The picture of the one file: positions and normals, shaded, by WebGL 2 alone. */
+/** Renderer of the exported file: shaded positions and normals with plain WebGL 2. */
 
 const VERTEX = `#version 300 es
 uniform mat4 matrix;
@@ -29,13 +29,13 @@ void main() {
 }`;
 
 const SURFACE = [0.84, 0.83, 0.81];
-/** Half of the field of view, radians. */
+/** Half the field of view in radians. */
 const HALF_VIEW = Math.PI / 12;
 
 export class Picture {
   yaw = 0.5;
   pitch = 0.2;
-  /** Distance from the middle, in radii of the shape that just fit. */
+  /** Distance from the center, relative to the one at which the shape fits. */
   distance = 1;
   private readonly gl: WebGL2RenderingContext;
   private readonly program: WebGLProgram;
@@ -73,7 +73,7 @@ export class Picture {
     gl.enable(gl.DEPTH_TEST);
   }
 
-  /** Where the shape is: it stays in the middle of the picture. */
+  /** Centers the picture on the shape. */
   frame(p: Float32Array): void {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
@@ -123,7 +123,7 @@ export class Picture {
     else gl.drawArrays(gl.POINTS, 0, this.n);
   }
 
-  /** The turn of the shape, and all that leads to the screen; columns one after the other. */
+  /** Rotation of the shape and the full projection, as columns. */
   private matrices(aspect: number): { turn: number[]; matrix: number[] } {
     const [cy, sy, cp, sp] = [
       Math.cos(this.yaw),

@@ -1,19 +1,69 @@
-/** The one file: the shape with a slider a band, without a server. */
+/** Script of the exported file: the shape with one slider per band, without a server. */
 
 import { neighborsOfCloud } from '../compute/adjacency';
 import { cloudNormals, meshNormals } from '../compute/normals';
 import { editedPositions } from '../compute/positions';
 import { h } from '../dom';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from '../gain';
-import { count, short } from '../lengths';
+import { formatCount, formatNumber } from '../lengths';
 import { viewerText as text } from '../text';
-import { type Content, unpack } from './content';
+import { unpack, type ViewerContent } from './content';
 import { Picture } from './picture';
+
+/** Dragging and arrow keys rotate; the wheel and pinching zoom. */
+function enableGestures(canvas: HTMLCanvasElement, picture: Picture, redraw: () => void): void {
+  const pointers = new Map<number, { x: number; y: number }>();
+  const turn = (dx: number, dy: number) => {
+    picture.yaw += dx * 0.008;
+    picture.pitch = Math.max(-1.55, Math.min(1.55, picture.pitch + dy * 0.008));
+    redraw();
+  };
+  const zoom = (factor: number) => {
+    picture.distance = Math.max(0.15, Math.min(6, picture.distance * factor));
+    redraw();
+  };
+  const spread = () => {
+    const [a, b] = [...pointers.values()];
+    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
+  };
+  canvas.addEventListener('pointerdown', (e) => {
+    canvas.setPointerCapture(e.pointerId);
+    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+  });
+  canvas.addEventListener('pointermove', (e) => {
+    const last = pointers.get(e.pointerId);
+    if (!last) return;
+    const before = spread();
+    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+    const now = spread();
+    if (before > 0 && now > 0) zoom(before / now);
+    else turn(e.clientX - last.x, e.clientY - last.y);
+  });
+  for (const end of ['pointerup', 'pointercancel'] as const) {
+    canvas.addEventListener(end, (e) => pointers.delete(e.pointerId));
+  }
+  canvas.addEventListener(
+    'wheel',
+    (e) => {
+      e.preventDefault();
+      zoom(Math.exp(e.deltaY * 0.001));
+    },
+    { passive: false },
+  );
+  canvas.addEventListener('keydown', (e) => {
+    const by = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20] }[e.key];
+    if (by) turn(by[0]!, by[1]!);
+    else if (e.key === '+' || e.key === '=') zoom(0.87);
+    else if (e.key === '-') zoom(1.15);
+    else return;
+    e.preventDefault();
+  });
+}
 
 async function start(): Promise<void> {
   const app = document.getElementById('viewer')!;
   const canvas = h('canvas', { tabIndex: 0, 'aria-label': text.stage });
-  let content: Content;
+  let content: ViewerContent;
   try {
     content = await unpack(document.getElementById('shape')!.textContent!);
   } catch {
@@ -63,13 +113,13 @@ async function start(): Promise<void> {
     if (frame === 0) frame = requestAnimationFrame(draw);
   };
 
-  // Sliders of one layer, at first of one that does something.
+  // Sliders of one layer, initially of one that has an effect.
   let layer = Math.max(
     0,
     head.layers.findIndex((l) => l.gains.some((g) => g !== 1)),
   );
   const sliders = head.levels.map(({ level, sigma }, j) => {
-    const name = text.band(level, short(sigma));
+    const name = text.band(level, formatNumber(sigma));
     const number = h('output', {});
     const input = h('input', {
       type: 'range',
@@ -89,7 +139,7 @@ async function start(): Promise<void> {
       number.textContent = gainText(gains[j]);
       request(true);
     });
-    return { row: h('label', {}, h('span', {}, `σ ${short(sigma)}`), input, number), set };
+    return { row: h('label', {}, h('span', {}, `σ ${formatNumber(sigma)}`), input, number), set };
   });
   const show = () => {
     for (const { set } of sliders) set();
@@ -120,8 +170,8 @@ async function start(): Promise<void> {
   });
   compare.setAttribute('aria-pressed', 'false');
   const notes = [
-    text.made(count(head.n_vertices)),
-    head.n_vertices < head.n_vertices_before ? text.decimated(count(head.n_vertices_before)) : '',
+    text.made(formatCount(head.n_vertices)),
+    head.n_vertices < head.n_vertices_before ? text.decimated(formatCount(head.n_vertices_before)) : '',
     head.rules ? text.rules : '',
   ];
   app.append(
@@ -139,57 +189,12 @@ async function start(): Promise<void> {
         compare,
       ),
       ...notes.filter((n) => n).map((n) => h('p', {}, n)),
+      h('details', {}, h('summary', {}, text.about), h('p', {}, text.license)),
     ),
   );
   show();
 
-  // Dragging turns, the wheel and two fingers zoom, arrow keys turn too.
-  const pointers = new Map<number, { x: number; y: number }>();
-  const turn = (dx: number, dy: number) => {
-    picture.yaw += dx * 0.008;
-    picture.pitch = Math.max(-1.55, Math.min(1.55, picture.pitch + dy * 0.008));
-    request(false);
-  };
-  const zoom = (factor: number) => {
-    picture.distance = Math.max(0.15, Math.min(6, picture.distance * factor));
-    request(false);
-  };
-  const spread = () => {
-    const [a, b] = [...pointers.values()];
-    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
-  };
-  canvas.addEventListener('pointerdown', (e) => {
-    canvas.setPointerCapture(e.pointerId);
-    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-  });
-  canvas.addEventListener('pointermove', (e) => {
-    const last = pointers.get(e.pointerId);
-    if (!last) return;
-    const before = spread();
-    pointers.set(e.pointerId, { x: e.clientX, y: e.clientY });
-    const now = spread();
-    if (before > 0 && now > 0) zoom(before / now);
-    else turn(e.clientX - last.x, e.clientY - last.y);
-  });
-  for (const end of ['pointerup', 'pointercancel'] as const) {
-    canvas.addEventListener(end, (e) => pointers.delete(e.pointerId));
-  }
-  canvas.addEventListener(
-    'wheel',
-    (e) => {
-      e.preventDefault();
-      zoom(Math.exp(e.deltaY * 0.001));
-    },
-    { passive: false },
-  );
-  canvas.addEventListener('keydown', (e) => {
-    const by = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, -20], ArrowDown: [0, 20] }[e.key];
-    if (by) turn(by[0]!, by[1]!);
-    else if (e.key === '+' || e.key === '=') zoom(0.87);
-    else if (e.key === '-') zoom(1.15);
-    else return;
-    e.preventDefault();
-  });
+  enableGestures(canvas, picture, () => request(false));
   new ResizeObserver(() => request(false)).observe(canvas);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => request(false));
   draw();

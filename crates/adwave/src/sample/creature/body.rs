@@ -1,18 +1,18 @@
-//! The anatomy of the creature: bones, radii and skin, all in model units.
+//! Anatomy of the creature: bones, radii and skin, all in model units.
 
 use super::super::implicit::V3;
-use super::part::Part;
+use super::part::BodyPart;
 use super::skin::Skin;
 use nalgebra::Rotation3;
 
-/// Which half of the body; the creature's left is +x.
+/// Half of the body; the creature's left is +x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum BodySide {
     Left,
     Right,
 }
 
-impl Side {
+impl BodySide {
     const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     fn sign(self) -> f64 {
@@ -22,45 +22,45 @@ impl Side {
         }
     }
 
-    /// A point given for the left half, on this half.
-    fn at(self, x: f64, y: f64, z: f64) -> V3 {
+    /// The point on this half that corresponds to the given point on the left half.
+    fn point(self, x: f64, y: f64, z: f64) -> V3 {
         V3::new(self.sign() * x, y, z)
     }
 }
 
-fn at(x: f64, y: f64, z: f64) -> V3 {
+fn point(x: f64, y: f64, z: f64) -> V3 {
     V3::new(x, y, z)
 }
 
 /// All parts; the first is the torso, which most others join.
-pub(super) fn parts() -> Vec<Part> {
+pub(super) fn parts() -> Vec<BodyPart> {
     let mut parts = vec![torso(), shell(), tail(), head(), nose()];
-    for side in Side::BOTH {
+    for side in BodySide::BOTH {
         parts.extend([eye(side), ear(side), leg(side), knee(side), foot(side), arm(side)]);
         parts.extend(hand(side));
     }
     parts
 }
 
-fn torso() -> Part {
+fn torso() -> BodyPart {
     let (half_width, front) = (0.165, 0.08);
-    Part::new(0.0)
-        .bone(at(0.0, 1.00, 0.0), 0.225, at(0.0, 1.19, -0.01), 0.19, 0.1)
-        .ball(at(0.0, 0.88, 0.065), 0.24, 0.1)
-        .ball(at(0.0, 0.73, 0.0), 0.2, 0.1)
-        .ball(at(0.085, 1.14, 0.105), 0.1, 0.04)
-        .ball(at(-0.085, 1.14, 0.105), 0.1, 0.04)
+    BodyPart::new(0.0)
+        .bone(point(0.0, 1.00, 0.0), 0.225, point(0.0, 1.19, -0.01), 0.19, 0.1)
+        .ball(point(0.0, 0.88, 0.065), 0.24, 0.1)
+        .ball(point(0.0, 0.73, 0.0), 0.2, 0.1)
+        .ball(point(0.085, 1.14, 0.105), 0.1, 0.04)
+        .ball(point(-0.085, 1.14, 0.105), 0.1, 0.04)
         .skin(Skin::BellyPlates { size: 0.078, height: 0.007, half_width, front })
         .skin(Skin::Flanks { size: 0.06, height: 0.0045, half_width, front })
 }
 
-fn shell() -> Part {
-    Part::new(0.02)
-        .bone(at(0.0, 0.85, -0.10), 0.28, at(0.0, 1.10, -0.095), 0.25, 0.02)
-        .ball(at(0.0, 0.98, 0.50), 0.515, 0.03)
-        .carved()
+fn shell() -> BodyPart {
+    BodyPart::new(0.02)
+        .bone(point(0.0, 0.85, -0.10), 0.28, point(0.0, 1.10, -0.095), 0.25, 0.02)
+        .ball(point(0.0, 0.98, 0.50), 0.515, 0.03)
+        .carve()
         .skin(Skin::Scales {
-            center: at(0.0, 0.97, -0.10),
+            center: point(0.0, 0.97, -0.10),
             radius: 0.275,
             half_height: 0.41,
             n_rows: 13.0,
@@ -69,17 +69,17 @@ fn shell() -> Part {
         })
 }
 
-fn tail() -> Part {
+fn tail() -> BodyPart {
     let joints = [
-        (at(0.0, 0.66, -0.16), 0.135),
-        (at(0.02, 0.45, -0.40), 0.1),
-        (at(0.08, 0.27, -0.57), 0.08),
-        (at(0.20, 0.16, -0.70), 0.063),
-        (at(0.36, 0.15, -0.74), 0.05),
-        (at(0.49, 0.22, -0.70), 0.037),
-        (at(0.55, 0.33, -0.66), 0.022),
+        (point(0.0, 0.66, -0.16), 0.135),
+        (point(0.02, 0.45, -0.40), 0.1),
+        (point(0.08, 0.27, -0.57), 0.08),
+        (point(0.20, 0.16, -0.70), 0.063),
+        (point(0.36, 0.15, -0.74), 0.05),
+        (point(0.49, 0.22, -0.70), 0.037),
+        (point(0.55, 0.33, -0.66), 0.022),
     ];
-    Part::new(0.05).chain(&curved(&joints, 4), 0.03).skin(Skin::Rings {
+    BodyPart::new(0.05).chain(&curve(&joints, 4), 0.03).skin(Skin::Rings {
         size: 0.065,
         height: 0.007,
         from: 0.12,
@@ -87,8 +87,8 @@ fn tail() -> Part {
     })
 }
 
-/// Balls along the Catmull–Rom curve through `joints`, `n_pieces` to each stretch; radii linear in between.
-fn curved(joints: &[(V3, f64)], n_pieces: usize) -> Vec<(V3, f64)> {
+/// Balls along the Catmull–Rom curve through `joints`, with `n_pieces` per segment and linear radii.
+fn curve(joints: &[(V3, f64)], n_pieces: usize) -> Vec<(V3, f64)> {
     let last = joints.len() - 1;
     let mut balls = Vec::with_capacity(last * n_pieces + 1);
     for i in 0..last {
@@ -105,18 +105,18 @@ fn curved(joints: &[(V3, f64)], n_pieces: usize) -> Vec<(V3, f64)> {
     balls
 }
 
-/// Lengths in the head are given for a head of half the size of the chest and then grow by this factor.
+/// Scale of the head; its lengths are given for a head of half the size of the chest.
 const HEAD: f64 = 1.13;
 
-/// From the head's own axes (origin in the skull, y up, z along the snout) to the model.
+/// Converts coordinates of the head (origin in the skull, y up, z along the snout) to model coordinates.
 fn head_at(x: f64, y: f64, z: f64) -> V3 {
-    at(0.0, 1.53, 0.07) + Rotation3::from_euler_angles(0.10, 0.22, -0.06) * at(x, y, z) * HEAD
+    point(0.0, 1.53, 0.07) + Rotation3::from_euler_angles(0.10, 0.22, -0.06) * point(x, y, z) * HEAD
 }
 
-fn head() -> Part {
-    let mut head = Part::new(0.05)
+fn head() -> BodyPart {
+    let mut head = BodyPart::new(0.05)
         .bone(head_at(0.0, 0.02, -0.02), 0.15 * HEAD, head_at(0.0, -0.02, 0.08), 0.12 * HEAD, 0.06)
-        .bone(at(0.0, 1.20, -0.02), 0.16, head_at(0.0, -0.06, -0.02), 0.115 * HEAD, 0.06)
+        .bone(point(0.0, 1.20, -0.02), 0.16, head_at(0.0, -0.06, -0.02), 0.115 * HEAD, 0.06)
         .bone(head_at(0.0, -0.025, 0.12), 0.092 * HEAD, head_at(0.0, -0.06, 0.34), 0.056 * HEAD, 0.06);
     for x in [0.085, -0.085] {
         head = head.ball(head_at(x, -0.07, 0.07), 0.06 * HEAD, 0.05).bone(
@@ -127,40 +127,40 @@ fn head() -> Part {
             0.03,
         );
     }
-    // The lower jaw hangs a little open, with a sharp crease below the snout.
+    // The lower jaw is slightly open, with a sharp crease below the snout.
     head = head.bone(head_at(0.0, -0.11, 0.06), 0.07 * HEAD, head_at(0.0, -0.165, 0.26), 0.034 * HEAD, 0.01);
     for x in [0.085, -0.085] {
-        head = head.ball(head_at(1.02 * x, 0.028, 0.148), 0.043 * HEAD, 0.02).carved();
+        head = head.ball(head_at(1.02 * x, 0.028, 0.148), 0.043 * HEAD, 0.02).carve();
     }
     head.skin(Skin::Pebbles { size: 0.058, height: 0.0035 })
 }
 
 /// Nose and eyes: smooth parts on the head.
-fn nose() -> Part {
-    let mut nose = Part::new(0.015).ball(head_at(0.0, -0.035, 0.385), 0.044 * HEAD, 0.02);
+fn nose() -> BodyPart {
+    let mut nose = BodyPart::new(0.015).ball(head_at(0.0, -0.035, 0.385), 0.044 * HEAD, 0.02);
     for x in [0.019, -0.019] {
-        nose = nose.ball(head_at(x, -0.030, 0.428), 0.0135 * HEAD, 0.008).carved();
+        nose = nose.ball(head_at(x, -0.030, 0.428), 0.0135 * HEAD, 0.008).carve();
     }
     nose
 }
 
-fn eye(side: Side) -> Part {
+fn eye(side: BodySide) -> BodyPart {
     let s = side.sign();
     let ball = head_at(s * 0.078, 0.034, 0.120);
     let direction = |x: f64, y: f64, z: f64| (head_at(s * x, y, z) - head_at(0.0, 0.0, 0.0)).normalize();
     // A ball this large cuts like a plane.
     let flat = 0.5;
     // The lid is a cap just outside the eyeball, open downwards and forwards; the pupil is a dimple.
-    Part::new(0.006)
+    BodyPart::new(0.006)
         .ball(ball, 0.0475 * HEAD, 0.003)
         .ball(ball + direction(0.05, -0.75, 0.65) * (flat - 0.004), flat, 0.003)
-        .carved()
+        .carve()
         .ball(ball, 0.041 * HEAD, 0.003)
         .ball(ball + direction(0.42, -0.12, 0.9) * (0.047 * HEAD), 0.0145 * HEAD, 0.006)
-        .carved()
+        .carve()
 }
 
-fn ear(side: Side) -> Part {
+fn ear(side: BodySide) -> BodyPart {
     let s = side.sign();
     let outward = (head_at(s * 0.40, 0.0, 1.0) - head_at(0.0, 0.0, 0.0)).normalize();
     let ear_at = |t: f64, forward: f64| {
@@ -168,54 +168,56 @@ fn ear(side: Side) -> Part {
         let tip = head_at(s * 0.28, 0.37, -0.07);
         base.lerp(&tip, t) + outward * forward
     };
-    Part::new(0.03)
+    BodyPart::new(0.03)
         .bone(ear_at(0.0, 0.0), 0.055, ear_at(0.48, 0.0), 0.11, 0.02)
-        .flattened(outward, 2.3)
+        .flatten_along(outward, 2.3)
         .bone(ear_at(0.48, 0.0), 0.11, ear_at(1.05, 0.0), 0.026, 0.02)
-        .flattened(outward, 2.3)
+        .flatten_along(outward, 2.3)
         .bone(ear_at(0.20, 0.054), 0.045, ear_at(0.48, 0.054), 0.080, 0.015)
-        .flattened(outward, 1.8)
-        .carved()
+        .flatten_along(outward, 1.8)
+        .carve()
         .bone(ear_at(0.48, 0.054), 0.080, ear_at(0.85, 0.050), 0.035, 0.015)
-        .flattened(outward, 1.8)
-        .carved()
+        .flatten_along(outward, 1.8)
+        .carve()
         // A fold along the inside.
         .bone(ear_at(0.15, 0.022), 0.022, ear_at(0.62, 0.008), 0.012, 0.02)
 }
 
-fn leg(side: Side) -> Part {
-    let knee = side.at(0.27, 0.40, 0.12);
-    Part::new(0.05)
-        .bone(side.at(0.15, 0.66, 0.01), 0.165, knee, 0.10, 0.05)
-        .bone(knee, 0.095, side.at(0.25, 0.13, -0.01), 0.07, 0.04)
+fn leg(side: BodySide) -> BodyPart {
+    let knee = side.point(0.27, 0.40, 0.12);
+    BodyPart::new(0.05)
+        .bone(side.point(0.15, 0.66, 0.01), 0.165, knee, 0.10, 0.05)
+        .bone(knee, 0.095, side.point(0.25, 0.13, -0.01), 0.07, 0.04)
         // The calf.
-        .ball(side.at(0.265, 0.27, 0.01), 0.085, 0.05)
+        .ball(side.point(0.265, 0.27, 0.01), 0.085, 0.05)
         .skin(Skin::Pebbles { size: 0.068, height: 0.006 })
         .skin(Skin::Rings { size: 0.06, height: 0.004, from: 0.47, to: 0.65 })
 }
 
 /// A smooth cap on the knee.
-fn knee(side: Side) -> Part {
-    Part::new(0.015).ball(side.at(0.285, 0.415, 0.185), 0.058, 0.02).flattened(side.at(0.15, 0.05, 1.0), 1.25)
+fn knee(side: BodySide) -> BodyPart {
+    BodyPart::new(0.015)
+        .ball(side.point(0.285, 0.415, 0.185), 0.058, 0.02)
+        .flatten_along(side.point(0.15, 0.05, 1.0), 1.25)
 }
 
-fn foot(side: Side) -> Part {
-    let ankle = side.at(0.25, 0.11, -0.01);
-    let mut foot = Part::new(0.04).bone(ankle, 0.07, side.at(0.255, 0.055, -0.05), 0.07, 0.03).bone(
-        side.at(0.255, 0.06, -0.02),
+fn foot(side: BodySide) -> BodyPart {
+    let ankle = side.point(0.25, 0.11, -0.01);
+    let mut foot = BodyPart::new(0.04).bone(ankle, 0.07, side.point(0.255, 0.055, -0.05), 0.07, 0.03).bone(
+        side.point(0.255, 0.06, -0.02),
         0.07,
-        side.at(0.29, 0.05, 0.14),
+        side.point(0.29, 0.05, 0.14),
         0.07,
         0.03,
     );
     for (angle, length) in [(-0.32_f64, 0.10), (0.12, 0.125), (0.60, 0.10)] {
-        let direction = side.at(angle.sin(), 0.0, angle.cos());
-        let root = side.at(0.285, 0.045, 0.14) + side.at(0.11 * angle.sin(), 0.0, 0.03);
+        let direction = side.point(angle.sin(), 0.0, angle.cos());
+        let root = side.point(0.285, 0.045, 0.14) + side.point(0.11 * angle.sin(), 0.0, 0.03);
         let tip = root + direction * length;
         foot = foot.bone(root, 0.042, tip, 0.036, 0.015).bone(
-            tip + at(0.0, 0.008, 0.0) + direction * 0.025,
+            tip + point(0.0, 0.008, 0.0) + direction * 0.025,
             0.02,
-            tip + direction * 0.08 - at(0.0, 0.02, 0.0),
+            tip + direction * 0.08 - point(0.0, 0.02, 0.0),
             0.009,
             0.006,
         );
@@ -223,23 +225,23 @@ fn foot(side: Side) -> Part {
     foot.skin(Skin::Pebbles { size: 0.055, height: 0.003 })
 }
 
-/// Shoulder, elbow, wrist: the left arm waves, the right one reaches out.
-fn arm_joints(side: Side) -> [V3; 3] {
+/// Shoulder, elbow and wrist: the left arm waves, the right one reaches out.
+fn arm_joints(side: BodySide) -> [V3; 3] {
     match side {
-        Side::Left => [at(0.21, 1.21, -0.01), at(0.47, 1.17, 0.0), at(0.60, 1.42, 0.09)],
-        Side::Right => [at(-0.21, 1.21, -0.01), at(-0.45, 1.08, 0.06), at(-0.60, 1.24, 0.25)],
+        BodySide::Left => [point(0.21, 1.21, -0.01), point(0.47, 1.17, 0.0), point(0.60, 1.42, 0.09)],
+        BodySide::Right => [point(-0.21, 1.21, -0.01), point(-0.45, 1.08, 0.06), point(-0.60, 1.24, 0.25)],
     }
 }
 
-fn arm(side: Side) -> Part {
+fn arm(side: BodySide) -> BodyPart {
     let [shoulder, elbow, wrist] = arm_joints(side);
     let upper = elbow - shoulder;
     let back = (elbow - shoulder.lerp(&wrist, 0.5)).normalize();
-    Part::new(0.05)
+    BodyPart::new(0.05)
         .bone(shoulder, 0.115, elbow, 0.075, 0.04)
         .bone(elbow, 0.078, wrist, 0.054, 0.03)
         // Upper arm muscle, forearm muscle, elbow.
-        .ball(shoulder + upper * 0.5 + at(0.0, 0.02, 0.03), 0.08, 0.05)
+        .ball(shoulder + upper * 0.5 + point(0.0, 0.02, 0.03), 0.08, 0.05)
         .ball(elbow.lerp(&wrist, 0.3), 0.082, 0.05)
         .ball(elbow + back * 0.055, 0.038, 0.03)
         .skin(Skin::Pebbles { size: 0.062, height: 0.0055 })
@@ -247,17 +249,17 @@ fn arm(side: Side) -> Part {
 }
 
 /// The hand, and its claws as a part without skin.
-fn hand(side: Side) -> [Part; 2] {
+fn hand(side: BodySide) -> [BodyPart; 2] {
     let [_, elbow, wrist] = arm_joints(side);
     let along = (wrist - elbow).normalize();
     // The palm looks forward, the thumb points up and inward.
-    let palm = (at(0.0, -0.1, 1.0) - along * along.dot(&at(0.0, -0.1, 1.0))).normalize();
+    let palm = (point(0.0, -0.1, 1.0) - along * along.dot(&point(0.0, -0.1, 1.0))).normalize();
     let across = palm.cross(&along) * side.sign();
     let hand_at = |a: f64, c: f64, f: f64| wrist + along * a + across * c + palm * f;
-    let mut claws = Part::new(0.006);
-    let mut hand = Part::new(0.03)
+    let mut claws = BodyPart::new(0.006);
+    let mut hand = BodyPart::new(0.03)
         .bone(hand_at(0.0, 0.0, 0.0), 0.055, hand_at(0.10, 0.0, 0.0), 0.075, 0.03)
-        .flattened(palm, 1.45);
+        .flatten_along(palm, 1.45);
     let fingers = [(0.52_f64, 0.045, 0.11, 0.95), (0.08, 0.0, 0.125, 1.0), (-0.38, -0.048, 0.11, 0.92)];
     let thumb = (1.25, 0.045, 0.035, 0.85);
     for (angle, offset, start, size) in fingers.into_iter().chain([thumb]) {

@@ -1,9 +1,9 @@
-//! The creature: a standing figure with shell, ears, snout, claws and tail, a stand-in for the scanned armadillo that
-//! shape-processing papers show.
+//! The creature: a standing figure with shell, ears, snout, claws and tail, instead of the scanned armadillo of
+//! shape-processing papers.
 //!
-//! It is an implicit surface in model units, so every number of vertices samples one and the same shape: parts made
-//! of round cones ([`body`]), joined with fillets, and skin carved in ([`skin`]). y is up, it faces +z, and it is
-//! about 2 units high.
+//! It is an implicit surface in model units, so every number of vertices samples the same shape: parts made of
+//! round cones ([`body`]), joined with fillets, with carved skin ([`skin`]). y is up, it faces +z, and it is about
+//! 2 units high.
 
 mod body;
 mod part;
@@ -11,35 +11,35 @@ mod skin;
 
 use super::SampleError;
 use super::implicit::{Implicit, Side, V3, smooth_carve, smooth_union, smoothstep};
-use super::polygonize::{CrossedGrid, Surface};
+use super::polygonize::{CrossedGrid, SampledSurface};
 use super::relax::{opposite_corners, relax};
-use part::Part;
+use part::BodyPart;
 
-/// The fewest vertices at which fingers and ears are resolved enough to be what they are.
+/// Smallest number of vertices that resolves fingers and ears.
 pub(super) const MIN_VERTICES: usize = 2_000;
-/// The number of vertices is met within this part of the number asked for.
+/// Largest relative deviation from the requested number of vertices.
 pub(super) const COUNT_TOLERANCE: f64 = 0.018;
-/// Vertices of the finer trial grid that tells how the count grows.
+/// Number of vertices of the finer trial grid, which shows how the count grows.
 const TRIAL_VERTICES: usize = 150_000;
-/// Grids tried until count and genus fit.
+/// Maximal number of grids tried until count and genus match.
 const MAX_TRIES: usize = 12;
-/// Vertices times cell area, model units squared: about 3/2 of the surface area. A first guess only.
+/// Number of vertices times cell area, model units squared: about 3/2 of the surface area. Only a first guess.
 const FIRST_GUESS: f64 = 7.6;
-/// Parts within this distance of the nearest one share their skin, model units.
+/// Distance from the nearest part within which parts share their skin, model units.
 const SKIN_BLEND: f64 = 0.03;
-/// The fillets lower the union by less than this below the nearest part, model units.
+/// Largest depth of a fillet below the nearest part, model units.
 const FILLET_DEPTH: f64 = 0.03;
-/// Room round the bones for fillets and skin, model units.
+/// Margin around the bones for fillets and skin, model units.
 const MARGIN: f64 = 0.03;
-/// The body has fewer parts than this.
+/// Upper bound of the number of parts.
 const MAX_PARTS: usize = 32;
-/// The soles are cut flat at y = 0 with this rounding, model units.
+/// Rounding with which the soles are cut flat at y = 0, model units.
 const SOLE_ROUNDING: f64 = 0.02;
 
-/// The creature as a function of space.
+/// The creature as an implicit function.
 #[derive(Debug)]
 pub(super) struct Creature {
-    parts: Vec<Part>,
+    parts: Vec<BodyPart>,
     low: V3,
     high: V3,
 }
@@ -50,7 +50,7 @@ impl Creature {
         assert!(parts.len() <= MAX_PARTS);
         let mut low = V3::repeat(f64::INFINITY);
         let mut high = V3::repeat(f64::NEG_INFINITY);
-        for (center, radius) in parts.iter().flat_map(Part::balls) {
+        for (center, radius) in parts.iter().flat_map(BodyPart::balls) {
             let reach = V3::repeat(radius + MARGIN);
             low = low.inf(&(center - reach));
             high = high.sup(&(center + reach));
@@ -58,13 +58,14 @@ impl Creature {
         Self { parts, low, high }
     }
 
-    /// Distance to the joined parts without skin. `note` hears the parts, each with its own distance, that come
-    /// within [`SKIN_BLEND`] of the nearest one anywhere in the ball of radius `reach` round `p`.
-    fn joined(&self, p: V3, reach: f64, mut note: impl FnMut(usize, f64)) -> f64 {
+    /// Distance to the joined parts without skin. `note` is called for the parts, each with its own distance, that
+    /// come within [`SKIN_BLEND`] of the nearest one anywhere in the ball of radius `reach` around `p`.
+    fn union_distance(&self, p: V3, reach: f64, mut note: impl FnMut(usize, f64)) -> f64 {
         let mut total = f64::INFINITY;
         for (i, part) in self.parts.iter().enumerate() {
-            // Beyond the fillet's width the union is the smaller one to the last bit, so skipping changes nothing.
-            if part.farther_than(p, total + part.blend.max(SKIN_BLEND + FILLET_DEPTH) + 2.0 * reach) {
+            // Beyond the width of the fillet the union equals the smaller value exactly, so skipping changes
+            // nothing.
+            if part.is_farther_than(p, total + part.blend.max(SKIN_BLEND + FILLET_DEPTH) + 2.0 * reach) {
                 continue;
             }
             let distance = part.distance(p);
@@ -79,7 +80,7 @@ impl Implicit for Creature {
     fn value(&self, p: V3) -> f64 {
         let mut near = [(0, 0.0); MAX_PARTS];
         let (mut n_near, mut highest) = (0, 0.0_f64);
-        let total = self.joined(p, 0.0, |i, distance| {
+        let total = self.union_distance(p, 0.0, |i, distance| {
             near[n_near] = (i, distance);
             n_near += 1;
             highest = highest.max(self.parts[i].highest_skin());
@@ -104,7 +105,8 @@ impl Implicit for Creature {
     fn side_of_ball(&self, center: V3, radius: f64) -> Option<Side> {
         // The joined parts are 1-Lipschitz; the skin adds at most its height.
         let mut highest = 0.0_f64;
-        let total = self.joined(center, radius, |i, _| highest = highest.max(self.parts[i].highest_skin()));
+        let total =
+            self.union_distance(center, radius, |i, _| highest = highest.max(self.parts[i].highest_skin()));
         (total.abs() > radius + highest).then_some(if total < 0.0 { Side::Inside } else { Side::Outside })
     }
 
@@ -115,18 +117,19 @@ impl Implicit for Creature {
 
 /// The creature as a closed triangle mesh of genus 0 with `n_vertices` vertices within [`COUNT_TOLERANCE`].
 ///
-/// The count is steered by the grid's spacing h, as it grows like 1/h². A grid on which thin parts break off or
-/// touch (Euler characteristic other than 2, or several components) is left for one slightly finer.
+/// The spacing h of the grid controls the count, which grows like 1/h². A grid on which thin parts break off or
+/// touch (Euler characteristic other than 2, or several components) is replaced by a slightly finer one.
 ///
 /// # Errors
-/// [`SampleError::NotReached`] when no grid tried gives that count and a sphere's topology.
-pub(super) fn creature(n_vertices: usize) -> Result<Surface, SampleError> {
+/// [`SampleError::NotReached`] if no grid tried gives that count and the topology of a sphere.
+pub(super) fn creature(n_vertices: usize) -> Result<SampledSurface, SampleError> {
     let field = Creature::new();
     let target = n_vertices as f64;
     let mut per_cell_area = FIRST_GUESS;
     let mut nudge = 1.0;
     if n_vertices > 2 * TRIAL_VERTICES {
-        // Finer grids see more of the skin: vertices times cell area, c(h), grows about linearly as h falls.
+        // Finer grids resolve more of the skin: vertices times cell area, c(h), grows about linearly as h
+        // decreases.
         let h = (FIRST_GUESS / TRIAL_VERTICES as f64).sqrt();
         let c = [2.0 * h, h].map(|h| CrossedGrid::new(&field, h).n_vertices() as f64 * h * h);
         let finer = (c[1] / target).sqrt();
@@ -145,20 +148,20 @@ pub(super) fn creature(n_vertices: usize) -> Result<Surface, SampleError> {
             relax(&field, &mut surface);
             return Ok(surface);
         }
-        // Another grid within the tolerance, above and below in turn.
+        // Other grids within the tolerance, alternately finer and coarser.
         nudge = if nudge > 1.0 { 2.0 - nudge } else { 2.0 - nudge + 0.15 * COUNT_TOLERANCE };
     }
     Err(SampleError::NotReached { name: "creature", n_vertices, tries: MAX_TRIES })
 }
 
 /// Vertices − edges + faces of a closed triangle mesh.
-fn euler_characteristic(surface: &Surface) -> i64 {
+fn euler_characteristic(surface: &SampledSurface) -> i64 {
     surface.points.len() as i64 - surface.triangles.len() as i64 / 2
 }
 
-/// Drops all but the component with the most vertices: on coarse grids tips of claws break off, on fine ones a crest
-/// of the skin may.
-fn keep_largest_component(surface: &mut Surface) {
+/// Removes all but the component with the most vertices: tips of claws may break off on coarse grids, and a crest
+/// of the skin on fine ones.
+fn keep_largest_component(surface: &mut SampledSurface) {
     let opposite = opposite_corners(&surface.triangles);
     let mut component = vec![u32::MAX; surface.triangles.len()];
     let mut sizes = Vec::new();
@@ -186,7 +189,7 @@ fn keep_largest_component(surface: &mut Surface) {
     if sizes.len() < 2 {
         return;
     }
-    // The first of the largest, whatever the sizes.
+    // The first of the largest components.
     let largest = (0..sizes.len()).rev().max_by_key(|&c| sizes[c]).expect("two or more") as u32;
     let mut faces = component.iter();
     surface.triangles.retain(|_| faces.next() == Some(&largest));

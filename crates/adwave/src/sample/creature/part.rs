@@ -1,27 +1,27 @@
 //! A part of the creature: a chain of round cones with its own fillet and skin.
 
 use super::super::implicit::{Flatten, RoundCone, V3, smooth_carve, smooth_union, smoothstep};
-use super::skin::{Place, Skin};
+use super::skin::{Skin, SkinPoint};
 
-/// Length of the axis of a round cone that stands for a ball, model units.
+/// Axis length of a round cone that represents a ball, model units.
 const BALL_AXIS: f64 = 2e-4;
 
-/// Bones within this distance of the nearest one share the place along the chain, model units.
+/// Distance from the nearest bone within which bones share the position along the chain, model units.
 const BEND_BLEND: f64 = 0.015;
 
-/// What a bone does to the part so far.
+/// Effect of a bone on the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Role {
+enum PartRole {
     Add,
     Carve,
 }
 
-/// A round cone, possibly flattened, and how it joins those before.
+/// A round cone, possibly flattened, and its joint with those before.
 #[derive(Clone, Debug)]
 struct Bone {
     cone: RoundCone,
     flatten: Option<Flatten>,
-    role: Role,
+    role: PartRole,
     /// Width of the fillet, model units.
     blend: f64,
     /// Length of the chain before this bone, model units.
@@ -39,7 +39,7 @@ impl Bone {
 
 /// Bones, their common bounding ball, and the skin on them.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct BodyPart {
     bones: Vec<Bone>,
     /// Length of the chain so far, model units.
     next_arc: f64,
@@ -54,7 +54,7 @@ pub(super) struct Part {
     stretch: f64,
 }
 
-impl Part {
+impl BodyPart {
     pub(super) fn new(blend: f64) -> Self {
         Self {
             bones: Vec::new(),
@@ -73,7 +73,7 @@ impl Part {
         let cone = RoundCone::new(a, ra, b, rb);
         let arc = self.next_arc;
         self.next_arc += cone.length();
-        self.bones.push(Bone { cone, flatten: None, role: Role::Add, blend, arc });
+        self.bones.push(Bone { cone, flatten: None, role: PartRole::Add, blend, arc });
         self.bounded()
     }
 
@@ -97,17 +97,17 @@ impl Part {
         self.bone(center - offset, radius, center + offset, radius, blend)
     }
 
-    /// Makes the last bone `factor` times as thin along `normal`, about the middle of its axis.
-    pub(super) fn flattened(mut self, normal: V3, factor: f64) -> Self {
+    /// Makes the last bone thinner by `factor` along `normal`, about the middle of its axis.
+    pub(super) fn flatten_along(mut self, normal: V3, factor: f64) -> Self {
         let bone = self.bones.last_mut().expect("a bone to flatten");
         let [(a, _), (b, _)] = bone.cone.balls();
         bone.flatten = Some(Flatten { center: a.lerp(&b, 0.5), normal: normal.normalize(), factor });
         self.bounded()
     }
 
-    /// Makes the last bone a hollow in place of a solid.
-    pub(super) fn carved(mut self) -> Self {
-        self.bones.last_mut().expect("a bone to carve with").role = Role::Carve;
+    /// Turns the last bone into a hollow.
+    pub(super) fn carve(mut self) -> Self {
+        self.bones.last_mut().expect("a bone to carve with").role = PartRole::Carve;
         self.bounded()
     }
 
@@ -119,7 +119,7 @@ impl Part {
     }
 
     fn bounded(mut self) -> Self {
-        let solid = || self.bones.iter().filter(|b| b.role == Role::Add);
+        let solid = || self.bones.iter().filter(|b| b.role == PartRole::Add);
         let balls: Vec<_> = solid().flat_map(|b| b.cone.balls()).collect();
         self.center = balls.iter().map(|b| b.0).sum::<V3>() / balls.len().max(1) as f64;
         // A fillet of width k bulges by at most k/4.
@@ -129,15 +129,15 @@ impl Part {
         self
     }
 
-    /// Balls that hold the part together.
+    /// Balls whose union contains the part.
     pub(super) fn balls(&self) -> impl Iterator<Item = (V3, f64)> + '_ {
-        let solid = self.bones.iter().filter(|b| b.role == Role::Add);
+        let solid = self.bones.iter().filter(|b| b.role == PartRole::Add);
         let bulge = 0.25 * self.blend;
         solid.flat_map(move |b| b.cone.balls().map(move |(c, r)| (c, r + bulge)))
     }
 
-    /// Whether [`distance`](Self::distance) is certainly more than `limit` at `p`.
-    pub(super) fn farther_than(&self, p: V3, limit: f64) -> bool {
+    /// True if [`distance`](Self::distance) is certainly more than `limit` at `p`.
+    pub(super) fn is_farther_than(&self, p: V3, limit: f64) -> bool {
         let reach = self.radius + (limit * self.stretch).max(0.0);
         (p - self.center).norm_squared() > reach * reach
     }
@@ -148,15 +148,15 @@ impl Part {
         for bone in &self.bones {
             let distance = bone.distance(p);
             total = match bone.role {
-                Role::Carve => smooth_carve(total, distance, bone.blend),
-                Role::Add if total.is_finite() => smooth_union(total, distance, bone.blend),
-                Role::Add => distance,
+                PartRole::Carve => smooth_carve(total, distance, bone.blend),
+                PartRole::Add if total.is_finite() => smooth_union(total, distance, bone.blend),
+                PartRole::Add => distance,
             };
         }
         total
     }
 
-    /// Bound on the size of [`skin_height`](Self::skin_height).
+    /// Bound of the magnitude of [`skin_height`](Self::skin_height).
     pub(super) fn highest_skin(&self) -> f64 {
         self.highest
     }
@@ -167,7 +167,7 @@ impl Part {
             return 0.0;
         }
         let nearest = self.rods().map(|b| b.distance(p)).fold(f64::INFINITY, f64::min);
-        // On the inner side of a bend the two bones disagree; the blend keeps the pattern whole there.
+        // On the inner side of a bend the two bones disagree; the blend keeps the pattern continuous there.
         let (mut along, mut weights) = (0.0, 0.0);
         for bone in self.rods() {
             let weight = smoothstep(BEND_BLEND, 0.0, bone.distance(p) - nearest);
@@ -177,12 +177,12 @@ impl Part {
             }
         }
         let along = if weights > 0.0 { along / weights } else { 0.0 };
-        let place = Place { at: p, along };
+        let place = SkinPoint { at: p, along };
         self.skin.iter().map(|skin| skin.height(&place)).sum()
     }
 
-    /// The solid bones but not the balls, which swell the chain and are no places along it.
+    /// The solid bones without the balls, which only thicken the chain.
     fn rods(&self) -> impl Iterator<Item = &Bone> {
-        self.bones.iter().filter(|b| b.role == Role::Add && b.cone.length() > 2.0 * BALL_AXIS)
+        self.bones.iter().filter(|b| b.role == PartRole::Add && b.cone.length() > 2.0 * BALL_AXIS)
     }
 }

@@ -1,11 +1,11 @@
-//! Skin: small heights in model units over the smooth body, each kind with its own pattern and wavelength.
+//! Skin: small heights in model units over the smooth body, with a pattern and wavelength per kind.
 
 use super::super::implicit::{V3, smoothstep};
 use std::f64::consts::{PI, TAU};
 
-/// Where on a part a height is asked for.
+/// Point of a part at which a height is evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct SkinPoint {
     pub(super) at: V3,
     /// Distance along the part's chain of bones, model units.
     pub(super) along: f64,
@@ -27,7 +27,7 @@ pub(super) enum Skin {
 }
 
 impl Skin {
-    /// Bound on the size of the height.
+    /// Bound of the magnitude of the height.
     pub(super) fn highest(&self) -> f64 {
         match *self {
             Self::Pebbles { height, .. }
@@ -38,8 +38,8 @@ impl Skin {
         }
     }
 
-    /// Height at a place, positive outwards.
-    pub(super) fn height(&self, place: &Place) -> f64 {
+    /// Height at a point, positive outwards.
+    pub(super) fn height(&self, place: &SkinPoint) -> f64 {
         let p = place.at;
         match *self {
             Self::Pebbles { size, height } => height * pebbles(p / size),
@@ -64,25 +64,25 @@ impl Skin {
     }
 }
 
-/// 1 on the belly, 0 off it.
+/// 1 on the belly, 0 elsewhere.
 fn belly(p: V3, half_width: f64, front: f64) -> f64 {
     smoothstep(half_width, 0.8 * half_width, p.x.abs()) * smoothstep(front, front + 0.06, p.z)
 }
 
 /// A row of rounded ridges with narrow valleys, period 1, between −1 and 1.
 fn ring(x: f64) -> f64 {
-    // The sine leans the ridge over like a scale.
+    // The sine tilts the ridge like a scale.
     let lean = x + 0.05 * (TAU * x).sin();
     let wave = (PI * lean).cos().powi(2);
     // Flat tops and narrow valleys.
     2.0 * wave * (1.0 + VALLEY) / (wave + VALLEY) - 1.0
 }
 
-/// Part of a ring's width that its valley takes, about.
+/// Approximate share of a ring's width that its valley takes.
 const VALLEY: f64 = 0.3;
 
-/// Overlapping rounded scales in rows of latitude, every other row shifted by half a scale, each rising toward its
-/// lower edge and lying over the row below; between −1 and 1. Angles in radians.
+/// Overlapping rounded scales in rows of latitude, every other row shifted by half a scale, each rising towards its
+/// lower edge and covering the row below; between −1 and 1. Angles in radians.
 fn scales(latitude: f64, longitude: f64, n_rows: f64, n_columns: f64) -> f64 {
     // Rows are counted downwards from the upper pole.
     let down = (0.5 - latitude / PI) * n_rows;
@@ -96,10 +96,10 @@ fn scales(latitude: f64, longitude: f64, n_rows: f64, n_columns: f64) -> f64 {
 
 /// Width of a scale's rounded edge in rows.
 const SCALE_EDGE: f64 = 0.22;
-/// How far a scale hangs over the next row at its middle, in rows.
+/// Overhang of a scale over the next row at its middle, in rows.
 const SCALE_OVERLAP: f64 = 0.62;
 
-struct Scale {
+struct SkinScale {
     /// Height between −1 and 1.
     height: f64,
     /// Distance to the lower edge in rows, positive on the scale.
@@ -107,7 +107,7 @@ struct Scale {
 }
 
 /// The scale of row `row` at this longitude.
-fn scale(row: f64, down: f64, longitude: f64, n_rows: f64, n_columns: f64) -> Scale {
+fn scale(row: f64, down: f64, longitude: f64, n_rows: f64, n_columns: f64) -> SkinScale {
     let count = (n_columns * (PI * (0.5 - (row + 0.7) / n_rows)).cos()).round().max(3.0);
     let column = longitude / TAU * count + 0.5 * (row.rem_euclid(2.0));
     let u = 2.0 * (column - column.floor() - 0.5);
@@ -115,21 +115,21 @@ fn scale(row: f64, down: f64, longitude: f64, n_rows: f64, n_columns: f64) -> Sc
     let rounding = 1.0 - u.abs().powi(3);
     let edge = 1.0 + SCALE_OVERLAP * rounding - SCALE_EDGE - v;
     let rise = v / (1.0 + SCALE_OVERLAP);
-    Scale { height: (1.25 * rise + 0.75 * rounding - 1.0).clamp(-1.0, 1.0), edge }
+    SkinScale { height: (1.25 * rise + 0.75 * rounding - 1.0).clamp(-1.0, 1.0), edge }
 }
 
-/// Cells round randomly placed seeds, about 1 apart: high in the middle, creased between; between −1 and 1.
+/// Cells around randomly placed seeds, about 1 apart: high in the middle, creased between; between −1 and 1.
 fn pebbles(p: V3) -> f64 {
     let base = p.map(f64::floor);
     let within = p - base;
-    // The least distance along an axis to the seeds of the cell `step` further.
+    // Lower bound of the distance along an axis to the seeds of the cell `step` further.
     let gap = |axis: usize, step: i32| match step {
         0 => 0.0,
         1 => 1.0 + SEED_MARGIN - within[axis],
         _ => within[axis] + SEED_MARGIN,
     };
     let (mut nearest, mut second) = (f64::INFINITY, f64::INFINITY);
-    // The own cell first: what it finds rules most of the others out.
+    // The cell itself comes first, because its result excludes most of the others.
     for k in [0, -1, 1] {
         for j in [0, -1, 1] {
             for i in [0, -1, 1] {
@@ -142,15 +142,15 @@ fn pebbles(p: V3) -> f64 {
             }
         }
     }
-    // A wider crease keeps the slope across the surface below 1, so that no grain comes off.
+    // A wider crease keeps the slope across the surface below 1, so that no grain detaches.
     let crease = smoothstep(0.0, 0.5, second.sqrt() - nearest.sqrt());
     2.0 * crease * (1.0 - 0.45 * nearest) - 1.0
 }
 
-/// A seed keeps this far from the walls of its cell, in cells.
+/// Distance of a seed from the walls of its cell, in cells.
 const SEED_MARGIN: f64 = 0.12;
 
-/// The seed of an integer cell: its middle moved at random, but not past [`SEED_MARGIN`].
+/// The seed of an integer cell: its center moved at random, but not past [`SEED_MARGIN`].
 fn seed_point(cell: [i32; 3]) -> V3 {
     let mut h = 0x9e37_79b9_u32;
     for c in cell {

@@ -1,42 +1,42 @@
-//! Positions along a space-filling curve, in blocks with boxes: a search looks at the few blocks near a point, and at all
-//! positions of a block at once.
+//! Positions along a space-filling curve, in blocks with bounding boxes: a search visits the few blocks near a
+//! point, and compares all positions of a block at once.
 
-// Code that is compiled for several instruction sets is only so where it is inlined into the place that picks one.
+// Code compiled for several instruction sets must be inlined into the function that selects one.
 #![allow(clippy::inline_always)]
 
 use crate::shape::squared_distance;
 use crate::{Cancelled, Progress, parallel};
 use pulp::{Arch, NullaryFnOnce};
 
-/// Positions in a block: whole registers of any processor, and about as many as a search wants.
+/// Number of positions per block: whole registers of any processor, and about the number that a search needs.
 pub(super) const BLOCK: usize = 32;
 
-/// Boxes that a box of the next level holds.
+/// Number of boxes per box of the next level.
 const FAN: usize = 8;
 
-/// Blocks that a thread makes at a time.
+/// Number of blocks that a thread builds at a time.
 const BLOCKS_AT_A_TIME: usize = 1 << 10;
 
-/// What is at most lost by rounding where boxes or lengths are compared, as a part of a square.
+/// Relative rounding of squares in comparisons of boxes or lengths.
 const ROUNDING: f64 = 1e-14;
 
 #[derive(Clone, Copy, Default)]
-pub(super) struct Bounds {
+pub(super) struct BlockBounds {
     lo: [f64; 3],
     hi: [f64; 3],
 }
 
-impl Bounds {
+impl BlockBounds {
     const NONE: Self = Self { lo: [f64::INFINITY; 3], hi: [f64::NEG_INFINITY; 3] };
 
-    fn with(self, other: &Self) -> Self {
+    fn union(self, other: &Self) -> Self {
         Self {
             lo: std::array::from_fn(|c| self.lo[c].min(other.lo[c])),
             hi: std::array::from_fn(|c| self.hi[c].max(other.hi[c])),
         }
     }
 
-    /// At most the squared distance between any two points of two boxes, however that is rounded.
+    /// Lower bound of the squared distance between any two points of two boxes, however it is rounded.
     #[inline(always)]
     fn squared_distance(&self, other: &Self) -> f64 {
         let apart = |c: usize| (self.lo[c] - other.hi[c]).max(other.lo[c] - self.hi[c]).max(0.0);
@@ -45,26 +45,26 @@ impl Bounds {
     }
 }
 
-/// The positions of a block, by coordinate; NaN where the last block has none.
+/// The positions of a block, by coordinate; NaN at unused slots of the last block.
 #[derive(Clone)]
-struct Block([[f64; BLOCK]; 3]);
+struct PointBlock([[f64; BLOCK]; 3]);
 
-impl Default for Block {
+impl Default for PointBlock {
     fn default() -> Self {
         Self([[f64::NAN; BLOCK]; 3])
     }
 }
 
-/// Positions in blocks of [`BLOCK`], and boxes of boxes.
+/// Positions in blocks of [`BLOCK`], and a hierarchy of boxes.
 pub(super) struct Blocks {
     n_positions: usize,
-    held: Vec<Block>,
-    /// The boxes of the blocks, then of each [`FAN`] of those before.
-    levels: Vec<Vec<Bounds>>,
+    held: Vec<PointBlock>,
+    /// Boxes of the blocks, then of each group of [`FAN`] boxes of the level before.
+    levels: Vec<Vec<BlockBounds>>,
 }
 
 impl Blocks {
-    /// O(n). The search is fast where positions that follow each other are near each other.
+    /// Builds the blocks in O(n). The search is fast if successive positions are close to each other.
     pub(super) fn new(positions: &[[f64; 3]], progress: Progress<'_>) -> Result<Self, Cancelled> {
         let n = positions.len();
         let made = parallel::try_map_chunks(
@@ -74,12 +74,12 @@ impl Blocks {
             || (),
             |(), range| {
                 let block = |some: &[[f64; 3]]| {
-                    let (mut block, mut bounds) = (Block::default(), Bounds::NONE);
+                    let (mut block, mut bounds) = (PointBlock::default(), BlockBounds::NONE);
                     for (i, p) in some.iter().enumerate() {
                         for (coordinates, &value) in block.0.iter_mut().zip(p) {
                             coordinates[i] = value;
                         }
-                        bounds = bounds.with(&Bounds { lo: *p, hi: *p });
+                        bounds = bounds.union(&BlockBounds { lo: *p, hi: *p });
                     }
                     (block, bounds)
                 };
@@ -93,7 +93,7 @@ impl Blocks {
         }
         let mut levels = vec![bounds];
         while let Some(last) = levels.last().filter(|last| last.len() > 1) {
-            let around = |some: &[Bounds]| some.iter().fold(Bounds::NONE, Bounds::with);
+            let around = |some: &[BlockBounds]| some.iter().fold(BlockBounds::NONE, BlockBounds::union);
             levels.push(last.chunks(FAN).map(around).collect());
         }
         Ok(Self { n_positions: n, held: blocks, levels })
@@ -104,8 +104,14 @@ impl Blocks {
         std::array::from_fn(|c| block[c][i % BLOCK])
     }
 
-    /// The blocks whose boxes are at most as far from `bounds` as the root of `square`.
-    fn within(&self, bounds: &Bounds, square: f64, stack: &mut Vec<(usize, usize)>, found: &mut Vec<u32>) {
+    /// Finds the blocks whose boxes are at most √`square` away from `bounds`.
+    fn find_within(
+        &self,
+        bounds: &BlockBounds,
+        square: f64,
+        stack: &mut Vec<(usize, usize)>,
+        found: &mut Vec<u32>,
+    ) {
         found.clear();
         stack.clear();
         stack.push((self.levels.len() - 1, 0));
@@ -124,54 +130,55 @@ impl Blocks {
     }
 }
 
-/// What a position has near.
-pub(super) struct Found<'a> {
-    /// The square of the distance of the last that is wanted.
+/// Positions near a position.
+pub(super) struct NearestHeap<'a> {
+    /// Squared distance of the last requested position.
     pub(super) farthest: f64,
-    /// The squares of the distances of all positions within that distance or a tie of it, in no order.
+    /// Squared distances of all positions within that distance or tied with it, in no order.
     pub(super) squares: &'a [f64],
     pub(super) names: &'a [u32],
 }
 
-impl Found<'_> {
-    /// The positions by rising distance, then name.
-    pub(super) fn by_distance(&self, sorted: &mut Vec<(f64, u32)>) {
+impl NearestHeap<'_> {
+    /// Sorts the positions by distance, then by name.
+    pub(super) fn sort_by_distance(&self, sorted: &mut Vec<(f64, u32)>) {
         sorted.clear();
         sorted.extend(self.squares.iter().copied().zip(self.names.iter().copied()));
         sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
 }
 
-/// The nearest positions of one position after the other; what is kept from the last one only saves time.
-pub(super) struct Search<'a> {
+/// Search for the nearest positions of one position after another; data kept from the previous search only saves
+/// time.
+pub(super) struct NearestSearch<'a> {
     blocks: &'a Blocks,
     arch: Arch,
-    /// How many are wanted, the position itself included, each counted as often as `weight` says.
+    /// Number of requested positions, including the position itself, each counted `weight` times.
     count: usize,
-    /// Squares of distances that differ by less than this factor are equal.
+    /// Factor below which squared distances count as equal.
     tie: f64,
-    /// The last position, and at least the distance of the last of its `count`.
+    /// The previous position, and an upper bound of the distance of the last of its `count`.
     last: Option<([f64; 3], f64)>,
-    /// The block that `near` and `own` are of.
+    /// The block to which `near` and `own` belong.
     block: usize,
-    /// At least the squares of the distances of the last that is wanted, for each position of the block.
+    /// Upper bounds of the squared distances of the last requested position, for each position of the block.
     own: [f64; BLOCK],
-    /// The blocks that its positions can have near; none where these are too many or not known.
+    /// Blocks that may hold neighbors of its positions; empty if there are too many or they are unknown.
     near: Vec<u32>,
     stack: Vec<(usize, usize)>,
-    /// Boxes that are still to be looked into: level, number, at most the square of their distance.
+    /// Boxes still to be visited: level, number, lower bound of the squared distance.
     boxes: Vec<(usize, usize, f64)>,
-    /// What was found: the first `n_found` of each.
+    /// Results; the first `n_found` of each are valid.
     squares: Vec<f64>,
     names: Vec<u32>,
     n_found: usize,
     sorted: Vec<f64>,
 }
 
-/// So many blocks are looked through for each position of a block; beyond them each position searches for itself.
+/// Largest number of blocks that the positions of a block search together; beyond it each position searches alone.
 const MAX_SHARED: usize = 64;
 
-impl<'a> Search<'a> {
+impl<'a> NearestSearch<'a> {
     pub(super) fn new(blocks: &'a Blocks, count: usize, tie: f64) -> Self {
         Self {
             blocks,
@@ -191,11 +198,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What position `i` has near, each position counted `weight` times.
+    /// Finds the positions near position `i`, each counted `weight` times.
     ///
     /// # Panics
-    /// Where there are fewer than are wanted.
-    pub(super) fn nearest(&mut self, i: usize, weight: impl Fn(u32) -> usize) -> Found<'_> {
+    /// If there are fewer positions than requested.
+    pub(super) fn nearest(&mut self, i: usize, weight: impl Fn(u32) -> usize) -> NearestHeap<'_> {
         let p = self.blocks.position(i);
         if i / BLOCK != self.block {
             self.enter(i / BLOCK);
@@ -210,17 +217,17 @@ impl<'a> Search<'a> {
         } else {
             self.n_found = 0;
             let near = std::mem::take(&mut self.near);
-            self.look(&near, &p, bound);
+            self.scan(&near, &p, bound);
             self.near = near;
         }
         let farthest = self.kth(&weight).expect("as many positions as are wanted");
         self.last = Some((p, farthest.sqrt() * (1.0 + ROUNDING)));
-        self.keep_within(farthest * self.tie);
-        Found { farthest, squares: &self.squares[..self.n_found], names: &self.names[..self.n_found] }
+        self.retain_within(farthest * self.tie);
+        NearestHeap { farthest, squares: &self.squares[..self.n_found], names: &self.names[..self.n_found] }
     }
 
-    /// Drops what was found farther away.
-    fn keep_within(&mut self, limit: f64) {
+    /// Removes results beyond the limit.
+    fn retain_within(&mut self, limit: f64) {
         let mut kept = 0;
         for k in 0..self.n_found {
             let (square, name) = (self.squares[k], self.names[k]);
@@ -230,7 +237,8 @@ impl<'a> Search<'a> {
         self.n_found = kept;
     }
 
-    /// Finds the blocks that the positions of a block can have near: within the distances that enough of their own block have.
+    /// Finds the blocks that may hold neighbors of the positions of a block, from the distances within the block
+    /// itself.
     fn enter(&mut self, block: usize) {
         self.block = block;
         self.near.clear();
@@ -240,7 +248,7 @@ impl<'a> Search<'a> {
             return;
         }
         let mut farthest = 0.0_f64;
-        let Block([x, y, z]) = &self.blocks.held[block];
+        let PointBlock([x, y, z]) = &self.blocks.held[block];
         for i in 0..n {
             let mut squares = [0.0; BLOCK];
             for k in 0..BLOCK {
@@ -251,17 +259,17 @@ impl<'a> Search<'a> {
             farthest = farthest.max(self.own[i]);
         }
         let square = farthest * (1.0 + ROUNDING) * self.tie;
-        self.blocks.within(&self.blocks.levels[0][block], square, &mut self.stack, &mut self.near);
+        self.blocks.find_within(&self.blocks.levels[0][block], square, &mut self.stack, &mut self.near);
         if self.near.len() > MAX_SHARED {
             self.near.clear();
         }
     }
 
-    /// Finds all positions whose squared distance from `p` is at most `bound`, or as far as the last that is wanted: the nearest
-    /// boxes first, so that the bound falls soon, however the positions lie along the curve.
+    /// Finds all positions whose squared distance from `p` is at most `bound` or that of the last requested one.
+    /// The nearest boxes come first, so the bound decreases quickly however the positions lie along the curve.
     fn descend(&mut self, p: &[f64; 3], mut bound: f64) {
         let blocks = self.blocks;
-        let own = Bounds { lo: *p, hi: *p };
+        let own = BlockBounds { lo: *p, hi: *p };
         self.n_found = 0;
         let mut many = 4 * (self.count + BLOCK);
         self.boxes.clear();
@@ -278,23 +286,24 @@ impl<'a> Search<'a> {
                 self.boxes[first..].sort_unstable_by(|a, b| b.2.total_cmp(&a.2));
                 continue;
             }
-            self.look(&[i as u32], p, bound);
+            self.scan(&[i as u32], p, bound);
             if self.n_found > many {
                 let farthest = self.kth(&|_| 1).map_or(f64::INFINITY, |farthest| farthest * self.tie);
                 bound = bound.min(farthest);
-                self.keep_within(bound);
+                self.retain_within(bound);
                 many = many.max(2 * self.n_found);
             }
         }
     }
 
     /// Adds all positions of some blocks whose squared distance from `p` is at most `bound`.
-    fn look(&mut self, near: &[u32], p: &[f64; 3], bound: f64) {
+    fn scan(&mut self, near: &[u32], p: &[f64; 3], bound: f64) {
         let Self { blocks, squares, names, n_found, .. } = self;
-        *n_found = self.arch.dispatch(Look { blocks, near, p, bound, squares, names, n_found: *n_found });
+        *n_found =
+            self.arch.dispatch(BlockScan { blocks, near, p, bound, squares, names, n_found: *n_found });
     }
 
-    /// The square of the distance of the last that is wanted, of those that were seen.
+    /// Squared distance of the last requested position among those seen.
     fn kth(&mut self, weight: &impl Fn(u32) -> usize) -> Option<f64> {
         let (squares, names) = (&self.squares[..self.n_found], &self.names[..self.n_found]);
         if squares.len() >= self.count && names.iter().all(|&name| weight(name) == 1) {
@@ -313,30 +322,30 @@ impl<'a> Search<'a> {
 }
 
 /// The loop over blocks, compiled for several processors.
-struct Look<'a> {
+struct BlockScan<'a> {
     blocks: &'a Blocks,
     near: &'a [u32],
     p: &'a [f64; 3],
     bound: f64,
     squares: &'a mut Vec<f64>,
     names: &'a mut Vec<u32>,
-    /// How many are there already.
+    /// Number of results before.
     n_found: usize,
 }
 
-impl NullaryFnOnce for Look<'_> {
-    /// How many are there now.
+impl NullaryFnOnce for BlockScan<'_> {
+    /// Number of results after.
     type Output = usize;
 
     #[inline(always)]
     fn call(self) -> usize {
         let Self { blocks, near, p, bound, squares, names, n_found: mut n } = self;
-        let own = Bounds { lo: *p, hi: *p };
+        let own = BlockBounds { lo: *p, hi: *p };
         for &block in near {
             if blocks.levels[0][block as usize].squared_distance(&own) > bound {
                 continue;
             }
-            let Block([x, y, z]) = &blocks.held[block as usize];
+            let PointBlock([x, y, z]) = &blocks.held[block as usize];
             let mut found = [0.0; BLOCK];
             for i in 0..BLOCK {
                 let (x, y, z) = (p[0] - x[i], p[1] - y[i], p[2] - z[i]);
@@ -346,7 +355,7 @@ impl NullaryFnOnce for Look<'_> {
                 squares.resize(2 * squares.len(), 0.0);
                 names.resize(squares.len(), 0);
             }
-            // Written always and counted where it is near: no branch that is guessed wrong.
+            // The store is unconditional and the count conditional, which avoids an unpredictable branch.
             let (squares, names) = (&mut squares[..n + BLOCK], &mut names[..n + BLOCK]);
             for (i, square) in found.into_iter().enumerate() {
                 squares[n] = square;

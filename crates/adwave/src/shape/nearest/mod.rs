@@ -1,72 +1,74 @@
-//! The nearest points of every point of a cloud.
+//! Nearest neighbors of every point of a cloud.
 
 mod blocks;
 
 use super::{Adjacency, VertexMap, WeldMode};
-use crate::parallel::unstopped;
+use crate::parallel::expect_not_cancelled;
 use crate::{Cancelled, Progress};
-use blocks::{Blocks, Search};
+use blocks::{Blocks, NearestSearch};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The neighborhoods of a cloud's points.
+/// Nearest neighbors of the points of a cloud.
 #[derive(Clone, Debug)]
 pub struct Neighborhoods {
-    /// The points that each point names, not symmetric.
+    /// Neighbors of each point; not symmetric.
     pub adjacency: Adjacency,
-    /// The distance to the k-th nearest neighbor of each point, in the points' units.
+    /// Distance to the k-th nearest neighbor of each point, in the unit of the points.
     pub radius: Vec<f64>,
-    /// How many neighbors were asked for, at most one less than there are points.
+    /// Number of requested neighbors, at most the number of points minus one.
     pub k: usize,
 }
 
-/// Distances that differ by less than this part are equal: on a grid of points, whatever its orientation, the last of
-/// the k neighbors is one of several at the same distance, and which one it is must not hang on rounding.
+/// Relative difference below which distances are equal. On a grid of any orientation the k-th neighbor is one of
+/// several at the same distance, and rounding must not decide which.
 const TIE: f64 = 1e-9;
 
-/// How many neighbors beyond k a tie may add; past that the first in the order of `points` are taken.
+/// Largest number of neighbors beyond k that a tie may add; beyond it the first in the order of `points` are taken.
 const MAX_TIED: usize = 54;
 
-/// The `k` nearest neighbors of every point, and those at the same distance as the k-th (see below). O(n log n).
+/// Finds the `k` nearest neighbors of every point, and those at the same distance as the k-th (see below). O(n log
+/// n).
 ///
-/// `N(x) = {y ≠ x : ‖x − y‖ ≤ r_k(x)}`: "the k nearest" is not a definition when several points are equally far, as on
-/// every regular grid or quantized scan; taking all of them keeps the operator unchanged when the cloud is rotated or its
-/// points are listed in another order. At most k + 54 neighbors are taken. With fewer than k + 1 points, all others are
+/// `N(x) = {y ≠ x : ‖x − y‖ ≤ r_k(x)}`. "The k nearest" is ambiguous if several points are equally far, as on every
+/// regular grid or quantized scan; taking all of them makes the operator independent of rotations of the cloud and
+/// of the order of its points. At most k + 54 neighbors are taken. With fewer than k + 1 points, all others are
 /// neighbors.
 ///
 /// ```
 /// use adwave::shape::nearest_neighbors;
 /// let line: Vec<_> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
 /// let near = nearest_neighbors(&line, 1);
-/// assert_eq!(near.adjacency.of(2), [1, 3]); // both are at distance 1
+/// assert_eq!(near.adjacency.row(2), [1, 3]); // both are at distance 1
 /// assert_eq!(near.radius, [1.0; 5]);
 /// ```
 ///
 /// # Panics
-/// Where a coordinate is NaN or infinite.
+/// If a coordinate is NaN or infinite.
 pub fn nearest_neighbors(points: &[[f64; 3]], k: usize) -> Neighborhoods {
-    unstopped(try_nearest_neighbors(points, k, Progress::none()))
+    expect_not_cancelled(try_nearest_neighbors(points, k, Progress::none()))
 }
 
-/// The neighbors of `points[x]` among `points`, all different, as [`nearest_neighbors`] has them, without a search: O(n). Rising, in
-/// `neighbors`; what is returned is the distance to the k-th.
+/// Finds the neighbors of `points[x]` among `points`, all different, with the result of [`nearest_neighbors`] but
+/// without a search structure: O(n). Writes them to `neighbors` in ascending order and returns the distance to the
+/// k-th.
 ///
 /// ```
-/// use adwave::shape::nearest_of_one;
+/// use adwave::shape::nearest_to_vertex;
 /// let line: Vec<_> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
 /// let mut near = Vec::new();
-/// assert_eq!(nearest_of_one(&line, 2, 1, &mut near), 1.0);
+/// assert_eq!(nearest_to_vertex(&line, 2, 1, &mut near), 1.0);
 /// assert_eq!(near, [1, 3]);
 /// ```
 ///
 /// # Panics
-/// Where there is no point `x`.
-pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbors: &mut Vec<u32>) -> f64 {
+/// If point `x` does not exist.
+pub fn nearest_to_vertex(points: &[[f64; 3]], x: usize, k: usize, neighbors: &mut Vec<u32>) -> f64 {
     neighbors.clear();
     let k = k.min(points.len().saturating_sub(1));
     if k == 0 {
         return 0.0;
     }
-    let unit = unit_of(points);
+    let unit = coordinate_unit(points);
     let p = points[x].map(|c| c / unit);
     let others = (0..).zip(points).filter(|(y, _)| *y as usize != x);
     let mut squares: Vec<(f64, u32)> =
@@ -83,7 +85,7 @@ pub fn nearest_of_one(points: &[[f64; 3]], x: usize, k: usize, neighbors: &mut V
     unit * farthest.sqrt()
 }
 
-/// [`nearest_neighbors`], stopped when the call is.
+/// [`nearest_neighbors`]; stops if the call is cancelled.
 pub(crate) fn try_nearest_neighbors(
     points: &[[f64; 3]],
     k: usize,
@@ -94,10 +96,10 @@ pub(crate) fn try_nearest_neighbors(
     if k == 0 {
         return Ok(Neighborhoods { adjacency: Adjacency::empty(n), radius: vec![0.0; n], k });
     }
-    // The blocks hold each position once: a search among many equal points would look at all of them.
+    // The blocks hold each position once: a search among many equal points would visit all of them.
     let vertex_map = VertexMap::try_new(points, WeldMode::EqualPositions, progress)?;
     let mut positions = vertex_map.try_positions(points, progress)?;
-    let unit = unit_of(&positions);
+    let unit = coordinate_unit(&positions);
     if unit != 1.0 {
         for p in &mut positions {
             *p = p.map(|c| c / unit);
@@ -108,7 +110,7 @@ pub(crate) fn try_nearest_neighbors(
     let is_distinct = positions.len() == n;
     let is_ordered = is_distinct && (0..).zip(vertex_map.as_slice()).all(|(x, &w)| w == x);
     let most = k + MAX_TIED;
-    let scratch = || (Search::new(&blocks, k + 1, (1.0 + TIE) * (1.0 + TIE)), Vec::new());
+    let scratch = || (NearestSearch::new(&blocks, k + 1, (1.0 + TIE) * (1.0 + TIE)), Vec::new());
     if is_ordered {
         let radius: Vec<AtomicU64> = (0..n).map(|_| AtomicU64::new(0)).collect();
         let adjacency = Adjacency::from_neighbors(n, progress, scratch, |(search, tied), x, out| {
@@ -117,26 +119,27 @@ pub(crate) fn try_nearest_neighbors(
             if found.names.len() <= most + 1 {
                 out.extend_from_slice(found.names);
             } else {
-                found.by_distance(tied);
+                found.sort_by_distance(tied);
                 out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
             }
         })?;
         let radius = radius.into_iter().map(|r| unit * f64::from_bits(r.into_inner())).collect();
         return Ok(Neighborhoods { adjacency, radius, k });
     }
-    // Along the curve, whatever the order of the points: what each position has near, one more than a point of it needs.
+    // Along the curve, whatever the order of the points: the neighbors of each position, one more than a point
+    // needs.
     let radius: Vec<AtomicU64> = (0..positions.len()).map(|_| AtomicU64::new(0)).collect();
     let near = Adjacency::from_rows(positions.len(), progress, scratch, |(search, tied), w, out| {
-        let found = search.nearest(w, |w| if is_distinct { 1 } else { members.of(w as usize).len() });
+        let found = search.nearest(w, |w| if is_distinct { 1 } else { members.row(w as usize).len() });
         radius[w].store(found.farthest.sqrt().to_bits(), Ordering::Relaxed);
         if is_distinct && found.names.len() <= most + 1 {
             out.extend(found.names.iter().map(|&w| vertex_map.last_members()[w as usize]));
             return;
         }
-        // Of many at one distance the first in the order of the points, whatever the curve.
+        // Of many at one distance, the first in the order of the points, whatever the curve.
         let all = found.squares.iter().zip(found.names);
         tied.clear();
-        tied.extend(all.flat_map(|(&square, &w)| members.of(w as usize).iter().map(move |&y| (square, y))));
+        tied.extend(all.flat_map(|(&square, &w)| members.row(w as usize).iter().map(move |&y| (square, y))));
         tied.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         out.extend(tied.iter().take(most + 1).map(|&(_, y)| y));
     })?;
@@ -145,7 +148,7 @@ pub(crate) fn try_nearest_neighbors(
         progress,
         || (),
         |(), x, out| {
-            let of_position = near.of(vertex_map.welded(x)).iter().copied();
+            let of_position = near.row(vertex_map.welded(x)).iter().copied();
             out.extend(of_position.filter(|&y| y as usize != x).take(most));
         },
     )?;
@@ -154,11 +157,13 @@ pub(crate) fn try_nearest_neighbors(
     Ok(Neighborhoods { adjacency, radius, k })
 }
 
-/// Coordinates between 2⁻³⁰⁰ and 2³⁰⁰ have squares that neither overflow nor vanish beside each other.
+/// Exponent range of moderate coordinates: between 2⁻³⁰⁰ and 2³⁰⁰ squares neither overflow nor underflow relative
+/// to each other.
 const MODERATE_EXPONENT: f64 = 300.0;
 
-/// A power of two near the largest coordinate, or 1 where that is moderate: dividing by it rounds nothing that matters.
-fn unit_of(positions: &[[f64; 3]]) -> f64 {
+/// A power of two near the largest coordinate, or 1 if that is moderate; dividing by it rounds nothing that
+/// matters.
+fn coordinate_unit(positions: &[[f64; 3]]) -> f64 {
     let largest = positions.as_flattened().iter().fold(0.0_f64, |most, c| most.max(c.abs()));
     let exponent = if largest > 0.0 { largest.log2().floor() } else { 0.0 };
     if exponent.abs() <= MODERATE_EXPONENT { 1.0 } else { exponent.clamp(-1000.0, 1000.0).exp2() }
@@ -189,7 +194,7 @@ mod tests {
                     .map(|y| y as u32)
                     .collect();
                 if expected.len() <= near.k + MAX_TIED {
-                    prop_assert_eq!(near.adjacency.of(x), &expected[..]);
+                    prop_assert_eq!(near.adjacency.row(x), &expected[..]);
                 }
             }
         }
@@ -202,7 +207,7 @@ mod tests {
         fn many_blocks_and_more_neighbors_than_a_block_has_change_nothing(
             seed in any::<u64>(), n in 100_usize..900, k in 1_usize..60, lumps in 1_usize..5, is_doubled: bool,
         ) {
-            // Lumps of different sizes far apart, and points that stand alone.
+            // Clusters of different sizes far apart, and isolated points.
             let mut state = seed | 1;
             let mut next = || {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -227,7 +232,7 @@ mod tests {
                 let limit = all[k - 1] * (1.0 + TIE) * (1.0 + TIE);
                 let expected: Vec<u32> =
                     (0..points.len()).filter(|&y| y != x && squared(y) <= limit).map(|y| y as u32).collect();
-                prop_assert_eq!(near.adjacency.of(x), &expected[..]);
+                prop_assert_eq!(near.adjacency.row(x), &expected[..]);
             }
         }
     }
@@ -254,7 +259,7 @@ mod tests {
         let of_all_orders = time(&of_all_orders);
         let overflowing: Vec<_> = (0..N).map(|i| sheet(i).map(|c| 1e200 * c)).collect();
         let overflowing = time(&overflowing);
-        // As many comparisons of all with all would take thousands of times as long.
+        // Comparing all pairs would take thousands of times as long.
         let most = 30.0 * usual + 1.0;
         assert!(
             with_far < most && of_all_orders < most && overflowing < most,
@@ -269,7 +274,7 @@ mod tests {
         let scattered: Vec<_> = (0..300).map(|i| [random(i, 1), random(i, 2), random(i, 3)]).collect();
         let lattice: Vec<_> =
             (0..343_u32).map(|i| [i % 7, i / 7 % 7, i / 49].map(|c| 0.1 * f64::from(c))).collect();
-        // More at one distance than are taken.
+        // More points at one distance than are taken.
         let sphere: Vec<_> = (0..200_u32)
             .map(|i| [f64::from(i % 2), f64::from(i / 2 % 2), f64::from(i / 4)])
             .chain((0..100).map(|i| {
@@ -283,8 +288,8 @@ mod tests {
             for k in [1, 4, 10, 26, 500] {
                 let near = nearest_neighbors(&points, k);
                 for x in 0..points.len() {
-                    assert_eq!(nearest_of_one(&points, x, k, &mut found), near.radius[x]);
-                    assert_eq!(found, near.adjacency.of(x), "{x} of {}, k = {k}", points.len());
+                    assert_eq!(nearest_to_vertex(&points, x, k, &mut found), near.radius[x]);
+                    assert_eq!(found, near.adjacency.row(x), "{x} of {}, k = {k}", points.len());
                 }
             }
         }
@@ -317,7 +322,7 @@ mod tests {
             let inside = |c: f64| u32::from(c > 0.0) + u32::from(c < f64::from(side - 1));
             let n_faces: u32 = p.iter().map(|&c| inside(c)).sum();
             if n_faces == 6 {
-                assert_eq!((near.radius[x], near.adjacency.of(x).len()), (1.0, 6), "{p:?}");
+                assert_eq!((near.radius[x], near.adjacency.row(x).len()), (1.0, 6), "{p:?}");
             }
         }
     }
@@ -325,6 +330,6 @@ mod tests {
     #[test]
     fn a_hundred_thousand_equal_points_neither_hang_nor_blow_up() {
         let near = nearest_neighbors(&vec![[1.0, 2.0, 3.0]; 100_000], 10);
-        assert!((0..100_000).all(|x| near.adjacency.of(x).len() <= 10 + MAX_TIED && near.radius[x] == 0.0));
+        assert!((0..100_000).all(|x| near.adjacency.row(x).len() <= 10 + MAX_TIED && near.radius[x] == 0.0));
     }
 }

@@ -1,4 +1,4 @@
-//! The outside of a point cloud.
+//! Outside of a point cloud.
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
@@ -6,7 +6,7 @@ use crate::shape::{Adjacency, try_nearest_neighbors};
 use crate::signal::{FIT_NEIGHBORS, try_cloud_normals};
 use crate::{Cancelled, Progress};
 
-/// The normals of the file, or those that are spread from point to point.
+/// Normals of the file, or normals propagated from point to point.
 pub(super) fn normals(
     points: &[[f64; 3]],
     file: Option<&[[f64; 3]]>,
@@ -40,7 +40,7 @@ pub(super) fn normals(
         for &x in part {
             vote.add(&points[x as usize], &normals[x as usize], &center);
         }
-        if vote.of_open().is_some() {
+        if vote.open_sign().is_some() {
             info.n_by_majority += 1;
         } else {
             info.n_without += 1;
@@ -59,7 +59,7 @@ fn center(points: &[[f64; 3]], part: &[u32]) -> [f64; 3] {
     std::array::from_fn(|c| part.iter().map(|&x| points[x as usize][c] / n).sum())
 }
 
-/// The points of each part, by rising index, in the order of their first points.
+/// The points of each part in ascending order; parts are ordered by their first points.
 fn parts(near: &Adjacency, progress: Progress<'_>) -> Result<Vec<Vec<u32>>, Cancelled> {
     let mut seen = vec![false; near.n_rows()];
     let mut parts = Vec::new();
@@ -71,7 +71,7 @@ fn parts(near: &Adjacency, progress: Progress<'_>) -> Result<Vec<Vec<u32>>, Canc
         let mut part = vec![start as u32];
         let mut at = 0;
         while at < part.len() {
-            for &y in near.of(part[at] as usize) {
+            for &y in near.row(part[at] as usize) {
                 if !std::mem::replace(&mut seen[y as usize], true) {
                     part.push(y);
                 }

@@ -1,4 +1,4 @@
-//! Which side of a surface is its outside.
+//! Outside of a surface.
 
 mod cloud;
 mod patches;
@@ -8,47 +8,48 @@ use crate::shape::{PreparedGeometry, Shape};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use thiserror::Error;
 
-/// Beyond this share of the area without an outside a shape counts as having none.
+/// Share of the area without an outside beyond which a shape counts as having none.
 const MOST_WITHOUT: f64 = 0.1;
 
-/// Unit normals that point out of a shape.
+/// Unit outward normals of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutwardNormals {
-    /// At the welded vertices, in the analysis order; zero where neither side is outside.
+    /// Normals at the welded vertices, in the analysis order; zero if neither side is outside.
     pub normals: Vec<[f64; 3]>,
-    /// How the outside was found.
+    /// Method by which the outside was found.
     pub info: OutwardInfo,
 }
 
-/// How the outside of a shape was found, part by part: pieces of a mesh that hang together by edges of two triangles, pieces
-/// of a cloud that hang together by neighbors.
+/// Method by which the outside of a shape was found, per part: pieces of a mesh connected by edges of two
+/// triangles, or pieces of a cloud connected by neighbors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutwardInfo {
-    /// Parts.
+    /// Number of parts.
     pub n_parts: usize,
-    /// Closed ones: their outside is where the volume that they enclose is not.
+    /// Number of closed parts, whose outside is opposite to the enclosed volume.
     pub n_closed: usize,
-    /// Parts that follow the normals of the file.
+    /// Number of parts that follow the normals of the file.
     pub n_by_file: usize,
-    /// Open parts whose outside is away from their own center, seen from most of the area.
+    /// Number of open parts oriented away from their own center, by most of the area.
     pub n_by_majority: usize,
-    /// Open parts seen alike from both sides, whose triangles agree on one.
+    /// Number of open parts that look the same from both sides and keep the consistent orientation of their
+    /// triangles.
     pub n_as_given: usize,
-    /// Parts without an outside: one-sided, flat, or seen alike from both sides.
+    /// Number of parts without an outside: one-sided, flat, or the same from both sides.
     pub n_without: usize,
-    /// Triangles that ran the other way round.
+    /// Number of triangles that were reversed.
     pub n_turned: usize,
-    /// Share of the area (of the points of a cloud) that has no outside, in [0, 1].
+    /// Share of the area (of the points of a cloud) without an outside, in [0, 1].
     pub without: f64,
 }
 
 impl OutwardInfo {
-    /// Whether the normals say which side is outside on at least nine tenths of the area.
+    /// True if the outside is known on at least nine tenths of the area.
     pub fn has_outside(&self) -> bool {
         self.without <= MOST_WITHOUT
     }
 
-    /// How the outside was found, in words; why there is none where there is none.
+    /// Describes how the outside was found, or why there is none.
     ///
     /// ```
     /// use adwave::Progress;
@@ -94,23 +95,23 @@ impl std::fmt::Display for OutwardInfo {
     }
 }
 
-/// Why there are no outward normals.
+/// Error of finding outward normals.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 pub enum OutwardError {
-    /// A graph has no positions.
+    /// The shape is a graph, which has no positions.
     #[error("a graph has no positions, so it has no outside")]
     NoPositions,
-    /// The file's normals are those of another shape.
+    /// The number of normals does not match the shape.
     #[error(
         "there are {n_normals} normals and {n_vertices} vertices; give one normal for each vertex, or none"
     )]
     WrongLength {
-        /// Normals given.
+        /// Number of normals given.
         n_normals: usize,
-        /// Vertices of the shape.
+        /// Number of vertices of the shape.
         n_vertices: usize,
     },
-    /// The call was told to stop.
+    /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -121,22 +122,24 @@ impl ClassifiedError for OutwardError {
     }
 }
 
-/// Unit normals of a shape that point outwards, each part by itself. O(n log n).
+/// Unit outward normals of a shape, each part separately. O(n log n).
 ///
-/// *Mesh.* Triangles are turned to agree across every edge of two triangles; what hangs together so is a part. The outside of a
-/// closed part is where its signed volume `⅓ Σ A_f·n_f·(x_f − c)` is positive, x_f the center of a triangle and c that of the
-/// part. An open part follows the normals of the file (`file`, one for each vertex of the shape, of any length, zero
-/// or NaN where there is none); without them the same sum decides, which then is the volume of the cones from c, where it is
-/// clear: at least a fiftieth of `⅓ Σ A_f·|n_f·(x_f − c)|`. Where it is not, the part is taken as its triangles run if they agree.
-/// A normal is the area-weighted mean of the triangles'.
+/// *Mesh.* Triangles are reversed until they agree across every edge of two triangles; connected triangles form a
+/// part. The outside of a closed part is where its signed volume `⅓ Σ A_f·n_f·(x_f − c)` is positive, x_f the
+/// center of a triangle and c that of the part. An open part follows the normals of the file (`file`, one for each
+/// vertex of the shape, of any length, zero or NaN where there is none). Without them the same sum, which is then
+/// the volume of the cones from c, decides if it is clear: at least a fiftieth of `⅓ Σ A_f·|n_f·(x_f − c)|`.
+/// Otherwise the part keeps the orientation of its triangles if they agree. A normal is the area-weighted mean of
+/// the triangle normals.
 ///
-/// *Cloud.* The normals of the file, or those of [`cloud_normals`](super::cloud_normals); a part without thickness, or
-/// alike from both sides, has no outside.
+/// *Cloud.* The normals of the file, or those of [`cloud_normals`](super::cloud_normals); a part without thickness,
+/// or the same from both sides, has no outside.
 ///
-/// Where a part is one-sided (a Möbius strip), flat, or alike from both sides there is no outside: [`OutwardInfo::without`].
+/// A part that is one-sided (a Möbius strip), flat, or the same from both sides has no outside; see
+/// [`OutwardInfo::without`].
 ///
 /// # Errors
-/// [`OutwardError`] of a graph, or where there is not one normal for each vertex; cancelled.
+/// [`OutwardError`] for a graph, unless there is one normal per vertex, or if the call is cancelled.
 pub fn outward_normals(
     geometry: &PreparedGeometry,
     file: Option<&[f64]>,
@@ -157,7 +160,7 @@ pub fn outward_normals(
     })
 }
 
-/// The file's normals at the welded vertices, as unit vectors; zero where there is none.
+/// The file's normals at the welded vertices as unit vectors; zero if there is none.
 fn welded(geometry: &PreparedGeometry, normals: &[f64]) -> Vec<[f64; 3]> {
     let mut sum = vec![[0.0; 3]; geometry.n_vertices()];
     for (normal, &x) in normals.chunks_exact(3).zip(geometry.vertex_map().as_slice()) {
@@ -169,7 +172,7 @@ fn welded(geometry: &PreparedGeometry, normals: &[f64]) -> Vec<[f64; 3]> {
     sum.into_iter().map(unit).collect()
 }
 
-/// The unit vector, whatever the length; zero of what has no direction.
+/// Unit vector of a vector of any length; zero if it has no direction.
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let size = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     if !(size.is_finite() && size > 0.0 && v.iter().all(|c| c.is_finite())) {

@@ -1,4 +1,4 @@
-//! The outside of a mesh, patch by patch.
+//! Outside of a mesh, patch by patch.
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
@@ -6,15 +6,15 @@ use crate::shape::{triangles_at_vertices, try_vertex_normals};
 use crate::vector::{cross, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 
-/// Triangles between two looks at whether to go on.
+/// Number of triangles between two checks for cancellation.
 const AT_A_TIME: usize = 1 << 13;
 
-/// A normal is known where the triangles' cancel to no less than this share of their area.
+/// Largest cancellation, relative to the area, for which a vertex normal counts as known.
 const CANCELLED: f64 = 1e-9;
 
-/// How a triangle meets the one across an edge: not at all, running alike, or the other way round.
+/// Relation of a triangle to the one across an edge: none, the same orientation, or the opposite.
 #[derive(Clone, Copy, Default, PartialEq)]
-enum Across {
+enum EdgeNeighbor {
     #[default]
     Nothing,
     Alike(u32),
@@ -44,7 +44,7 @@ pub(super) fn normals(
     let mut has_side = vec![true; triangles.len()];
     for patch in &patches {
         progress.check()?;
-        let mesh = Faces { points, triangles, turned: &turned };
+        let mesh = OrientedFaces { points, triangles, turned: &turned };
         let sign = mesh.side(patch, file, &mut info);
         for &f in &patch.triangles {
             let f = f as usize;
@@ -68,8 +68,8 @@ pub(super) fn normals(
     let (mut total, mut without) = (0.0, 0.0);
     let around = triangles_at_vertices(points.len(), triangles, progress)?;
     for (x, normal) in normals.iter_mut().enumerate() {
-        let all: f64 = around.of(x).iter().map(|&f| area(f as usize)).sum();
-        let sum = at_vertex.of(x).iter().fold([0.0; 3], |s, &f| {
+        let all: f64 = around.row(x).iter().map(|&f| area(f as usize)).sum();
+        let sum = at_vertex.row(x).iter().fold([0.0; 3], |s, &f| {
             crate::vector::add_scaled(&s, 1.0, &doubled_normal(points, outward[f as usize]))
         });
         if norm(&sum) <= CANCELLED * all {
@@ -82,8 +82,8 @@ pub(super) fn normals(
     Ok(OutwardNormals { normals, info })
 }
 
-/// For each triangle what is across its edges ab, bc, ca.
-fn neighbors(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Across; 3]>, Cancelled> {
+/// Neighbor of each triangle across its edges ab, bc, ca.
+fn neighbors(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[EdgeNeighbor; 3]>, Cancelled> {
     let mut edges: Vec<(u32, u32, u32, bool)> = Vec::with_capacity(3 * triangles.len());
     for (f, corners) in triangles.iter().enumerate().filter(|(_, corners)| is_proper(corners)) {
         for k in 0..3 {
@@ -92,11 +92,11 @@ fn neighbors(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Acro
         }
     }
     parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
-    let mut across = vec![[Across::Nothing; 3]; triangles.len()];
+    let mut across = vec![[EdgeNeighbor::Nothing; 3]; triangles.len()];
     for edge in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
         let [e, f] = edge else { continue };
         let meets = |other: &(u32, u32, u32, bool)| {
-            if e.3 == f.3 { Across::Reversed(other.2 / 3) } else { Across::Alike(other.2 / 3) }
+            if e.3 == f.3 { EdgeNeighbor::Reversed(other.2 / 3) } else { EdgeNeighbor::Alike(other.2 / 3) }
         };
         across[e.2 as usize / 3][e.2 as usize % 3] = meets(f);
         across[f.2 as usize / 3][f.2 as usize % 3] = meets(e);
@@ -104,24 +104,24 @@ fn neighbors(triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<Vec<[Acro
     Ok(across)
 }
 
-/// Whether a triangle has three corners.
+/// True if a triangle has three different corners.
 fn is_proper(corners: &[u32; 3]) -> bool {
     corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0]
 }
 
-/// Triangles that hang together by edges of two.
+/// Triangles connected by edges of two triangles.
 struct Patch {
     triangles: Vec<u32>,
     is_closed: bool,
-    /// Whether all can run alike.
+    /// True if all can be oriented consistently.
     is_two_sided: bool,
-    /// Whether they did.
+    /// True if all were oriented consistently.
     agrees: bool,
 }
 
-/// Turns the triangles of each patch to run as its first does.
+/// Orients the triangles of each patch like its first one.
 fn spread(
-    across: &[[Across; 3]],
+    across: &[[EdgeNeighbor; 3]],
     triangles: &[[u32; 3]],
     turned: &mut [bool],
     progress: Progress<'_>,
@@ -139,12 +139,12 @@ fn spread(
             let f = patch.triangles[at] as usize;
             for &side in &across[f] {
                 let (g, differs) = match side {
-                    Across::Nothing => {
+                    EdgeNeighbor::Nothing => {
                         patch.is_closed = false;
                         continue;
                     }
-                    Across::Alike(g) => (g as usize, false),
-                    Across::Reversed(g) => (g as usize, true),
+                    EdgeNeighbor::Alike(g) => (g as usize, false),
+                    EdgeNeighbor::Reversed(g) => (g as usize, true),
                 };
                 patch.agrees &= !differs;
                 if std::mem::replace(&mut seen[g], true) {
@@ -164,20 +164,20 @@ fn spread(
     Ok(patches)
 }
 
-/// Twice the area of a triangle times its unit normal.
+/// Unit normal of a triangle times twice its area.
 fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> [f64; 3] {
     let [a, b, c] = corners.map(|v| &points[v as usize]);
     cross(&subtract(b, a), &subtract(c, a))
 }
 
-/// Triangles as they are turned so far.
-struct Faces<'a> {
+/// Triangles with their present orientation.
+struct OrientedFaces<'a> {
     points: &'a [[f64; 3]],
     triangles: &'a [[u32; 3]],
     turned: &'a [bool],
 }
 
-impl Faces<'_> {
+impl OrientedFaces<'_> {
     fn doubled_normal(&self, f: u32) -> [f64; 3] {
         let sign = if self.turned[f as usize] { -1.0 } else { 1.0 };
         doubled_normal(self.points, self.triangles[f as usize]).map(|c| sign * c)
@@ -188,20 +188,20 @@ impl Faces<'_> {
         std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0)
     }
 
-    /// 1 where the patch is right as it is turned, −1 where it is inside out; nothing where it has no outside. Counts how that
-    /// was found.
+    /// Side of the outside: 1 if the patch is oriented outwards, −1 if inwards; `None` if it has no outside. Counts
+    /// the method in `info`.
     fn side(&self, patch: &Patch, file: Option<&[[f64; 3]]>, info: &mut OutwardInfo) -> Option<f64> {
         let vote = self.vote(patch);
-        let by_file = || file.and_then(|normals| self.by_file(patch, normals));
+        let by_file = || file.and_then(|normals| self.compare_with_file(patch, normals));
         let (count, sign) = if !patch.is_two_sided {
             (&mut info.n_without, None)
-        } else if let Some(sign) = vote.of_closed().filter(|_| patch.is_closed) {
+        } else if let Some(sign) = vote.closed_sign().filter(|_| patch.is_closed) {
             (&mut info.n_closed, Some(sign))
         } else if vote.is_flat() || patch.is_closed {
             (&mut info.n_without, None)
         } else if let Some(sign) = by_file() {
             (&mut info.n_by_file, Some(sign))
-        } else if let Some(sign) = vote.of_open() {
+        } else if let Some(sign) = vote.open_sign() {
             (&mut info.n_by_majority, Some(sign))
         } else if patch.agrees {
             (&mut info.n_as_given, Some(1.0))
@@ -212,7 +212,7 @@ impl Faces<'_> {
         sign
     }
 
-    /// Whether the patch turns its front or its back to its own center.
+    /// Vote on whether the patch turns its front or its back to its own center.
     fn vote(&self, patch: &Patch) -> Vote {
         let origin = self.center(patch.triangles[0]);
         let (mut moment, mut total) = ([0.0; 3], 0.0);
@@ -230,8 +230,8 @@ impl Faces<'_> {
         vote
     }
 
-    /// Which side the file's normals are on, weighed by area; nothing where there are none or they do not agree.
-    fn by_file(&self, patch: &Patch, normals: &[[f64; 3]]) -> Option<f64> {
+    /// Side of the file's normals, weighted by area; `None` if there are none or they disagree.
+    fn compare_with_file(&self, patch: &Patch, normals: &[[f64; 3]]) -> Option<f64> {
         let (mut signed, mut size) = (0.0, 0.0);
         for &f in &patch.triangles {
             let n = self.doubled_normal(f);

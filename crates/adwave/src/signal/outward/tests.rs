@@ -56,7 +56,7 @@ fn every_closed_part_points_away_from_its_own_inside_however_its_triangles_run()
 #[test]
 fn turning_all_triangles_over_changes_nothing() {
     for name in ["creature", "knot", "torus"] {
-        let Sample { points, faces, .. } = Sample::by_name(name, Some(2000)).unwrap();
+        let Sample { points, faces, .. } = Sample::from_name(name, Some(2000)).unwrap();
         let given = crate::shape::triangulate(&points, &faces);
         let turned: Vec<[u32; 3]> = given.iter().map(|&[a, b, c]| [a, c, b]).collect();
         let (a, b) = (found(points.clone(), &given, None), found(points, &turned, None));
@@ -79,7 +79,7 @@ fn an_open_cap_points_away_from_its_center_and_the_files_normals_outrank_that() 
         assert!(by_file.normals.iter().all(|n| n[2] < -0.5));
         assert_eq!((by_file.info.n_by_file, by_file.info.to_string()), (1, by_file.info.words()));
     }
-    // Normals without a direction are none.
+    // Normals without a direction are ignored.
     let unknown = found(points.clone(), &triangles, Some(&vec![f64::NAN; 3 * points.len()]));
     assert_eq!(unknown.info.n_by_majority, 1);
 }
@@ -145,7 +145,7 @@ fn triangles_without_area_and_edges_of_many_have_a_say_but_no_veto() {
 
 #[test]
 fn a_cloud_points_outwards_or_as_its_file_says() {
-    let sphere = Sample::by_name("sphere", Some(800)).unwrap().points;
+    let sphere = Sample::from_name("sphere", Some(800)).unwrap().points;
     let cloud = Shape::Cloud(PointCloud::new(sphere.clone()).unwrap());
     let estimated = outward(&cloud, None);
     assert!(estimated.normals.iter().zip(&sphere).all(|(n, p)| dot(n, p) > 0.5), "{}", estimated.info);

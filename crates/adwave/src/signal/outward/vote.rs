@@ -1,11 +1,11 @@
-//! Whether what surrounds a center turns its front or its back to it.
+//! Vote on whether the surface around a center turns its front or its back to it.
 
 use crate::vector::{dot, norm, subtract};
 
-/// How clearly most of an open part must look away from its center, of what looks at all.
+/// Share of an open part that must face away from its center, of all that faces it or away.
 const CLEAR: f64 = 0.02;
 
-/// A part whose normals are this nearly at right angles to the way from its center is flat.
+/// Sine of the angle to the directions from its center below which a part counts as flat.
 const FLAT: f64 = 1e-6;
 
 /// Sums over the pieces of one part: `A·n·(x − c)`, its magnitude, and `A·|x − c|`.
@@ -26,18 +26,18 @@ impl Vote {
         self.size += norm(n) * norm(&from);
     }
 
-    /// Whether nothing looks away from the center or at it.
+    /// True if nothing faces the center or away from it.
     pub(super) fn is_flat(&self) -> bool {
         self.looking <= FLAT * self.size
     }
 
-    /// 1 where the normals point away from the center, −1 where they point at it, of a part that encloses a volume.
-    pub(super) fn of_closed(&self) -> Option<f64> {
+    /// Sign of a part that encloses a volume: 1 if the normals point away from the center, −1 if towards it.
+    pub(super) fn closed_sign(&self) -> Option<f64> {
         (self.signed.abs() > FLAT * self.size).then(|| self.signed.signum())
     }
 
-    /// The same of an open part, where it is clear.
-    pub(super) fn of_open(&self) -> Option<f64> {
+    /// Sign of an open part, if it is clear.
+    pub(super) fn open_sign(&self) -> Option<f64> {
         (!self.is_flat() && self.signed.abs() > CLEAR * self.looking).then(|| self.signed.signum())
     }
 }

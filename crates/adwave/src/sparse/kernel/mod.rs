@@ -1,27 +1,27 @@
-//! The inner loops, compiled for several processors and chosen at run time.
+//! Inner loops, compiled for several instruction sets and selected at run time.
 //!
-//! Each loop is written once, over arrays of `L` channels that become one register. It is compiled with and without
-//! fused multiply-add: processors with it give other last bits than those without, but each gives its own the same on
-//! any number of threads. `CHECKED` variants index with bounds checks; they are the safe twins of the others.
+//! Each loop is written once, over arrays of `L` channels that become one register, and compiled with and without
+//! fused multiply-add. Processors with it round differently from those without, but each gives the same bits on any
+//! number of threads. `CHECKED` variants index with bounds checks; they are the safe twins of the others.
 #![allow(unsafe_code)]
-// What is not inlined into a function that has AVX is compiled without AVX.
+// A function that is not inlined into one that has AVX is compiled without AVX.
 #![allow(clippy::inline_always)]
 
 mod rows;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use rows::{Rows, apply_rows};
+pub(crate) use rows::{RowProduct, apply_rows};
 
-use super::tiles::{Index, Run, View};
+use super::tiles::{DegreeRun, Index, TileView};
 
-/// Steps that a tile can take in one pass.
+/// Largest number of steps that a tile takes in one pass.
 pub(crate) const MAX_DEPTH: usize = 12;
 
-/// Which instructions the loops may use.
+/// Instruction set of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Target {
-    /// Whatever the build was made for.
+pub(crate) enum InstructionSet {
+    /// The instructions that the build targets.
     Portable,
     /// AVX2 and fused multiply-add.
     #[cfg(target_arch = "x86_64")]
@@ -31,8 +31,8 @@ pub(crate) enum Target {
     Avx512,
 }
 
-impl Target {
-    /// The best that this processor has.
+impl InstructionSet {
+    /// The best instruction set of this processor.
     pub(crate) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -47,7 +47,7 @@ impl Target {
     }
 }
 
-/// Whether the build itself has fused multiply-add; without it `mul_add` would be a slow function.
+/// True if the build itself has fused multiply-add; without it `mul_add` would be a slow function.
 const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
 
 #[inline(always)]
@@ -61,9 +61,9 @@ fn get<T, const CHECKED: bool>(slice: &[T], i: usize) -> &T {
         &slice[i]
     } else {
         debug_assert!(i < slice.len());
-        // SAFETY: callers pass CHECKED = false only for a tile and vectors that `steps` has found to fit together. Each
-        // index is one of a tile's rows, columns or vertices of its halo, which `Tile::checked` has compared with the tile's
-        // rings and with the operator, or that of a row within a run.
+        // SAFETY: callers pass CHECKED = false only for a tile and vectors whose sizes `steps` has checked. Each
+        // index is a row, a column or a halo vertex of a tile, which `Tile::validate` has compared with the tile's
+        // rings and with the operator, or a row within a run.
         unsafe { slice.get_unchecked(i) }
     }
 }
@@ -79,33 +79,34 @@ fn get_mut<T, const CHECKED: bool>(slice: &mut [T], i: usize) -> &mut T {
     }
 }
 
-/// `slice[start..][..len]`.
+/// The slice `slice[start..][..len]`.
 #[inline(always)]
 fn range<T, const CHECKED: bool>(slice: &[T], start: usize, len: usize) -> &[T] {
     if CHECKED {
         &slice[start..][..len]
     } else {
         debug_assert!(start + len <= slice.len());
-        // SAFETY: as in `get`: a row's entries in the operator are as many as its run says, which `Tile::checked` has
-        // compared; a `View` is of a tile and the operator that it was compared with.
+        // SAFETY: as in `get`. The number of a row's entries in the operator equals that of its run, which
+        // `Tile::validate` has compared; a `TileView` belongs to a tile and the operator with which it was
+        // compared.
         unsafe { slice.get_unchecked(start..start + len) }
     }
 }
 
-/// A term that is added to a band: its coefficients for the vectors of a pass.
-pub(super) struct Term<'a> {
-    /// For the vectors `first ..` of the pass.
+/// A term added to a band: its coefficients for the vectors of a pass.
+pub(super) struct PassTerm<'a> {
+    /// Coefficients of the vectors `first ..` of the pass.
     pub(super) coefficients: &'a [f64],
-    /// The first vector that counts: 0 at the very start of a recurrence, else 1.
+    /// First vector that counts: 0 at the very start of a recurrence, else 1.
     pub(super) first: usize,
-    /// Whether the band starts here.
+    /// True if the band starts here.
     pub(super) is_new: bool,
-    /// Whether `Σ_x μ(x)|out(x)|²` is asked for.
+    /// True if `Σ_x μ(x)|out(x)|²` is requested.
     pub(super) is_weighed: bool,
 }
 
-/// `T_{k−1}`, `T_k` and where `T_{k+1}` goes, of the vertices of a tile.
-struct Vectors<'a, const L: usize> {
+/// `T_{k−1}`, `T_k` and the buffer for `T_{k+1}` at the vertices of a tile.
+struct StepVectors<'a, const L: usize> {
     before: &'a [[f64; L]],
     now: &'a [[f64; L]],
     next: &'a mut [[f64; L]],
@@ -117,19 +118,19 @@ trait TileRows: Copy {
     fn after(self, n: usize) -> Self;
     /// The number of row `r` in the tile.
     fn get<const CHECKED: bool>(self, r: usize) -> usize;
-    /// The vertex of row `r` in the operator.
+    /// Vertex of row `r` in the operator.
     fn vertex<const CHECKED: bool>(self, r: usize) -> usize;
 }
 
-/// Own rows, in any order.
+/// Interior rows of a tile, in any order.
 #[derive(Clone, Copy)]
-struct OwnRows<'a, I> {
+struct InteriorRows<'a, I> {
     rows: &'a [I],
     /// The vertex of row 0.
     first: usize,
 }
 
-impl<I: Index> TileRows for OwnRows<'_, I> {
+impl<I: Index> TileRows for InteriorRows<'_, I> {
     #[inline(always)]
     fn after(self, n: usize) -> Self {
         Self { rows: &self.rows[n..], ..self }
@@ -146,7 +147,7 @@ impl<I: Index> TileRows for OwnRows<'_, I> {
     }
 }
 
-/// Rows of rings, in the order of the tile.
+/// Rows of the halo rings, in the order of the tile.
 #[derive(Clone, Copy)]
 struct RingRows<'a> {
     first: usize,
@@ -171,12 +172,12 @@ impl TileRows for RingRows<'_> {
     }
 }
 
-/// Copies the weights of the rows of `runs` to `to`, in the order of the runs: in the operator they lie in the order of its
-/// vertices, and those of the rings on strands of memory that no hardware follows.
+/// Copies the weights of the rows of `runs` to `to`, in the order of the runs. In the operator they are in vertex
+/// order, and those of the rings are scattered over memory, which no prefetcher follows.
 #[inline(always)]
 fn gather<const CHECKED: bool>(
     mut rows: impl TileRows,
-    runs: &[Run],
+    runs: &[DegreeRun],
     (offsets, weights): (&[usize], &[f64]),
     mut to: &mut [f64],
 ) {
@@ -204,16 +205,17 @@ fn gather<const CHECKED: bool>(
     }
 }
 
-/// One step for the rows of `runs`: `2Y T_k − T_{k−1}`, `Y = 2Φ₁ − I`.
+/// Takes one step for the rows of `runs`: `2Y T_k − T_{k−1}`, `Y = 2Φ₁ − I`.
 ///
-/// Of a lazy walk, whose Φ₁ has the diagonal ½, that is `next = scale·(Σ w·now[y] − ¼·before)` with `w = Φ₁(x,y)`, and of any
-/// other Φ₁ `scale·(Σ w·(now[y] − now[x]) + ½·now[x] − ¼·before)`. The factor 4 is in the scale; a power of two rounds nothing.
+/// For a lazy walk, whose Φ₁ has the diagonal ½, this is `next = scale·(Σ w·now[y] − ¼·before)` with `w = Φ₁(x,y)`;
+/// for any other Φ₁ it is `scale·(Σ w·(now[y] − now[x]) + ½·now[x] − ¼·before)`. The factor 4 is in the scale,
+/// because a power of two rounds nothing.
 #[inline(always)]
 fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
-    (mut rows, runs): (impl TileRows, &[Run]),
+    (mut rows, runs): (impl TileRows, &[DegreeRun]),
     mut columns: &[I],
     mut weights: &[f64],
-    vectors: &mut Vectors<'_, L>,
+    vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
     for run in runs {
@@ -235,7 +237,7 @@ fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LA
     }
 }
 
-/// What a row of a step starts from, and the value at its own vertex, which a lazy walk does not need.
+/// Start value of a row's sum, and the value at its own vertex, which a lazy walk does not need.
 #[inline(always)]
 fn start<const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     before: &[[f64; L]],
@@ -264,10 +266,10 @@ fn fixed<
 >(
     rows: impl TileRows,
     (columns, weights): (&[I], &[f64]),
-    vectors: &mut Vectors<'_, L>,
+    vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
-    let Vectors { before, now, next } = vectors;
+    let StepVectors { before, now, next } = vectors;
     let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
     for (r, (columns, weights)) in entries.enumerate() {
         let row = rows.get::<CHECKED>(r);
@@ -287,10 +289,10 @@ fn fixed<
 fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     (rows, n_rows, degree): (impl TileRows, usize, usize),
     (columns, weights): (&[I], &[f64]),
-    vectors: &mut Vectors<'_, L>,
+    vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
-    let Vectors { before, now, next } = vectors;
+    let StepVectors { before, now, next } = vectors;
     for r in 0..n_rows {
         let row = rows.get::<CHECKED>(r);
         let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
@@ -305,14 +307,15 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZ
     }
 }
 
-/// Vertices whose vectors stay in the nearest cache while one band after the other is added up.
+/// Number of vertices whose vectors stay in the first-level cache while the bands are accumulated one after
+/// another.
 const COMBINED_TOGETHER: usize = 64;
 
-/// `out = Σ_i coefficients[i]·vectors[first + i]`, added to what is there unless the band is new, for the own vertices
-/// `from ..`, as many as `weights` has; `Σ_x μ(x)|out(x)|²` is added to `square` where it is asked for.
+/// Computes `out = Σ_i coefficients[i]·vectors[first + i]`, added to the present values unless the band is new, for
+/// the interior vertices from `from` on, one per weight; adds `Σ_x μ(x)|out(x)|²` to `square` if requested.
 #[inline(always)]
 fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
-    term: &Term<'_>,
+    term: &PassTerm<'_>,
     vectors: &[&[[f64; L]]],
     (out, stride, at): (&mut [f64], usize, usize),
     (from, weights): (usize, &[f64]),
@@ -342,13 +345,14 @@ fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
 
 #[inline(always)]
 fn combine_all<const L: usize, const D: usize, const FMA: bool>(
-    pass: &mut Pass<'_, '_>,
+    pass: &mut TilePass<'_, '_>,
     vectors: &[&[[f64; L]]],
     n_own: usize,
 ) -> Vec<f64> {
     let (stride, at) = (pass.stride, pass.at);
     let mut squares = vec![0.0; pass.terms.len()];
-    // Loops and no closures: a closure would be compiled without the instructions of the function around it.
+    // Loops instead of closures, because a closure would be compiled without the instruction set of the surrounding
+    // function.
     for from in (0..n_own).step_by(COMBINED_TOGETHER) {
         let to = (from + COMBINED_TOGETHER).min(n_own);
         let own = (from, &pass.weights[from..to]);
@@ -368,13 +372,13 @@ fn combine_all<const L: usize, const D: usize, const FMA: bool>(
     squares
 }
 
-/// Vertices whose sums stay in registers while one vector after the other is added.
+/// Number of vertices whose sums stay in registers while the vectors are added one after another.
 const SUMMED_TOGETHER: usize = 16;
 
-/// [`combine_all`] of the parts along the normals, `v·n` of each vector v once for all bands.
+/// [`combine_all`] for normal components: `v·n` of each vector v is computed once for all bands.
 #[inline(always)]
 fn combine_along<const L: usize, const FMA: bool>(
-    pass: &mut Pass<'_, '_>,
+    pass: &mut TilePass<'_, '_>,
     vectors: &[&[[f64; L]]],
     n_own: usize,
 ) -> Vec<f64> {
@@ -412,66 +416,67 @@ fn combine_along<const L: usize, const FMA: bool>(
     squares
 }
 
-/// Where the vectors before a pass are, n_vertices × D.
+/// Location of the vectors before a pass, n_vertices × D.
 #[derive(Clone, Copy)]
-pub(super) enum Input<'a> {
+pub(super) enum PassInput<'a> {
     /// `T_{k−1}` and `T_k` of all vertices.
     Whole { before: &'a [f64], now: &'a [f64] },
-    /// Those of the tile's halo, as [`copy_halo`] has left them; those of its own vertices are where the next ones go.
+    /// Values at the tile's halo, as copied by [`copy_halo`]; those at its interior vertices are in the output
+    /// buffers.
     Copied { before: &'a [f64], now: &'a [f64] },
 }
 
-/// What a pass over a tile reads and writes. `D` channels in rows of `L ≥ D`.
-pub(super) struct Pass<'a, 'b> {
-    pub(super) input: Input<'a>,
-    /// Steps to take, at least 1 unless k is 0.
+/// Input and output of a pass over a tile: `D` channels in rows of `L ≥ D`.
+pub(super) struct TilePass<'a, 'b> {
+    pub(super) input: PassInput<'a>,
+    /// Number of steps, at least 1 unless k is 0.
     pub(super) n_steps: usize,
-    /// Whether this is the very first pass: `T_1 = ½(2Y T_0 − 0)`.
+    /// True for the very first pass: `T_1 = ½(2Y T_0 − 0)`.
     pub(super) is_first: bool,
-    /// Whether every row of Φ₁ has the diagonal ½, or no entries at all.
+    /// True if every row of Φ₁ has the diagonal ½, or no entries at all.
     pub(super) is_lazy: bool,
-    /// The own vertices' part of `T_{k+n−1}` and `T_{k+n}`; empty when nobody needs them.
+    /// Interior part of `T_{k+n−1}` and `T_{k+n}`; empty if they are not needed.
     pub(super) next_before: &'b mut [f64],
     pub(super) next_now: &'b mut [f64],
-    /// One for each band, at least one coefficient each.
-    pub(super) terms: &'a [Term<'a>],
-    /// μ of the own vertices.
+    /// One term per band, with at least one coefficient each.
+    pub(super) terms: &'a [PassTerm<'a>],
+    /// Weights μ of the interior vertices.
     pub(super) weights: &'a [f64],
-    /// The own vertices' part of each band, rows of `stride`, written at `at .. at + D`.
+    /// Interior part of each band, in rows of `stride`, written at `at .. at + D`.
     pub(super) outs: &'a mut [&'b mut [f64]],
     pub(super) stride: usize,
     pub(super) at: usize,
-    /// The normals of the own vertices, where a band is its part along them: then it has one number a vertex. Else empty.
+    /// Normals of the interior vertices, if a band is its component along them (one number per vertex); else empty.
     pub(super) normals: &'a [[f64; 3]],
 }
 
-/// Values that a pass over `tile` keeps at hand, in f64.
-pub(super) fn scratch_len<I: Index>(tile: View<'_, I>, n_steps: usize, lanes: usize) -> usize {
+/// Number of values, in f64, that a pass over `tile` needs as scratch memory.
+pub(super) fn scratch_len<I: Index>(tile: TileView<'_, I>, n_steps: usize, lanes: usize) -> usize {
     let vectors = (0..n_steps + 2).map(|i| n_rows(tile, n_steps, i)).sum::<usize>() * lanes;
     let weights = n_entries(tile.own_runs()) + n_entries(tile.ring_runs(n_steps.saturating_sub(1)));
     vectors + weights.next_multiple_of(lanes) + ALIGNMENT
 }
 
-fn n_entries(runs: &[Run]) -> usize {
+fn n_entries(runs: &[DegreeRun]) -> usize {
     runs.iter().map(|run| run.degree as usize * run.n_rows as usize).sum()
 }
 
-/// Vertices of the tile whose `T_{k−1+i}` is needed in a pass of `n_steps`.
+/// Number of vertices of the tile at which `T_{k−1+i}` is needed in a pass of `n_steps`.
 #[inline(always)]
-fn n_rows<I: Index>(tile: View<'_, I>, n_steps: usize, i: usize) -> usize {
+fn n_rows<I: Index>(tile: TileView<'_, I>, n_steps: usize, i: usize) -> usize {
     match i {
         0 => tile.n_within(n_steps.saturating_sub(1)),
         _ => tile.n_within(n_steps + 1 - i),
     }
 }
 
-/// Rows start at multiples of 64 bytes, so that none lies across two cache lines.
+/// Alignment of rows to 64 bytes, so that none crosses a cache line.
 const ALIGNMENT: usize = 8;
 
 #[inline(always)]
 fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKED: bool>(
-    tile: View<'_, I>,
-    mut pass: Pass<'_, '_>,
+    tile: TileView<'_, I>,
+    mut pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
     let n_steps = pass.n_steps;
@@ -483,12 +488,12 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     }
     let (own, first) = (tile.n_own() * D, tile.first() * D);
     let (own_before, own_now) = match pass.input {
-        Input::Whole { before, now } => (&before[first..], &now[first..]),
-        Input::Copied { .. } => (&*pass.next_before, &*pass.next_now),
+        PassInput::Whole { before, now } => (&before[first..], &now[first..]),
+        PassInput::Copied { .. } => (&*pass.next_before, &*pass.next_now),
     };
     let (halo_before, halo_now) = match pass.input {
-        Input::Whole { before, now } => (Halo::Gathered(before), Halo::Gathered(now)),
-        Input::Copied { before, now } => (Halo::Copied(before), Halo::Copied(now)),
+        PassInput::Whole { before, now } => (HaloValues::Gathered(before), HaloValues::Gathered(now)),
+        PassInput::Copied { before, now } => (HaloValues::Copied(before), HaloValues::Copied(now)),
     };
     fill::<I, L, D>(tile, &own_now[..own], halo_now, vectors[1]);
     if n_steps > 0 {
@@ -498,7 +503,7 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
             fill::<I, L, D>(tile, &own_before[..own], halo_before, vectors[0]);
         }
     }
-    let own_rows = OwnRows { rows: tile.rows(), first: tile.first() };
+    let own_rows = InteriorRows { rows: tile.rows(), first: tile.first() };
     let ring_rows = RingRows { first: tile.n_own(), halo: tile.halo() };
     let n_own_entries = n_entries(tile.own_runs());
     let (own_columns, ring_columns) = tile.columns().split_at(n_own_entries);
@@ -511,8 +516,8 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     for i in 1..=n_steps {
         let (old, new) = vectors.split_at_mut(i + 1);
         let scale = if pass.is_first && i == 1 { 2.0 } else { 4.0 };
-        let mut vectors = Vectors { before: &*old[i - 1], now: &*old[i], next: &mut *new[0] };
-        // What the unchecked loops rely on: rows are within n − i rings, columns within n − i + 1.
+        let mut vectors = StepVectors { before: &*old[i - 1], now: &*old[i], next: &mut *new[0] };
+        // The unchecked loops rely on this: rows are within n − i rings, columns within n − i + 1.
         assert!(
             vectors.next.len() == tile.n_within(n_steps - i) && vectors.before.len() >= vectors.next.len()
         );
@@ -544,21 +549,21 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     squares
 }
 
-/// Where the values of the rings are.
+/// Location of the values at the rings.
 #[derive(Clone, Copy)]
-enum Halo<'a> {
-    /// Among those of all vertices.
+enum HaloValues<'a> {
+    /// Among the values at all vertices.
     Gathered(&'a [f64]),
     /// In the order of the tile.
     Copied(&'a [f64]),
 }
 
-/// Values of the tile's first vertices, as many as `to` has: the own ones, then those of the rings.
+/// Copies the values at the tile's first vertices, as many as fit in `to`: the interior, then the rings.
 #[inline(always)]
 fn fill<I: Index, const L: usize, const D: usize>(
-    tile: View<'_, I>,
+    tile: TileView<'_, I>,
     own: &[f64],
-    halo: Halo<'_>,
+    halo: HaloValues<'_>,
     to: &mut [[f64; L]],
 ) {
     let (to_own, to_halo) = to.split_at_mut(tile.n_own());
@@ -567,7 +572,7 @@ fn fill<I: Index, const L: usize, const D: usize>(
         to[D..].fill(0.0);
     }
     match halo {
-        Halo::Gathered(values) => {
+        HaloValues::Gathered(values) => {
             let values = values.as_chunks::<D>().0;
             assert!(tile.halo().len() >= to_halo.len());
             for (to, &x) in to_halo.iter_mut().zip(tile.halo()) {
@@ -575,7 +580,7 @@ fn fill<I: Index, const L: usize, const D: usize>(
                 to[D..].fill(0.0);
             }
         }
-        Halo::Copied(values) => {
+        HaloValues::Copied(values) => {
             assert!(values.len() >= to_halo.len() * D);
             for (to, from) in to_halo.iter_mut().zip(values.as_chunks::<D>().0) {
                 to[..D].copy_from_slice(from);
@@ -585,8 +590,8 @@ fn fill<I: Index, const L: usize, const D: usize>(
     }
 }
 
-/// The values of the tile's halo, as many as `to` has room for, n × `width` each.
-pub(super) fn copy_halo<I: Index>(tile: View<'_, I>, width: usize, from: &[f64], to: &mut [f64]) {
+/// Copies the values at the tile's halo, as many as fit in `to`, n × `width`.
+pub(super) fn copy_halo<I: Index>(tile: TileView<'_, I>, width: usize, from: &[f64], to: &mut [f64]) {
     fn copy<const D: usize>(halo: &[u32], from: &[f64], to: &mut [f64]) {
         let from = from.as_chunks::<D>().0;
         for (to, &x) in to.as_chunks_mut::<D>().0.iter_mut().zip(halo) {
@@ -602,47 +607,57 @@ pub(super) fn copy_halo<I: Index>(tile: View<'_, I>, width: usize, from: &[f64],
     }
 }
 
-/// Takes the pass over the tile for `width` channels, 1 … 4, and weighs the bands that are to be weighed.
+/// Runs the pass over the tile for `width` channels, 1 … 4, and computes the requested norms.
 pub(super) fn run<I: Index>(
-    target: Target,
-    tile: View<'_, I>,
+    target: InstructionSet,
+    tile: TileView<'_, I>,
     width: usize,
-    pass: Pass<'_, '_>,
+    pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
     match target {
-        Target::Portable => by_width::<I, FUSED, false>(tile, width, pass, scratch),
+        InstructionSet::Portable => dispatch_width::<I, FUSED, false>(tile, width, pass, scratch),
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Target::detect` has found AVX2 and FMA on this processor.
-        Target::Avx2 => unsafe { avx2(tile, width, pass, scratch) },
+        // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
+        InstructionSet::Avx2 => unsafe { avx2(tile, width, pass, scratch) },
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Target::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
-        Target::Avx512 => unsafe { avx512(tile, width, pass, scratch) },
+        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
+        InstructionSet::Avx512 => unsafe { avx512(tile, width, pass, scratch) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<I: Index>(tile: View<'_, I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
-    by_width::<I, true, false>(tile, width, pass, scratch)
+fn avx2<I: Index>(
+    tile: TileView<'_, I>,
+    width: usize,
+    pass: TilePass<'_, '_>,
+    scratch: &mut [f64],
+) -> Vec<f64> {
+    dispatch_width::<I, true, false>(tile, width, pass, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<I: Index>(tile: View<'_, I>, width: usize, pass: Pass<'_, '_>, scratch: &mut [f64]) -> Vec<f64> {
-    by_width::<I, true, false>(tile, width, pass, scratch)
+fn avx512<I: Index>(
+    tile: TileView<'_, I>,
+    width: usize,
+    pass: TilePass<'_, '_>,
+    scratch: &mut [f64],
+) -> Vec<f64> {
+    dispatch_width::<I, true, false>(tile, width, pass, scratch)
 }
 
-/// Rows of the scratch for `width` channels.
+/// Number of lanes of a scratch row for `width` channels.
 pub(super) fn lanes(width: usize) -> usize {
     width.next_power_of_two()
 }
 
 #[inline(always)]
-fn by_width<I: Index, const FMA: bool, const CHECKED: bool>(
-    tile: View<'_, I>,
+fn dispatch_width<I: Index, const FMA: bool, const CHECKED: bool>(
+    tile: TileView<'_, I>,
     width: usize,
-    pass: Pass<'_, '_>,
+    pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
     match width {

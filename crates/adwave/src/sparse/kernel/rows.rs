@@ -1,20 +1,20 @@
-//! A product with the compressed rows as they are.
+//! Product with compressed rows without tiles.
 
-use super::{FUSED, Target, fma};
+use super::{FUSED, InstructionSet, fma};
 
-/// Rows `first ..` of a walk, as many as `out` has, and the block of channels they are applied to.
-pub(crate) struct Rows<'a> {
-    /// Where each row starts, and the end of the last.
+/// Rows of a walk from `first` on, as many as the output has, and the block of channels to which they are applied.
+pub(crate) struct RowProduct<'a> {
+    /// Start of each row, and the end of the last.
     pub(crate) offsets: &'a [usize],
     pub(crate) columns: &'a [u32],
     pub(crate) weights: &'a [f64],
     pub(crate) first: usize,
-    /// n_vertices × D.
+    /// Input values, n_vertices × D.
     pub(crate) x: &'a [f64],
 }
 
-impl Rows<'_> {
-    /// Asserts what the unchecked loops rely on for these rows.
+impl RowProduct<'_> {
+    /// Checks the sizes that the unchecked loops rely on.
     fn assert_consistent<const D: usize>(&self, n_rows: usize) -> usize {
         let n = self.x.len() / D;
         assert!(self.first + n_rows <= n && n < self.offsets.len());
@@ -23,24 +23,24 @@ impl Rows<'_> {
     }
 }
 
-/// `out = x + Σ_y w·(x_y − x)` for `D` channels.
-pub(crate) fn apply_rows<const D: usize>(target: Target, rows: &Rows<'_>, out: &mut [f64]) {
+/// Computes `out = x + Σ_y w·(x_y − x)` for `D` channels.
+pub(crate) fn apply_rows<const D: usize>(target: InstructionSet, rows: &RowProduct<'_>, out: &mut [f64]) {
     match target {
-        Target::Portable => body::<D, FUSED, true>(rows, out),
+        InstructionSet::Portable => body::<D, FUSED, true>(rows, out),
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `Target::detect` has found AVX2 and FMA on this processor.
-        Target::Avx2 | Target::Avx512 => unsafe { avx2::<D>(rows, out) },
+        // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
+        InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe { avx2::<D>(rows, out) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<const D: usize>(rows: &Rows<'_>, out: &mut [f64]) {
+fn avx2<const D: usize>(rows: &RowProduct<'_>, out: &mut [f64]) {
     body::<D, true, false>(rows, out);
 }
 
 #[inline(always)]
-fn body<const D: usize, const FMA: bool, const CHECKED: bool>(rows: &Rows<'_>, out: &mut [f64]) {
+fn body<const D: usize, const FMA: bool, const CHECKED: bool>(rows: &RowProduct<'_>, out: &mut [f64]) {
     let out = out.as_chunks_mut::<D>().0;
     rows.assert_consistent::<D>(out.len());
     let x = rows.x.as_chunks::<D>().0;
@@ -63,11 +63,11 @@ fn body<const D: usize, const FMA: bool, const CHECKED: bool>(rows: &Rows<'_>, o
     }
 }
 
-/// How many entries ahead vertices are asked for. Neighbors lie on several strands of memory that no hardware follows:
-/// asking some 80 rows of a mesh ahead takes a quarter off the time of a product.
+/// Number of entries by which vertices are prefetched. Neighbors are scattered over memory, which no hardware
+/// prefetcher follows; prefetching about 80 rows of a mesh ahead saves a quarter of the time of a product.
 const AHEAD: usize = 512;
 
-/// Asks for the vertices of `n` columns from `at` on, so that they are in the cache when their turn comes.
+/// Prefetches the vertices of `n` columns from `at` on.
 #[inline(always)]
 fn fetch_ahead<const D: usize>(columns: &[u32], x: &[[f64; D]], at: usize, n: usize) {
     if let Some(columns) = columns.get(at..at + n) {
@@ -127,8 +127,8 @@ fn vertex<const D: usize, const CHECKED: bool>(x: &[[f64; D]], column: u32) -> &
         &x[column as usize]
     } else {
         debug_assert!((column as usize) < x.len());
-        // SAFETY: a `Diffusion` has no column beyond its rows, which its constructors check, and `body` has found x to be
-        // as long as the rows.
+        // SAFETY: a `Diffusion` has no column beyond its rows, which its constructors check, and `body` has checked
+        // that x is as long as the rows.
         unsafe { x.get_unchecked(column as usize) }
     }
 }
@@ -149,12 +149,12 @@ mod tests {
             offsets.push(columns.len());
         }
         let x: Vec<f64> = (0..36).map(|i| f64::from(i * i % 17) + 0.1).collect();
-        let rows = Rows { offsets: &offsets, columns: &columns, weights: &weights, first: 0, x: &x };
+        let rows = RowProduct { offsets: &offsets, columns: &columns, weights: &weights, first: 0, x: &x };
         let (mut safe, mut fast, mut chosen) = (vec![0.0; 36], vec![0.0; 36], vec![0.0; 36]);
         body::<3, true, true>(&rows, &mut safe);
         body::<3, true, false>(&rows, &mut fast);
         assert_eq!(safe, fast);
-        apply_rows::<3>(Target::detect(), &rows, &mut chosen);
+        apply_rows::<3>(InstructionSet::detect(), &rows, &mut chosen);
         for (a, b) in safe.iter().zip(&chosen) {
             assert!((a - b).abs() <= 1e-15 * a.abs().max(1.0), "{a} and {b}");
         }

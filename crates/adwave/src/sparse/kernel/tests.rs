@@ -1,10 +1,10 @@
-//! Every variant of the loops against the checked one.
+//! Comparison of every variant of the loops with the checked one.
 
 use super::*;
 use crate::Progress;
 use crate::operator::{Diffusion, OperatorParams, local_operator};
 use crate::shape::{Graph, PreparedGeometry, Shape};
-use crate::sparse::tiles::{Tiles, TilesOf};
+use crate::sparse::tiles::{TileList, Tiles};
 use std::sync::Arc;
 
 /// A graph with rows of 1 to 13 entries.
@@ -21,38 +21,38 @@ fn diffusion(n: u32) -> Arc<Diffusion> {
     )
 }
 
-struct Outcome {
+struct PassOutcome {
     bands: Vec<f64>,
     now: Vec<f64>,
     before: Vec<f64>,
     squares: Vec<f64>,
 }
 
-/// Where a pass finds the vectors and leaves the next ones.
+/// Location of the vectors before and after a pass.
 #[derive(Clone, Copy, PartialEq)]
-enum Place {
+enum VectorStorage {
     Apart,
     InPlace,
 }
 
 /// One pass of `n_steps` over all tiles, by `kernel`.
 fn pass<I: Index>(
-    tiles: &TilesOf<I>,
+    tiles: &TileList<I>,
     (n, width, n_steps): (usize, usize, usize),
-    (is_first, is_lazy, place): (bool, bool, Place),
-    kernel: impl Fn(View<'_, I>, Pass<'_, '_>, &mut [f64]) -> Vec<f64>,
-) -> Outcome {
+    (is_first, is_lazy, place): (bool, bool, VectorStorage),
+    kernel: impl Fn(TileView<'_, I>, TilePass<'_, '_>, &mut [f64]) -> Vec<f64>,
+) -> PassOutcome {
     let value = |i: usize| ((i * 37 + 11) % 101) as f64 / 7.0 - 6.0;
     let now: Vec<f64> = (0..n * width).map(value).collect();
     let before: Vec<f64> = (0..n * width).map(|i| value(i + 5)).collect();
     let weights: Vec<f64> = (0..n).map(|x| 1.0 + value(x).abs()).collect();
     let coefficients: Vec<f64> = (0..=n_steps).map(|i| 1.0 / (1.0 + i as f64)).collect();
     let first = usize::from(!is_first);
-    let term = Term { coefficients: &coefficients[first..], first, is_new: is_first, is_weighed: true };
-    let mut out = Outcome {
+    let term = PassTerm { coefficients: &coefficients[first..], first, is_new: is_first, is_weighed: true };
+    let mut out = PassOutcome {
         bands: vec![1.0; n * width],
-        now: if place == Place::InPlace { now.clone() } else { vec![0.0; n * width] },
-        before: if place == Place::InPlace { before.clone() } else { vec![0.0; n * width] },
+        now: if place == VectorStorage::InPlace { now.clone() } else { vec![0.0; n * width] },
+        before: if place == VectorStorage::InPlace { before.clone() } else { vec![0.0; n * width] },
         squares: Vec::new(),
     };
     for tile in tiles.iter() {
@@ -63,10 +63,10 @@ fn pass<I: Index>(
             around
         };
         let (around_now, around_before) = (around(&now, n_steps), around(&before, n_steps - 1));
-        let pass = Pass {
+        let pass = TilePass {
             input: match place {
-                Place::Apart => Input::Whole { before: &before, now: &now },
-                Place::InPlace => Input::Copied { before: &around_before, now: &around_now },
+                VectorStorage::Apart => PassInput::Whole { before: &before, now: &now },
+                VectorStorage::InPlace => PassInput::Copied { before: &around_before, now: &around_now },
             },
             n_steps,
             is_first,
@@ -86,7 +86,7 @@ fn pass<I: Index>(
     out
 }
 
-fn narrow(diffusion: &Arc<Diffusion>, own: usize) -> TilesOf<u16> {
+fn narrow(diffusion: &Arc<Diffusion>, own: usize) -> TileList<u16> {
     match Tiles::new(diffusion, own, 4, Progress::none()) {
         Ok(Tiles::Narrow(tiles)) => tiles,
         _ => panic!("a small operator has narrow tiles"),
@@ -110,11 +110,13 @@ fn a_pass_is_the_recurrence_row_by_row() {
         let next = (0..n).map(|x| twice_y(x) - vectors[i - 1][x]).collect();
         vectors.push(next);
     }
-    let cases = [true, false].into_iter().flat_map(|lazy| [(lazy, Place::Apart), (lazy, Place::InPlace)]);
+    let cases = [true, false]
+        .into_iter()
+        .flat_map(|lazy| [(lazy, VectorStorage::Apart), (lazy, VectorStorage::InPlace)]);
     for (is_lazy, place) in cases {
         let start = (false, is_lazy, place);
         let found = pass(&narrow(&diffusion, 70), (n, 1, n_steps), start, |tile, pass, scratch| {
-            run(Target::detect(), tile, 1, pass, scratch)
+            run(InstructionSet::detect(), tile, 1, pass, scratch)
         });
         for (x, now) in found.now.iter().enumerate().take(n) {
             assert!((now - vectors[n_steps + 1][x]).abs() < ROUNDING);
@@ -131,19 +133,19 @@ fn unchecked_loops_give_the_bits_of_checked_ones() {
     let tiles = narrow(&diffusion, 70);
     for width in 1..=4 {
         let cases = [
-            (1, true, Place::Apart),
-            (4, true, Place::InPlace),
-            (3, false, Place::Apart),
-            (2, false, Place::InPlace),
+            (1, true, VectorStorage::Apart),
+            (4, true, VectorStorage::InPlace),
+            (3, false, VectorStorage::Apart),
+            (2, false, VectorStorage::InPlace),
         ];
         let both = cases.into_iter().flat_map(|case| [(case, true), (case, false)]);
         for ((n_steps, is_first, place), is_lazy) in both {
             let (size, start) = ((300, width, n_steps), (is_first, is_lazy, place));
             let safe = pass(&tiles, size, start, |tile, pass, scratch| {
-                by_width::<u16, FUSED, true>(tile, width, pass, scratch)
+                dispatch_width::<u16, FUSED, true>(tile, width, pass, scratch)
             });
             let fast = pass(&tiles, size, start, |tile, pass, scratch| {
-                run(Target::Portable, tile, width, pass, scratch)
+                run(InstructionSet::Portable, tile, width, pass, scratch)
             });
             assert_eq!((&safe.bands, &safe.now), (&fast.bands, &fast.now));
             assert_eq!((&safe.before, &safe.squares), (&fast.before, &fast.squares));
@@ -157,19 +159,22 @@ fn every_target_agrees_with_the_portable_one() {
     const ROUNDING: f64 = 1e-11;
     let diffusion = diffusion(300);
     let tiles = narrow(&diffusion, 70);
-    let mut targets = vec![Target::detect()];
+    let mut targets = vec![InstructionSet::detect()];
     #[cfg(target_arch = "x86_64")]
-    if Target::detect() == Target::Avx512 {
-        targets.push(Target::Avx2);
+    if InstructionSet::detect() == InstructionSet::Avx512 {
+        targets.push(InstructionSet::Avx2);
     }
     for target in targets {
         for (width, is_lazy) in (1..=4).flat_map(|width| [(width, true), (width, false)]) {
             let with = |target| {
-                pass(&tiles, (300, width, 4), (false, is_lazy, Place::Apart), |tile, pass, scratch| {
-                    run(target, tile, width, pass, scratch)
-                })
+                pass(
+                    &tiles,
+                    (300, width, 4),
+                    (false, is_lazy, VectorStorage::Apart),
+                    |tile, pass, scratch| run(target, tile, width, pass, scratch),
+                )
             };
-            let (portable, found) = (with(Target::Portable), with(target));
+            let (portable, found) = (with(InstructionSet::Portable), with(target));
             for (a, b) in portable.bands.iter().zip(&found.bands).chain(portable.now.iter().zip(&found.now)) {
                 assert!((a - b).abs() <= ROUNDING, "{target:?}, {width} channels: {a} and {b}");
             }
@@ -180,22 +185,24 @@ fn every_target_agrees_with_the_portable_one() {
 #[test]
 fn neither_the_size_of_the_tiles_nor_of_their_numbers_changes_a_bit() {
     let diffusion = diffusion(500);
-    let target = Target::detect();
+    let target = InstructionSet::detect();
     let small = narrow(&diffusion, 33);
-    let one =
-        pass(&narrow(&diffusion, 500), (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
-            run(target, tile, 3, pass, scratch)
-        });
-    let many = pass(&small, (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
+    let one = pass(
+        &narrow(&diffusion, 500),
+        (500, 3, 4),
+        (true, true, VectorStorage::Apart),
+        |tile, pass, scratch| run(target, tile, 3, pass, scratch),
+    );
+    let many = pass(&small, (500, 3, 4), (true, true, VectorStorage::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&one.bands, &one.now, &one.before), (&many.bands, &many.now, &many.before));
     let wide = Tiles::wide(&diffusion, 33, 4, Progress::none()).expect("nobody stops it");
-    let wide = pass(&wide, (500, 3, 4), (true, true, Place::Apart), |tile, pass, scratch| {
+    let wide = pass(&wide, (500, 3, 4), (true, true, VectorStorage::Apart), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&wide.bands, &wide.now, &wide.squares), (&many.bands, &many.now, &many.squares));
-    let in_place = pass(&small, (500, 3, 4), (true, true, Place::InPlace), |tile, pass, scratch| {
+    let in_place = pass(&small, (500, 3, 4), (true, true, VectorStorage::InPlace), |tile, pass, scratch| {
         run(target, tile, 3, pass, scratch)
     });
     assert_eq!((&in_place.bands, &in_place.now, &in_place.before), (&many.bands, &many.now, &many.before));

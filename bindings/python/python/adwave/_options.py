@@ -1,0 +1,249 @@
+"""Options that travel together: how levels are asked for, how the diffusion is built, how vertices may move."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Length = Union[float, str]
+"""A length: a number in model units, or a share of the bounding box's diagonal such as ``"2%"``."""
+
+SignalLike = Union[str, ArrayLike, None]
+"""A signal: None for the coordinates, the name of a signal, or an (n,) or (n, channels) array."""
+
+OperatorKind = Literal["walk", "surface"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Widths:
+    """Levels of given widths. The measure is named, so that a width cannot be taken for the σ of another library.
+
+    Levels by width use heat on the surface (``operator="surface"``) unless an operator is given.
+
+    Parameters
+    ----------
+    rms : sequence of float or str, optional
+        Root mean square distances that one value spreads to, in model units or as a share of the bounding box's
+        diagonal such as ``"2%"``. On a surface this is √2 times the standard deviation along one axis.
+    fwhm : sequence of float or str, optional
+        Full widths at half maximum, in the same units: 1.665 times the rms width on a surface.
+
+    Raises
+    ------
+    ValueError
+        If not exactly one of both is given.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("sphere", vertices=1000)
+    >>> aw.decompose(shape, levels=aw.Widths(fwhm=[0.2, 0.4])).fwhm.round(6)
+    array([0.2, 0.4])
+    >>> len(aw.Widths(rms=["2%", "4%", "8%"]))
+    3
+    """
+
+    rms: Union[Sequence[Length], None] = None
+    fwhm: Union[Sequence[Length], None] = None
+
+    def __post_init__(self) -> None:
+        if (self.rms is None) == (self.fwhm is None):
+            raise ValueError("aw.Widths takes exactly one of rms and fwhm")
+        for name in ("rms", "fwhm"):
+            widths = getattr(self, name)
+            if widths is not None:
+                object.__setattr__(self, name, tuple(_lengths(widths)))
+
+    def __len__(self) -> int:
+        return len(self.rms if self.rms is not None else self.fwhm or ())
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Levels of given numbers of steps of the diffusion.
+
+    Parameters
+    ----------
+    steps : sequence of float
+        Ascending numbers of steps n_1 … n_J, integers or not, from 1/64.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.decompose(aw.sample("sphere", vertices=500), levels=aw.Steps([0.5, 3, 10])).steps
+    array([ 0.5,  3. , 10. ])
+    """
+
+    steps: Sequence[float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "steps", tuple(float(n) for n in np.atleast_1d(np.asarray(self.steps))))
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+
+@dataclass(frozen=True)
+class Octaves:
+    """Dyadic levels with further levels between them.
+
+    Parameters
+    ----------
+    n_levels : int
+        Number of dyadic levels: 1, 2, 4 … steps.
+    voices : int
+        Levels for each doubling of the steps.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> bands = aw.decompose(aw.sample("sphere", vertices=500), levels=aw.Octaves(6, voices=2))
+    >>> bands.n_levels, float(bands.steps[-1])
+    (11, 32.0)
+    """
+
+    n_levels: int
+    voices: int = 2
+
+
+LevelsLike = Union[int, Widths, Steps, Octaves, None]
+"""Levels: a number of dyadic levels, `Widths`, `Steps` or `Octaves`; None for as many as the shape asks for."""
+
+
+def check_levels(levels: Any) -> LevelsLike:
+    """Levels as one of the accepted types.
+
+    Raises
+    ------
+    TypeError
+        If `levels` is of another type.
+    """
+    if levels is None or isinstance(levels, (Widths, Steps, Octaves)):
+        return levels
+    if isinstance(levels, (int, np.integer)) and not isinstance(levels, bool):
+        if levels < 0:
+            raise ValueError(f"levels must be at least 1, got {levels}")
+        return int(levels)
+    raise TypeError(
+        f"levels must be a number of levels, aw.Widths(...), aw.Steps(...) or aw.Octaves(...), got {levels!r}"
+    )
+
+
+@dataclass(frozen=True)
+class Operator:
+    """Options of the diffusion operator Φ₁. Those that are None take the library's default.
+
+    Parameters
+    ----------
+    kind : {'walk', 'surface'}, optional
+        The lazy random walk of the paper, or heat on the surface, whose widths hardly depend on the mesh. By default
+        the walk, and heat on the surface if levels are given by width.
+    weld : bool, optional
+        Whether vertices at equal positions count as one in the analysis.
+    rings : int, optional
+        Walk on a mesh: number of rings of neighbors in one step.
+    neighbors : int, optional
+        Point cloud: number of nearest neighbors in one step.
+    directed : bool, optional
+        Walk on a cloud: step to the nearest neighbors of each point only, as in the paper.
+    area : str, optional
+        Walk: area of a vertex of a mesh (``'barycentric'``, ``'mixed-voronoi'``) or of a point of a cloud
+        (``'kth-neighbor'``, ``'unit'``, ``'tangent-voronoi'``).
+    density_invariant : bool, optional
+        Walk: remove the effect of the sampling density.
+    keep_creases : bool, optional
+        Do not step across creases, where the normals turn sharply.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> cloud = aw.sample("torus", vertices=900).points
+    >>> aw.Decomposer(cloud, operator=aw.Operator("walk", neighbors=16)).operator
+    'walk'
+    """
+
+    kind: Union[OperatorKind, None] = None
+    weld: Union[bool, None] = None
+    rings: Union[int, None] = None
+    neighbors: Union[int, None] = None
+    directed: Union[bool, None] = None
+    area: Union[str, None] = None
+    density_invariant: Union[bool, None] = None
+    keep_creases: Union[bool, None] = None
+
+    def with_default_kind(self, kind: OperatorKind) -> Operator:
+        """Options with this kind if none was given."""
+        from dataclasses import replace
+
+        return self if self.kind is not None else replace(self, kind=kind)
+
+    def needs_walk(self) -> bool:
+        """Tells whether an option is given that only the walk has."""
+        return any(v is not None for v in (self.rings, self.directed, self.area, self.density_invariant))
+
+
+OperatorLike = Union[OperatorKind, Operator, None]
+"""An operator: ``'walk'``, ``'surface'`` or an `Operator` with options; None for the default."""
+
+
+def as_operator(operator: object) -> Operator:
+    """An `Operator` from a name, an `Operator` or None.
+
+    Raises
+    ------
+    TypeError
+        If `operator` is of another type.
+    """
+    if operator is None:
+        return Operator()
+    if isinstance(operator, str):
+        return Operator(operator)  # type: ignore[arg-type]
+    if isinstance(operator, Operator):
+        return operator
+    raise TypeError(f"operator must be 'walk', 'surface' or aw.Operator(...), got {operator!r}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constraints:
+    """Constraints on the motion of vertices when the coordinates are filtered.
+
+    Parameters
+    ----------
+    along : {'free', 'normal', 'surface', 'x', 'y', 'z'}, optional
+        Direction in which vertices may move. By default clouds move along their normals, and meshes freely except for
+        their open borders; ``'free'`` also frees borders.
+    border : {'natural', 'keep', 'free'}
+        Treatment of open borders.
+    volume : {'free', 'keep'}
+        Whether a closed surface keeps its volume, by an offset along the normals.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> plane = aw.sample("plane", vertices=400, noise=0.3)
+    >>> flat = aw.filter(plane, "smooth", levels=3, constraints=aw.Constraints(along="z"))
+    >>> bool((flat.points[:, :2] == plane.points[:, :2]).all())
+    True
+    """
+
+    along: Union[Literal["free", "normal", "surface", "x", "y", "z"], None] = None
+    border: Literal["natural", "keep", "free"] = "natural"
+    volume: Literal["free", "keep"] = "free"
+
+
+@dataclass(frozen=True)
+class BandsRequest:
+    """A signal, the levels and the accuracy of its bands, as the extension takes them."""
+
+    signal: Union[NDArray[np.float64], None]
+    steps: Sequence[float]
+    accuracy: float
+
+
+def _lengths(widths: Any) -> list[Length]:
+    each = [widths] if isinstance(widths, str) or np.ndim(widths) == 0 else widths
+    return [width if isinstance(width, str) else float(width) for width in each]

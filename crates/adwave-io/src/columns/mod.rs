@@ -1,5 +1,0 @@
-//! Rows of numbers, one per point: XYZ, TXT, PTS, PWN, CSV.
-
-pub(crate) mod meaning;
-pub(crate) mod read;
-pub(crate) mod write;

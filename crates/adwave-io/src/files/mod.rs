@@ -1,0 +1,4 @@
+//! Reading files with a limit, and replacing them as a whole.
+
+pub(crate) mod atomic;
+pub(crate) mod read;

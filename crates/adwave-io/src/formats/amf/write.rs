@@ -1,0 +1,81 @@
+//! AMF writer: one object of one volume, with colors of its vertices and triangles.
+
+use std::io::Write;
+
+use adwave::Progress;
+
+use crate::model::f32_limits::triangles_with_faces;
+use crate::progress::at_row;
+use crate::text::push_f64;
+use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
+
+fn color(fields: &[Field]) -> Option<&Field> {
+    fields.iter().find(|f| f.name == "color" && matches!(f.n_channels, 3 | 4))
+}
+
+/// Writes a color as numbers from 0 to 1; a color that is not finite is omitted.
+fn push_color(field: Option<&Field>, i: usize, out: &mut Vec<u8>) {
+    let Some(field) = field else { return };
+    let scale = if matches!(field.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };
+    let values = (0..field.n_channels).map(|c| field.get(i, c) / scale);
+    if values.clone().take(3).any(f64::is_nan) {
+        return;
+    }
+    out.extend_from_slice(b"<color>");
+    for (name, x) in ['r', 'g', 'b', 'a'].into_iter().zip(values).filter(|(_, x)| !x.is_nan()) {
+        push_element(out, name, |out| push_f64(out, x));
+    }
+    out.extend_from_slice(b"</color>");
+}
+
+fn push_element(out: &mut Vec<u8>, name: char, content: impl FnOnce(&mut Vec<u8>)) {
+    out.extend([b'<', name as u8, b'>']);
+    content(out);
+    out.extend([b'<', b'/', name as u8, b'>']);
+}
+
+/// Writes the shape.
+pub(crate) fn write_amf(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let is_whole = shape.faces.iter().all(|f| f.len() == 3);
+    let of_vertices = color(&shape.vertex_fields);
+    let of_faces = color(&shape.face_fields).filter(|_| is_whole);
+    report.leave_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
+    report.leave_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    if !shape.edges.pairs.is_empty() {
+        report.leave_out("edges");
+    }
+    out.write_all(
+        b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"millimeter\" version=\"1.1\">\n\
+          <object id=\"1\">\n<mesh>\n<vertices>\n",
+    )?;
+    let mut text = Vec::new();
+    for (i, &[x, y, z]) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
+        text.clear();
+        text.extend_from_slice(b"<vertex><coordinates>");
+        for (name, x) in [('x', x), ('y', y), ('z', z)] {
+            push_element(&mut text, name, |out| push_f64(out, x));
+        }
+        text.extend_from_slice(b"</coordinates>");
+        push_color(of_vertices, i, &mut text);
+        text.extend_from_slice(b"</vertex>\n");
+        out.write_all(&text)?;
+    }
+    out.write_all(b"</vertices>\n<volume>\n")?;
+    let triangles = triangles_with_faces(shape, report);
+    for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
+        at_row(progress, row as u64, triangles.len() as u64)?;
+        text.clear();
+        text.extend_from_slice(b"<triangle>");
+        push_color(of_faces, f, &mut text);
+        writeln!(text, "<v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>")?;
+        out.write_all(&text)?;
+    }
+    out.write_all(b"</volume>\n</mesh>\n</object>\n</amf>\n")?;
+    Ok(())
+}

@@ -1,0 +1,180 @@
+//! CIFTI reader: values of one surface, NaN at vertices without a value.
+
+use adwave::Progress;
+
+use super::models::{Maps, Model, maps};
+use crate::model::field::{ByteOrder, Number};
+use crate::model::numbers::Numbers;
+use crate::progress::extend;
+use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
+
+/// Size of the NIfTI-2 header in bytes.
+const HEADER: usize = 540;
+/// Code of the extension that contains the XML.
+const CIFTI: i32 = 32;
+
+/// True if the bytes are a NIfTI of any version.
+pub(crate) fn is_nifti(bytes: &[u8]) -> bool {
+    let magic = |at: usize, magic: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(magic));
+    magic(4, b"n+2\0") || magic(344, b"n+1\0")
+}
+
+/// Reads the values of the surface with `n_vertices` vertices and, if known, this structure.
+pub(crate) fn read_cifti(
+    bytes: &[u8],
+    structure: Option<&str>,
+    n_vertices: usize,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
+    let cut = || ReadError::at_byte(bytes.len(), "the file ends too early; get the whole file");
+    if !bytes[4..].starts_with(b"n+2") {
+        let message = "this NIfTI-1 file is not a CIFTI and has no vertices; use values on a surface";
+        return Err(ReadError::Whole(message.into()));
+    }
+    if bytes.len() < HEADER + 4 {
+        return Err(cut());
+    }
+    let order = if bytes[..4] == 540_i32.to_le_bytes() { ByteOrder::Little } else { ByteOrder::Big };
+    let length = |at: usize| u64::try_from(i64::from_bytes(&bytes[at..], order)).map_err(|_| cut());
+    let kind = match i16::from_bytes(&bytes[12..], order) {
+        2 => ValueType::U8,
+        4 => ValueType::I16,
+        8 => ValueType::I32,
+        16 => ValueType::F32,
+        64 => ValueType::F64,
+        256 => ValueType::I8,
+        512 => ValueType::U16,
+        768 => ValueType::U32,
+        1024 => ValueType::I64,
+        1280 => ValueType::U64,
+        other => {
+            return Err(ReadError::at_byte(
+                12,
+                format!("values of type {other} are not supported; save them as floats"),
+            ));
+        }
+    };
+    let (n_columns, n_rows) = (length(16 + 5 * 8)?, length(16 + 6 * 8)?);
+    let maps = maps(
+        extension(bytes, order).ok_or_else(|| {
+            ReadError::Whole("this NIfTI is not a CIFTI and has no vertices; use values on a surface".into())
+        })?,
+        progress,
+    )?;
+    let model = chosen(&maps, structure, n_vertices)?;
+    let start = usize::try_from(length(168)?).map_err(|_| cut())?;
+    let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
+    let data = n_bytes.and_then(|n| bytes.get(start..)?.get(..usize::try_from(n).ok()?)).ok_or_else(cut)?;
+    let end = model.first.checked_add(model.vertices.len() as u64);
+    if n_columns == 0 || end.is_none_or(|end| end > n_rows) {
+        let structure = &model.structure;
+        let message =
+            format!("the rows of {structure} lie outside the {n_rows} rows of the file; get the whole file");
+        return Err(ReadError::Whole(message));
+    }
+    // The file may have values for few of the vertices.
+    limits.check_bytes((n_vertices as u64).saturating_mul(n_columns).saturating_mul(8))?;
+    let scale = [176, 184].map(|at| f64::from_bytes(&bytes[at..], order));
+    let values = Numbers::Bytes { bytes: data.into(), kind, order };
+    let matrix = Matrix { values: &values, n_columns: n_columns as usize, scale };
+    fields(model, &maps, &matrix, n_vertices, progress)
+}
+
+/// XML in the extensions of the header.
+fn extension(bytes: &[u8], order: ByteOrder) -> Option<&[u8]> {
+    let mut at = HEADER + 4;
+    if bytes[HEADER] == 0 {
+        return None;
+    }
+    loop {
+        let head = bytes.get(at..)?.get(..8)?;
+        let size = usize::try_from(i32::from_bytes(head, order)).ok().filter(|&size| size >= 8)?;
+        let content = bytes.get(at + 8..)?.get(..size - 8)?;
+        if i32::from_bytes(&head[4..], order) == CIFTI {
+            return Some(content);
+        }
+        at += size;
+    }
+}
+
+/// Selects the brain model of the surface.
+fn chosen<'a>(maps: &'a Maps, structure: Option<&str>, n_vertices: usize) -> Result<&'a Model, ReadError> {
+    let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
+    let fits = |model: &&Model| match structure {
+        Some(structure) => plain(&model.structure) == plain(structure),
+        None => model.n_vertices == n_vertices as u64,
+    };
+    let found: Vec<&Model> = maps.models.iter().filter(fits).collect();
+    let known: Vec<&str> = maps.models.iter().map(|model| model.structure.as_str()).collect();
+    let known = if known.is_empty() { "no surface".to_owned() } else { known.join(", ") };
+    match (&found[..], structure) {
+        ([model], _) if model.n_vertices == n_vertices as u64 => Ok(model),
+        ([model], _) => Err(ReadError::Whole(format!(
+            "has values for {} vertices of {}, but the surface has {n_vertices}; use the matching surface",
+            model.n_vertices, model.structure
+        ))),
+        ([], Some(structure)) => Err(ReadError::Whole(format!(
+            "has values for {known}, but not for the surface's structure {structure}"
+        ))),
+        ([], None) => Err(ReadError::Whole(format!(
+            "has values for {known}, but not for a surface of {n_vertices} vertices"
+        ))),
+        _ => Err(ReadError::Whole(format!(
+            "has values for {known}, and the surface does not state its structure; use a GIFTI that states \
+            it, or files named lh. and rh."
+        ))),
+    }
+}
+
+/// The numbers of the file, row by row.
+struct Matrix<'a> {
+    values: &'a Numbers<'a>,
+    n_columns: usize,
+    /// Slope and intercept.
+    scale: [f64; 2],
+}
+
+/// A field for each named column; columns without names are the channels of one.
+fn fields(
+    model: &Model,
+    maps: &Maps,
+    matrix: &Matrix<'_>,
+    n_vertices: usize,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
+    let Matrix { values, n_columns, scale: [slope, intercept] } = *matrix;
+    let mut rows = vec![None; n_vertices];
+    for (i, &vertex) in model.vertices.iter().enumerate() {
+        rows[vertex as usize] = Some(model.first as usize + i);
+    }
+    let is_scaled = slope.is_finite() && slope != 0.0 && (slope, intercept) != (1.0, 0.0);
+    let value = |vertex: usize, column: usize| {
+        let x = rows[vertex].map_or(f64::NAN, |row| values.get(row * n_columns + column));
+        if is_scaled { slope * x + intercept } else { x }
+    };
+    let is_single = values.kind() == ValueType::F32 && !is_scaled;
+    let field = |name: String, first: usize, k: usize| -> Result<Field, ReadError> {
+        let at = |i: usize| value(i / k, first + i % k);
+        let values = if is_single {
+            let mut single = Vec::new();
+            extend(&mut single, n_vertices * k, progress, |i| at(i) as f32)?;
+            FieldValues::F32(single)
+        } else {
+            let mut double = Vec::new();
+            extend(&mut double, n_vertices * k, progress, at)?;
+            FieldValues::F64(double)
+        };
+        Ok(Field::new(name, k, values))
+    };
+    match &maps.names {
+        Some(names) if names.len() == n_columns => {
+            let named = names.iter().enumerate().map(|(column, name)| {
+                let name = if name.is_empty() { format!("map{}", column + 1) } else { name.clone() };
+                field(name, column, 1)
+            });
+            named.collect()
+        }
+        _ => Ok(vec![field("series".into(), 0, n_columns)?]),
+    }
+}

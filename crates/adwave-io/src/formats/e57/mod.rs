@@ -1,0 +1,28 @@
+//! ASTM E57: scans of laser scanners.
+//!
+//! Library: `e57`, which checks the sums of all pages and unpacks the records. Before it reads a record, what it does not
+//! check is checked here: ranges of whole numbers that are upside down (it panics), scans whose records take no bits at
+//! all (it does not end), and streams of which one runs ahead of the others (its queues grow without bound).
+
+pub(crate) mod read;
+pub(crate) mod record;
+
+use crate::Format;
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
+
+impl Format {
+    /// ASTM E57, read only.
+    pub const E57: Self = Self::new("e57");
+}
+
+pub(crate) static E57: FormatDescriptor = FormatDescriptor {
+    format: Format::E57,
+    title: "ASTM E57",
+    extensions: &["e57"],
+    reads: "all scans where their poses put them, in Cartesian or spherical coordinates, with all their records",
+    loses: "records without a place, pictures",
+    content: ContentKind::Cloud,
+    recognize: |file| file.bytes.starts_with(b"ASTM-E57").then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_e57(bytes, c.limits, c.progress)),
+    ..FormatDescriptor::NEW
+};

@@ -1,0 +1,66 @@
+//! FreeSurfer: surfaces (`lh.white`, `rh.pial`, …), and values on them (`lh.thickness`, `lh.aparc.annot`, MGH and
+//! MGZ).
+//!
+//! Such files have no ending of their own; their first bytes tell.
+//!
+//! Library: none. The formats are a few counts and lists, and the creator and the tail of a surface are kept.
+
+pub(crate) mod overlay;
+pub(crate) mod read;
+pub(crate) mod write;
+
+use crate::Format;
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
+
+impl Format {
+    /// FreeSurfer surface.
+    pub const FREESURFER: Self = Self::new("freesurfer");
+}
+
+pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
+    format: Format::FREESURFER,
+    title: "FreeSurfer surface",
+    extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
+    reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
+    writes: "triangles in 32-bit floats",
+    keeps: "creator, volume information",
+    loses: "fields, faces of more than three corners",
+    is_single_precision: true,
+    recognize: |file| read::is_surface(file.bytes).then_some(Evidence::Signature),
+    read: Some(|bytes, c| read::read_surface(&bytes, c.name, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_surface(shape, &mut c.report, c.out, c.progress)),
+    ..FormatDescriptor::NEW
+};
+
+const VALUES: FormatDescriptor = FormatDescriptor { content: ContentKind::Values, ..FormatDescriptor::NEW };
+
+pub(crate) static CURV: FormatDescriptor = FormatDescriptor {
+    format: Format::new("curv"),
+    title: "FreeSurfer values, curv",
+    recognize: |file| overlay::is_curv(file.bytes).then_some(Evidence::Signature),
+    name_foreign: |file| {
+        overlay::is_curv(file.bytes)
+            .then_some("FreeSurfer's values at vertices: give it as a field of a surface")
+    },
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_curv(bytes, c.progress)?])),
+    ..VALUES
+};
+
+pub(crate) static MGH: FormatDescriptor = FormatDescriptor {
+    format: Format::new("mgh"),
+    title: "FreeSurfer values, MGH",
+    recognize: |file| overlay::is_mgh(file.bytes).then_some(Evidence::Signature),
+    name_foreign: |file| {
+        overlay::is_mgh(file.bytes).then_some("an MGH volume or overlay: give it as a field of a surface")
+    },
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_mgh(bytes, c.progress)?])),
+    ..VALUES
+};
+
+pub(crate) static ANNOTATION: FormatDescriptor = FormatDescriptor {
+    format: Format::new("annot"),
+    title: "FreeSurfer annotation",
+    recognize: |file| overlay::is_annotation(file.bytes).then_some(Evidence::Layout),
+    read_values: Some(|bytes, _, c| Ok(vec![overlay::read_annotation(bytes, c.progress)?])),
+    ..VALUES
+};

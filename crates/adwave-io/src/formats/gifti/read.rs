@@ -1,0 +1,202 @@
+//! GIFTI: surfaces and values on them, as neuroimaging has them. XML with arrays as text, Base64, or zlib in Base64.
+//!
+//! Coordinates are taken as they stand; the transforms to other spaces that a file may name are not applied.
+
+use crate::files::read::parse_file;
+use std::ops::Range;
+use std::path::Path;
+
+use adwave::Progress;
+use adwave::shape::Polygons;
+use roxmltree::{Document, ParsingOptions};
+
+use super::array::{Array, STRUCTURE, Stop, about, array};
+use super::update::GiftiSource;
+use crate::model::field::unused;
+use crate::progress::{at_row, collect};
+use crate::text::one_line;
+use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+
+/// What a file holds.
+struct Content {
+    arrays: Vec<Array>,
+    /// Anatomical structure that the file states for all its arrays.
+    structure: Option<String>,
+    /// Range of the number of arrays in the text.
+    count: Option<Range<usize>>,
+    /// End of the last array in the text.
+    end: usize,
+}
+
+/// True if the bytes are a GIFTI.
+pub(crate) fn is_gifti(head: &[u8]) -> bool {
+    memchr::memmem::find(head, b"<GIFTI").is_some()
+}
+
+/// Reads the surface in a GIFTI: its points, its triangles, and every other array of values per vertex as a field.
+/// Arrays in separate files are read if these are in the same folder.
+pub(crate) fn read_gifti(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let Content { mut arrays, structure, count, end } = content(&bytes, folder, limits, progress)?;
+    let n_arrays = arrays.len();
+    // A copy in another folder would have no file next to it.
+    let is_whole = arrays.iter().all(|array| array.place.is_some());
+    let Some(at) = arrays.iter().position(|a| a.intent == "pointset") else {
+        return Err(ReadError::Whole(
+            "this GIFTI has values but no points; use it as a field of a surface (--field FILE.gii)".into(),
+        ));
+    };
+    let points = arrays.remove(at);
+    if points.columns != 3 {
+        return Err(ReadError::Whole(format!("points must have 3 coordinates, got {}", points.columns)));
+    }
+    let coordinates = &points.values;
+    let point = |i: usize| [0, 1, 2].map(|c| coordinates.get(3 * i + c));
+    let mut shape = ShapeFile::from_cloud(collect(coordinates.len() / 3, progress, point)?);
+    shape.format = Some(Format::GIFTI);
+    shape.structure = points.structure.or(structure);
+    shape.precision =
+        if points.values.value_type() == ValueType::F64 { Precision::F64 } else { Precision::F32 };
+    if let Some(at) = arrays.iter().position(|a| a.intent == "triangle") {
+        shape.faces = faces(&arrays.remove(at), shape.n_vertices, progress)?.into();
+    }
+    let mut places = Vec::new();
+    for array in arrays {
+        if array.rows == shape.n_vertices && !array.values.is_empty() {
+            let name = array.name.unwrap_or(array.intent);
+            let name = unused(&name, "", |name| shape.field(name).is_some());
+            places.extend(array.place.map(|place| (name.clone(), place)));
+            shape.vertex_fields.push(Field::new(name, array.columns, array.values));
+        } else {
+            shape.extras.push(format!("{} array of {} rows", array.intent, array.rows));
+        }
+    }
+    // Offsets do not count the UTF-8 byte order mark, which is rare.
+    if let (Some(points), Some(count)) = (points.place, count)
+        && !bytes.starts_with(MARK)
+        && is_whole
+    {
+        let original = GiftiSource { bytes, points, fields: places, count, n_arrays, end };
+        shape.set_source(original);
+    }
+    Ok(shape)
+}
+
+/// UTF-8 byte order mark, which some editors write.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Reads the values in a GIFTI, compressed or not, without its points and triangles; each array becomes a field.
+///
+/// # Errors
+/// The file cannot be read, is not a GIFTI, is malformed, or has no values. The message is one line with the file's
+/// name.
+pub fn read_gifti_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
+    read_gifti_fields_with(path, limits, Progress::none())
+}
+
+/// [`read_gifti_fields`] with progress and cancellation.
+///
+/// # Errors
+/// The errors of [`read_gifti_fields`], and [`ReadError::Cancelled`].
+pub fn read_gifti_fields_with(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
+    parse_file(path, limits, progress, |bytes| parse_fields(&bytes, path.parent(), limits, progress))
+}
+
+/// As [`read_gifti_fields`], from bytes that are not compressed as a whole.
+///
+/// # Errors
+/// As [`read_gifti_fields`], without the file's name.
+pub fn parse_gifti_fields(bytes: &[u8], limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
+    parse_fields(bytes, None, limits, Progress::none())
+}
+
+fn parse_fields(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Vec<Field>, ReadError> {
+    let mut fields: Vec<Field> = Vec::new();
+    for array in content(bytes, folder, limits, progress)?.arrays {
+        if !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty() {
+            let name = array.name.unwrap_or(array.intent);
+            let name = unused(&name, "", |name| fields.iter().any(|f| f.name == name));
+            fields.push(Field::new(name, array.columns, array.values));
+        }
+    }
+    if fields.is_empty() {
+        return Err(ReadError::Whole("this GIFTI has a surface but no values at vertices".into()));
+    }
+    Ok(fields)
+}
+
+fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Polygons, ReadError> {
+    if array.columns != 3 || !array.values.value_type().is_integer() {
+        let found = array.columns;
+        return Err(ReadError::Whole(format!("the triangles are rows of {found} numbers, not 3 whole ones")));
+    }
+    let mut triangles = vec![[0_u32; 3]; array.rows];
+    for (f, triangle) in triangles.iter_mut().enumerate() {
+        at_row(progress, f as u64, array.rows as u64)?;
+        for (k, corner) in triangle.iter_mut().enumerate() {
+            let index = array.values.get(3 * f + k);
+            if !(index >= 0.0 && index < n_vertices as f64) {
+                return Err(ReadError::FaceIndex {
+                    place: "the triangle array".into(),
+                    face: f as u64,
+                    index: index as i64,
+                    n_vertices: n_vertices as u64,
+                });
+            }
+            *corner = index as u32;
+        }
+    }
+    Ok(Polygons::from_triangles(&triangles))
+}
+
+fn content(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<Content, ReadError> {
+    let bytes = bytes.strip_prefix(MARK).unwrap_or(bytes);
+    let text = std::str::from_utf8(bytes)
+        .map_err(|e| ReadError::at_byte(e.valid_up_to(), "the XML is not UTF-8; save it as UTF-8"))?;
+    // The standard document type refers to an external file, which is not fetched.
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|e| {
+        let line = u64::from(e.pos().row);
+        ReadError::Line {
+            line,
+            message: format!("the XML is malformed ({}); get the whole file", one_line(&e)),
+        }
+    })?;
+    let root = document.root_element();
+    if root.tag_name().name() != "GIFTI" {
+        return Err(ReadError::Whole("this XML is not a GIFTI; use a .gii file".into()));
+    }
+    let count = root.attribute_node("NumberOfDataArrays").map(|count| count.range_value());
+    let end = root.children().filter(|n| n.has_tag_name("DataArray")).map(|n| n.range().end).max();
+    let nodes = root.children().filter(|n| n.has_tag_name("DataArray"));
+    let arrays = nodes
+        .map(|node| {
+            array(node, folder, limits, progress).map_err(|stop| match stop {
+                Stop::Cancelled(cancelled) => cancelled.into(),
+                Stop::Broken(message) => {
+                    let line = u64::from(document.text_pos_at(node.range().start).row);
+                    ReadError::Line { line, message }
+                }
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(Content { arrays, structure: about(root, STRUCTURE), count, end: end.unwrap_or(0) })
+}

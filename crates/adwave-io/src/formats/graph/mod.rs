@@ -1,0 +1,112 @@
+//! Graphs: TGF, lists of edges as in SNAP and NetworkX, and GraphML.
+//!
+//! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
+
+pub(crate) mod edge_list;
+pub(crate) mod graphml;
+pub(crate) mod tgf;
+pub(crate) mod write;
+
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+
+use std::collections::HashMap;
+
+use crate::{Direction, Edges, Format, ShapeFile, WriteError, WriteReport};
+
+/// Rows of vertices by name.
+#[derive(Default)]
+pub(crate) struct Names<'a> {
+    rows: HashMap<&'a [u8], u32>,
+}
+
+impl<'a> Names<'a> {
+    /// Row of a name; a new name gets the next row.
+    pub(crate) fn add(&mut self, name: &'a [u8]) -> u32 {
+        let next = self.rows.len() as u32;
+        *self.rows.entry(name).or_insert(next)
+    }
+
+    pub(crate) fn get(&self, name: &[u8]) -> Option<u32> {
+        self.rows.get(name).copied()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rows.len()
+    }
+}
+
+/// Builds edges; they have weights if every edge has one.
+pub(crate) fn edges(pairs: Vec<[u32; 2]>, weights: Vec<Option<f64>>, direction: Direction) -> Edges {
+    let weights: Option<Vec<f64>> = weights.into_iter().collect();
+    Edges { pairs, weights: weights.unwrap_or_default(), direction }
+}
+
+/// Checks that there are edges to write, and reports content that a graph cannot store.
+pub(crate) fn check(shape: &ShapeFile, format: Format, report: &mut WriteReport) -> Result<(), WriteError> {
+    if shape.edges.pairs.is_empty() && !shape.points.is_empty() {
+        let what = "a shape without edges of its own".into();
+        return Err(WriteError::CannotHold { format, what });
+    }
+    if !shape.faces.is_empty() {
+        report.leave_out("faces");
+    }
+    report.leave_face_fields(shape, &[]);
+    Ok(())
+}
+
+impl Format {
+    /// Trivial graph format.
+    pub const TGF: Self = Self::new("tgf");
+    /// List of edges, as SNAP and NetworkX have it.
+    pub const EDGE_LIST: Self = Self::new("edgelist");
+    /// GraphML.
+    pub const GRAPHML: Self = Self::new("graphml");
+}
+
+pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
+    format: Format::TGF,
+    title: "Trivial graph format",
+    extensions: &["tgf"],
+    reads: "graphs; labels of three numbers as points, of edges as weights",
+    writes: "points, edges with weights",
+    loses: "faces, fields, other labels",
+    content: ContentKind::Graph,
+    recognize: |file| (file.is_named(&TGF) && file.is_text()).then_some(Evidence::NameAlone),
+    has_lines: |_| true,
+    read: Some(|bytes, c| tgf::read_tgf(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_tgf(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.tgf", bytes: include_bytes!("samples/a.tgf") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
+    format: Format::EDGE_LIST,
+    title: "list of edges",
+    extensions: &["edgelist", "edges", "el"],
+    reads: "graphs, as SNAP and NetworkX write them; weights",
+    writes: "edges with weights",
+    loses: "points, faces, fields, names",
+    content: ContentKind::Graph,
+    recognize: |file| (file.is_named(&EDGE_LIST) && file.is_text()).then_some(Evidence::NameAlone),
+    has_lines: |_| true,
+    read: Some(|bytes, c| edge_list::read_edge_list(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_edge_list(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.edges", bytes: include_bytes!("samples/a.edges") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
+    format: Format::GRAPHML,
+    title: "GraphML",
+    extensions: &["graphml"],
+    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numbers of nodes as fields",
+    writes: "points, edges with weights, vertex fields",
+    loses: "faces, texts of nodes, other attributes of edges",
+    content: ContentKind::Graph,
+    holds_fields: true,
+    recognize: |file| file.has_element("graphml").then_some(Evidence::Signature),
+    read: Some(|bytes, c| graphml::read_graphml(bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_graphml(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.graphml", bytes: include_bytes!("samples/a.graphml") }],
+    ..FormatDescriptor::NEW
+};

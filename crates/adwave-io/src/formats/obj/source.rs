@@ -1,0 +1,34 @@
+//! The text of an OBJ, kept to be written again.
+
+use adwave::Progress;
+
+use super::read::read_obj;
+use super::{subset, write};
+use crate::model::context::WriteContext;
+use crate::model::source_document::{SourceDocument, Update};
+use crate::model::subset::Subset;
+use crate::model::text_rows::TextRows;
+use crate::{ReadLimits, ShapeFile, WriteError};
+
+/// The text, with the row of each vertex.
+#[derive(Debug)]
+pub(crate) struct ObjSource(pub(crate) TextRows);
+
+impl SourceDocument for ObjSource {
+    fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        write::update_obj(&self.0, shape, context)
+    }
+
+    /// An OBJ made of the lines of this one.
+    fn subset_shape(&self, shape: &ShapeFile, part: &Subset<'_>) -> Option<ShapeFile> {
+        if shape.moved || !shape.edited.is_empty() {
+            return None;
+        }
+        let text = subset::text(&self.0.bytes, &self.0.rows, shape.faces.corners().len(), part);
+        read_obj(text, &ReadLimits::default(), Progress::none()).ok().map(ShapeFile::with_original_fields)
+    }
+
+    fn corner_labels(&self, shape: &ShapeFile) -> Option<Vec<u32>> {
+        subset::labels(&self.0.bytes, shape.faces.corners().len())
+    }
+}

@@ -1,0 +1,131 @@
+//! Wavefront OBJ writer.
+
+use std::io::Write;
+
+use adwave::Progress;
+
+use crate::model::context::WriteContext;
+use crate::model::source_document::Update;
+use crate::model::text_rows::{RowEdit, TextRows};
+use crate::progress::at_row;
+use crate::text::push_f64;
+use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
+
+/// Writes the original with other coordinates, and with other colors if these were replaced.
+pub(crate) fn update_obj(
+    rows: &TextRows,
+    shape: &ShapeFile,
+    context: &mut WriteContext<'_>,
+) -> Result<Update, WriteError> {
+    // Points of the plane that left it need a z each.
+    if rows.columns[2] == usize::MAX && shape.points.iter().any(|p| p[2] != 0.0) {
+        return Ok(Update::DoesNotFit);
+    }
+    let report = &mut context.report;
+    for name in &shape.edited {
+        match name.as_str() {
+            "color" => {}
+            "normal" | "texcoord" => report.leave_out(format!("the new `{name}` (the file's own are kept)")),
+            _ => report.leave_out(format!("vertex field `{name}`")),
+        }
+    }
+    let color = shape.field("color").filter(|f| shape.edited.contains(&f.name) && is_color(f));
+    let append = |i: usize, buffer: &mut Vec<u8>| {
+        if let Some(color) = color {
+            push_color(color, i, buffer);
+        }
+    };
+    // Whatever stands after z makes room for the color.
+    let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
+    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, context.out, context.progress)?;
+    Ok(Update::Written)
+}
+
+fn is_color(field: &Field) -> bool {
+    matches!(field.n_channels, 3 | 4)
+}
+
+/// Writes a color as numbers from 0 to 1.
+fn push_color(color: &Field, i: usize, out: &mut Vec<u8>) {
+    let scale = if matches!(color.values, FieldValues::U8(_)) { 255.0 } else { 1.0 };
+    for c in 0..color.n_channels {
+        out.push(b' ');
+        push_f64(out, color.get(i, c) / scale);
+    }
+}
+
+/// Writes a line of `keyword` and numbers.
+fn push_line(out: &mut Vec<u8>, keyword: &str, numbers: impl Iterator<Item = f64>) {
+    out.extend_from_slice(keyword.as_bytes());
+    for x in numbers {
+        out.push(b' ');
+        push_f64(out, x);
+    }
+}
+
+/// Writes points, colors, normals, texture coordinates, faces and edges.
+pub(crate) fn write_obj(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let color = shape.field("color").filter(|f| is_color(f));
+    let weight = shape.field("w").filter(|f| f.n_channels == 1 && color.is_none());
+    let normal = shape.field("normal").filter(|f| f.n_channels == 3);
+    let texcoord = shape.field("texcoord").filter(|f| matches!(f.n_channels, 2 | 3));
+    let held: Vec<&str> =
+        [color, weight, normal, texcoord].iter().flatten().map(|f| f.name.as_str()).collect();
+    report.leave_vertex_fields(shape, &held);
+    report.leave_face_fields(shape, &[]);
+    if shape.points.is_empty() {
+        // An empty file would not be recognized as an OBJ.
+        writeln!(out, "# no vertices")?;
+    }
+    if shape.faces.iter().any(<[u32]>::is_empty) {
+        report.leave_out("faces without corners");
+    }
+    let mut line = Vec::new();
+    for (i, point) in shape.points.iter().enumerate() {
+        at_row(progress, i as u64, shape.points.len() as u64)?;
+        line.clear();
+        push_line(&mut line, "v", point.iter().copied().chain(weight.map(|w| w.get(i, 0))));
+        if let Some(color) = color {
+            push_color(color, i, &mut line);
+        }
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    for (keyword, field) in [("vt", texcoord), ("vn", normal)] {
+        let Some(field) = field else { continue };
+        for i in 0..field.len() {
+            line.clear();
+            push_line(&mut line, keyword, (0..field.n_channels).map(|c| field.get(i, c)));
+            line.push(b'\n');
+            out.write_all(&line)?;
+        }
+    }
+    for (f, face) in shape.faces.iter().enumerate().filter(|(_, face)| !face.is_empty()) {
+        at_row(progress, f as u64, shape.faces.len() as u64)?;
+        line.clear();
+        line.push(b'f');
+        for &v in face {
+            let v = u64::from(v) + 1;
+            match (texcoord, normal) {
+                (None, None) => write!(line, " {v}")?,
+                (Some(_), None) => write!(line, " {v}/{v}")?,
+                (None, Some(_)) => write!(line, " {v}//{v}")?,
+                (Some(_), Some(_)) => write!(line, " {v}/{v}/{v}")?,
+            }
+        }
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
+    for [a, b] in &shape.edges.pairs {
+        writeln!(out, "l {} {}", u64::from(*a) + 1, u64::from(*b) + 1)?;
+    }
+    if !shape.edges.weights.is_empty() {
+        report.leave_out("weights of edges");
+    }
+    Ok(())
+}

@@ -1,0 +1,35 @@
+//! 3MF: a ZIP archive of models in XML.
+//!
+//! Library: `zip` for the archive, `roxmltree` for the XML. `threemf` (0.8) reads no colors and no components of other
+//! parts of the archive; `lib3mf` is C++ and a service of its own.
+
+pub(crate) mod model;
+pub(crate) mod read;
+pub(crate) mod write;
+
+use crate::Format;
+use crate::bytes::package::package_has;
+use crate::model::format_descriptor::{Evidence, FormatDescriptor};
+
+impl Format {
+    /// 3D manufacturing format, an archive of XML.
+    pub const THREE_MF: Self = Self::new("3mf");
+}
+
+pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
+    format: Format::THREE_MF,
+    title: "3D manufacturing format",
+    extensions: &["3mf"],
+    reads: "what is built, with components of all parts, transforms and units; colors of vertices or faces",
+    writes: "one object of triangles, colors of vertices or faces in bytes",
+    loses: "other fields, metadata, materials, textures, the unit of length",
+    recognize: |file| {
+        // An archive that was cut has lost its list of names, but its own name says what it was.
+        let is_cut_archive = || file.is_archive() && file.is_named(&THREE_MF);
+        let by_name = || is_cut_archive().then_some(Evidence::NameAlone);
+        package_has(file.bytes, ".model").then_some(Evidence::Signature).or_else(by_name)
+    },
+    read: Some(|bytes, c| read::read_3mf(&bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_3mf(shape, &mut c.report, c.out, c.progress)),
+    ..FormatDescriptor::NEW
+};

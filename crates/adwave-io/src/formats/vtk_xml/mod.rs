@@ -1,0 +1,105 @@
+//! The XML formats of VTK: PolyData (VTP), UnstructuredGrid (VTU), ImageData (VTI), RectilinearGrid (VTR) and
+//! StructuredGrid (VTS), as written by ParaView.
+//!
+//! Library: `roxmltree` for the XML. `vtkio` trusts the counts of a file when it makes room for its arrays, panics on some
+//! that are cut, and copies each array three times.
+
+mod array;
+mod blocks;
+mod document;
+mod grid;
+pub(crate) mod read;
+pub(crate) mod write;
+
+use crate::Format;
+use crate::model::file_head::FileHead;
+use crate::model::format_descriptor::Evidence;
+use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, Sample};
+
+/// Recognizes VTK XML of the kind that `format` stands for.
+fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
+    let is_xml = file.text.starts_with(b"<");
+    (is_xml && read::kind_of(file.head) == Some(Ok(format))).then_some(Evidence::Signature)
+}
+
+impl Format {
+    /// VTK XML PolyData.
+    pub const VTP: Self = Self::new("vtp");
+    /// VTK XML UnstructuredGrid.
+    pub const VTU: Self = Self::new("vtu");
+    /// VTK XML ImageData, read as its surface.
+    pub const VTI: Self = Self::new("vti");
+    /// VTK XML RectilinearGrid, read as its surface.
+    pub const VTR: Self = Self::new("vtr");
+    /// VTK XML StructuredGrid, read as its surface.
+    pub const VTS: Self = Self::new("vts");
+}
+
+pub(crate) static VTP: FormatDescriptor = FormatDescriptor {
+    format: Format::VTP,
+    title: "VTK XML PolyData",
+    extensions: &["vtp"],
+    reads: "points, polygons, strips, lines, all arrays; text, base64 and appended data, by zlib or plain",
+    writes: "points, faces, lines, all fields",
+    loses: "field data, values of lines",
+    holds_fields: true,
+    provenance: ProvenanceRoom::Metadata,
+    recognize: |file| recognize(file, Format::VTP),
+    name_foreign: |file| read::kind_of(file.text_head())?.err(),
+    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTP, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_vtp(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.vtp", bytes: include_bytes!("samples/a.vtp") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static VTU: FormatDescriptor = FormatDescriptor {
+    format: Format::VTU,
+    title: "VTK XML UnstructuredGrid",
+    extensions: &["vtu"],
+    reads: "as VTP; of volumes the boundary, cells of higher order by their corners",
+    writes: "points, faces, lines, all fields",
+    loses: "volumes and the points inside them, field data, values of lines",
+    holds_fields: true,
+    provenance: ProvenanceRoom::Metadata,
+    recognize: |file| recognize(file, Format::VTU),
+    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTU, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_vtu(shape, &mut c.report, c.out, c.progress)),
+    samples: &[Sample { name: "a.vtu", bytes: include_bytes!("samples/a.vtu") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static VTI: FormatDescriptor = FormatDescriptor {
+    format: Format::VTI,
+    title: "VTK XML ImageData",
+    extensions: &["vti"],
+    reads: "flat images as quadrilaterals, others as their boundary, with all arrays",
+    loses: "what is inside",
+    recognize: |file| recognize(file, Format::VTI),
+    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTI, c.limits, c.progress)),
+    samples: &[Sample { name: "a.vti", bytes: include_bytes!("samples/a.vti") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static VTR: FormatDescriptor = FormatDescriptor {
+    format: Format::VTR,
+    title: "VTK XML RectilinearGrid",
+    extensions: &["vtr"],
+    reads: "as VTI",
+    loses: "what is inside",
+    recognize: |file| recognize(file, Format::VTR),
+    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTR, c.limits, c.progress)),
+    samples: &[Sample { name: "a.vtr", bytes: include_bytes!("samples/a.vtr") }],
+    ..FormatDescriptor::NEW
+};
+
+pub(crate) static VTS: FormatDescriptor = FormatDescriptor {
+    format: Format::VTS,
+    title: "VTK XML StructuredGrid",
+    extensions: &["vts"],
+    reads: "as VTI",
+    loses: "what is inside",
+    recognize: |file| recognize(file, Format::VTS),
+    read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTS, c.limits, c.progress)),
+    samples: &[Sample { name: "a.vts", bytes: include_bytes!("samples/a.vts") }],
+    ..FormatDescriptor::NEW
+};

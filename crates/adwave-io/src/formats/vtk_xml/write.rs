@@ -1,0 +1,260 @@
+//! VTK XML writer for ParaView: points, faces as polygons, edges as lines, and all fields, as PolyData or as an
+//! unstructured grid.
+
+use std::io::Write;
+
+use adwave::Progress;
+
+use crate::model::field::ByteOrder;
+use crate::model::numbers::cell_fields;
+use crate::progress::{at_row, collect};
+use crate::provenance::NAME;
+use crate::text::escape_xml;
+use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
+
+/// Uncompressed size of one block in bytes.
+const BLOCK: usize = 1 << 20;
+
+/// Compressed arrays, in the order of the XML.
+struct Appended<'a> {
+    bytes: Vec<u8>,
+    progress: Progress<'a>,
+}
+
+impl Appended<'_> {
+    /// Compresses an array and returns its start. Its head has the number of blocks, the size of a block, the size of
+    /// the last if it is smaller, and the compressed size of each.
+    fn add(&mut self, plain: &[u8]) -> Result<usize, WriteError> {
+        let at = self.bytes.len();
+        let mut sizes = Vec::new();
+        let mut blocks = Vec::new();
+        for block in plain.chunks(BLOCK) {
+            self.progress.check()?;
+            let start = blocks.len();
+            let mut zlib = flate2::write::ZlibEncoder::new(&mut blocks, flate2::Compression::fast());
+            zlib.write_all(block)?;
+            zlib.finish()?;
+            sizes.push((blocks.len() - start) as u64);
+        }
+        let last = plain.len() % BLOCK;
+        for number in [sizes.len() as u64, BLOCK as u64, last as u64].into_iter().chain(sizes) {
+            self.bytes.extend_from_slice(&number.to_le_bytes());
+        }
+        self.bytes.append(&mut blocks);
+        Ok(at)
+    }
+
+    fn add_numbers(
+        &mut self,
+        xml: &mut String,
+        name: &str,
+        n_channels: usize,
+        values: &FieldValues,
+    ) -> Result<(), WriteError> {
+        let mut plain = Vec::with_capacity(values.len() * values.value_type().n_bytes());
+        for i in 0..values.len() {
+            at_row(self.progress, i as u64, values.len() as u64)?;
+            values.write_bytes(i, ByteOrder::Little, &mut plain);
+        }
+        let offset = self.add(&plain)?;
+        let kind = match values {
+            FieldValues::U8(_) => "UInt8",
+            FieldValues::I8(_) => "Int8",
+            FieldValues::U16(_) => "UInt16",
+            FieldValues::I16(_) => "Int16",
+            FieldValues::U32(_) => "UInt32",
+            FieldValues::I32(_) => "Int32",
+            FieldValues::U64(_) => "UInt64",
+            FieldValues::I64(_) => "Int64",
+            FieldValues::F32(_) => "Float32",
+            FieldValues::F64(_) => "Float64",
+        };
+        let name = escape_xml(name);
+        *xml += &format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \
+             format=\"appended\" offset=\"{offset}\"/>\n"
+        );
+        Ok(())
+    }
+
+    /// Adds fields; the first normals and texture coordinates are marked for drawing.
+    fn add_fields(&mut self, xml: &mut String, element: &str, fields: &[Field]) -> Result<(), WriteError> {
+        let has =
+            |name: &str, n: &[usize]| fields.iter().any(|f| f.name == name && n.contains(&f.n_channels));
+        *xml += &format!("<{element}");
+        if has("normal", &[3]) {
+            *xml += " Normals=\"normal\"";
+        }
+        if has("texcoord", &[2]) {
+            *xml += " TCoords=\"texcoord\"";
+        }
+        *xml += ">\n";
+        for field in fields {
+            self.add_numbers(xml, &field.name, field.n_channels, &field.values)?;
+        }
+        *xml += &format!("</{element}>\n");
+        Ok(())
+    }
+
+    /// Adds a list of cells: their corners, and the end of each.
+    fn add_cells(
+        &mut self,
+        xml: &mut String,
+        element: &str,
+        corners: Vec<i64>,
+        ends: Vec<i64>,
+        types: Option<Vec<u8>>,
+    ) -> Result<(), WriteError> {
+        *xml += &format!("<{element}>\n");
+        self.add_numbers(xml, "connectivity", 1, &FieldValues::I64(corners))?;
+        self.add_numbers(xml, "offsets", 1, &FieldValues::I64(ends))?;
+        if let Some(types) = types {
+            self.add_numbers(xml, "types", 1, &FieldValues::U8(types))?;
+        }
+        *xml += &format!("</{element}>\n");
+        Ok(())
+    }
+}
+
+/// Cells of a shape in the order of VTK: the points of a cloud, the edges, the faces.
+struct WrittenCells {
+    n_vertices: usize,
+    /// Two corners per line.
+    lines: Vec<i64>,
+    corners: Vec<i64>,
+    /// End of each face.
+    ends: Vec<i64>,
+}
+
+impl WrittenCells {
+    fn new(shape: &ShapeFile, progress: Progress<'_>) -> Result<Self, WriteError> {
+        let is_cloud = shape.faces.is_empty() && shape.edges.pairs.is_empty();
+        let corners = shape.faces.corners();
+        Ok(Self {
+            n_vertices: if is_cloud { shape.points.len() } else { 0 },
+            lines: shape.edges.pairs.as_flattened().iter().map(|&v| v.into()).collect(),
+            corners: collect(corners.len(), progress, |k| corners[k].into())?,
+            ends: collect(shape.faces.len(), progress, |f| shape.faces.end(f) as i64)?,
+        })
+    }
+
+    fn n_lines(&self) -> usize {
+        self.lines.len() / 2
+    }
+}
+
+/// Writes a VTP.
+pub(crate) fn write_vtp(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let mut appended = Appended { bytes: Vec::new(), progress };
+    let cells = WrittenCells::new(shape, progress)?;
+    let mut body = values_and_points(shape, &mut appended, report, progress)?;
+    let (n_vertices, n_lines, n_faces) = (cells.n_vertices, cells.n_lines(), cells.ends.len());
+    let verts = collect(n_vertices, progress, |i| i as i64)?;
+    let vert_ends = collect(n_vertices, progress, |i| i as i64 + 1)?;
+    appended.add_cells(&mut body, "Verts", verts, vert_ends, None)?;
+    let line_ends = (1..=n_lines as i64).map(|e| 2 * e).collect();
+    appended.add_cells(&mut body, "Lines", cells.lines, line_ends, None)?;
+    appended.add_cells(&mut body, "Polys", cells.corners, cells.ends, None)?;
+    let n = shape.points.len();
+    let piece = format!(
+        "NumberOfPoints=\"{n}\" NumberOfVerts=\"{n_vertices}\" NumberOfLines=\"{n_lines}\" NumberOfStrips=\"0\" \
+         NumberOfPolys=\"{n_faces}\""
+    );
+    write_file(Format::VTP, shape, &piece, &body, &appended.bytes, out)
+}
+
+/// Writes a VTU.
+pub(crate) fn write_vtu(
+    shape: &ShapeFile,
+    report: &mut WriteReport,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<(), WriteError> {
+    let mut appended = Appended { bytes: Vec::new(), progress };
+    let cells = WrittenCells::new(shape, progress)?;
+    let mut body = values_and_points(shape, &mut appended, report, progress)?;
+    let (n_vertices, n_lines, n_faces) = (cells.n_vertices, cells.n_lines(), cells.ends.len());
+    let mut types = vec![1; n_vertices];
+    types.resize(n_vertices + n_lines, 3);
+    for (f, face) in shape.faces.iter().enumerate() {
+        at_row(progress, f as u64, n_faces as u64)?;
+        types.push(match face.len() {
+            3 => 5,
+            4 => 9,
+            _ => 7,
+        });
+    }
+    let mut corners: Vec<i64> = (0..n_vertices as i64).collect();
+    corners.extend(cells.lines);
+    let first = corners.len() as i64;
+    let mut ends: Vec<i64> = (1..=n_vertices as i64).collect();
+    ends.extend((1..=n_lines as i64).map(|e| n_vertices as i64 + 2 * e));
+    corners.extend(cells.corners);
+    ends.extend(cells.ends.iter().map(|end| first + end));
+    let n_cells = ends.len();
+    appended.add_cells(&mut body, "Cells", corners, ends, Some(types))?;
+    let n = shape.points.len();
+    let piece = format!("NumberOfPoints=\"{n}\" NumberOfCells=\"{n_cells}\"");
+    write_file(Format::VTU, shape, &piece, &body, &appended.bytes, out)
+}
+
+/// What stands before the cells in both formats.
+fn values_and_points(
+    shape: &ShapeFile,
+    appended: &mut Appended<'_>,
+    report: &mut WriteReport,
+    progress: Progress<'_>,
+) -> Result<String, WriteError> {
+    let mut body = String::new();
+    appended.add_fields(&mut body, "PointData", &shape.vertex_fields)?;
+    appended.add_fields(&mut body, "CellData", &cell_fields(shape))?;
+    body += "<Points>\n";
+    let flat = shape.points.as_flattened();
+    let points = match shape.precision {
+        Precision::F32 => FieldValues::F32(collect(flat.len(), progress, |i| flat[i] as f32)?),
+        Precision::F64 => FieldValues::F64(collect(flat.len(), progress, |i| flat[i])?),
+    };
+    appended.add_numbers(&mut body, "Points", 3, &points)?;
+    body += "</Points>\n";
+    if !shape.edges.weights.is_empty() {
+        report.leave_out("weights of edges");
+    }
+    Ok(body)
+}
+
+fn write_file(
+    format: Format,
+    shape: &ShapeFile,
+    piece: &str,
+    body: &str,
+    appended: &[u8],
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let element = if format == Format::VTU { "UnstructuredGrid" } else { "PolyData" };
+    let made = shape.valid_provenance().map_or(String::new(), |made| {
+        let mut letters = made.to_json().into_bytes();
+        // ParaView shows texts, which end with a zero; other readers of unstructured grids know numbers alone.
+        let head = if format == Format::VTU {
+            format!("DataArray type=\"UInt8\" Name=\"{NAME}\" NumberOfTuples=\"{}\"", letters.len())
+        } else {
+            letters.push(0);
+            format!("Array type=\"String\" Name=\"{NAME}\" NumberOfTuples=\"1\"")
+        };
+        let numbers = letters.iter().map(u8::to_string).collect::<Vec<_>>().join(" ");
+        let element = head.split(' ').next().unwrap_or_default();
+        format!("<FieldData>\n<{head} format=\"ascii\">\n{numbers}\n</{element}>\n</FieldData>\n")
+    });
+    write!(
+        out,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"{element}\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<{element}>\n\
+         {made}<Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
+    )?;
+    out.write_all(appended)?;
+    Ok(out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?)
+}

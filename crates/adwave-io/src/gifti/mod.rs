@@ -1,7 +1,0 @@
-//! GIFTI: surfaces and values on them.
-
-mod array;
-mod numbers;
-pub(crate) mod read;
-pub(crate) mod update;
-pub(crate) mod write;

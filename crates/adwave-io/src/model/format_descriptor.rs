@@ -1,0 +1,159 @@
+//! The description that each format's folder gives of itself.
+
+use std::path::Path;
+
+use crate::model::context::{ReadContext, WriteContext};
+use crate::model::file_head::FileHead;
+use crate::model::texture::TextureFn;
+use crate::{Field, Format, ReadError, ReadLimits, ShapeFile, WriteError};
+
+/// Kind of content that files of a format hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ContentKind {
+    /// Points with faces or lines; regular grids are read as their surface.
+    Mesh,
+    /// Points alone.
+    Cloud,
+    /// Edges, with or without points.
+    Graph,
+    /// Values at the vertices of a shape in another file.
+    Values,
+}
+
+/// Room for the [`Provenance`](crate::Provenance) of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ProvenanceRoom {
+    None,
+    /// Metadata that the writer fills.
+    Metadata,
+    /// A line that begins with `begin`, after the first `lines_before` lines of the text.
+    Comment {
+        begin: &'static str,
+        lines_before: usize,
+    },
+}
+
+/// Confidence that bytes are of a format, lowest first. The greatest one decides, among equals the order of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Evidence {
+    /// The first lines are rows of numbers.
+    Numbers,
+    /// The ending of the name says so, and the content does not speak against it.
+    Name,
+    /// The first word is a statement of the format.
+    Statement,
+    /// The first lines follow the layout of the format. From here on the content counts more than that of the
+    /// kinds of files which are known and not read.
+    Layout,
+    /// The ending of the name says so, and any content is possible.
+    NameAlone,
+    /// The first word is reserved for the format.
+    Keyword,
+    /// The length is the one that the header promises.
+    Length,
+    /// Bytes at fixed places.
+    Signature,
+}
+
+/// A small file for tests and for the fuzzer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// File name, with the ending that readers may need.
+    pub(crate) name: &'static str,
+    pub(crate) bytes: &'static [u8],
+}
+
+/// Reader of a whole file.
+pub(crate) type ReadFn = fn(Vec<u8>, &ReadContext<'_>) -> Result<ShapeFile, ReadError>;
+/// Reader of a folder; `None` if the path is not of the format.
+pub(crate) type ReadFolderFn = fn(&Path, &ReadContext<'_>) -> Option<Result<ShapeFile, ReadError>>;
+/// Writer of a new file.
+pub(crate) type WriteFn = fn(&ShapeFile, &mut WriteContext<'_>) -> Result<(), WriteError>;
+/// Reader of values for a surface: the bytes, the part of the anatomy and the number of vertices.
+pub(crate) type ReadValuesFn = fn(&[u8], &SurfaceSize<'_>, &ReadContext<'_>) -> Result<Vec<Field>, ReadError>;
+
+/// The surface that values are read for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceSize<'a> {
+    /// Part of the anatomy, such as `CortexLeft`.
+    pub(crate) structure: Option<&'a str>,
+    pub(crate) n_vertices: usize,
+}
+
+/// Everything that other modules know about a format: the source of names, endings, messages, documents and dispatch.
+///
+/// A format's folder ends in its descriptors, each of which begins with `..FormatDescriptor::NEW`.
+pub(crate) struct FormatDescriptor {
+    pub(crate) format: Format,
+    /// Name in full: `PLY, text`.
+    pub(crate) title: &'static str,
+    /// File endings without the dot; empty for the second form of an ending.
+    pub(crate) extensions: &'static [&'static str],
+    /// The format whose ending this one shares, if it is the second form of it.
+    pub(crate) form_of: Option<Format>,
+    pub(crate) content: ContentKind,
+    /// What is read, in words; empty if nothing is.
+    pub(crate) reads: &'static str,
+    /// What is written, in words; empty if nothing is.
+    pub(crate) writes: &'static str,
+    /// What stays as it was when a file is written in the format that it was read from, in words.
+    pub(crate) keeps: &'static str,
+    /// What the format cannot hold, or what is not read of it, in words.
+    pub(crate) loses: &'static str,
+    /// A file has a shape together with any fields of its vertices, by their names.
+    pub(crate) holds_fields: bool,
+    /// Coordinates are always written as 32-bit floats.
+    pub(crate) is_single_precision: bool,
+    pub(crate) provenance: ProvenanceRoom,
+    /// Evidence that a file is of this format. Of two forms of an ending only the first is asked.
+    pub(crate) recognize: fn(&FileHead<'_>) -> Option<Evidence>,
+    /// Name of a related kind of file that is not read as a shape, for the message.
+    pub(crate) name_foreign: fn(&FileHead<'_>) -> Option<&'static str>,
+    /// Tells if the bytes are text in lines, whose line ends may be those of the old Macintosh.
+    pub(crate) has_lines: fn(&[u8]) -> bool,
+    pub(crate) read: Option<ReadFn>,
+    pub(crate) read_folder: Option<ReadFolderFn>,
+    pub(crate) read_values: Option<ReadValuesFn>,
+    /// Reader of the fields in a file with an ending of the format, without a shape.
+    pub(crate) read_fields: Option<fn(&Path, &ReadLimits) -> Result<Vec<Field>, ReadError>>,
+    pub(crate) write: Option<WriteFn>,
+    /// Colors of the pictures that a file names, at the vertices.
+    pub(crate) texture: Option<TextureFn>,
+    pub(crate) samples: &'static [Sample],
+}
+
+impl FormatDescriptor {
+    /// A mesh format that can do nothing yet.
+    pub(crate) const NEW: Self = Self {
+        format: Format::new(""),
+        title: "",
+        extensions: &[],
+        form_of: None,
+        content: ContentKind::Mesh,
+        reads: "",
+        writes: "",
+        keeps: "",
+        loses: "",
+        holds_fields: false,
+        is_single_precision: false,
+        provenance: ProvenanceRoom::None,
+        recognize: |_| None,
+        name_foreign: |_| None,
+        has_lines: |_| false,
+        read: None,
+        read_folder: None,
+        read_values: None,
+        read_fields: None,
+        write: None,
+        texture: None,
+        samples: &[],
+    };
+
+    /// Tells if the ending of a file's name, with or without `.gz` after it, means this format.
+    pub(crate) fn matches_name(&self, path: &Path) -> bool {
+        let Some(name) = path.file_name() else { return false };
+        let name = name.to_string_lossy().to_ascii_lowercase();
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        name.rsplit_once('.').is_some_and(|(_, ending)| self.extensions.contains(&ending))
+    }
+}

@@ -1,0 +1,24 @@
+//! Content of a file in memory, what the registry knows of a format, and helpers that formats share.
+
+pub(crate) mod binary_rows;
+#[cfg(any(feature = "vtk", feature = "volume"))]
+pub(crate) mod cells;
+pub(crate) mod context;
+pub(crate) mod f32_limits;
+pub(crate) mod field;
+pub(crate) mod file_head;
+pub(crate) mod format_descriptor;
+pub(crate) mod grouping;
+#[cfg(feature = "print3d")]
+pub(crate) mod instances;
+pub(crate) mod numbers;
+pub(crate) mod report;
+pub(crate) mod shape;
+pub(crate) mod shape_file;
+pub(crate) mod source_document;
+pub(crate) mod sparse_rows;
+pub(crate) mod subset;
+pub(crate) mod text_rows;
+pub(crate) mod texture;
+#[cfg(feature = "volume")]
+pub(crate) mod volume;

@@ -1,0 +1,363 @@
+//! Content of a shape file, the central type of this crate.
+
+use std::sync::Arc;
+
+use adwave::shape::Polygons;
+
+use crate::model::source_document::SourceDocument;
+use crate::provenance::Provenance;
+use crate::{Field, Format, ShapeFileError};
+
+/// The number type of the coordinates in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 32-bit floating point.
+    F32,
+    /// 64-bit floating point, or text.
+    F64,
+}
+
+/// Directions that a listed edge represents.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    /// `[a, b]` represents both directions.
+    #[default]
+    Both,
+    /// `[a, b]` is the matrix entry of row a and column b only; the other direction has its own entry.
+    RowToColumn,
+}
+
+/// Edges of a graph or wire frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edges {
+    /// Two vertex indices each.
+    pub pairs: Vec<[u32; 2]>,
+    /// One weight per edge, or empty if the file has none.
+    pub weights: Vec<f64>,
+    /// Directions that each pair represents.
+    pub direction: Direction,
+}
+
+/// A shape with everything its file said of it: vertices and faces in the file's order, every attribute as a named
+/// field, and what is needed to write the same file again with other coordinates. Copies share points, faces and the original
+/// bytes.
+///
+/// With faces it is a mesh, without a point cloud; a MatrixMarket matrix is a graph that has edges and no points.
+///
+/// ```
+/// use adwave_io::{Format, ReadLimits, ShapeFile, read_bytes, write_bytes};
+/// let text = b"# kept\nv 0 0 0\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let mut shape = read_bytes(text.to_vec(), Some("a.obj"), &ReadLimits::default()).unwrap();
+/// let mut points = shape.points().to_vec();
+/// points[0][2] = 0.25;
+/// shape.set_points(points)?;
+/// let mut out = Vec::new();
+/// write_bytes(&shape, Format::OBJ, &mut out).unwrap();
+/// assert_eq!(out, b"# kept\nv 0 0 0.25\nv 1.50 0 0\nv 0 1 0\nf 1 2 3\n");
+/// # Ok::<(), adwave_io::ShapeFileError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ShapeFile {
+    pub(crate) n_vertices: usize,
+    pub(crate) points: Arc<Vec<[f64; 3]>>,
+    pub(crate) faces: Arc<Polygons>,
+    pub(crate) edges: Edges,
+    pub(crate) vertex_fields: Vec<Field>,
+    pub(crate) face_fields: Vec<Field>,
+    pub(crate) format: Option<Format>,
+    pub(crate) precision: Precision,
+    /// Anatomical structure, if the file states it.
+    pub(crate) structure: Option<String>,
+    /// What only the original bytes hold, named for the report of what another format leaves out.
+    pub(crate) extras: Vec<String>,
+    pub(crate) original: Option<Arc<dyn SourceDocument>>,
+    /// How many vertex fields the original has.
+    pub(crate) n_original_fields: usize,
+    /// Vertex fields that are not as in the original.
+    pub(crate) edited: Vec<String>,
+    /// True if the points differ from the original.
+    pub(crate) moved: bool,
+    pub(crate) provenance: Option<Arc<Provenance>>,
+    /// True if the provenance describes this shape instead of its file.
+    pub(crate) is_new_provenance: bool,
+}
+
+/// Content of a shape file in separate parts; see [`ShapeFile::into_parts`].
+#[derive(Clone, Debug)]
+pub struct ShapeParts {
+    /// Number of vertices, also for a graph without coordinates.
+    pub n_vertices: usize,
+    /// Vertices in the file's order; empty for a graph without coordinates.
+    pub points: Vec<[f64; 3]>,
+    /// Faces in the file's order.
+    pub faces: Polygons,
+    /// Edges listed in the file.
+    pub edges: Edges,
+    /// Vertex fields, one row per vertex each.
+    pub vertex_fields: Vec<Field>,
+    /// Face fields, one row per face each.
+    pub face_fields: Vec<Field>,
+    /// Format of the original bytes.
+    pub format: Option<Format>,
+    /// Number type of the coordinates in the file.
+    pub precision: Precision,
+}
+
+impl ShapeFile {
+    pub(crate) fn empty() -> Self {
+        Self {
+            n_vertices: 0,
+            points: Arc::default(),
+            faces: Arc::default(),
+            edges: Edges::default(),
+            vertex_fields: Vec::new(),
+            face_fields: Vec::new(),
+            format: None,
+            precision: Precision::F64,
+            structure: None,
+            extras: Vec::new(),
+            original: None,
+            n_original_fields: 0,
+            edited: Vec::new(),
+            moved: false,
+            provenance: None,
+            is_new_provenance: false,
+        }
+    }
+
+    /// Creates a mesh without an original file.
+    pub fn from_mesh(points: Vec<[f64; 3]>, faces: Polygons) -> Self {
+        Self { n_vertices: points.len(), points: Arc::new(points), faces: Arc::new(faces), ..Self::empty() }
+    }
+
+    /// Creates a point cloud without an original file.
+    pub fn from_cloud(points: Vec<[f64; 3]>) -> Self {
+        Self::from_mesh(points, Polygons::new())
+    }
+
+    /// Creates a graph without coordinates and without an original file.
+    pub fn from_graph(n_vertices: usize, edges: Edges) -> Self {
+        Self { n_vertices, edges, ..Self::empty() }
+    }
+
+    /// Number of vertices, also for a graph without coordinates.
+    pub fn n_vertices(&self) -> usize {
+        self.n_vertices
+    }
+
+    /// Vertices in the file's order; empty for a graph without coordinates. An STL has three for each triangle.
+    pub fn points(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
+    /// Shared reference to the vertices, without a copy.
+    pub fn shared_points(&self) -> Arc<Vec<[f64; 3]>> {
+        Arc::clone(&self.points)
+    }
+
+    /// Faces in the file's order, with the corners given in the file: faces of one or two corners, or with a repeated
+    /// corner, are kept unchanged.
+    pub fn faces(&self) -> &Polygons {
+        &self.faces
+    }
+
+    /// Edges listed in the file (OBJ lines, PLY edges, matrix entries), not those of the faces.
+    pub fn edges(&self) -> &Edges {
+        &self.edges
+    }
+
+    /// Vertex fields with [`n_vertices`](Self::n_vertices) rows each.
+    pub fn vertex_fields(&self) -> &[Field] {
+        &self.vertex_fields
+    }
+
+    /// Face fields with one row per face each.
+    pub fn face_fields(&self) -> &[Field] {
+        &self.face_fields
+    }
+
+    /// Vertex field of that name.
+    pub fn field(&self, name: &str) -> Option<&Field> {
+        self.vertex_fields.iter().find(|f| f.name == name)
+    }
+
+    /// Names of the vertex fields.
+    pub fn field_names(&self) -> Vec<&str> {
+        self.vertex_fields.iter().map(|f| f.name.as_str()).collect()
+    }
+
+    /// Format of the original bytes; `None` without an original file.
+    pub fn format(&self) -> Option<Format> {
+        self.format
+    }
+
+    /// Number type of the coordinates in the file.
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// Sets the number type of written coordinates, for formats with a choice.
+    pub fn set_precision(&mut self, precision: Precision) {
+        if precision != self.precision {
+            self.original = None;
+        }
+        self.precision = precision;
+    }
+
+    /// Anatomical structure stated by a GIFTI (`AnatomicalStructurePrimary`), such as `CortexLeft`.
+    pub fn structure(&self) -> Option<&str> {
+        self.structure.as_deref()
+    }
+
+    /// Content of the file besides points, faces and fields, which only a file of the same format keeps.
+    pub fn extras(&self) -> &[String] {
+        &self.extras
+    }
+
+    /// Replaces the coordinates of all vertices.
+    ///
+    /// # Errors
+    /// [`ShapeFileError::PointCount`] if the number of points differs from that of the vertices,
+    /// [`ShapeFileError::NotFinite`] if a point is not finite although the old one was.
+    pub fn set_points(&mut self, points: Vec<[f64; 3]>) -> Result<(), ShapeFileError> {
+        if points.len() != self.n_vertices {
+            return Err(ShapeFileError::PointCount { found: points.len(), n_vertices: self.n_vertices });
+        }
+        let is_finite = |p: &[f64; 3]| p.iter().all(|c| c.is_finite());
+        let lost =
+            |vertex: &usize| !is_finite(&points[*vertex]) && self.points.get(*vertex).is_some_and(is_finite);
+        if let Some(vertex) = (0..points.len()).find(lost) {
+            return Err(ShapeFileError::NotFinite { vertex, point: points[vertex] });
+        }
+        self.points = Arc::new(points);
+        self.moved = true;
+        Ok(())
+    }
+
+    /// Adds a vertex field, or replaces the one of the same name.
+    ///
+    /// # Errors
+    /// [`ShapeFileError`] if the field does not have complete rows, one per vertex.
+    pub fn add_vertex_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
+        check_rows(&field, self.n_vertices, "vertices")?;
+        if !self.edited.contains(&field.name) {
+            self.edited.push(field.name.clone());
+        }
+        match self.vertex_fields.iter_mut().find(|f| f.name == field.name) {
+            Some(old) => *old = field,
+            None => self.vertex_fields.push(field),
+        }
+        Ok(())
+    }
+
+    /// Adds a face field, or replaces the one of the same name.
+    ///
+    /// # Errors
+    /// [`ShapeFileError`] if the field does not have complete rows, one per face.
+    pub fn add_face_field(&mut self, field: Field) -> Result<(), ShapeFileError> {
+        check_rows(&field, self.faces.len(), "faces")?;
+        // The original faces are copied unchanged, so they cannot store another field.
+        self.original = None;
+        match self.face_fields.iter_mut().find(|f| f.name == field.name) {
+            Some(old) => *old = field,
+            None => self.face_fields.push(field),
+        }
+        Ok(())
+    }
+
+    /// Converts to separate parts; the original bytes are dropped. Points and faces are copied only if a shape or
+    /// another file shares them.
+    ///
+    /// ```
+    /// use adwave_io::ShapeFile;
+    /// let parts = ShapeFile::from_cloud(vec![[0.0, 1.0, 2.0]]).into_parts();
+    /// assert_eq!((parts.n_vertices, parts.points.as_flattened()), (1, &[0.0, 1.0, 2.0][..]));
+    /// ```
+    pub fn into_parts(self) -> ShapeParts {
+        ShapeParts {
+            n_vertices: self.n_vertices,
+            points: Arc::unwrap_or_clone(self.points),
+            faces: Arc::unwrap_or_clone(self.faces),
+            edges: self.edges,
+            vertex_fields: self.vertex_fields,
+            face_fields: self.face_fields,
+            format: self.format,
+            precision: self.precision,
+        }
+    }
+
+    /// Provenance of the shape, from its file or from [`set_provenance`](Self::set_provenance).
+    pub fn provenance(&self) -> Option<&Provenance> {
+        self.provenance.as_deref()
+    }
+
+    /// Sets the provenance, which is written if the format has room for it; see [`Provenance`].
+    pub fn set_provenance(&mut self, provenance: Option<Provenance>) {
+        self.is_new_provenance = provenance.is_some();
+        self.provenance = provenance.map(Arc::new);
+    }
+
+    /// Provenance to be written into a file that has another one so far.
+    pub(crate) fn new_provenance(&self) -> Option<&Provenance> {
+        self.provenance().filter(|_| self.is_new_provenance)
+    }
+
+    /// Provenance that is valid for the present shape; `None` if the shape was changed after reading.
+    pub(crate) fn valid_provenance(&self) -> Option<&Provenance> {
+        let is_changed = self.moved || !self.edited.is_empty();
+        self.provenance().filter(|_| self.is_new_provenance || !is_changed)
+    }
+
+    /// The shape as it was read: its fields are those of the file.
+    pub(crate) fn with_original_fields(mut self) -> Self {
+        self.n_original_fields = self.vertex_fields.len();
+        self
+    }
+
+    /// Forgets the original bytes: frees their memory, and writing makes a plain new file.
+    pub fn forget_original(&mut self) {
+        self.original = None;
+    }
+}
+
+/// The public parts of a field may have been changed since its creation, so its rows are counted again.
+fn check_rows(field: &Field, n: usize, of: &'static str) -> Result<(), ShapeFileError> {
+    let (found, n_channels) = (field.values.len(), field.n_channels);
+    if n_channels == 0 || !found.is_multiple_of(n_channels) {
+        return Err(ShapeFileError::FieldValues { name: field.name.clone(), found, n_channels });
+    }
+    if found / n_channels != n {
+        return Err(ShapeFileError::FieldRows { name: field.name.clone(), found: found / n_channels, n, of });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FieldValues;
+
+    #[test]
+    fn wrong_lengths_are_errors_that_name_the_numbers() {
+        let mut file = ShapeFile::from_cloud(vec![[0.0; 3]; 4]);
+        assert_eq!(
+            file.set_points(vec![[0.0; 3]; 5]).unwrap_err().to_string(),
+            "expected 4 points, one per vertex; got 5"
+        );
+        let gaze = Field::new("gaze", 2, FieldValues::F32(vec![0.0; 6]));
+        assert_eq!(
+            file.add_vertex_field(gaze.clone()).unwrap_err().to_string(),
+            "field `gaze` needs 4 rows, one for each of the vertices; got 3"
+        );
+        assert_eq!(
+            file.add_face_field(gaze.clone()).unwrap_err().to_string(),
+            "field `gaze` needs 0 rows, one for each of the faces; got 3"
+        );
+        let broken = Field { n_channels: 0, ..gaze };
+        assert_eq!(
+            file.add_vertex_field(broken).unwrap_err().to_string(),
+            "field `gaze` needs complete rows of 0 channels, got 6 values"
+        );
+        assert!(file.vertex_fields().is_empty());
+    }
+}

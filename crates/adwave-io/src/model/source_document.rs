@@ -1,0 +1,84 @@
+//! Content of the file that a shape was read from, kept to write the same file again with what changed.
+
+use std::any::Any;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use adwave::Progress;
+
+use crate::model::context::WriteContext;
+use crate::model::subset::Subset;
+use crate::{Format, ShapeFile, WriteError};
+
+/// Outcome of an update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Update {
+    /// The document was written with all changes.
+    Written,
+    /// The document cannot hold the changes and nothing was written: a plain new file is needed.
+    DoesNotFit,
+}
+
+/// A file that was read, as far as its format needs it to write the same file again.
+///
+/// Each format implements it for its own type and finds that type again with [`ShapeFile::source`]; other modules use
+/// the trait only.
+pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
+    /// Writes the document with the positions and fields of the shape.
+    ///
+    /// # Errors
+    /// Writing fails, or the shape has values that the format cannot hold.
+    fn update(&self, _: &ShapeFile, _: &mut WriteContext<'_>) -> Result<Update, WriteError> {
+        Ok(Update::DoesNotFit)
+    }
+
+    /// Tells if a document of the format `read` can be updated as the format `written`.
+    fn can_update(&self, read: Format, written: Format) -> bool {
+        read == written
+    }
+
+    /// Tells if files of that format keep the extras of the shape, because they are written from this document.
+    fn keeps_extras(&self, _: Format) -> bool {
+        false
+    }
+
+    /// Shape with the vertices that reading left out, for a file of that format; `None` if there are none.
+    fn with_all_vertices(
+        &self,
+        _: &ShapeFile,
+        _: Format,
+        _: Progress<'_>,
+    ) -> Result<Option<ShapeFile>, WriteError> {
+        Ok(None)
+    }
+
+    /// Document of some of the vertices (indices of the shape, increasing), as far as it is independent of the others.
+    fn subset(&self, _vertices: &[u32]) -> Option<Arc<dyn SourceDocument>> {
+        None
+    }
+
+    /// Part of the shape made from the document itself, with what only the document holds; `None` if the shape's
+    /// own arrays hold all of it.
+    fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {
+        None
+    }
+
+    /// One label per corner of the faces, equal where texture coordinate, material and group are; `None` if nothing
+    /// differs that way.
+    fn corner_labels(&self, shape: &ShapeFile) -> Option<Vec<u32>> {
+        shape.labels_by_texcoord()
+    }
+}
+
+impl ShapeFile {
+    /// The kept document, if it is of that type.
+    pub(crate) fn source<T: SourceDocument>(&self) -> Option<&T> {
+        let document: &dyn Any = self.original.as_deref()?;
+        document.downcast_ref()
+    }
+
+    /// Keeps the document that the shape was read from.
+    pub(crate) fn set_source(&mut self, document: impl SourceDocument) {
+        self.original = Some(Arc::new(document));
+    }
+}

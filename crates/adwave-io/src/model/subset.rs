@@ -1,0 +1,161 @@
+//! A file with fewer vertices: what vertices and faces carry is kept for those that stay.
+
+use adwave::shape::Polygons;
+use std::sync::Arc;
+
+use crate::{Field, ShapeFile, ShapeFileError};
+
+/// Which part of a file stays.
+#[derive(Clone, Debug, Default)]
+pub struct Subset<'a> {
+    /// Vertices to keep, in ascending order.
+    pub vertices: &'a [u32],
+    /// New triangles; their indices refer to `vertices`.
+    pub triangles: &'a [[u32; 3]],
+    /// Face whose attributes each triangle gets.
+    pub faces: &'a [u32],
+    /// Corner whose texture coordinate, normal, material and group each corner of the triangles gets, counted through
+    /// all faces of the file.
+    pub corners: &'a [[u32; 3]],
+}
+
+impl ShapeFile {
+    /// The same file with fewer vertices and other triangles: attributes of vertices and faces in their own type of numbers, and
+    /// of an OBJ its lines as they are, with texture coordinates and normals of corners, materials and groups. Edges and lines
+    /// stay where both ends do. What else was among the [`extras`](Self::extras) (comments of a PLY) is not kept and no
+    /// longer among them; of a LAS it is. O(vertices + faces).
+    ///
+    /// ```
+    /// use adwave_io::{Field, FieldValues, ShapeFile, Subset};
+    /// let mut file = ShapeFile::from_cloud(vec![[0.0; 3], [1.0; 3], [2.0; 3]]);
+    /// file.add_vertex_field(Field::new("heat", 1, FieldValues::U8(vec![7, 8, 9])))?;
+    /// let part = file.subset(&Subset { vertices: &[0, 2], ..Subset::default() })?;
+    /// assert_eq!(part.points(), [[0.0; 3], [2.0; 3]]);
+    /// assert_eq!(part.field("heat").unwrap().to_f64(), [7.0, 9.0]);
+    /// # Ok::<(), adwave_io::ShapeFileError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ShapeFileError::Subset`] when a list names what the file does not have, or is not one per triangle.
+    pub fn subset(&self, subset: &Subset<'_>) -> Result<Self, ShapeFileError> {
+        self.check_subset(subset)?;
+        let source = self.original.as_deref();
+        if let Some(file) = source.and_then(|source| source.subset_shape(self, subset)) {
+            return Ok(file);
+        }
+        let rows = |field: &Field, rows: &[u32]| selected(field, rows);
+        let mut file = Self {
+            n_vertices: subset.vertices.len(),
+            points: Arc::new(if self.points.is_empty() {
+                Vec::new()
+            } else {
+                subset.vertices.iter().map(|&x| self.points[x as usize]).collect()
+            }),
+            faces: Arc::new(Polygons::from_triangles(subset.triangles)),
+            vertex_fields: self.vertex_fields.iter().map(|field| rows(field, subset.vertices)).collect(),
+            face_fields: self.face_fields.iter().map(|field| rows(field, subset.faces)).collect(),
+            format: self.format,
+            precision: self.precision,
+            original: source.and_then(|source| source.subset(subset.vertices)),
+            // The normals of an STL are those of its triangles.
+            moved: true,
+            ..Self::empty()
+        };
+        file.edges.direction = self.edges.direction;
+        let keeps_extras =
+            |format| file.original.as_deref().is_some_and(|source| source.keeps_extras(format));
+        if self.format.is_some_and(keeps_extras) {
+            file.extras.clone_from(&self.extras);
+        }
+        for (k, pair) in self.edges.pairs.iter().enumerate() {
+            let place = |x: &u32| subset.vertices.binary_search(x).ok().map(|place| place as u32);
+            if let (Some(a), Some(b)) = (place(&pair[0]), place(&pair[1])) {
+                file.edges.pairs.push([a, b]);
+                file.edges.weights.extend(self.edges.weights.get(k));
+            }
+        }
+        if subset.triangles.is_empty() && !self.faces.is_empty() {
+            file.face_fields.clear();
+        }
+        Ok(file)
+    }
+
+    /// For each corner of the faces a number that is equal where texture coordinate, material and group are, for
+    /// simplification: where they differ at one vertex there is a seam. `None` where nothing differs that way.
+    ///
+    /// Of an OBJ from its text; of other files from the field `texcoord`, which tells vertices at one position apart.
+    ///
+    /// ```
+    /// use adwave_io::{ReadLimits, read_bytes};
+    /// let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl blue\nf 2 4 3\n";
+    /// let file = read_bytes(text.to_vec(), Some("a.obj"), &ReadLimits::default()).unwrap();
+    /// assert_eq!(file.corner_labels().unwrap(), [0, 0, 0, 1, 1, 1]);
+    /// ```
+    pub fn corner_labels(&self) -> Option<Vec<u32>> {
+        match self.original.as_deref() {
+            Some(source) => source.corner_labels(self),
+            None => self.labels_by_texcoord(),
+        }
+    }
+
+    /// [`corner_labels`](Self::corner_labels) by the field `texcoord`.
+    pub(crate) fn labels_by_texcoord(&self) -> Option<Vec<u32>> {
+        let field = self.field("texcoord")?;
+        let of_vertex = distinct(field.len(), |x| {
+            (0..field.n_channels).map(|c| (field.get(x, c) + 0.0).to_bits()).collect::<Vec<_>>()
+        });
+        Some(self.faces.corners().iter().map(|&x| of_vertex[x as usize]).collect())
+    }
+
+    fn check_subset(&self, subset: &Subset<'_>) -> Result<(), ShapeFileError> {
+        let wrong = |what: &'static str| Err(ShapeFileError::Subset { what });
+        let (n_kept, n_triangles) = (subset.vertices.len(), subset.triangles.len());
+        if !subset.vertices.is_sorted_by(|a, b| a < b)
+            || subset.vertices.last().is_some_and(|&x| x as usize >= self.n_vertices)
+        {
+            return wrong("vertices that are not ascending or do not exist");
+        }
+        if subset.triangles.as_flattened().iter().any(|&x| x as usize >= n_kept) {
+            return wrong("triangles with vertices outside the subset");
+        }
+        if subset.faces.len() != n_triangles || subset.faces.iter().any(|&f| f as usize >= self.faces.len()) {
+            return wrong("faces that are not one per triangle or do not exist");
+        }
+        let n_corners = self.faces.corners().len();
+        if subset.corners.len() != n_triangles
+            || subset.corners.as_flattened().iter().any(|&k| k as usize >= n_corners)
+        {
+            return wrong("corners that are not three per triangle or do not exist");
+        }
+        Ok(())
+    }
+}
+
+/// Selects these rows of a field.
+pub(crate) fn selected(field: &Field, rows: &[u32]) -> Field {
+    let n = field.n_channels;
+    let mut values = field.values.value_type().empty();
+    macro_rules! select {
+        ($($variant:ident),*) => {
+            match (&field.values, &mut values) {
+                $((crate::FieldValues::$variant(from), crate::FieldValues::$variant(to)) => {
+                    to.extend(rows.iter().flat_map(|&row| &from[row as usize * n..][..n]));
+                })*
+                _ => {}
+            }
+        };
+    }
+    select!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
+    Field { name: field.name.clone(), n_channels: n, values }
+}
+
+/// Numbers from 0, equal where the keys are, in the order in which keys first appear.
+pub(crate) fn distinct<K: std::hash::Hash + Eq>(n: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
+    let mut known = std::collections::HashMap::new();
+    (0..n)
+        .map(|k| {
+            let next = known.len() as u32;
+            *known.entry(key(k)).or_insert(next)
+        })
+        .collect()
+}

@@ -1,4 +1,0 @@
-//! NumPy arrays: `.npy` read and written, `.npz` written.
-
-pub(crate) mod read;
-pub(crate) mod write;

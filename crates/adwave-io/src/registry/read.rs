@@ -1,0 +1,116 @@
+//! Reading a shape from a file or from bytes.
+
+use std::path::Path;
+
+use adwave::{Cancelled, Progress};
+
+use crate::files::read::read_file;
+use crate::formats::TABLE;
+use crate::limits::decompress;
+use crate::model::context::ReadContext;
+use crate::progress::BYTES_PER_STEP;
+use crate::registry::names::unknown_content;
+use crate::registry::sniff::sniff;
+use crate::{ReadError, ReadLimits, ShapeFile};
+
+/// Reads the shape in a file, compressed by gzip or not. The content decides the format, the name only where the
+/// content leaves it open. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
+/// [`read_cloud_part`](crate::read_cloud_part).
+///
+/// # Errors
+/// One line that begins with the file's name: the file cannot be read, its format is unknown, it is malformed (with
+/// line or byte), or it is larger than the limits.
+pub fn read_path(path: &Path, limits: &ReadLimits) -> Result<ShapeFile, ReadError> {
+    read_path_with(path, limits, Progress::none())
+}
+
+/// [`read_path`] with cancellation and progress: in bytes while the file is read, then in rows while it is parsed.
+///
+/// # Errors
+/// The errors of [`read_path`], and [`ReadError::Cancelled`] soon after the cancellation.
+pub fn read_path_with(
+    path: &Path,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let context = ReadContext { limits, progress, name: None, folder: None };
+    let mut folder_readers = TABLE.iter().filter_map(|format| format.read_folder);
+    if let Some(shape) = folder_readers.find_map(|read| read(path, &context)) {
+        return Ok(shape?.with_original_fields());
+    }
+    read_file(path, limits, progress)
+        .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
+        .map_err(|e| e.in_file(path))
+}
+
+/// Reads the shape in bytes, compressed by gzip or not. `name_hint` is a file name that the content overrules.
+///
+/// # Errors
+/// As [`read_path`], without the file's name.
+pub fn read_bytes(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    limits: &ReadLimits,
+) -> Result<ShapeFile, ReadError> {
+    read_bytes_with(bytes, name_hint, limits, Progress::none())
+}
+
+/// [`read_bytes`] with progress and cancellation.
+///
+/// # Errors
+/// The errors of [`read_bytes`], and [`ReadError::Cancelled`] soon after the cancellation.
+pub fn read_bytes_with(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    read_named(bytes, name_hint, None, limits, progress)
+}
+
+/// Reads the shape in bytes. External files are read from the folder, if there is one.
+fn read_named(
+    bytes: Vec<u8>,
+    name_hint: Option<&str>,
+    folder: Option<&Path>,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    let mut bytes = decompress(bytes, limits, progress)?;
+    if let Some(text) = crate::text::encoding::from_utf16(&bytes)
+        && !text.contains(&0)
+    {
+        bytes = text;
+    }
+    let mut format = sniff(&bytes, name_hint)?;
+    if (format.descriptor().has_lines)(&bytes) && old_line_ends(&mut bytes, progress)? {
+        // What was one long remark may be rows now.
+        format = sniff(&bytes, name_hint)?;
+    }
+    let Some(read) = format.descriptor().read else {
+        return Err(unknown_content(format!("{format} is written only")));
+    };
+    let context = ReadContext { limits, progress, name: name_hint, folder };
+    read(bytes, &context).map(ShapeFile::with_original_fields)
+}
+
+/// Lines that end with a carriage return alone (before 2001 on the Macintosh) get line feeds instead; whether there were any.
+fn old_line_ends(bytes: &mut [u8], progress: Progress<'_>) -> Result<bool, Cancelled> {
+    for chunk in bytes.chunks(BYTES_PER_STEP) {
+        progress.check()?;
+        if memchr::memchr(b'\n', chunk).is_some() {
+            return Ok(false);
+        }
+    }
+    let mut is_changed = false;
+    for chunk in bytes.chunks_mut(BYTES_PER_STEP) {
+        progress.check()?;
+        for b in chunk {
+            if *b == b'\r' {
+                *b = b'\n';
+                is_changed = true;
+            }
+        }
+    }
+    Ok(is_changed)
+}

@@ -1,0 +1,154 @@
+//! Writing of shapes to files or bytes.
+
+use std::io::Write;
+use std::path::Path;
+
+use adwave::Progress;
+
+use crate::files::atomic::atomic_write_with;
+use crate::model::context::WriteContext;
+use crate::model::format_descriptor::ProvenanceRoom;
+use crate::model::source_document::Update;
+use crate::progress::{Watched, all};
+use crate::provenance::{NAME, Provenance, WithComment};
+use crate::registry::names::unknown_ending;
+use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
+
+/// Writes the shape as a whole file (see [`atomic_write`](crate::atomic_write)). Without a format the name's ending decides; a shape read
+/// from the text (or binary) form of that ending is written in the same form. `.gz` after the ending compresses.
+///
+/// A shape that is written in the format that it was read from keeps everything else that the file had.
+///
+/// # Errors
+/// One line that begins with the file's name; an older file of that name is unchanged then.
+pub fn write_path(shape: &ShapeFile, path: &Path, format: Option<Format>) -> Result<WriteReport, WriteError> {
+    write_path_with(shape, path, format, Progress::none())
+}
+
+/// [`write_path`] with cancellation and progress, in rows of vertices and then of faces.
+///
+/// # Errors
+/// The errors of [`write_path`], and [`WriteError::Cancelled`] soon after the cancellation.
+pub fn write_path_with(
+    shape: &ShapeFile,
+    path: &Path,
+    format: Option<Format>,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
+    let by_name = || {
+        let named = Format::from_path(path)?;
+        Some(shape.format.filter(|own| own.family() == named).unwrap_or(named))
+    };
+    let Some(format) = format.or_else(by_name) else {
+        return Err(unknown_ending().in_file(path));
+    };
+    if !format.can_write() {
+        return Err(WriteError::ReadOnly { format }.in_file(path));
+    }
+    let compress = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    atomic_write_with(path, progress, |out| {
+        if !compress {
+            return write_bytes_with(shape, format, out, progress);
+        }
+        let mut gz = flate2::write::GzEncoder::new(out, flate2::Compression::default());
+        let report = write_bytes_with(shape, format, &mut gz, progress)?;
+        gz.finish()?;
+        Ok(report)
+    })
+}
+
+/// Writes the shape in a format.
+///
+/// # Errors
+/// Writing fails, or the format cannot store any part of the shape.
+pub fn write_bytes(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+) -> Result<WriteReport, WriteError> {
+    write_bytes_with(shape, format, out, Progress::none())
+}
+
+/// [`write_bytes`] with progress and cancellation.
+///
+/// # Errors
+/// The errors of [`write_bytes`], and [`WriteError::Cancelled`] soon after the cancellation.
+pub fn write_bytes_with(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
+    if !format.can_write() {
+        return Err(WriteError::ReadOnly { format });
+    }
+    let out = &mut Watched::new(out, progress);
+    let provenance = shape.new_provenance().map(Provenance::to_json);
+    match (provenance, format.descriptor().provenance) {
+        (Some(json), ProvenanceRoom::Comment { begin, lines_before }) => {
+            let line = format!("{begin} {NAME} {json}\n");
+            write_shape(shape, format, &mut WithComment::new(out, line, lines_before), progress)
+        }
+        _ => write_shape(shape, format, out, progress),
+    }
+}
+
+fn write_shape(
+    shape: &ShapeFile,
+    format: Format,
+    out: &mut dyn Write,
+    progress: Progress<'_>,
+) -> Result<WriteReport, WriteError> {
+    check_indices(shape, format, progress)?;
+    check_range(shape, format, progress)?;
+    if shape.points.len() != shape.n_vertices && !format.holds_graphs() {
+        let what = "a graph without coordinates".into();
+        return Err(WriteError::CannotHold { format, what });
+    }
+    let mut context = WriteContext { format, out, report: WriteReport::default(), progress };
+    if let Some(source) = shape.original.as_deref() {
+        if let Some(whole) = source.with_all_vertices(shape, format, progress)? {
+            return write_shape(&whole, format, context.out, progress);
+        }
+        if shape.format.is_some_and(|read| source.can_update(read, format)) {
+            if source.update(shape, &mut context)? == Update::Written {
+                return Ok(context.report);
+            }
+            context.report = WriteReport::default();
+        }
+    }
+    if !shape.original.as_deref().is_some_and(|source| source.keeps_extras(format)) {
+        for extra in &shape.extras {
+            context.report.leave_out(extra.clone());
+        }
+    }
+    let write = format.descriptor().write.ok_or(WriteError::ReadOnly { format })?;
+    write(shape, &mut context)?;
+    Ok(context.report)
+}
+
+/// A shape that comes from no file may name vertices that it does not have.
+fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
+    let (corners, n) = (shape.faces.corners(), shape.n_vertices);
+    if !all(corners.len(), progress, |k| (corners[k] as usize) < n)? {
+        let face = shape.faces.iter().position(|f| f.iter().any(|&v| v as usize >= n)).unwrap_or(0);
+        let what = format!("face {face}, which names a vertex beyond the {n} existing ones");
+        return Err(WriteError::CannotHold { format, what });
+    }
+    Ok(())
+}
+
+/// Coordinates that are written in single precision must not become infinite.
+fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
+    let is_single = format.descriptor().is_single_precision;
+    if shape.precision == Precision::F64 && !is_single {
+        return Ok(());
+    }
+    let coordinates = shape.points.as_flattened();
+    let fits = |k: usize| !coordinates[k].is_finite() || (coordinates[k] as f32).is_finite();
+    if !all(coordinates.len(), progress, fits)? {
+        let what = "coordinates beyond 3.4e38, the range of 32-bit floats".to_owned();
+        return Err(WriteError::CannotHold { format, what });
+    }
+    Ok(())
+}

@@ -1,4 +1,0 @@
-//! Stereolithography, text and binary.
-
-pub(crate) mod read;
-pub(crate) mod write;

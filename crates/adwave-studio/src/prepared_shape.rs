@@ -1,0 +1,298 @@
+//! The prepared state of a shape: its bands, its edit and the edited positions.
+
+use crate::StudioError;
+use crate::document::Document;
+use crate::response::{ApiError, encode_rows};
+use adwave::bands::{DEFAULT_EXTENT, Schedule};
+use adwave::filter::{FilterError, WeightedLayer, displacement};
+use adwave::operator::{OperatorKind, OperatorParams};
+use adwave::positions::constrain_positions;
+use adwave::region::{Length, Region, RegionWeights};
+use adwave::shape::{Health, Shape, enclosed_volume};
+use adwave::signal::{OutwardNormals, outward_normals};
+use adwave::{Decomposer, Editor, Progress};
+use adwave::LevelSpec;
+use adwave_io::{ShapeFile, file_normals, region_field};
+use serde::{Deserialize, Serialize};
+use std::sync::{Arc, OnceLock};
+
+/// Default number of levels; small shapes have fewer.
+const DEFAULT_LEVELS: usize = 8;
+/// Largest width of a default level, relative to the diagonal.
+const MAX_RELATIVE_WIDTH: f64 = 0.25;
+
+/// Body of `PUT levels`: a count, a count with voices per octave, or widths; the default levels if empty.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelsRequest {
+    levels: Option<usize>,
+    voices: Option<usize>,
+    lengths: Option<Vec<Length>>,
+}
+
+impl LevelsRequest {
+    /// Converts to the levels of a recipe.
+    fn to_levels(&self, walk_decomposer: &Decomposer) -> Result<LevelSpec, ApiError> {
+        Ok(match self {
+            Self { lengths: Some(lengths), levels: None, voices: None } => LevelSpec::Widths(lengths.clone()),
+            Self { lengths: Some(_), .. } => {
+                return Err(ApiError::bad_request("either levels or lengths can be given, got both"));
+            }
+            Self { voices: Some(voices), levels, .. } => {
+                let n = levels.unwrap_or(DEFAULT_LEVELS);
+                let schedule = Schedule::voices(n, *voices).map_err(|e| ApiError::from_classified(&e))?;
+                LevelSpec::Steps(schedule.steps().to_vec())
+            }
+            Self { levels: Some(levels), .. } => LevelSpec::Dyadic(*levels),
+            Self { .. } => LevelSpec::Dyadic(default_levels(walk_decomposer)),
+        })
+    }
+}
+
+/// Number of dyadic levels, so that the widest is a quarter of the diagonal, within 3..=8.
+fn default_levels(decomposer: &Decomposer) -> usize {
+    decomposer.levels_reaching(MAX_RELATIVE_WIDTH).0.clamp(3, DEFAULT_LEVELS)
+}
+
+/// Effect of an edit, for display.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct EditSummary {
+    revision: u64,
+    /// Largest displacement in model units.
+    greatest: f64,
+    /// Root mean square displacement in model units.
+    rms: f64,
+    /// Volume before and after; `None` for a shape that encloses none.
+    volume: Option<[f64; 2]>,
+}
+
+/// Description of a level for the page.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct LevelInfo {
+    level: usize,
+    steps: f64,
+    sigma: f64,
+    fwhm: f64,
+}
+
+/// A shape with its bands, the current edit and the edited positions.
+pub(crate) struct PreparedShape {
+    pub(crate) decomposer: Decomposer,
+    pub(crate) levels: LevelSpec,
+    pub(crate) schedule: Schedule,
+    pub(crate) editor: Editor,
+    pub(crate) document: Document,
+    pub(crate) points: Arc<Vec<[f64; 3]>>,
+    health: OnceLock<Health>,
+    /// Outward normals of the original shape: the outside does not change with an edit.
+    outward_normals: OnceLock<OutwardNormals>,
+    /// Regions of the active layers with their weights.
+    regions: Vec<(Region, RegionWeights)>,
+}
+
+/// Builds the diffusion of a shape.
+pub(crate) fn build_decomposer(
+    shape: &Shape,
+    kind: OperatorKind,
+    progress: Progress<'_>,
+) -> Result<Decomposer, StudioError> {
+    let params = OperatorParams { kind, ..OperatorParams::default() };
+    Decomposer::with_params(shape, &params, progress).map_err(|e| StudioError::from_classified(&e))
+}
+
+impl PreparedShape {
+    /// Computes the bands of `levels`; the edit is empty.
+    pub(crate) fn new(
+        shape: &Shape,
+        walk_decomposer: &Decomposer,
+        levels: LevelSpec,
+        progress: Progress<'_>,
+    ) -> Result<Self, StudioError> {
+        let kind = levels.operator_task().default_kind();
+        let decomposer = if kind == OperatorKind::Walk {
+            walk_decomposer.clone()
+        } else {
+            build_decomposer(shape, kind, progress)?
+        };
+        let resolved =
+            levels.resolve(&decomposer, DEFAULT_EXTENT).map_err(|e| StudioError::from_classified(&e))?;
+        let schedule = resolved.schedule;
+        let points = shape.points().unwrap_or_default();
+        let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
+        let editor = request.editor().map_err(|e| StudioError::from_classified(&e))?;
+        Ok(Self {
+            levels,
+            schedule,
+            editor,
+            document: Document::default(),
+            points: Arc::new(points.to_vec()),
+            health: OnceLock::new(),
+            outward_normals: OnceLock::new(),
+            regions: Vec::new(),
+            decomposer,
+        })
+    }
+
+    /// Computes the bands of the default levels.
+    pub(crate) fn with_default_levels(
+        shape: &Shape,
+        walk_decomposer: &Decomposer,
+        progress: Progress<'_>,
+    ) -> Result<Self, StudioError> {
+        Self::new(shape, walk_decomposer, LevelSpec::Dyadic(default_levels(walk_decomposer)), progress)
+    }
+
+    /// Computes the bands of the levels that the page requests.
+    pub(crate) fn with_requested_levels(
+        shape: &Shape,
+        walk: &Decomposer,
+        request: &LevelSpecRequest,
+        progress: Progress<'_>,
+    ) -> Result<Self, ApiError> {
+        Ok(Self::new(shape, walk, request.to_levels(walk)?, progress)?)
+    }
+
+    /// Returns counts of components and defects; computed once.
+    pub(crate) fn health(&self) -> &Health {
+        self.health.get_or_init(|| self.decomposer.health())
+    }
+
+    /// Returns the outward normals of the original shape; computed once.
+    pub(crate) fn outward_normals(&self, file: &ShapeFile) -> Result<&OutwardNormals, ApiError> {
+        if let Some(normals) = self.outward_normals.get() {
+            return Ok(normals);
+        }
+        let stored = file_normals(file);
+        let normals = outward_normals(self.decomposer.geometry(), stored.as_deref(), Progress::none());
+        let normals = normals.map_err(|e| ApiError::from_classified(&e))?;
+        Ok(self.outward_normals.get_or_init(|| normals))
+    }
+
+    pub(crate) fn n_levels(&self) -> usize {
+        self.schedule.n_levels()
+    }
+
+    /// Describes the levels for the page, fine to coarse.
+    pub(crate) fn level_infos(&self) -> Vec<LevelInfo> {
+        let sigma = self.schedule.sigma(self.decomposer.diffusion().step_length());
+        let one = |(j, (&steps, &sigma)): (usize, (&f64, &f64))| LevelInfo {
+            level: j + 1,
+            steps,
+            sigma,
+            fwhm: adwave::bands::FWHM * sigma,
+        };
+        self.schedule.steps().iter().zip(&sigma[1..]).enumerate().map(one).collect()
+    }
+
+    /// Computes the weights of a region, or returns those of an active layer with the same region.
+    pub(crate) fn region_weights(
+        &mut self,
+        region: &Region,
+        file: &ShapeFile,
+    ) -> Result<RegionWeights, FilterError> {
+        if let Some((_, weights)) = self.regions.iter().find(|(known, _)| known == region) {
+            return Ok(weights.clone());
+        }
+        let field = |name: &str| region_field(file, &self.decomposer, name);
+        let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
+        let weights = region.weights(self.decomposer.metric(), &field, &names, Progress::none());
+        weights.map_err(|source| FilterError::Region { layer: 1, source })
+    }
+
+    /// Replaces the current edit by `document`; on an error nothing changes.
+    pub(crate) fn apply_edit(
+        &mut self,
+        document: Document,
+        file: &ShapeFile,
+    ) -> Result<EditSummary, ApiError> {
+        document.check(self.n_levels())?;
+        let (mut weighted, mut regions) = (Vec::new(), Vec::new());
+        for (k, layer) in document.active_layers().into_iter().enumerate() {
+            let gains = layer.gains.resolve(self.n_levels()).map_err(|e| ApiError::from_classified(&e))?;
+            let weights = self.region_weights(&layer.region, file).map_err(|e| {
+                let FilterError::Region { source, .. } = e else { return ApiError::from_classified(&e) };
+                ApiError::from_classified(&FilterError::Region { layer: k + 1, source })
+            })?;
+            regions.push((layer.region, weights.clone()));
+            weighted.push(WeightedLayer { gains, weights });
+        }
+        let previous = self.current_layers();
+        self.editor.set_layers(weighted).map_err(|e| ApiError::from_classified(&e))?;
+        let (points, summary) = match self.edited_points(&document, file.points()) {
+            Ok(result) => result,
+            Err(error) => {
+                self.editor.set_layers(previous).map_err(|e| ApiError::from_classified(&e))?;
+                return Err(error);
+            }
+        };
+        (self.document, self.points, self.regions) = (document, Arc::new(points), regions);
+        Ok(summary)
+    }
+
+    /// Returns the weights of the active layers, in order.
+    pub(crate) fn layer_weights(&self) -> impl Iterator<Item = &RegionWeights> {
+        self.regions.iter().map(|(_, weights)| weights)
+    }
+
+    /// Returns the active layers of the current edit, with their weights.
+    fn current_layers(&self) -> Vec<WeightedLayer> {
+        let layers = self.document.active_layers().into_iter().zip(&self.regions);
+        let weighted = layers.filter_map(|(layer, (_, weights))| {
+            let gains = layer.gains.resolve(self.n_levels()).ok()?;
+            Some(WeightedLayer { gains, weights: weights.clone() })
+        });
+        weighted.collect()
+    }
+
+    /// Computes the positions after the layers of the editor and the constraints of `document`.
+    fn edited_points(
+        &self,
+        document: &Document,
+        before: &[[f64; 3]],
+    ) -> Result<(Vec<[f64; 3]>, EditSummary), ApiError> {
+        let edited = self.editor.edited().as_chunks().0.to_vec();
+        let points = constrain_positions(
+            &self.decomposer,
+            before,
+            edited,
+            &document.position_params(),
+            Progress::none(),
+        )
+        .map_err(|e| ApiError::from_classified(&e))?;
+        let moved = displacement(before, &points);
+        // The page computes in single precision.
+        if !(moved.max as f32).is_finite() {
+            let vertex = moved.furthest;
+            return Err(ApiError::bad_request(format!(
+                "vertex {vertex} would move beyond the range of single precision; choose smaller gains"
+            )));
+        }
+        let volume = self.volumes(&points);
+        Ok((points, EditSummary { revision: document.revision, greatest: moved.max, rms: moved.rms, volume }))
+    }
+
+    /// Returns the volume before and after the edit; `None` for a surface that encloses none.
+    fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
+        let geometry = self.decomposer.geometry();
+        self.health().volume.map(|before| {
+            [before, enclosed_volume(&geometry.vertex_map().positions(points), geometry.triangles())]
+        })
+    }
+
+    /// Encodes W_j at all vertices as a scale and integers `i16 × 4 × n`, of which every fourth is 0.
+    pub(crate) fn encode_band(&self, level: usize) -> (f32, Vec<u8>) {
+        let map = self.decomposer.geometry().vertex_map();
+        let values = &self.editor.wavelets().levels[level - 1];
+        let max = values.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
+        let scale = max / f64::from(i16::MAX);
+        let per_unit = if scale > 0.0 { 1.0 / scale } else { 0.0 };
+        let bytes = encode_rows(map.n_vertices(), 8, |vertex, row| {
+            let x = map.welded(vertex);
+            for c in 0..3 {
+                let value = (values[3 * x + c] * per_unit).round() as i16;
+                row[2 * c..][..2].copy_from_slice(&value.to_le_bytes());
+            }
+        });
+        (scale as f32, bytes)
+    }
+}

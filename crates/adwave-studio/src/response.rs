@@ -1,0 +1,114 @@
+//! Responses of the server: arrays, JSON, or a one-line error message.
+
+use crate::StudioError;
+use adwave::{ClassifiedError, ErrorKind};
+use axum::body::Body;
+use axum::http::{HeaderName, HeaderValue, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A rejected or failed request: its status and its message.
+#[derive(Debug)]
+pub(crate) struct ApiError {
+    status: StatusCode,
+    message: String,
+    /// Further fields of the JSON body, which the page needs to recover.
+    fields: serde_json::Value,
+}
+
+impl ApiError {
+    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+        Self { status, message: message.into(), fields: serde_json::Value::Null }
+    }
+
+    /// Reports a malformed request (status 400).
+    pub(crate) fn bad_request(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::BAD_REQUEST, message)
+    }
+
+    /// Adds fields to the JSON body beside `error`.
+    pub(crate) fn with_fields(mut self, fields: serde_json::Value) -> Self {
+        self.fields = fields;
+        self
+    }
+
+    /// Derives the status from the kind of a library error.
+    pub(crate) fn from_classified(error: &impl ClassifiedError) -> Self {
+        let status = match error.kind() {
+            ErrorKind::Input => StatusCode::BAD_REQUEST,
+            ErrorKind::Memory => StatusCode::PAYLOAD_TOO_LARGE,
+            ErrorKind::Machine => StatusCode::INTERNAL_SERVER_ERROR,
+            ErrorKind::Cancelled => StatusCode::SERVICE_UNAVAILABLE,
+        };
+        Self::new(status, error.to_string())
+    }
+}
+
+impl From<StudioError> for ApiError {
+    fn from(error: StudioError) -> Self {
+        Self::from_classified(&error)
+    }
+}
+
+impl IntoResponse for ApiError {
+    fn into_response(self) -> Response {
+        let mut content = serde_json::json!({"error": self.message});
+        if let (Some(object), serde_json::Value::Object(fields)) = (content.as_object_mut(), self.fields) {
+            object.extend(fields);
+        }
+        (self.status, axum::Json(content)).into_response()
+    }
+}
+
+/// A response, or the error that is sent instead.
+pub(crate) type ApiResult = Result<Response, ApiError>;
+
+/// Builds a JSON response.
+#[expect(clippy::unnecessary_wraps, reason = "the last expression of most handlers, which may fail earlier")]
+pub(crate) fn json_response(content: &impl Serialize) -> ApiResult {
+    Ok(axum::Json(content).into_response())
+}
+
+/// Builds a binary response.
+pub(crate) fn bytes_response(content: impl Into<Body>) -> Response {
+    let content_type = HeaderValue::from_static("application/octet-stream");
+    ([(header::CONTENT_TYPE, content_type)], content.into()).into_response()
+}
+
+/// Builds a binary response with one additional header.
+pub(crate) fn bytes_response_with_header(content: Vec<u8>, name: &'static str, value: &str) -> Response {
+    let mut response = bytes_response(content);
+    if let Ok(value) = HeaderValue::from_bytes(value.as_bytes()) {
+        response.headers_mut().insert(HeaderName::from_static(name), value);
+    }
+    response
+}
+
+/// Rows that one thread encodes at a time.
+const ROWS_PER_CHUNK: usize = 1 << 14;
+
+/// Encodes `n` values in single precision, little-endian.
+pub(crate) fn encode_f32(n: usize, value: impl Fn(usize) -> f32 + Sync) -> Vec<u8> {
+    encode_rows(n, 4, |x, row| row.copy_from_slice(&value(x).to_le_bytes()))
+}
+
+/// Encodes `n` rows of `width` bytes each, in parallel.
+pub(crate) fn encode_rows(n: usize, width: usize, encode: impl Fn(usize, &mut [u8]) + Sync) -> Vec<u8> {
+    let mut out = vec![0; n * width];
+    out.par_chunks_mut(ROWS_PER_CHUNK * width).enumerate().for_each(|(chunk, bytes)| {
+        for (x, row) in (chunk * ROWS_PER_CHUNK..).zip(bytes.chunks_exact_mut(width)) {
+            encode(x, row);
+        }
+    });
+    out
+}
+
+/// Encodes positions relative to `center` as `f32 × 3 × n`.
+pub(crate) fn encode_points(points: &[[f64; 3]], center: [f64; 3]) -> Vec<u8> {
+    encode_rows(points.len(), 12, |x, row| {
+        for c in 0..3 {
+            row[4 * c..][..4].copy_from_slice(&((points[x][c] - center[c]) as f32).to_le_bytes());
+        }
+    })
+}

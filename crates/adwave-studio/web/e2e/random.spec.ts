@@ -1,0 +1,195 @@
+/**
+ * Random use of the studio: clicks, drags, keys and reloads must leave nothing on the console and no memory behind.
+ *
+ * `STUDIO_SECONDS=600 STUDIO_SEED=1 npx playwright test --project=random`
+ */
+
+import { expect, type Page, test } from '@playwright/test';
+import { randomNumbers, useTestBuild, waitUntilReady } from './support/page';
+import { creature, killStudio, OUT, startStudio } from './support/studio-server';
+
+const N_SECONDS = Number(process.env['STUDIO_SECONDS'] ?? 60);
+const SEED = Number(process.env['STUDIO_SEED'] ?? 1);
+/** Largest change of the held memory, relative to the memory before. */
+const MAX_LEAK = 0.1;
+
+const KEYS = ['b', 'n', 'l', 's', 'm', 'f', '[', ']', '1', '3', '7', '?', 'x'].concat([
+  'Escape',
+  'Tab',
+  'Enter',
+  'ArrowUp',
+  'ArrowLeft',
+  'Space',
+]);
+
+interface MemoryMeasurement {
+  breakdown: { bytes: number; types: string[]; attribution: unknown[] }[];
+}
+
+/** Megabytes of scripts, arrays and elements of the page and its worker. */
+const heldMemory = (page: Page): Promise<number> =>
+  page.evaluate(async () => {
+    // The worker answers in order, so that its preparations are finished.
+    await window.studio.mask();
+    for (let k = 0; k < 5; k++) {
+      (window as unknown as { gc?: () => void }).gc?.();
+      await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+    // Memory without attribution belongs to the browser and to the scripts of the test driver.
+    const { breakdown } = await (
+      performance as unknown as { measureUserAgentSpecificMemory(): Promise<MemoryMeasurement> }
+    ).measureUserAgentSpecificMemory();
+    const own = breakdown.filter((part) => part.attribution.length > 0 || part.types.includes('DOM'));
+    return Math.round(own.reduce((sum, part) => sum + part.bytes, 0) / 1e4) / 100;
+  });
+
+/** Opens the first shape with default levels and a neutral edit. */
+async function openNeutral(page: Page, url: string): Promise<void> {
+  // A static file of the same origin, where no page sends an edit meanwhile.
+  await page.goto(new URL('studio.css', url).href);
+  await page.waitForTimeout(1000);
+  await page.evaluate(async () => {
+    const headers = {
+      Authorization: `Bearer ${sessionStorage.getItem('adwave-token')}`,
+      'Content-Type': 'application/json',
+    };
+    const { shapes } = await (await fetch('api/shapes', { headers })).json();
+    for (const { id } of shapes.slice(1)) await fetch(`api/shapes/${id}`, { method: 'DELETE', headers });
+    const path = `api/shapes/${shapes[0].id}`;
+    await fetch(`${path}/levels`, { method: 'PUT', headers, body: '{}' });
+    const edit = await (await fetch(`${path}/edit`, { headers })).json();
+    const { levels } = await (await fetch(path, { headers })).json();
+    const gains = levels.map(() => 1);
+    const neutral = {
+      ...edit,
+      revision: edit.revision + 1,
+      layers: [{ name: '', on: true, opacity: 1, gains, region: null }],
+      along: null,
+      border: 'natural',
+      volume: 'free',
+    };
+    const response = await fetch(`${path}/edit`, { method: 'PUT', headers, body: JSON.stringify(neutral) });
+    if (!response.ok) throw new Error(await response.text());
+    sessionStorage.setItem('adwave-shape', String(shapes[0].id));
+  });
+  await page.goto(url);
+  await waitUntilReady(page);
+}
+
+/** Random actions by name. */
+function randomActions(page: Page, random: () => number): Record<string, () => Promise<void>> {
+  const pick = <T>(list: readonly T[]): T => list[Math.floor(random() * list.length)]!;
+  return {
+    async drag() {
+      const [x, y] = [random() * 920, 60 + random() * 580];
+      await page.mouse.move(x, y);
+      await page.mouse.down({ button: pick(['left', 'left', 'left', 'right', 'middle'] as const) });
+      for (let k = 0; k < 6; k++)
+        await page.mouse.move(x + 40 * k * (random() - 0.5), y + 40 * k * (random() - 0.5));
+      for (const button of ['left', 'right', 'middle'] as const) await page.mouse.up({ button });
+    },
+    async slider() {
+      const sliders = page.locator('.band input.gain');
+      const n = await sliders.count();
+      if (n === 0) return;
+      const box = await sliders.nth(Math.floor(random() * n)).boundingBox();
+      if (!box) return;
+      const x = box.x + box.width / 2;
+      await page.mouse.move(x, box.y + box.height * random());
+      await page.mouse.down();
+      for (let k = 0; k < 4; k++) await page.mouse.move(x, box.y + box.height * random());
+      await page.mouse.up();
+    },
+    async click() {
+      const buttons = page.locator('button:visible:enabled, summary:visible, input[type=checkbox]:visible');
+      const n = await buttons.count();
+      if (n === 0) return;
+      const button = buttons.nth(Math.floor(random() * n));
+      // Repeated downloads would fill the folder, and quitting would end the test.
+      const name = `${await button.textContent().catch(() => '')}`;
+      if (/save|download|picture|with sliders|quit/i.test(name)) return;
+      await button.click({ timeout: 500, force: true }).catch(() => {});
+    },
+    async choose() {
+      const lists = page.locator('select:visible:enabled');
+      const n = await lists.count();
+      if (n === 0) return;
+      const list = lists.nth(Math.floor(random() * n));
+      const nOptions = await list.locator('option').count();
+      if (nOptions === 0) return;
+      const index = Math.floor(random() * nOptions);
+      await list.selectOption({ index }, { timeout: 500 }).catch(() => {});
+    },
+    async key() {
+      await page.keyboard.press(pick(KEYS));
+    },
+    async undo() {
+      await page.keyboard.press(pick(['Control+z', 'Control+z', 'Control+Shift+z']));
+    },
+    async wheel() {
+      await page.mouse.move(random() * 920, 60 + random() * 580);
+      await page.mouse.wheel(0, 600 * (random() - 0.5));
+    },
+  };
+}
+
+test('random use leaves no errors and no memory behind', async ({ browser }) => {
+  const random = randomNumbers(SEED);
+  const failures: string[] = [];
+  const server = await startStudio(creature(20_000), `${OUT}/random-${Date.now()}`);
+  try {
+    const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
+    await useTestBuild(page);
+    // The browser requests an icon for the static file; the studio has none.
+    await page.route('**/favicon.ico', (route) => route.fulfill({ status: 204 }));
+    let last = 'nothing';
+    let loadedAt = Date.now();
+    page.on('console', (m) => {
+      if (m.type() === 'error') failures.push(`console: ${m.text()}`);
+    });
+    page.on('response', async (r) => {
+      if (r.status() < 400) return;
+      const seconds = ((Date.now() - loadedAt) / 1000).toFixed(1);
+      const body = (await r.text().catch(() => '')).slice(0, 200);
+      const request = `${r.request().method()} ${r.url()}: ${r.status()}`;
+      failures.push(`${request} after ${last}, ${seconds} s after loading: ${body}`);
+    });
+    page.on('pageerror', (e) => failures.push(`page: ${e.message}`));
+    page.on('dialog', (d) => d.dismiss());
+
+    await page.goto(server.url);
+    await waitUntilReady(page);
+    await openNeutral(page, server.url);
+    const before = await heldMemory(page);
+    const actions = randomActions(page, random);
+    const names = Object.keys(actions);
+    const counts: Record<string, number> = {};
+    const used: number[] = [];
+    const end = Date.now() + 1000 * N_SECONDS;
+    while (Date.now() < end) {
+      last = names[Math.floor(random() * names.length)]!;
+      counts[last] = (counts[last] ?? 0) + 1;
+      await actions[last]!();
+      if (random() < 0.01) {
+        await page.keyboard.press('Escape');
+        used.push(await heldMemory(page));
+        await page.reload();
+        loadedAt = Date.now();
+        await waitUntilReady(page);
+      }
+    }
+    await page.keyboard.press('Escape');
+    used.push(await heldMemory(page));
+    await openNeutral(page, server.url);
+    const after = await heldMemory(page);
+    console.log(
+      JSON.stringify({ seconds: N_SECONDS, counts, reloads: used.length - 1, before, used, after }),
+    );
+    expect([...new Set(failures)]).toEqual([]);
+    expect(Math.abs(after - before), `memory: ${before} MB before, ${after} MB after`).toBeLessThanOrEqual(
+      MAX_LEAK * before,
+    );
+  } finally {
+    await killStudio(server);
+  }
+});

@@ -1,0 +1,106 @@
+/** Actions and queries on a page of the studio that several tests share. */
+
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { type Browser, type BrowserContext, expect, type Page } from '@playwright/test';
+import type { Edit } from '../../src/protocol';
+import { TEST_BUILD } from './studio-server';
+
+export type Point = [number, number];
+
+/** Serves the files of the page from the test build instead of the bundle that the server embeds. */
+export async function useTestBuild(target: Page | BrowserContext): Promise<void> {
+  await target.route(/\/(index\.js|main\.js|worker\.js|studio\.css)$/, async (route) => {
+    const name = new URL(route.request().url()).pathname.slice(1);
+    const body = await readFile(join(TEST_BUILD, name));
+    await route.fulfill({ response: await route.fetch(), body });
+  });
+}
+
+/** Waits until every slider is enabled. Polls in one call, because the page's policy forbids `waitForFunction`. */
+export async function waitUntilReady(page: Page): Promise<void> {
+  await page.evaluate(async () => {
+    while (!window.studio) await new Promise((resolve) => setTimeout(resolve, 10));
+    await window.studio.ready;
+  });
+}
+
+/** Collects uncaught errors of a page. */
+export function collectErrors(page: Page, failures: string[], name = 'page'): void {
+  page.on('pageerror', (e) => failures.push(`${name}: ${e.message}`));
+}
+
+/** Opens a page of its own in a new context. */
+export async function openPage(browser: Browser, url: string, failures: string[]): Promise<Page> {
+  const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
+  page.setDefaultTimeout(60_000);
+  await useTestBuild(page);
+  collectErrors(page, failures);
+  await page.goto(url);
+  await waitUntilReady(page);
+  return page;
+}
+
+/** Asserts that nothing was collected; repeated messages are listed once. */
+export function expectNoFailures(failures: readonly string[]): void {
+  expect([...new Set(failures)]).toEqual([]);
+}
+
+/** Mulberry32: deterministic pseudorandom numbers in [0, 1). */
+export function randomNumbers(seed: number): () => number {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let t = state;
+    t = Math.imul(t ^ (t >>> 15), t | 1);
+    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** Drags over the picture along `points`; `beforeRelease` is awaited before the pointer is lifted. */
+export async function drag(page: Page, points: Point[], beforeRelease = async () => {}): Promise<void> {
+  const [first, ...rest] = points;
+  await page.mouse.move(...first!);
+  await page.mouse.down();
+  for (const point of rest) await page.mouse.move(...point);
+  await beforeRelease();
+  await page.mouse.up();
+}
+
+/** Center of the picture, and the smaller of its width and height. */
+export async function pictureFrame(page: Page): Promise<{ x: number; y: number; size: number }> {
+  const box = (await page.locator('canvas.picture').boundingBox())!;
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2, size: Math.min(box.width, box.height) };
+}
+
+/** Current edit of the page. */
+export const currentEdit = (page: Page): Promise<Edit> => page.evaluate(() => window.studio.state());
+
+/** Resolves when the server has stored every step. */
+export const waitUntilSaved = (page: Page): Promise<void> => page.evaluate(() => window.studio.saved());
+
+/** Number of strokes of the last layer. */
+export const strokeCount = (page: Page): Promise<number> =>
+  page.evaluate(() => {
+    const region = window.studio.state().layers.at(-1)!.region;
+    return region && 'painted' in region ? region.painted.length : 0;
+  });
+
+/** Waits until the last layer has `n` strokes; returns false after ten seconds. */
+export async function waitForStrokes(page: Page, n: number): Promise<boolean> {
+  for (let i = 0; i < 200 && (await strokeCount(page)) < n; i++) await page.waitForTimeout(50);
+  return (await strokeCount(page)) >= n;
+}
+
+/** Moves the gain slider of a band (counted from 0) to a position and releases it. */
+export async function setSlider(page: Page, band: number, position: number): Promise<void> {
+  await page.evaluate(
+    ([j, value]) => {
+      const input = document.querySelectorAll<HTMLInputElement>('.band input.gain')[j!]!;
+      input.value = String(value);
+      for (const type of ['input', 'change']) input.dispatchEvent(new Event(type, { bubbles: true }));
+    },
+    [band, position],
+  );
+}

@@ -1,0 +1,281 @@
+/** View panel: style, colors, features, camera, and the wipe between before and after. */
+
+import { coloring } from './coloring';
+import { check, h, iconButton, segments } from './dom';
+import { formatCount, formatNumber } from './lengths';
+import type { Feature } from './protocol';
+import type { Stage } from './stage';
+import type { Studio } from './studio';
+import { text } from './text';
+import type { Style } from './view';
+
+/** Radius of the ball of a feature, in σ. */
+const BALL = 0.7;
+
+export interface LookPanel {
+  panel: HTMLElement;
+  legend: HTMLElement;
+  readouts: HTMLElement;
+  divider: HTMLElement;
+  style(next: Style): void;
+  cycleStyle(): void;
+  toggleChange(): void;
+  toggleSplit(): void;
+}
+
+/** Creates the choice of shading. */
+function styleControl(studio: Studio) {
+  const { view } = studio;
+  const styles: Style[] = ['shaded', 'matcap', 'flat', 'edges'];
+  const setStyle = (style: Style) => {
+    view.style = style;
+    styleButtons.set(style);
+    if (style === 'edges' && !view.hasEdges && studio.shape && studio.shape.n_triangles > 0) {
+      void studio.engine.call('edges', {}).then(({ pairs }) => view.setEdges(pairs));
+    }
+    view.request();
+  };
+  const styleButtons = segments<Style>(
+    text.style,
+    styles.map((s) => [s, text.styles[s]] as const),
+    'shaded',
+    setStyle,
+  );
+  studio.on('shape', () => setStyle(view.style));
+
+  const cycle = () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!);
+  return { buttons: styleButtons, setStyle, cycle };
+}
+
+/** Creates the switch for features, and the output for a clicked feature or vertex. */
+function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => string): HTMLElement[] {
+  const { view } = studio;
+  let features: Feature[] = [];
+  const featureList = h('output', { class: 'feature', hidden: true });
+  const setFeatures = (on: boolean) => {
+    featureList.hidden = true;
+    if (!on) {
+      features = [];
+      view.showFeatures([], 1);
+      view.request();
+      return;
+    }
+    const { id } = studio.shape!;
+    studio.api.features(id).then(
+      (list) => {
+        // The request takes a while; meanwhile features may have been turned off or another shape opened.
+        if (!featureBox.querySelector('input')!.checked || studio.shape?.id !== id) return;
+        features = list;
+        view.showFeatures(list, BALL);
+        studio.showMessage(text.nFeatures(list.length));
+      },
+      (e: Error) => studio.showMessage(e.message, 'error'),
+    );
+  };
+  const featureBox = check(text.features, false, setFeatures);
+  studio.on('shape', () => {
+    features = [];
+    featureBox.querySelector('input')!.checked = false;
+    featureList.hidden = true;
+  });
+  stage.onClick = (answer, x, y) => {
+    let best: Feature | null = null;
+    let least = 18;
+    for (const f of features) {
+      const p = view.camera.project(f.position);
+      const d = Math.hypot(p.x - x, p.y - y);
+      if (d < least) {
+        least = d;
+        best = f;
+      }
+    }
+    if (best) {
+      const { vertex, sigma, strength, level } = best;
+      featureList.replaceChildren(
+        h('span', {}, text.feature(vertex, formatNumber(sigma), formatNumber(strength), level)),
+        h(
+          'button',
+          {
+            type: 'button',
+            onclick: () =>
+              studio.addLayer(text.layerName(studio.doc.layers.length + 1), {
+                ball: { center: { vertex }, radius: sigma },
+              }),
+          },
+          text.layerHere,
+        ),
+      );
+      featureList.hidden = false;
+      return;
+    }
+    featureList.hidden = true;
+    if (!answer.hit) return;
+    const v = answer.hit.vertex;
+    featureList.textContent = `${text.vertex(v)}${valueAt(v)}`;
+    featureList.hidden = false;
+  };
+  return [featureBox, featureList];
+}
+
+/** Creates the buttons for standard views, and the settings of the camera. */
+function cameraControls({ view }: Studio): HTMLElement[] {
+  const cameraRow = h(
+    'div',
+    { class: 'row' },
+    ...text.views.map(([name, label]) =>
+      h(
+        'button',
+        {
+          type: 'button',
+          onclick: () => {
+            view.camera.look(name);
+            view.camera.frame();
+            view.markMoving();
+          },
+        },
+        label,
+      ),
+    ),
+    iconButton('frame', text.frame, () => {
+      view.camera.frame();
+      view.markMoving();
+    }),
+  );
+  const turning = segments(
+    text.turning,
+    [
+      ['turntable', text.turntable],
+      ['trackball', text.trackball],
+    ],
+    'turntable',
+    (t) => {
+      view.camera.trackball = t === 'trackball';
+      turning.set(t);
+      if (t === 'turntable') view.camera.level();
+      view.markMoving();
+    },
+  );
+  const upright = segments<'y' | 'z'>(
+    text.upright,
+    [
+      ['y', text.upY],
+      ['z', text.upZ],
+    ],
+    'y',
+    (up) => {
+      view.camera.up = up;
+      upright.set(up);
+      view.camera.start();
+      view.markMoving();
+    },
+  );
+  return [
+    cameraRow,
+    h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
+  ];
+}
+
+/** Creates the divider of the wipe between before and after. */
+function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void } {
+  const { view } = studio;
+  const divider = h('div', {
+    class: 'divider',
+    hidden: true,
+    role: 'slider',
+    tabIndex: 0,
+    'aria-label': text.split,
+    'aria-valuemin': '0',
+    'aria-valuemax': '100',
+  });
+  const labels = [h('span', {}, text.beforeShort), h('span', {}, text.afterShort)];
+  divider.append(...labels);
+  const place = (at: number) => {
+    view.split = Math.min(0.98, Math.max(0.02, at));
+    divider.style.left = `${100 * view.split}%`;
+    divider.setAttribute('aria-valuenow', String(Math.round(100 * view.split)));
+    view.markMoving();
+  };
+  divider.addEventListener('pointerdown', (e) => divider.setPointerCapture(e.pointerId));
+  divider.addEventListener('pointermove', (e) => {
+    if (!divider.hasPointerCapture(e.pointerId)) return;
+    const r = view.canvas.getBoundingClientRect();
+    place((e.clientX - r.left) / r.width);
+  });
+  divider.addEventListener('keydown', (e) => {
+    const step = { ArrowLeft: -0.02, ArrowRight: 0.02, PageDown: -0.1, PageUp: 0.1 }[e.key];
+    if (step === undefined) return;
+    e.preventDefault();
+    e.stopPropagation();
+    place((view.split ?? 0.5) + step);
+  });
+  studio.on('compared', () => {
+    const { comparison } = studio;
+    labels[0]!.textContent = comparison ? text.compareShort[comparison.method] : text.beforeShort;
+    labels[1]!.textContent = comparison ? text.thisEdit : text.afterShort;
+    studio.updateTint();
+    if (comparison && view.split === null) toggleSplit();
+  });
+  const toggleSplit = () => {
+    if (view.split === null) place(0.5);
+    else view.split = null;
+    divider.hidden = view.split === null;
+    view.request();
+    studio.emit('before');
+  };
+  return { divider, toggleSplit };
+}
+
+/** Creates the readouts that are always visible. */
+function createReadouts(studio: Studio): HTMLElement {
+  const readouts = h('dl', { class: 'readouts', 'aria-live': 'off' });
+  function read(): void {
+    const shape = studio.shape;
+    if (!shape) return;
+    const { displacement: moved } = studio;
+    const pair = (name: string, value: string) => h('div', {}, h('dt', {}, name), h('dd', {}, value));
+    const percent = (x: number) => ` (${formatNumber((100 * x) / shape.diagonal, 2)} %)`;
+    const items = [pair(text.vertices, formatCount(shape.n_vertices))];
+    items.push(pair(text.greatest, moved ? formatNumber(moved.greatest) + percent(moved.greatest) : '0'));
+    items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
+    const volume = moved?.volume ?? (shape.volume === null ? null : [shape.volume, shape.volume]);
+    if (volume) {
+      const [a, b] = volume as [number, number];
+      const change = a === 0 ? 0 : (100 * (b - a)) / Math.abs(a);
+      const sign = change > 0.005 ? '+' : '';
+      items.push(
+        pair(
+          text.volume,
+          `${formatNumber(a, 4)} → ${formatNumber(b, 4)} (${sign}${Math.abs(change) < 0.005 ? '0' : formatNumber(change, 2)} %)`,
+        ),
+      );
+    }
+    readouts.replaceChildren(...items);
+  }
+  studio.on(['shape', 'moved'], read);
+  return readouts;
+}
+
+export function lookPanel(studio: Studio, stage: Stage): LookPanel {
+  const style = styleControl(studio);
+  const colors = coloring(studio);
+  const { divider, toggleSplit } = wipe(studio);
+  const panel = h(
+    'section',
+    { class: 'look-panel', id: 'look', 'aria-label': text.look },
+    h('header', {}, h('h2', {}, text.look)),
+    style.buttons,
+    ...colors.controls,
+    ...featureControls(studio, stage, colors.valueAt),
+    ...cameraControls(studio),
+  );
+  return {
+    panel,
+    legend: colors.legend,
+    readouts: createReadouts(studio),
+    divider,
+    style: style.setStyle,
+    cycleStyle: style.cycle,
+    toggleChange: colors.toggleChange,
+    toggleSplit,
+  };
+}

@@ -1,0 +1,9 @@
+//! A tiling job: its plan, its folder, and what of it is done.
+
+pub(crate) mod begin;
+pub(crate) mod folder;
+pub(crate) mod forecast;
+pub(crate) mod inputs;
+pub(crate) mod plan;
+pub(crate) mod status;
+pub(crate) mod tiling_job;

@@ -1,0 +1,247 @@
+//! The tasks of a job: each reads files of the work folder, runs a stage and writes its file.
+
+use std::fs::{File, TryLockError};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use adwave::Progress;
+use adwave::pages::release_freed;
+
+use crate::error::TilesError;
+use crate::files::{RandomAccessFile, read_json, write_atomic, write_json};
+use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
+use crate::index::bounds_tree::BoundsTree;
+use crate::index::neighbor_index::NeighborIndex;
+use crate::job::forecast::halo_limits;
+use crate::job::tiling_job::TilingJob;
+use crate::sources::cloud::create_writer;
+use crate::stages::bands::compute_bands;
+use crate::stages::denoise::{Denoiser, Surface, choose_weights, denoise_tile};
+use crate::stages::features::find_features;
+use crate::stages::maps::{BandNorms, BandResults, write_saliency};
+use crate::stages::neighbors::by_faces::write_one_rings;
+use crate::stages::neighbors::nearest::write_nearest_neighbors;
+use crate::stages::orientation::{NormalOrientation, write_pieces};
+use crate::stages::sort::faces::{FaceDistributor, vertices_per_pass};
+
+/// Time between two attempts to take the lock.
+const LOCK_INTERVAL: Duration = Duration::from_millis(100);
+
+impl TilingJob {
+    pub(crate) fn sort_run(&self, run: usize, progress: Progress<'_>) -> Result<(), TilesError> {
+        let n_runs = self.n_runs();
+        if run >= n_runs {
+            return Err(TilesError::Input(match n_runs {
+                0 => "a mesh has no runs; its sort is one task".into(),
+                n => format!("the index of a run must be in 0..={}, got {run}", n - 1),
+            }));
+        }
+        self.sorter(self.default_run_length(), progress).sort_run(run)
+    }
+
+    pub(crate) fn sort(&self, progress: Progress<'_>) -> Result<(), TilesError> {
+        let memory = self.plan.params.memory;
+        self.sort_in_runs(self.default_run_length(), vertices_per_pass(memory), progress)
+    }
+
+    /// Sorts by runs of at most `run_length` records, and distributes the faces of a mesh in passes of `vertices_per_pass` vertices. Of two
+    /// processes, the second one waits and finds the sort done.
+    pub(crate) fn sort_in_runs(
+        &self,
+        run_length: usize,
+        vertices_per_pass: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let folder = &self.folder;
+        let path = folder.sort_lock();
+        let lock = File::create(&path).map_err(TilesError::io(&path))?;
+        // If the file system has no locks, nobody waits: runs that another process deletes then cause an error, not a wrong result.
+        while matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
+            progress.check()?;
+            std::thread::sleep(LOCK_INTERVAL);
+        }
+        if self.is_sorted() {
+            return Ok(());
+        }
+        folder.remove_before_sort()?;
+        if !self.has_blocks() {
+            self.sorter(run_length, progress).sort(&folder.records(), &folder.block_table())?;
+            folder.remove_runs()?;
+        }
+        if self.is_mesh() {
+            let blocks = self.open_blocks()?;
+            let n_tiles = self.plan.n_tiles(blocks.len());
+            let distributor = FaceDistributor {
+                shape: &self.plan.shape,
+                blocks: &blocks,
+                blocks_per_tile: self.plan.blocks_per_tile,
+                memory: self.plan.params.memory,
+                folder: &folder.path,
+                vertices_per_pass,
+                progress,
+            };
+            let lengths =
+                distributor.distribute_faces((0..n_tiles).map(|tile| folder.faces(tile)).collect())?;
+            write_json(&folder.face_file_lengths(), &lengths)?;
+        }
+        Ok(())
+    }
+
+    /// Finds the neighbors of a tile; `tree` holds the boxes of all blocks.
+    pub(crate) fn find_neighbors(
+        &self,
+        blocks: &Blocks,
+        tree: &BoundsTree,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let (interior, path) = (self.plan.blocks_of_tile(tile, blocks.len()), self.folder.neighbors(tile));
+        if !self.is_mesh() {
+            return write_nearest_neighbors(
+                blocks,
+                tree,
+                interior,
+                self.plan.params.neighbors,
+                &path,
+                progress,
+            );
+        }
+        let faces = self.face_files()?;
+        let Some(file) = faces.files.get(tile) else {
+            return Err(TilesError::broken(&self.folder.face_file_lengths(), "it has too few tiles"));
+        };
+        write_one_rings(blocks, interior, file, &path, progress)
+    }
+
+    pub(crate) fn orient_normals(
+        &self,
+        blocks: &Blocks,
+        neighbor_index: &NeighborIndex,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        if !self.has_orientation() {
+            return Err(TilesError::Input(
+                "the job has no orientation stage; only denoising of clouds has one".into(),
+            ));
+        }
+        let interior = self.plan.blocks_of_tile(tile, blocks.len());
+        let limits = halo_limits(&self.plan.shape, &self.plan.params)?;
+        write_pieces(blocks, neighbor_index, interior, limits, &self.folder.pieces(tile), progress)
+    }
+
+    /// The denoiser of the job; `None` for a job that computes bands. The first task that needs its files computes and stores them.
+    pub(crate) fn denoiser(
+        &self,
+        blocks: &Blocks,
+        progress: Progress<'_>,
+    ) -> Result<Option<Denoiser>, TilesError> {
+        if self.plan.params.denoise.is_none() {
+            return Ok(None);
+        }
+        let faces = if self.is_mesh() { Some(self.face_files()?) } else { None };
+        let path = self.folder.denoise_choice();
+        if !path.exists() {
+            let unit = self.plan.shape.layout.unit();
+            write_json(&path, &choose_weights(&self.plan.params, blocks, faces.as_ref(), unit, progress)?)?;
+            release_freed();
+        }
+        let surface = if let Some(faces) = faces {
+            Surface::Mesh(faces)
+        } else {
+            let n_tiles = self.plan.n_tiles(blocks.len());
+            let piece_files: Vec<PathBuf> = (0..n_tiles).map(|tile| self.folder.pieces(tile)).collect();
+            let (path, n_vertices) = (self.folder.piece_flips(), blocks.n_vertices as usize);
+            let vertices_per_tile = self.vertices_per_tile();
+            Surface::Cloud(NormalOrientation::open(
+                &piece_files,
+                &path,
+                n_vertices,
+                vertices_per_tile,
+                progress,
+            )?)
+        };
+        Ok(Some(Denoiser { choice: read_json(&path)?, surface }))
+    }
+
+    fn vertices_per_tile(&self) -> usize {
+        self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK
+    }
+
+    /// Computes the bands of a tile, or denoises its positions if there is a denoiser.
+    pub(crate) fn compute_bands(
+        &self,
+        blocks: &Blocks,
+        neighbor_index: &NeighborIndex,
+        denoiser: Option<&Denoiser>,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        let context = self.context(blocks, neighbor_index)?;
+        let interior = self.plan.blocks_of_tile(tile, blocks.len());
+        let sums = if let Some(denoiser) = denoiser {
+            self.write_tile(tile, |write| {
+                denoise_tile(&context, denoiser, interior, progress, |output| write(&output.rows))
+            })?
+        } else if self.has_maps() {
+            let (rows_path, norms_path) = (self.folder.rows_before_maps(tile), self.folder.band_norms(tile));
+            write_atomic(&rows_path, |rows| {
+                write_atomic(&norms_path, |norms| {
+                    compute_bands(&context, interior, progress, |output| {
+                        rows.write_all(&output.rows).map_err(TilesError::io(&rows_path))?;
+                        norms.write_all(&output.band_norms).map_err(TilesError::io(&norms_path))
+                    })
+                })
+            })?
+        } else {
+            self.write_tile(tile, |write| {
+                compute_bands(&context, interior, progress, |output| write(&output.rows))
+            })?
+        };
+        write_json(&self.folder.block_sums(tile), &sums)
+    }
+
+    /// Writes the result of a tile: `fill` passes its output rows to the function that it is given.
+    fn write_tile<T>(
+        &self,
+        tile: usize,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> Result<(), TilesError>) -> Result<T, TilesError>,
+    ) -> Result<T, TilesError> {
+        let path = self.tile(tile);
+        if self.is_mesh() {
+            return write_atomic(&path, |out| {
+                fill(&mut |rows| out.write_all(rows).map_err(TilesError::io(&path)))
+            });
+        }
+        let mut writer = create_writer(&self.plan.shape, &self.plan.params, &path)?;
+        let result = fill(&mut |records| Ok(writer.write(records)?))?;
+        writer.finish()?;
+        Ok(result)
+    }
+
+    pub(crate) fn compute_maps(
+        &self,
+        blocks: &Blocks,
+        neighbor_index: &NeighborIndex,
+        tile: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), TilesError> {
+        if !self.has_maps() {
+            return Err(TilesError::Input(
+                "the job has no maps stage; only saliency and features have one".into(),
+            ));
+        }
+        let context = self.context(blocks, neighbor_index)?;
+        let n_tiles = self.plan.n_tiles(blocks.len());
+        let levels = self.levels(blocks, neighbor_index)?;
+        let norm_files = (0..n_tiles).map(|tile| self.folder.band_norms(tile)).collect();
+        let norms = BandNorms::new(norm_files, levels.len(), self.vertices_per_tile());
+        let bands = BandResults { norms: &norms, levels: &levels };
+        let interior = self.plan.blocks_of_tile(tile, blocks.len());
+        let features = find_features(&context, interior.clone(), bands, progress)?;
+        let rows = RandomAccessFile::open(&self.folder.rows_before_maps(tile))?;
+        self.write_tile(tile, |write| write_saliency(&context, interior, &rows, bands, progress, write))?;
+        write_json(&self.folder.features(tile), &features)
+    }
+}

@@ -1,0 +1,61 @@
+//! Bands: the bands of a tile, or its positions after the gains.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use adwave::Progress;
+use adwave::bands::{BandsParams, Transform};
+use adwave::operator::{Diffusion, local_operator_of_neighbors};
+use adwave::pages::{release_freed, zeros};
+use rayon::prelude::*;
+
+use super::StageContext;
+use super::block_output::{BlockOutput, TileValues, block_range_in_tile};
+use super::totals::{BlockSums, StepSums};
+use crate::error::TilesError;
+use crate::halo::{TileWithHalo, visit_tiles_with_halo};
+
+/// Computes the blocks `interior` and passes their output to `write`, in order. Returns the sums of each block.
+pub(crate) fn compute_bands(
+    context: &StageContext<'_>,
+    interior: Range<usize>,
+    progress: Progress<'_>,
+    mut write: impl FnMut(&BlockOutput) -> Result<(), TilesError>,
+) -> Result<Vec<BlockSums>, TilesError> {
+    let StageContext { blocks, neighbor_index, limits, .. } = *context;
+    let mut sums = Vec::with_capacity(interior.len());
+    visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
+        let values = tile_bands(context, tile, interior.clone(), progress)?;
+        sums.extend(values.write_blocks(context, interior, progress, &mut write)?);
+        Ok(())
+    })?;
+    Ok(sums)
+}
+
+fn tile_bands(
+    context: &StageContext<'_>,
+    tile: TileWithHalo,
+    interior: Range<usize>,
+    progress: Progress<'_>,
+) -> Result<TileValues, TilesError> {
+    let StageContext { params, blocks, neighbor_index, .. } = *context;
+    let series = params.output_series()?;
+    let TileWithHalo { points, neighbors, areas, interior_range, .. } = tile;
+    // The search that collected the tile has freed its blocks.
+    release_freed();
+    let operator =
+        local_operator_of_neighbors(&points, neighbors, areas, neighbor_index.mean_length, progress)?;
+    let first = interior.start;
+    let block_step_sums = |block| {
+        StepSums::from_operator(&operator, block_range_in_tile(blocks, &interior_range, first, block))
+    };
+    let step_sums: Vec<StepSums> = interior.into_par_iter().map(block_step_sums).collect();
+    let diffusion = Arc::new(Diffusion::new(operator, progress)?);
+    let transform = Transform::new(diffusion, &BandsParams::default())?;
+    let mut series_values: Vec<Vec<f64>> = series.iter().map(|_| zeros(3 * points.len())).collect();
+    if !series.is_empty() {
+        let mut outputs: Vec<&mut [f64]> = series_values.iter_mut().map(|values| &mut values[..]).collect();
+        transform.apply_fixed_series_into(points.as_flattened(), 3, &series, &mut outputs, progress)?;
+    }
+    Ok(TileValues { points, series_values, interior_range, step_sums, far_distance: f64::INFINITY })
+}

@@ -1,0 +1,115 @@
+//! Maps: the saliency map of a tile, whose weights depend on the bands of all tiles.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use adwave::Progress;
+use rayon::prelude::*;
+
+use super::totals::LevelSummary;
+use super::{BLOCKS_AT_A_TIME, StageContext};
+use crate::error::TilesError;
+use crate::files::RandomAccessFile;
+
+/// The norms of all bands at all vertices, in one file per tile, in units of the layout.
+pub(crate) struct BandNorms {
+    paths: Vec<PathBuf>,
+    /// The files that have been opened.
+    files: Vec<OnceLock<RandomAccessFile>>,
+    n_levels: usize,
+    /// Number of vertices of every tile but the last.
+    vertices_per_tile: usize,
+}
+
+impl BandNorms {
+    pub(crate) fn new(paths: Vec<PathBuf>, n_levels: usize, vertices_per_tile: usize) -> Self {
+        let files = paths.iter().map(|_| OnceLock::new()).collect();
+        Self { paths, files, n_levels, vertices_per_tile }
+    }
+
+    /// Appends the norms of some vertices, a row per vertex with the levels from fine to coarse.
+    pub(crate) fn read(&self, vertices: Range<usize>, norms: &mut Vec<f32>) -> Result<(), TilesError> {
+        let row_bytes = 4 * self.n_levels;
+        let mut next = vertices.start;
+        while next < vertices.end {
+            let tile = next / self.vertices_per_tile;
+            let first = tile * self.vertices_per_tile;
+            let end = vertices.end.min(first + self.vertices_per_tile);
+            let file = if let Some(file) = self.files[tile].get() {
+                file
+            } else {
+                let opened = RandomAccessFile::open(&self.paths[tile])?;
+                self.files[tile].get_or_init(|| opened)
+            };
+            let bytes = file.read(((next - first) * row_bytes) as u64, (end - next) * row_bytes)?;
+            norms.extend(bytes.as_chunks::<4>().0.iter().map(|&l| f32::from_le_bytes(l)));
+            next = end;
+        }
+        Ok(())
+    }
+}
+
+/// The bands of all tiles, as the maps of a tile need them.
+#[derive(Clone, Copy)]
+pub(crate) struct BandResults<'a> {
+    pub(crate) norms: &'a BandNorms,
+    pub(crate) levels: &'a [LevelSummary],
+}
+
+/// Passes the output rows of the blocks `interior` with their saliency to `write`, in order. `rows` has them without it.
+pub(crate) fn write_saliency(
+    context: &StageContext<'_>,
+    interior: Range<usize>,
+    rows: &RandomAccessFile,
+    bands: BandResults<'_>,
+    progress: Progress<'_>,
+    mut write: impl FnMut(&[u8]) -> Result<(), TilesError>,
+) -> Result<(), TilesError> {
+    let first_record = context.blocks.first_record(interior.start);
+    let row_bytes = context.row_bytes();
+    let interior: Vec<usize> = interior.collect();
+    for group in interior.chunks(BLOCKS_AT_A_TIME) {
+        progress.check()?;
+        let block_rows = |&block: &usize| {
+            let [start, end] =
+                [block, block + 1].map(|block| context.blocks.first_record(block) - first_record);
+            let mut rows = rows.read(start * row_bytes as u64, (end - start) as usize * row_bytes)?;
+            if context.params.saliency.is_some() {
+                set_saliency(context, block, bands, &mut rows)?;
+            }
+            Ok(rows)
+        };
+        let group_rows: Vec<Vec<u8>> = group.par_iter().map(block_rows).collect::<Result<_, TilesError>>()?;
+        group_rows.iter().try_for_each(|rows| write(rows))?;
+    }
+    Ok(())
+}
+
+/// Sets the last field of the rows of a block to the saliency of its vertices.
+fn set_saliency(
+    context: &StageContext<'_>,
+    block: usize,
+    bands: BandResults<'_>,
+    rows: &mut [u8],
+) -> Result<(), TilesError> {
+    let StageContext { shape, blocks, .. } = *context;
+    let (unit, record_bytes, row_bytes) =
+        (shape.layout.unit(), shape.layout.record_bytes(), context.row_bytes());
+    let mut norms = Vec::new();
+    bands.norms.read(blocks.vertices(block), &mut norms)?;
+    let records = blocks.read_records(block)?;
+    let mut rest = rows;
+    let vertices = blocks.group_by_vertex(&records).zip(norms.chunks_exact(bands.levels.len().max(1)));
+    for (group, norms) in vertices {
+        // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
+        let terms = bands.levels.iter().zip(norms).map(|(level, &l)| level.alpha * unit * f64::from(l));
+        let saliency = (terms.sum::<f64>() as f32).to_le_bytes();
+        let (vertex_rows, after) = rest.split_at_mut(group.len() / record_bytes * row_bytes);
+        rest = after;
+        for row in vertex_rows.chunks_exact_mut(row_bytes) {
+            row[row_bytes - saliency.len()..].copy_from_slice(&saliency);
+        }
+    }
+    Ok(())
+}

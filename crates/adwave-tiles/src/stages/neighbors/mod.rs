@@ -1,0 +1,4 @@
+//! Neighbors: the neighbor lists of a tile's vertices, exact across its border.
+
+pub(crate) mod by_faces;
+pub(crate) mod nearest;
