@@ -61,8 +61,8 @@ fn the_method_knows_no_files_and_no_terminal() {
 
 /// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves here.
 const LAYERS: [&[&str]; 17] = [
-    &["error", "pages", "vector"],
-    &["progress"],
+    &["error", "named", "pages"],
+    &["progress", "vector"],
     &["parallel"],
     &["rows"],
     &["shape"],
@@ -87,8 +87,9 @@ const ALLOWED: [(&str, &str, &str); 0] = [];
 fn home(name: &str) -> &str {
     match name {
         "ClassifiedError" | "ErrorKind" => "error",
+        "NamedEntry" | "NamedValue" | "UnknownName" | "named_values" => "named",
         "Cancelled" | "Progress" | "ProgressCounter" => "progress",
-        "Decomposer" | "BandsRequest" => "decomposer",
+        "Decomposer" | "BandsRequest" | "LevelSpec" | "LevelSpecError" | "ResolvedLevels" => "decomposer",
         module => module,
     }
 }

@@ -59,7 +59,7 @@ fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
 /// Names of the presets.
 #[pyfunction]
 fn preset_names() -> Vec<&'static str> {
-    Preset::ALL.iter().map(|(name, _)| *name).collect()
+    Preset::ALL.iter().map(|preset| preset.name()).collect()
 }
 
 /// Raises `ValueError` if a text is not a region.

@@ -194,7 +194,9 @@ impl ConstraintOptions {
 
 /// Gains of a preset by its name.
 pub(crate) fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    let known = [&[("smooth", Preset::Suppress)], &Preset::ALL[..]].concat();
+    let smooth = ("smooth", Preset::Suppress);
+    let known: Vec<(&str, Preset)> =
+        std::iter::once(smooth).chain(Preset::ALL.iter().map(|preset| (preset.name(), *preset))).collect();
     Ok(word("preset", name, &known)?.gains(n_levels))
 }
 

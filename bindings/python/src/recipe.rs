@@ -3,8 +3,9 @@
 use crate::call::run;
 use crate::error;
 use crate::options::{ALONG, BORDERS, VOLUME};
+use adwave::LevelSpec;
 use adwave::region::Length;
-use adwave_io::{Levels, Recipe, parse_recipe, recipe_to_text, write_recipe};
+use adwave_io::{Recipe, parse_recipe, recipe_to_text, write_recipe};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
@@ -50,10 +51,16 @@ impl RecipeData {
         found.set_item("border", name_of(positions.borders, BORDERS))?;
         found.set_item("volume", name_of(positions.volume, VOLUME))?;
         match &recipe.levels {
-            Levels::Default => {}
-            Levels::Dyadic(levels) => found.set_item("levels", levels)?,
-            Levels::Steps(steps) => found.set_item("steps", steps.clone())?,
-            Levels::Lengths(lengths) => {
+            LevelSpec::Default => {}
+            LevelSpec::Dyadic(levels) => found.set_item("levels", levels)?,
+            LevelSpec::Voices { levels, voices } => {
+                if let Some(levels) = levels {
+                    found.set_item("levels", levels)?;
+                }
+                found.set_item("voices", voices)?;
+            }
+            LevelSpec::Steps(steps) => found.set_item("steps", steps.clone())?,
+            LevelSpec::Widths(lengths) => {
                 let widths = PyList::empty(py);
                 for length in lengths {
                     match length {

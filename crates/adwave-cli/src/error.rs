@@ -1,4 +1,4 @@
-//! What can go wrong, and the exit code that says so.
+//! Errors of a run, and their exit codes.
 
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::WriteError;
@@ -7,16 +7,16 @@ use thiserror::Error;
 /// A failed run. Its text is one line.
 #[derive(Debug, Error)]
 pub(crate) enum CliError {
-    /// What was asked for or given cannot be used.
+    /// The arguments or the input cannot be used.
     #[error("{0}")]
     Input(String),
-    /// The machine cannot do it: a full disk, no permission.
+    /// The machine fails: a full disk, no permission.
     #[error("{0}")]
     Environment(String),
     /// Ctrl-C.
-    #[error("stopped; no file is half written")]
+    #[error("stopped; no file was left half-written")]
     Cancelled,
-    /// Who reads the standard output has stopped reading.
+    /// The reader of the standard output has stopped reading.
     #[error("the standard output is closed")]
     ClosedPipe,
 }
@@ -41,8 +41,8 @@ impl CliError {
         }
     }
 
-    /// An error of one of the libraries, by its kind.
-    pub(crate) fn classified(error: &impl ClassifiedError) -> Self {
+    /// An error of one of the libraries, by its kind: input and memory are for the user to mend, by another shape or by asking for less.
+    pub(crate) fn classify(error: &impl ClassifiedError) -> Self {
         match error.kind() {
             ErrorKind::Cancelled => Self::Cancelled,
             ErrorKind::Machine => Self::Environment(error.to_string()),
@@ -54,24 +54,14 @@ impl CliError {
     pub(crate) fn input(error: impl std::fmt::Display) -> Self {
         Self::Input(error.to_string())
     }
-
-    /// An error of one of the libraries, by its kind.
-    pub(crate) fn of(error: &impl ClassifiedError) -> Self {
-        match error.kind() {
-            // Both are for the user to mend: by another shape, or by asking for less.
-            ErrorKind::Input | ErrorKind::Memory => Self::Input(error.to_string()),
-            ErrorKind::Machine => Self::Environment(error.to_string()),
-            ErrorKind::Cancelled => Self::Cancelled,
-        }
-    }
 }
 
-/// `From` for errors that tell their kind.
+/// Implements `From` for errors that have a kind.
 macro_rules! by_kind {
     ($($error:ty),* $(,)?) => {
         $(impl From<$error> for CliError {
             fn from(error: $error) -> Self {
-                Self::of(&error)
+                Self::classify(&error)
             }
         })*
     };
@@ -79,6 +69,8 @@ macro_rules! by_kind {
 
 by_kind!(
     adwave::bands::ScheduleError,
+    adwave::filter::KeepVolumeError,
+    adwave::positions::PositionsError,
     adwave_baselines::compare::CompareError,
     adwave_render::RenderError,
     adwave_report::demo::DemoError,

@@ -1,39 +1,63 @@
-//! What every command is told: how to print, and when to stop.
+//! Context of one run: how to print, what was read, where results go, and when to stop.
 
 use crate::args::GlobalArgs;
-use crate::provenance::Inputs;
+use crate::inputs::Inputs;
 use adwave::Progress;
-use adwave_io::ReadLimits;
+use adwave_io::{ReadLimits, Transaction};
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
-/// What holds for the whole of one run.
+/// Use of the heap that a program can tune its allocator for. The library never tunes it: it may run inside another program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeapUse {
+    /// Vectors of a mebibyte and more go back to the system as soon as they are freed.
+    ReturnVectors,
+    /// Many vectors of one size are made and dropped, and those that are freed are kept for the next.
+    ReuseVectors,
+    /// As much memory is wanted again and again, and all that is freed is kept.
+    ReuseAll,
+    /// Requests of one size come again and again; of freed memory up to this many bytes are kept.
+    ReuseUpTo(usize),
+}
+
+/// Context of one run.
 #[derive(Clone, Copy)]
 pub(crate) struct Global<'a> {
-    /// Print one JSON object in place of text.
+    /// Print one JSON object instead of text.
     pub(crate) json: bool,
     /// Print nothing but errors and the JSON object.
     pub(crate) quiet: bool,
     /// The command line, its program's name first.
     pub(crate) arguments: &'a [OsString],
-    /// How much a file may ask for.
+    /// Limits on what is read.
     pub(crate) limits: ReadLimits,
-    /// Whether the result goes to the standard output, so that what is said goes beside it.
+    /// Whether the result goes to the standard output, so that reports go to the standard error.
     pub(crate) is_piped: bool,
-    /// What has been read so far.
+    /// Files that have been read so far.
     pub(crate) inputs: &'a Inputs,
+    /// Files of the result.
+    pub(crate) files: &'a Transaction,
     cancel: &'a AtomicBool,
+    tune_heap: fn(HeapUse),
+}
+
+/// Parts of the context that the caller of the command owns.
+#[derive(Clone, Copy)]
+pub(crate) struct RunContext<'a> {
+    /// The command line, its program's name first.
+    pub(crate) arguments: &'a [OsString],
+    pub(crate) inputs: &'a Inputs,
+    pub(crate) files: &'a Transaction,
+    /// Becomes true when the run is to stop.
+    pub(crate) cancel: &'a AtomicBool,
+    pub(crate) tune_heap: fn(HeapUse),
 }
 
 impl<'a> Global<'a> {
-    pub(crate) fn new(
-        args: &GlobalArgs,
-        arguments: &'a [OsString],
-        inputs: &'a Inputs,
-        cancel: &'a AtomicBool,
-    ) -> Self {
+    pub(crate) fn new(args: &GlobalArgs, context: RunContext<'a>) -> Self {
         let mut limits = ReadLimits::default();
         limits.max_bytes = args.max_input.unwrap_or(limits.max_bytes);
+        let RunContext { arguments, inputs, files, cancel, tune_heap } = context;
         Self {
             json: args.json,
             quiet: args.quiet,
@@ -41,7 +65,9 @@ impl<'a> Global<'a> {
             limits,
             is_piped: is_piped(arguments),
             inputs,
+            files,
             cancel,
+            tune_heap,
         }
     }
 
@@ -49,12 +75,17 @@ impl<'a> Global<'a> {
     pub(crate) fn progress(&self) -> Progress<'a> {
         Progress::none().with_cancel(self.cancel)
     }
+
+    /// Tells the program what the heap will be used for.
+    pub(crate) fn tune_heap(&self, heap_use: HeapUse) {
+        (self.tune_heap)(heap_use);
+    }
 }
 
-/// Whether a command line says `-o -`.
+/// Whether a command line contains `-o -`.
 fn is_piped(arguments: &[OsString]) -> bool {
     let words = || arguments.iter().filter_map(|word| word.to_str());
-    let apart =
+    let is_apart =
         words().zip(words().skip(1)).any(|(flag, value)| matches!(flag, "-o" | "--output") && value == "-");
-    apart || words().any(|word| matches!(word, "-o-" | "-o=-" | "--output=-"))
+    is_apart || words().any(|word| matches!(word, "-o-" | "-o=-" | "--output=-"))
 }

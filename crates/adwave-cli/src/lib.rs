@@ -1,39 +1,33 @@
-//! The command `adwave` as a function: [`run`] takes the words of a command line and gives an exit code.
+//! The command `adwave` as a function: [`run`] takes the words of a command line and returns an exit code.
 //!
-//! Glue only: what is computed stands in the crate `adwave`, what is read and written in `adwave-io`. A program that wants
-//! results rather than files and text calls those crates. This one prints to the standard output and the standard error, but
-//! it neither ends the process nor installs a signal handler or a thread pool for the whole of it.
+//! A command resolves its flags, computes and writes. The method is in the crate `adwave`, files are read and written by
+//! `adwave-io`; a program that needs results instead of files and text calls those crates. This crate prints to the standard output and
+//! the standard error. It neither ends the process, nor installs signal handlers, nor tunes the allocator.
 
-mod analysis;
 mod args;
 mod cli;
 mod commands;
 mod error;
-mod field_file;
 mod global;
-mod movement;
+mod inputs;
 mod output;
-mod progress;
-mod provenance;
-mod region;
-mod shape_input;
-mod signal;
-mod stopwatch;
-mod up;
+mod resolve;
 
+use adwave_io::Transaction;
 use clap::FromArgMatches;
 use cli::{Cli, Command};
 use error::CliError;
-use global::Global;
-use provenance::Inputs;
+pub use global::HeapUse;
+use global::{Global, RunContext};
+use inputs::Inputs;
 use std::ffi::OsString;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Runs one command line, the program's name first, and gives its exit code: 0 done, 1 the machine failed, 2 bad usage or
+/// Runs one command line, the program's name first, and returns its exit code: 0 done, 1 the machine failed, 2 bad usage or
 /// input, 130 stopped because `cancel` became true.
 ///
-/// A file that the command replaces is replaced as a whole or not at all. With `--threads N` the command runs in a pool of its
-/// own; without, in the caller's.
+/// Files that the command replaces are replaced as a whole or not at all. With `--threads N` the command runs in a thread pool of
+/// its own; without, in that of the caller.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -42,34 +36,37 @@ use std::sync::atomic::AtomicBool;
 /// assert_eq!(adwave_cli::run(["adwave", "info", "sample:teapot"], &never), 2);
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &AtomicBool) -> u8 {
+    run_with_heap(arguments, cancel, |_| {})
+}
+
+/// [`run`] for a program of its own: `tune_heap` is told how the command uses the heap, before the work begins.
+pub fn run_with_heap(
+    arguments: impl IntoIterator<Item = impl Into<OsString>>,
+    cancel: &AtomicBool,
+    tune_heap: fn(HeapUse),
+) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     let parsed =
         cli::command().try_get_matches_from(&arguments).and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
-            let error = cli::with_fitting_tips(error);
-            // Help and the version come as errors that succeed; where they cannot be printed nothing else can be either.
+            let error = cli::improve_tips(error);
+            // Help and the version are errors that succeed; if they cannot be printed nothing else can be either.
             let _ = error.print();
             return u8::try_from(error.exit_code()).unwrap_or(1);
         }
     };
     let inputs = Inputs::new(cli.global.provenance);
-    let global = Global::new(&cli.global, &arguments, &inputs, cancel);
-    let outcome = match cli.global.threads {
-        None => start_threads().and_then(|()| all_or_none(&cli.command, &global)),
-        Some(asked) => {
-            let threads = started(asked.get(), &global);
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .map_err(|e| CliError::Environment(format!("cannot start {threads} threads: {e}")))
-                .and_then(|pool| pool.install(|| all_or_none(&cli.command, &global)))
-        }
-    };
-    // Who stops a run may take its temporary files away at once; the write that fails then is part of the stop.
+    let files = transaction(&cli.command);
+    let context = RunContext { arguments: &arguments, inputs: &inputs, files: &files, cancel, tune_heap };
+    let global = Global::new(&cli.global, context);
+    global.tune_heap(heap_use(&cli.command));
+    let outcome = run_in_threads(&cli, &global);
+    let outcome = outcome.and_then(|()| Ok(files.commit()?));
+    // Ctrl-C may remove the temporary files at once; a write that fails because of that is part of the stop.
     let outcome = match outcome {
-        Err(CliError::Environment(_)) if global.progress().is_cancelled() => Err(CliError::Cancelled),
+        Err(CliError::Environment(_)) if cancel.load(Ordering::Relaxed) => Err(CliError::Cancelled),
         outcome => outcome,
     };
     match outcome {
@@ -82,9 +79,23 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     }
 }
 
-/// Starts the threads that all work shares, unless this runs in threads of somebody else or they have been started. What
-/// first needed them would panic where the system refuses them.
-fn start_threads() -> Result<(), CliError> {
+/// Runs a command in a thread pool of its own if `--threads` is given, else in that of the caller.
+fn run_in_threads(cli: &Cli, global: &Global<'_>) -> Result<(), CliError> {
+    let Some(asked) = cli.global.threads else {
+        start_global_pool()?;
+        return finish(dispatch(&cli.command, global), &cli.command, global);
+    };
+    let n_threads = limit_threads(asked.get(), global);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads)
+        .build()
+        .map_err(|e| CliError::Environment(format!("cannot start {n_threads} threads: {e}")))
+        .and_then(|pool| pool.install(|| finish(dispatch(&cli.command, global), &cli.command, global)))
+}
+
+/// Starts the threads that all work shares, unless this runs in threads of the caller or they have been started. Their first use
+/// would panic if the system refuses them.
+fn start_global_pool() -> Result<(), CliError> {
     if rayon::current_thread_index().is_some() {
         return Ok(());
     }
@@ -96,34 +107,44 @@ fn start_threads() -> Result<(), CliError> {
     }
 }
 
-/// Threads that a core gets at the most: more only wait for each other.
-const THREADS_A_CORE: usize = 4;
+/// Most threads per core: more only wait for each other.
+const THREADS_PER_CORE: usize = 4;
 
-/// How many threads are started where so many are asked for.
-fn started(asked: usize, global: &Global<'_>) -> usize {
-    let most = THREADS_A_CORE * std::thread::available_parallelism().map_or(1, Into::into);
+/// The number of threads to start if `asked` are asked for.
+fn limit_threads(asked: usize, global: &Global<'_>) -> usize {
+    let most = THREADS_PER_CORE * std::thread::available_parallelism().map_or(1, Into::into);
     if asked > most {
         output::note(
             global,
-            &format!("{asked} threads are more than {THREADS_A_CORE} a core; {most} are started"),
+            &format!("starting {most} threads, {THREADS_PER_CORE} per core, instead of {asked}"),
         );
     }
     asked.min(most)
 }
 
-/// The command; the files of its result take their places together. Those of `reproduce` stand each for itself after minutes
-/// of work, `studio` writes as long as it runs, and tiles are what a later run goes on from.
-fn all_or_none(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
-    if matches!(command, Command::Studio(_) | Command::Reproduce(_) | Command::Tiles(_) | Command::Tile(_)) {
-        return dispatch(command, global);
-    }
-    adwave_io::write_together(|| match dispatch(command, global) {
-        // Whoever reads the standard output has seen enough of it; the files are wanted.
+/// Whether the files of a result take their places together. Those of `reproduce` stand on their own after minutes of work, `studio`
+/// writes as long as it runs, and a later run continues from the tiles of an earlier one.
+fn is_one_result(command: &Command) -> bool {
+    !matches!(command, Command::Studio(_) | Command::Reproduce(_) | Command::Tiles(_) | Command::Tile(_))
+}
+
+fn transaction(command: &Command) -> Transaction {
+    if is_one_result(command) { Transaction::new() } else { Transaction::immediate() }
+}
+
+/// The outcome for the files: a closed standard output does not undo them, and a stop while the last one is written does.
+fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>) -> Result<(), CliError> {
+    match outcome {
+        outcome if !is_one_result(command) => outcome,
         Err(CliError::ClosedPipe) => Ok(()),
-        // Whoever stops it while the last file is written wants none of them.
         Ok(()) if global.progress().is_cancelled() => Err(CliError::Cancelled),
         outcome => outcome,
-    })
+    }
+}
+
+/// The use that a command makes of the heap; some commands say more when they know their input.
+fn heap_use(command: &Command) -> HeapUse {
+    if matches!(command, Command::Denoise(_)) { HeapUse::ReuseVectors } else { HeapUse::ReturnVectors }
 }
 
 fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
@@ -151,7 +172,7 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Sample(args) => commands::sample::run(args, global),
         Command::Demo(args) => commands::demo::run(args, global),
         Command::Reproduce(args) => commands::reproduce::run(args, global),
-        Command::Completions(args) => commands::shell::completions(args),
-        Command::Man(args) => commands::shell::man(args),
+        Command::Completions(args) => commands::shell::completions(args, cli::command()),
+        Command::Man(args) => commands::shell::man(args, cli::command()),
     }
 }

@@ -1,5 +1,6 @@
-//! The program `adwave`: the command line, and the answer to Ctrl-C.
+//! The program `adwave`: the command line, the answer to Ctrl-C, and the settings of the allocator.
 
+use adwave_cli::HeapUse;
 use std::process::{ExitCode, exit};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -7,65 +8,70 @@ use std::time::Duration;
 /// Becomes true when the user wants to stop.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// How long a computation may take to notice that it is to stop.
+/// Time in which a computation has to notice that it is to stop.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 fn main() -> ExitCode {
-    how_large_vectors_are_kept();
-    say_that_memory_ran_out();
-    // Without a handler the default one ends the program at once, which is no harm: files are replaced atomically.
+    report_exhausted_memory();
+    // Without a handler the default one ends the program at once, which is safe: files are replaced atomically.
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::SeqCst) {
             end();
         }
-        // Beside the handler, which waits for a second Ctrl-C.
+        // In a thread of its own: the handler waits for a second Ctrl-C.
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
             end();
         });
     });
-    ExitCode::from(adwave_cli::run(std::env::args_os(), &STOP))
+    ExitCode::from(adwave_cli::run_with_heap(std::env::args_os(), &STOP, tune_heap))
 }
 
-/// Makes the C library give vectors of a mebibyte and more back to the system as soon as they are freed. By itself it keeps
-/// those of up to 32 MiB for later, which nothing here asks for: an eighth of the peak of a mesh of a million vertices.
-///
-/// But `denoise` makes and drops many vectors of one size: there it keeps them all, which takes a fifth off the time for a tenth more
-/// memory.
+/// Sets the thresholds of the C library's allocator. By default it keeps freed vectors of up to 32 MiB, which most commands never
+/// ask for again: an eighth of the peak of a mesh of a million vertices. Where vectors of one size come again and again, keeping them
+/// saves the time in which the system clears their pages: a fifth of that of `denoise`, for a tenth more memory.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[allow(unsafe_code)]
-fn how_large_vectors_are_kept() {
-    const RETURNED: libc::c_int = 1 << 20;
-    const KEPT: libc::c_int = 1 << 30;
-    let keeps = std::env::args_os().skip(1).any(|word| word == "denoise");
-    // SAFETY: it sets numbers of the allocator, before there is a second thread; where it is refused nothing changes.
-    unsafe {
-        if keeps {
-            libc::mallopt(libc::M_MMAP_THRESHOLD, KEPT);
-            libc::mallopt(libc::M_TRIM_THRESHOLD, libc::c_int::MAX);
-            libc::mallopt(libc::M_TOP_PAD, 1 << 26);
-        } else {
-            libc::mallopt(libc::M_MMAP_THRESHOLD, RETURNED);
+fn tune_heap(heap_use: HeapUse) {
+    /// The greatest threshold that glibc takes.
+    const LARGEST_THRESHOLD: libc::c_int = 32 << 20;
+    let settings: Vec<(libc::c_int, libc::c_int)> = match heap_use {
+        HeapUse::ReturnVectors => vec![(libc::M_MMAP_THRESHOLD, 1 << 20)],
+        HeapUse::ReuseVectors => vec![
+            (libc::M_MMAP_THRESHOLD, 1 << 30),
+            (libc::M_TRIM_THRESHOLD, libc::c_int::MAX),
+            (libc::M_TOP_PAD, 1 << 26),
+        ],
+        HeapUse::ReuseAll => vec![(libc::M_MMAP_MAX, 0), (libc::M_TRIM_THRESHOLD, libc::c_int::MAX)],
+        HeapUse::ReuseUpTo(bytes) => {
+            let most = libc::c_int::try_from(bytes).unwrap_or(libc::c_int::MAX);
+            vec![(libc::M_MMAP_THRESHOLD, LARGEST_THRESHOLD), (libc::M_TRIM_THRESHOLD, most)]
+        }
+    };
+    for (parameter, value) in settings {
+        // SAFETY: mallopt sets a number of the allocator, under its lock; if it is refused nothing changes.
+        unsafe {
+            libc::mallopt(parameter, value);
         }
     }
 }
 
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-fn how_large_vectors_are_kept() {}
+fn tune_heap(_: HeapUse) {}
 
-/// Where the system refuses memory, the standard library says how many bytes it was asked for and aborts. That becomes a line
-/// more and the exit code of trouble with the machine, in place of a dump of the process.
+/// Prints a line and exits with the code of a failed machine if the system refuses memory. Without this the standard library
+/// reports the number of bytes and aborts with a dump of the process.
 #[cfg(unix)]
 #[allow(unsafe_code)]
-fn say_that_memory_ran_out() {
+fn report_exhausted_memory() {
     extern "C" fn end_without_memory(_: libc::c_int) {
-        const SAID: &[u8] =
-            b"adwave: the system has no more memory for this; no file is half written. Ask for less \
-              (fewer levels, a simplified or thinned shape), or end other programs\n";
+        const MESSAGE: &[u8] =
+            b"adwave: the system has no more memory; no file was left half-written. Ask for less \
+              (fewer levels, a simplified or thinned shape), or close other programs\n";
         adwave_io::remove_temporaries();
         // SAFETY: the bytes are a constant; both calls are among those that a handler may make.
         unsafe {
-            libc::write(libc::STDERR_FILENO, SAID.as_ptr().cast(), SAID.len());
+            libc::write(libc::STDERR_FILENO, MESSAGE.as_ptr().cast(), MESSAGE.len());
             libc::_exit(1);
         }
     }
@@ -77,11 +83,11 @@ fn say_that_memory_ran_out() {
 }
 
 #[cfg(not(unix))]
-fn say_that_memory_ran_out() {}
+fn report_exhausted_memory() {}
 
-/// Removes what is half written and ends; every old file stays as it was.
+/// Removes files that are half-written and ends; every old file stays as it was.
 fn end() -> ! {
     adwave_io::remove_temporaries();
-    eprintln!("adwave: stopped; no file is half written");
+    eprintln!("adwave: stopped; no file was left half-written");
     exit(130)
 }

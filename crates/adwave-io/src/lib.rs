@@ -58,11 +58,12 @@ mod signal;
 mod text;
 #[cfg(feature = "texture")]
 mod texture;
+mod transaction;
 
 #[cfg(feature = "las")]
 pub use cloud_part::{read_cloud_part, read_cloud_part_with};
 pub use error::{ReadError, WriteError};
-pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries, write_together};
+pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use format::Format;
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use formats::csv::write::write_csv_fields;
@@ -80,7 +81,7 @@ pub use formats::las::stream::{LasLayout, LasReader, LasWriter};
 pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
-pub use limits::ReadLimits;
+pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use model::field::{Field, FieldValues, ValueType};
 pub use model::report::WriteReport;
@@ -90,7 +91,7 @@ pub use model::sparse_rows::{MatrixValues, SparseRows};
 pub use model::subset::Subset;
 pub use model::texture::TextureError;
 pub use provenance::{Provenance, ProvenanceInput};
-pub use recipe::{Levels, Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
+pub use recipe::{Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values};
@@ -102,3 +103,4 @@ pub use signal::{
 pub use text::csv::{csv_number, push_csv_row};
 #[cfg(feature = "texture")]
 pub use texture::texture_colors;
+pub use transaction::Transaction;

@@ -29,7 +29,7 @@ impl Default for ReadLimits {
 }
 
 /// Memory in bytes that a program may take without displacing others, if the system reports it.
-fn free_memory() -> Option<u64> {
+pub fn free_memory() -> Option<u64> {
     let info = std::fs::read_to_string("/proc/meminfo").ok()?;
     let free = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     free.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)

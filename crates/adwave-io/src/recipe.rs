@@ -19,6 +19,7 @@
 //! ```
 
 use crate::{ReadError, WriteError, atomic_write};
+use adwave::LevelSpec;
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
 use adwave::operator::OperatorKind;
@@ -27,20 +28,6 @@ use adwave::region::Length;
 use serde::{Deserialize, Serialize, Serializer};
 use std::io::Read;
 use std::path::Path;
-
-/// Levels of a recipe.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Levels {
-    /// Default levels for the shape.
-    #[default]
-    Default,
-    /// Number of dyadic levels.
-    Dyadic(usize),
-    /// Levels with these numbers of steps.
-    Steps(Vec<f64>),
-    /// Levels with these widths σ, in model units or in percent of the diagonal.
-    Lengths(Vec<Length>),
-}
 
 /// Edit: layers, the levels of their gains, and the signal they change.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +43,7 @@ pub struct Recipe {
     /// Constraints on new positions.
     pub positions: PositionParams,
     /// Levels of the gains.
-    pub levels: Levels,
+    pub levels: LevelSpec,
     /// Changes and their regions.
     pub layers: Vec<Layer>,
 }
@@ -70,7 +57,7 @@ impl Default for Recipe {
             density_invariant: false,
             keep_creases: false,
             positions: PositionParams::default(),
-            levels: Levels::Default,
+            levels: LevelSpec::Default,
             layers: Vec::new(),
         }
     }
@@ -96,6 +83,8 @@ struct RecipeTable {
     volume: Volume,
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    voices: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "whole_as_whole")]
     steps: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -133,9 +122,10 @@ fn coords() -> String {
 /// Parses a recipe.
 ///
 /// ```
-/// use adwave_io::{Levels, parse_recipe};
+/// use adwave::LevelSpec;
+/// use adwave_io::parse_recipe;
 /// let recipe = parse_recipe("levels = 4\n[[layer]]\npreset = 'enhance'\nregion = 'ball:vertex=3,radius=5%'")?;
-/// assert_eq!(recipe.levels, Levels::Dyadic(4));
+/// assert_eq!(recipe.levels, LevelSpec::Dyadic(4));
 /// assert_eq!(recipe.layers.len(), 1);
 /// # Ok::<(), adwave_io::ReadError>(())
 /// ```
@@ -147,11 +137,12 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count() as u64);
         ReadError::Line { line, message: crate::text::one_line(&e.message()) }
     })?;
-    let levels = match (table.levels, table.steps, table.lengths) {
-        (None, None, None) => Levels::Default,
-        (Some(levels), None, None) => Levels::Dyadic(levels),
-        (None, Some(steps), None) => Levels::Steps(steps),
-        (None, None, Some(lengths)) => Levels::Lengths(lengths),
+    let levels = match (table.levels, table.voices, table.steps, table.lengths) {
+        (None, None, None, None) => LevelSpec::Default,
+        (Some(levels), None, None, None) => LevelSpec::Dyadic(levels),
+        (levels, Some(voices), None, None) => LevelSpec::Voices { levels, voices },
+        (None, None, Some(steps), None) => LevelSpec::Steps(steps),
+        (None, None, None, Some(lengths)) => LevelSpec::Widths(lengths),
         _ => {
             let message = "levels, steps and lengths exclude each other; give only one of them".to_owned();
             return Err(ReadError::Line { line: 1, message });
@@ -199,15 +190,20 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         border: recipe.positions.borders,
         volume: recipe.positions.volume,
         levels: None,
+        voices: None,
         steps: None,
         lengths: None,
         layers: recipe.layers.clone(),
     };
     match &recipe.levels {
-        Levels::Default => {}
-        Levels::Dyadic(levels) => table.levels = Some(*levels),
-        Levels::Steps(steps) => table.steps = Some(steps.clone()),
-        Levels::Lengths(lengths) => table.lengths = Some(lengths.clone()),
+        LevelSpec::Default => {}
+        LevelSpec::Dyadic(levels) => table.levels = Some(*levels),
+        LevelSpec::Voices { levels, voices } => {
+            table.levels = *levels;
+            table.voices = Some(*voices);
+        }
+        LevelSpec::Steps(steps) => table.steps = Some(steps.clone()),
+        LevelSpec::Widths(lengths) => table.lengths = Some(lengths.clone()),
     }
     toml::to_string(&table).expect("numbers, texts and tables are TOML")
 }
@@ -259,7 +255,7 @@ mod tests {
                 borders: Borders::Keep,
                 volume: Volume::Keep,
             },
-            levels: Levels::Steps(vec![1.0, 2.5, 9.0]),
+            levels: LevelSpec::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },
                 Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} },

@@ -1,9 +1,9 @@
-//! Tests that a file is replaced completely or not at all.
+//! A file is replaced as a whole or not at all.
 
 use std::fs;
 use std::io::Write;
 
-use adwave_io::{Format, ShapeFile, WriteError, atomic_write, write_path, write_together};
+use adwave_io::{Format, ShapeFile, Transaction, WriteError, atomic_write, write_path};
 
 fn names(folder: &std::path::Path) -> Vec<String> {
     let mut all: Vec<_> =
@@ -49,29 +49,34 @@ fn several_files_are_written_all_or_none() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::write(at("a"), "old").unwrap();
-    let whole = |name: &str| atomic_write(&at(name), |out| Ok(out.write_all(b"new")?));
-    let failed: Result<(), WriteError> = write_together(|| {
-        whole("a")?;
-        whole("b")?;
-        atomic_write(&at("c"), failing)
-    });
-    failed.unwrap_err();
+    let whole = |files: &Transaction, name: &str| {
+        files.write(&at(name), |path| atomic_write(path, |out| Ok(out.write_all(b"new")?)))
+    };
+    let failed = |files: &Transaction| -> Result<(), WriteError> {
+        whole(files, "a")?;
+        whole(files, "b")?;
+        files.write(&at("c"), |path| atomic_write(path, failing))
+    };
+    let files = Transaction::new();
+    let error = failed(&files).unwrap_err().to_string();
+    drop(files);
+    assert!(error.contains(&*at("c").to_string_lossy()) && !error.contains(".tmp"), "{error}");
     assert_eq!(
         (fs::read(at("a")).unwrap().as_slice(), names(folder.path())),
         (&b"old"[..], vec!["a".into()])
     );
     let panicked = std::panic::catch_unwind(|| {
-        write_together(|| -> Result<(), WriteError> {
-            whole("a")?;
-            std::panic::resume_unwind(Box::new("stopped"))
-        })
+        let files = Transaction::new();
+        whole(&files, "a").unwrap();
+        std::panic::resume_unwind(Box::new("stopped"));
     });
     assert!(panicked.is_err());
     assert_eq!(names(folder.path()), ["a"]);
-    write_together(|| whole("a").and_then(|()| whole("b"))).unwrap();
+    let files = Transaction::new();
+    whole(&files, "a").and_then(|()| whole(&files, "b")).unwrap();
+    files.commit().unwrap();
     assert_eq!((fs::read(at("a")).unwrap().as_slice(), names(folder.path()).len()), (&b"new"[..], 2));
-    // Afterwards each file is replaced on its own again.
-    whole("c").unwrap();
+    whole(&Transaction::immediate(), "c").unwrap();
     assert_eq!(names(folder.path()), ["a", "b", "c"]);
 }
 
@@ -80,7 +85,7 @@ fn a_missing_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let shape = ShapeFile::from_cloud(vec![[0.0; 3]]);
     let error = write_path(&shape, &folder.path().join("no/a.ply"), None).unwrap_err().to_string();
-    assert!(error.contains("does not exist; create it first"), "{error}");
+    assert!(error.contains("does not exist; make it first"), "{error}");
     let error = write_path(&shape, &folder.path().join("a.blend"), None).unwrap_err().to_string();
     assert!(error.contains("use one of the endings .obj"), "{error}");
 }
@@ -90,10 +95,10 @@ fn gz_compresses_and_the_text_form_stays_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply.gz");
     let shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0]]);
-    write_path(&shape, &path, Some(Format::PLY_ASCII)).unwrap();
+    write_path(&shape, &path, Some(Format::PlyAscii)).unwrap();
     assert!(fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]));
     let again = adwave_io::read_path(&path, &adwave_io::ReadLimits::default()).unwrap();
-    assert_eq!((again.format(), again.points()), (Some(Format::PLY_ASCII), shape.points()));
+    assert_eq!((again.format(), again.points()), (Some(Format::PlyAscii), shape.points()));
     let plain = folder.path().join("b.ply");
     write_path(&again, &plain, None).unwrap();
     assert!(fs::read(&plain).unwrap().starts_with(b"ply\nformat ascii"));
@@ -109,7 +114,7 @@ fn permissions_links_and_devices_are_respected() {
         |path: &std::path::Path, text: &str| atomic_write(path, |w| Ok(w.write_all(text.as_bytes())?));
     let mode = |path: &std::path::Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
     write(&path, "one").unwrap();
-    // Permissions of any new file here.
+    // What any new file gets here.
     fs::File::create(folder.path().join("plain")).unwrap();
     assert_eq!(mode(&path), mode(&folder.path().join("plain")));
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();

@@ -39,4 +39,5 @@ pub use params::{Background, ColorBar, Framing, MAX_PIXELS, MAX_SIDE, Projection
 pub use picture::Picture;
 pub use render::render;
 pub use surface::{Ball, FieldPaint, Paint, Surface};
+pub use up::UpReason;
 pub use view::{Up, UpError, View, ViewError};

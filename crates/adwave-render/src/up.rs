@@ -1,6 +1,9 @@
 //! Guess of the axis that points up.
 
 use crate::view::Up;
+use adwave::Progress;
+use adwave::shape::{PreparedGeometry, Shape, WeldMode, health, one_ring};
+use adwave::vector::Axis;
 
 /// Height relative to width and depth below which a shape may be terrain.
 const LOW: f64 = 0.25;
@@ -39,6 +42,63 @@ impl Up {
             Self::Z => "z",
         }
     }
+}
+
+/// The reason for an axis to point up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UpReason {
+    /// It was asked for.
+    Asked,
+    /// It points up in all files of the format.
+    Format,
+    /// The shape is as low and open as land (see [`Up::guess`]).
+    Land,
+    /// It points up in most models.
+    Common,
+}
+
+impl Up {
+    /// The axis asked for; else that of the file's format; else the guess of [`Up::guess`]. With its reason. O(n).
+    ///
+    /// ```
+    /// use adwave::{shape::{PointCloud, Shape}, vector::Axis};
+    /// use adwave_render::{Up, UpReason};
+    /// let point = Shape::Cloud(PointCloud::new(vec![[0.0; 3]]).unwrap());
+    /// assert_eq!(Up::choose(None, Some(Axis::Z), &point), (Up::Z, UpReason::Format));
+    /// assert_eq!(Up::choose(None, None, &point), (Up::Y, UpReason::Common));
+    /// ```
+    pub fn choose(asked: Option<Self>, by_format: Option<Axis>, shape: &Shape) -> (Self, UpReason) {
+        match (asked, by_format) {
+            (Some(up), _) => (up, UpReason::Asked),
+            (None, Some(axis)) => (axis.into(), UpReason::Format),
+            (None, None) => {
+                let up = Self::guess(shape.points().unwrap_or_default(), || is_open(shape));
+                (up, if up == Self::Z { UpReason::Land } else { UpReason::Common })
+            }
+        }
+    }
+}
+
+impl From<Axis> for Up {
+    fn from(axis: Axis) -> Self {
+        match axis {
+            Axis::X => Self::X,
+            Axis::Y => Self::Y,
+            Axis::Z => Self::Z,
+        }
+    }
+}
+
+/// Whether a shape has a border or no faces at all.
+fn is_open(shape: &Shape) -> bool {
+    if !matches!(shape, Shape::Mesh(_)) {
+        return true;
+    }
+    let Ok(geometry) = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()) else {
+        return false;
+    };
+    let ring = one_ring(geometry.n_vertices(), geometry.triangles());
+    health(&geometry, &ring, Progress::none()).is_ok_and(|health| !health.is_closed())
 }
 
 #[cfg(test)]

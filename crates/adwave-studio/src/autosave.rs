@@ -3,7 +3,8 @@
 use crate::document::Document;
 use crate::response::ApiError;
 use crate::session::StudioInput;
-use adwave_io::{Levels, Recipe, atomic_write, parse_recipe, recipe_to_text};
+use adwave::LevelSpec;
+use adwave_io::{Recipe, atomic_write, parse_recipe, recipe_to_text};
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -34,13 +35,13 @@ impl Autosave {
     }
 
     /// Reads the edit of the last session; `None` if there is none or it cannot be read.
-    pub(crate) fn read(&self) -> Option<(Levels, Document)> {
+    pub(crate) fn read(&self) -> Option<(LevelSpec, Document)> {
         let content: AutosaveContent = serde_json::from_slice(&std::fs::read(&self.path).ok()?).ok()?;
         Some((parse_recipe(&content.levels).ok()?.levels, content.edit))
     }
 
     /// Writes an edit atomically: the previous content stays until the new one is complete.
-    pub(crate) fn write(&self, levels: &Levels, edit: &Document) -> Result<(), ApiError> {
+    pub(crate) fn write(&self, levels: &LevelSpec, edit: &Document) -> Result<(), ApiError> {
         let recipe = Recipe { levels: levels.clone(), ..Recipe::default() };
         let content = AutosaveContent { levels: recipe_to_text(&recipe), edit: edit.clone() };
         let to_error = |e: &dyn std::fmt::Display| {

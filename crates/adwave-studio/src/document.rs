@@ -1,11 +1,12 @@
 //! The edit of a shape, in the form of the page and as a recipe.
 
 use crate::response::ApiError;
+use adwave::LevelSpec;
 use adwave::filter::{Gains, Layer};
 use adwave::operator::OperatorKind;
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
-use adwave_io::{Levels, Recipe};
+use adwave_io::Recipe;
 use serde::{Deserialize, Serialize};
 
 /// Largest number of layers of an edit.
@@ -101,7 +102,7 @@ impl Document {
     }
 
     /// Converts to a recipe, which the command and the Python package replay bit-identically.
-    pub(crate) fn to_recipe(&self, levels: &Levels, operator: OperatorKind) -> Recipe {
+    pub(crate) fn to_recipe(&self, levels: &LevelSpec, operator: OperatorKind) -> Recipe {
         Recipe {
             levels: levels.clone(),
             operator: Some(operator),

@@ -3,7 +3,8 @@
 use crate::StudioError;
 use crate::document::Document;
 use crate::response::{ApiError, encode_rows};
-use adwave::bands::Schedule;
+use adwave::LevelSpec;
+use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::constrain_positions;
@@ -11,7 +12,7 @@ use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape, enclosed_volume};
 use adwave::signal::{OutwardNormals, outward_normals};
 use adwave::{Decomposer, Editor, Progress};
-use adwave_io::{Levels, ShapeFile, file_normals, region_field};
+use adwave_io::{ShapeFile, file_normals, region_field};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -31,19 +32,19 @@ pub(crate) struct LevelsRequest {
 
 impl LevelsRequest {
     /// Converts to the levels of a recipe.
-    fn to_levels(&self, walk_decomposer: &Decomposer) -> Result<Levels, ApiError> {
+    fn to_levels(&self, walk_decomposer: &Decomposer) -> Result<LevelSpec, ApiError> {
         Ok(match self {
-            Self { lengths: Some(lengths), levels: None, voices: None } => Levels::Lengths(lengths.clone()),
+            Self { lengths: Some(lengths), levels: None, voices: None } => LevelSpec::Widths(lengths.clone()),
             Self { lengths: Some(_), .. } => {
                 return Err(ApiError::bad_request("either levels or lengths can be given, got both"));
             }
             Self { voices: Some(voices), levels, .. } => {
                 let n = levels.unwrap_or(DEFAULT_LEVELS);
                 let schedule = Schedule::voices(n, *voices).map_err(|e| ApiError::from_classified(&e))?;
-                Levels::Steps(schedule.steps().to_vec())
+                LevelSpec::Steps(schedule.steps().to_vec())
             }
-            Self { levels: Some(levels), .. } => Levels::Dyadic(*levels),
-            Self { .. } => Levels::Dyadic(default_levels(walk_decomposer)),
+            Self { levels: Some(levels), .. } => LevelSpec::Dyadic(*levels),
+            Self { .. } => LevelSpec::Dyadic(default_levels(walk_decomposer)),
         })
     }
 }
@@ -77,7 +78,7 @@ pub(crate) struct LevelInfo {
 /// A shape with its bands, the current edit and the edited positions.
 pub(crate) struct PreparedShape {
     pub(crate) decomposer: Decomposer,
-    pub(crate) levels: Levels,
+    pub(crate) levels: LevelSpec,
     pub(crate) schedule: Schedule,
     pub(crate) editor: Editor,
     pub(crate) document: Document,
@@ -87,11 +88,6 @@ pub(crate) struct PreparedShape {
     outward_normals: OnceLock<OutwardNormals>,
     /// Regions of the active layers with their weights.
     regions: Vec<(Region, RegionWeights)>,
-}
-
-/// Default operator of a kind of levels: heat for widths, the walk otherwise, as in the command.
-fn default_operator(levels: &Levels) -> OperatorKind {
-    if matches!(levels, Levels::Lengths(_)) { OperatorKind::Surface } else { OperatorKind::Walk }
 }
 
 /// Builds the diffusion of a shape.
@@ -109,16 +105,18 @@ impl PreparedShape {
     pub(crate) fn new(
         shape: &Shape,
         walk_decomposer: &Decomposer,
-        levels: Levels,
+        levels: LevelSpec,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        let kind = default_operator(&levels);
+        let kind = levels.operator_task().default_kind();
         let decomposer = if kind == OperatorKind::Walk {
             walk_decomposer.clone()
         } else {
             build_decomposer(shape, kind, progress)?
         };
-        let schedule = build_schedule(&levels, &decomposer)?;
+        let resolved =
+            levels.resolve(&decomposer, DEFAULT_EXTENT).map_err(|e| StudioError::from_classified(&e))?;
+        let schedule = resolved.schedule;
         let points = shape.points().unwrap_or_default();
         let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
         let editor = request.editor().map_err(|e| StudioError::from_classified(&e))?;
@@ -141,7 +139,7 @@ impl PreparedShape {
         walk_decomposer: &Decomposer,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        Self::new(shape, walk_decomposer, Levels::Dyadic(default_levels(walk_decomposer)), progress)
+        Self::new(shape, walk_decomposer, LevelSpec::Dyadic(default_levels(walk_decomposer)), progress)
     }
 
     /// Computes the bands of the levels that the page requests.
@@ -297,19 +295,4 @@ impl PreparedShape {
         });
         (scale as f32, bytes)
     }
-}
-
-/// Builds the schedule of `levels` on a shape.
-fn build_schedule(levels: &Levels, decomposer: &Decomposer) -> Result<Schedule, StudioError> {
-    let step = decomposer.diffusion().step_length();
-    let schedule = match levels {
-        Levels::Default => Schedule::dyadic(decomposer.default_levels().0),
-        Levels::Dyadic(n) => Schedule::dyadic(*n),
-        Levels::Steps(steps) => Schedule::real(steps.clone()),
-        Levels::Lengths(lengths) => {
-            let diagonal = decomposer.diagonal();
-            Schedule::lengths(&lengths.iter().map(|l| l.to_model_units(diagonal)).collect::<Vec<_>>(), step)
-        }
-    };
-    schedule.map_err(|e| StudioError::from_classified(&e))
 }

@@ -155,7 +155,7 @@ impl Session {
         let kind = if self.triangles.is_empty() { "cloud" } else { "mesh" };
         let presets: Vec<Value> = adwave::filter::Preset::ALL
             .iter()
-            .map(|(name, preset)| json!({"name": name, "gains": preset.gains(n_levels)}))
+            .map(|preset| json!({"name": preset.name(), "gains": preset.gains(n_levels)}))
             .collect();
         Ok(json!({
             "id": self.id,

@@ -3,7 +3,8 @@
 use adwave::bands::{FixedSeries, Schedule};
 use adwave::denoise::{DenoiseChoice, DenoiseParams};
 use adwave::features::{FeatureError, FeatureParams};
-use adwave::saliency::SaliencyError;
+use adwave::named_values;
+use adwave::saliency::{SaliencyError, SaliencyParams};
 use serde::{Deserialize, Serialize};
 
 use crate::error::TilesError;
@@ -30,6 +31,24 @@ pub enum MapKind {
     Normalized,
     /// 1.
     Uniform,
+}
+
+named_values!(MapKind, "weighting", {
+    Entropy => "entropy", "1/mean, times how unevenly the level is spread";
+    PerLevel => "paper", "(max − mean)² (eq. 17)";
+    Normalized => "normalized", "1/mean, so that every level counts alike";
+    Uniform => "none", "1 for every level";
+});
+
+impl MapWeights {
+    /// The weights with the levels that a map of one shape skips: none by entropy, else as many as in the paper.
+    pub fn new(kind: MapKind) -> Self {
+        let skip = match kind {
+            MapKind::Entropy => SaliencyParams::default().skip,
+            MapKind::PerLevel | MapKind::Normalized | MapKind::Uniform => SaliencyParams::paper().skip,
+        };
+        Self { skip, kind }
+    }
 }
 
 /// Parameters of a tiling job.

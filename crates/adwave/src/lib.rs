@@ -62,6 +62,7 @@ pub mod filter;
 pub mod laplacian;
 pub mod mask;
 pub mod measure;
+mod named;
 pub mod operator;
 pub mod pages;
 mod parallel;
@@ -77,7 +78,8 @@ pub mod signal;
 pub mod sparse;
 pub mod vector;
 
-pub use decomposer::{BandsRequest, Decomposer, VertexFunctions};
+pub use decomposer::{BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions};
 pub use editor::{ChangedVertices, Editor};
 pub use error::{ClassifiedError, ErrorKind};
+pub use named::{NamedEntry, NamedValue, UnknownName};
 pub use progress::{Cancelled, Progress, ProgressCounter};

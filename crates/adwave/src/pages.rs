@@ -25,36 +25,6 @@ pub fn release_freed() {
     }
 }
 
-/// Makes the process keep freed memory for later allocations until [`release_freed`], instead of returning large
-/// vectors to the system at once. It is for programs that repeatedly allocate gigabytes, because the system clears
-/// every page that it hands out again. Takes a few percent more memory; does nothing except on Linux with glibc.
-pub fn keep_freed() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: the call sets two numbers of the allocator, under its lock.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_MAX, 0);
-        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
-    }
-}
-
-/// Makes the process keep freed vectors below 32 MiB for later allocations, and return the free end of a heap only
-/// above `most` bytes. It is for programs that answer many requests of one size, for which the same pages would
-/// otherwise be cleared each time. Does nothing except on Linux with glibc.
-///
-/// ```
-/// adwave::pages::keep_some_freed(64 << 20);
-/// ```
-pub fn keep_some_freed(most: usize) {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: the call sets two numbers of the allocator, under its lock.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20); // the greatest that glibc takes
-        libc::mallopt(libc::M_TRIM_THRESHOLD, i32::try_from(most).unwrap_or(i32::MAX));
-    }
-    #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-    let _ = most;
-}
-
 /// Size in bytes below which large pages have no advantage.
 #[cfg(target_os = "linux")]
 const LARGE: usize = 4 << 20;

@@ -1,5 +1,6 @@
 //! Constraints on smoothed positions: no sliding along the surface, no shrinking of borders, no loss of volume.
 
+use crate::named_values;
 use crate::parallel;
 use crate::shape::{enclosed_volume, triangles_at_vertices, try_vertex_normals};
 use crate::signal::aligned_normals;
@@ -22,6 +23,12 @@ pub enum Borders {
     Free,
 }
 
+named_values!(Borders, "border", {
+    Natural => "natural", "Flat parts stay flat, and the outline is drawn neither in nor out";
+    Keep => "keep", "As natural, and the outline stays where it is";
+    Free => "free", "Borders follow the bands, as in the paper: smoothing draws them in";
+});
+
 /// Directions in which vertices may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -40,6 +47,15 @@ pub enum MoveDirection {
     Z,
 }
 
+named_values!(MoveDirection, "direction", {
+    Normal => "normal", "Along the normals: samples stay where they are on the surface";
+    Surface => "surface", "Within the surface: samples are evened out, the shape stays";
+    X => "x", "Along x";
+    Y => "y", "Along y";
+    Z => "z", "Along z, as for the heights of a terrain";
+    Free => "free", "In all directions, as in the paper: points of a cloud slide together where they are dense";
+});
+
 /// Treatment of the volume of a closed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -50,6 +66,11 @@ pub enum Volume {
     /// The original volume: all moved vertices are shifted by one common distance along their normals.
     Keep,
 }
+
+named_values!(Volume, "volume", {
+    Free => "free", "As the filter leaves it";
+    Keep => "keep", "Restored by one offset along the normals";
+});
 
 /// Constraints on new positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

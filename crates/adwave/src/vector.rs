@@ -1,5 +1,31 @@
 //! Vectors of three coordinates.
 
+use crate::named_values;
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The first coordinate.
+    X,
+    /// The second coordinate.
+    Y,
+    /// The third coordinate.
+    Z,
+}
+
+named_values!(Axis, "axis", {
+    X => "x", "";
+    Y => "y", "";
+    Z => "z", "";
+});
+
+impl Axis {
+    /// Index of the coordinate, from 0.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// A point or a direction.
 pub type Vector = [f64; 3];
 

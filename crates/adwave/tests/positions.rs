@@ -49,7 +49,8 @@ fn a_flat_square_stays_where_it_is_as_a_mesh_and_as_a_cloud() {
     let mesh = decomposer(&points, &faces);
     let cloud = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone()).unwrap()));
     for shape in [&mesh, &cloud] {
-        for (name, preset) in Preset::ALL {
+        for &preset in Preset::ALL {
+            let name = preset.name();
             for kind in [Borders::Natural, Borders::Keep] {
                 let after = settled(shape, &points, preset, 6, borders(kind));
                 assert!(farthest(&points, &after) <= 1e-9, "{name}, {kind:?}");

@@ -21,7 +21,7 @@ use adwave::bands::{BandsError, BandsParams, Schedule};
 use adwave::features::FeatureError;
 use adwave::saliency::SaliencyError;
 use adwave::shape::Shape;
-use adwave::{Decomposer, Progress};
+use adwave::{Decomposer, Progress, named_values};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -49,6 +49,18 @@ pub enum Method {
     /// Denoising of a mesh's coordinates by guided normal filtering.
     Guided,
 }
+
+named_values!(Method, "method", {
+    Harmonics => "mht", "Manifold harmonics";
+    Lee => "lee", "Mesh saliency";
+    FeatureMap => "feature-map", "Critical points";
+    Sgwt => "sgwt", "Spectral graph wavelets";
+    DiffusionWavelets => "dw", "Diffusion wavelets";
+    Biorthogonal => "bdw", "Biorthogonal diffusion wavelets";
+    Taubin => "taubin", "Windowed sinc";
+    Bilateral => "bilateral", "Bilateral normal filtering";
+    Guided => "guided", "Guided normal filtering";
+});
 
 /// Reasons for which a comparison cannot be made.
 #[derive(Debug, Error)]

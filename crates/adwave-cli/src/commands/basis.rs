@@ -1,14 +1,18 @@
 //! `adwave basis`: scaling functions and wavelets, of one vertex as fields or of all as sparse matrices.
 
-use crate::args::ShapeArgs;
+use crate::args::{ShapeArgs, count as parse_count, number as parse_number};
 use crate::error::CliError;
-use crate::field_file::{holds_fields, no_fields};
 use crate::global::Global;
-use crate::output::{available_memory, check_writable, number, print, table, write_error, write_shape};
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::load;
+use crate::output::progress::{with_progress, with_spinner};
+use crate::output::values_file::{holds_fields, unsuitable_format};
+use crate::output::{
+    check_writable, clone_for_output, count, number, print, table, write_file_with, write_shape,
+};
+use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::shape::load_shape;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
+use adwave::operator::OperatorTask;
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, MatrixValues};
 use clap::Args;
 use serde_json::json;
@@ -19,9 +23,8 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 With --vertex and --level the output is the shape with the fields phi and psi (.vtp or .ply).
-With --levels it is one file for each matrix, named after OUT: OUT.phi1.npz … OUT.psiJ.npz, for
-scipy.sparse.load_npz, or .mtx. Row x is the function of vertex x. Where vertices were welded the matrices are
-over the welded ones, and OUT.classes.npy tells which is which.
+With --levels it is one file per matrix, named after OUT: OUT.phi1.npz … OUT.psiJ.npz for scipy.sparse.load_npz, or .mtx. Row x is
+the function of vertex x. If vertices were welded, rows are welded vertices, and OUT.classes.npy maps vertices to rows.
 
 Examples:
   adwave basis bunny.obj --vertex 120 --level 5 -o wavelet.vtp
@@ -29,19 +32,19 @@ Examples:
 pub(crate) struct BasisArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// The vertex, counted from 0
-    #[arg(long, value_name = "V", requires = "level", required_unless_present = "levels")]
+    /// Vertex, counted from 0
+    #[arg(long, value_name = "V", value_parser = parse_count, requires = "level", required_unless_present = "levels")]
     pub(crate) vertex: Option<usize>,
-    /// Its level, from 1
-    #[arg(long, value_name = "J", requires = "vertex")]
+    /// Level of the vertex's functions, from 1
+    #[arg(long, value_name = "J", value_parser = parse_count, requires = "vertex")]
     pub(crate) level: Option<usize>,
-    /// All vertices, on this many dyadic levels
-    #[arg(long, short = 'j', value_name = "J", conflicts_with = "vertex")]
+    /// Number of dyadic levels, for the functions of all vertices
+    #[arg(long, short = 'j', value_name = "J", value_parser = parse_count, conflicts_with = "vertex")]
     pub(crate) levels: Option<usize>,
-    /// Drop entries of the matrices below this
-    #[arg(long, value_name = "E", default_value_t = BasisParams::DROP_TOLERANCE)]
+    /// Entries of the matrices below this are dropped
+    #[arg(long, value_name = "E", value_parser = parse_number, default_value_t = BasisParams::DROP_TOLERANCE)]
     pub(crate) drop_tolerance: f64,
-    /// Where the functions go
+    /// File for the functions
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
 }
@@ -49,25 +52,34 @@ pub(crate) struct BasisArgs {
 pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_writable(&args.output)?;
     match (args.vertex, args.level, args.levels) {
-        (Some(vertex), Some(level), _) => of_vertex(args, global, vertex, level),
-        (_, _, Some(levels)) => of_all(args, global, levels),
-        _ => Err(CliError::Input("say which: --vertex V --level J, or --levels J".to_owned())),
+        (Some(vertex), Some(level), _) => write_functions_of_vertex(args, global, vertex, level),
+        (_, _, Some(levels)) => write_matrices(args, global, levels),
+        _ => Err(CliError::Input(
+            "no functions were asked for; give --vertex V --level J, or --levels J".to_owned(),
+        )),
     }
 }
 
-fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize) -> Result<(), CliError> {
+fn write_functions_of_vertex(
+    args: &BasisArgs,
+    global: &Global<'_>,
+    vertex: usize,
+    level: usize,
+) -> Result<(), CliError> {
     if !holds_fields(&args.output) {
-        return Err(no_fields(&args.output, "the functions of a vertex are", &[]));
+        return Err(unsuitable_format(&args.output, "the functions of a vertex are", &[]));
     }
     let schedule = Schedule::dyadic(level)?;
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
+    let input = load_shape(&args.shape, global)?;
     let n_vertices = input.shape.n_vertices();
-    let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
+    let decomposer =
+        prepare(global, &input.shape, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let start = Instant::now();
-    let functions =
-        with_progress(global, "walking", |progress| decomposer.basis_of_vertex(vertex, &schedule, progress))?;
+    let functions = with_progress(global, "computing", |progress| {
+        decomposer.basis_of_vertex(vertex, &schedule, progress)
+    })?;
     let seconds = start.elapsed().as_secs_f64();
-    let mut file = super::transform::fresh(&input.file, &args.output);
+    let mut file = clone_for_output(&input.file, &args.output);
     for (name, values) in [("phi", &functions.scaling_function), ("psi", &functions.wavelet)] {
         file.add_vertex_field(Field::new(name, 1, FieldValues::F64(values.clone())))?;
     }
@@ -76,9 +88,10 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     let sigma = schedule.sigma(decomposer.diffusion().step_length())[level];
     let steps = 1_u64 << (level - 1);
     let text = format!(
-        "vertex {vertex} of {}, level {level}: {steps} steps, sigma {}\n\
-         phi reaches {} of {n_vertices} vertices, {} hold 99.9 % of it; phi {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
+        "vertex {vertex} of {}, level {level}: {}, sigma {}\n\
+         phi is nonzero at {} of {n_vertices} vertices, and {} hold 99.9 % of it; phi is {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
         input.name,
+        count(steps, "step", "steps"),
         number(sigma),
         functions.support,
         functions.n_holding(0.999),
@@ -104,51 +117,60 @@ fn of_vertex(args: &BasisArgs, global: &Global<'_>, vertex: usize, level: usize)
     print(global, &text, &json)
 }
 
-fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), CliError> {
+fn write_matrices(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), CliError> {
     let ending = args.output.extension().map(OsStr::to_ascii_lowercase);
-    let matrix_market = match ending.as_ref().and_then(|e| e.to_str()) {
-        Some("npz") => false,
-        Some("mtx") => true,
+    let format = match ending.as_ref().and_then(|e| e.to_str()) {
+        Some("npz") => MatrixFormat::Npz,
+        Some("mtx") => MatrixFormat::MatrixMarket,
         _ => {
             let path = args.output.display();
             return Err(CliError::Input(format!("{path}: matrices are written as .npz or .mtx")));
         }
     };
     let mut params = BasisParams::new(Schedule::dyadic(levels)?).with_drop_tolerance(args.drop_tolerance);
-    if let Some(bytes) = available_memory() {
+    if let Some(bytes) = adwave_io::free_memory() {
         params = params.with_memory_limit(bytes);
     }
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
+    let input = load_shape(&args.shape, global)?;
+    let decomposer =
+        prepare(global, &input.shape, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let vertex_map = decomposer.geometry().vertex_map();
     let start = Instant::now();
-    let mut basis = with_progress(global, "walking", |progress| {
+    let mut basis = with_progress(global, "computing", |progress| {
         adwave::basis::basis(decomposer.diffusion(), &params, progress)
     })?;
     let seconds = start.elapsed().as_secs_f64();
     let welded = vertex_map.n_welded() < vertex_map.n_vertices();
     let mut files = Vec::new();
     if welded {
-        let path = numbered(&args.output, "classes", "npy");
-        adwave_io::write_npy(&path, &[vertex_map.n_vertices()], ArrayValues::U32(vertex_map.as_slice()))
-            .map_err(write_error)?;
+        let path = matrix_path(&args.output, "classes", "npy");
+        let classes = ArrayValues::U32(vertex_map.as_slice());
+        write_file_with(global, &path, |path| {
+            adwave_io::write_npy(path, &[vertex_map.n_vertices()], classes)
+        })?;
         files.push(path);
     } else {
         basis = basis.to_shape_order(vertex_map)?;
     }
-    let extension = if matrix_market { "mtx" } else { "npz" };
+    let extension = match format {
+        MatrixFormat::Npz => "npz",
+        MatrixFormat::MatrixMarket => "mtx",
+    };
     for level in 1..=levels {
         for (name, matrix) in [("phi", None), ("psi", Some(basis.wavelet(level)))] {
-            let path = numbered(&args.output, &format!("{name}{level}"), extension);
+            let path = matrix_path(&args.output, &format!("{name}{level}"), extension);
             let matrix = matrix.as_ref().unwrap_or(&basis.scaling[level - 1]);
-            with_spinner(global, "writing", || write_matrix(&path, matrix, matrix_market))?;
+            with_spinner(global, "writing", || {
+                write_file_with(global, &path, |path| write_matrix(path, matrix, format))
+            })?;
             files.push(path);
         }
     }
     let mut text = format!(
-        "{}: functions of {} vertices on {levels} levels in {seconds:.3} s\n\n",
+        "{}: functions of {} on {} in {seconds:.3} s\n\n",
         input.name,
-        vertex_map.n_welded()
+        count(vertex_map.n_welded(), "vertex", "vertices"),
+        count(levels, "level", "levels")
     );
     text += &table(
         ["level", "entries", "per vertex", "MB"],
@@ -164,7 +186,7 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
     );
     let largest = basis.info.largest_dropped.iter().copied().fold(0.0, f64::max);
     text += &format!(
-        "\nentries below {} were dropped and rows scaled to sum 1 again: at most {} of a row\n\n",
+        "\nentries below {} were dropped, at most {} of a row, and rows were scaled back to the sum 1\n\n",
         number(args.drop_tolerance),
         number(largest)
     );
@@ -186,21 +208,30 @@ fn of_all(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Result<(), Cl
 }
 
 /// `OUT.npz` → `OUT.phi1.npz`.
-fn numbered(output: &Path, part: &str, extension: &str) -> PathBuf {
+fn matrix_path(output: &Path, part: &str, extension: &str) -> PathBuf {
     output.with_extension(format!("{part}.{extension}"))
 }
 
-fn write_matrix(path: &Path, matrix: &CompressedRows<f32>, matrix_market: bool) -> Result<(), CliError> {
+/// Format of the matrices.
+#[derive(Clone, Copy)]
+enum MatrixFormat {
+    Npz,
+    MatrixMarket,
+}
+
+fn write_matrix(
+    path: &Path,
+    matrix: &CompressedRows<f32>,
+    format: MatrixFormat,
+) -> Result<(), adwave_io::WriteError> {
     let rows = adwave_io::SparseRows {
         n_columns: matrix.n_rows(),
         offsets: matrix.offsets(),
         indices: matrix.columns(),
         values: MatrixValues::F32(matrix.values()),
     };
-    if matrix_market {
-        adwave_io::write_matrix_market(path, &rows)
-    } else {
-        adwave_io::write_sparse_npz(path, &rows, Compression::Stored)
+    match format {
+        MatrixFormat::MatrixMarket => adwave_io::write_matrix_market(path, &rows),
+        MatrixFormat::Npz => adwave_io::write_sparse_npz(path, &rows, Compression::Stored),
     }
-    .map_err(write_error)
 }

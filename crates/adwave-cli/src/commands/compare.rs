@@ -1,17 +1,17 @@
-//! `adwave compare`: the same task by adwave and by another method.
+//! `adwave compare`: one task by adwave and by another method.
 
-use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
-use crate::commands::transform::fresh;
+use crate::args::{LevelArgs, ShapeArgs, SignalArgs, count_from_one, named};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{bands_params, number, print, schedule, table, write_shape};
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::{Input, load};
-use crate::signal::{self, COORDS};
+use crate::output::progress::with_progress;
+use crate::output::{clone_for_output, count, make_folder, number, print, table, write_file, write_shape};
+use crate::resolve::levels::{check_levels, resolve_levels};
+use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::signal::{COORDS, load_signal};
 use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
 use adwave_io::{Field, FieldValues};
 use clap::Args;
-use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -21,16 +21,16 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Methods:
-  mht          smooth by manifold harmonics, half the gain at the same frequency
-  taubin       smooth by the windowed sinc, half the gain at the same frequency
-  lee          the saliency map of Lee, Varshney and Jacobs
+  mht          smoothing by manifold harmonics, with the gain 1/2 at the same frequency
+  taubin       smoothing by the windowed sinc, with the gain 1/2 at the same frequency
+  lee          saliency map of Lee, Varshney and Jacobs
   feature-map  critical points of a signal smoothed by heat [default signal: mean-curvature]
-  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, and back
-  bilateral    denoise a mesh by bilateral normal filtering, its own defaults; adwave takes out four levels
-  guided       the same by guided normal filtering
-  dw, bdw      diffusion wavelets, biorthogonal ones (up to 6000 vertices), and back
+  sgwt         spectral graph wavelets of the same diffusion operator, as many bands, with reconstruction
+  bilateral    denoising of a mesh by bilateral normal filtering with its own defaults; adwave drops four levels
+  guided       denoising of a mesh by guided normal filtering; adwave drops four levels
+  dw, bdw      diffusion wavelets and biorthogonal ones (up to 6000 vertices), with reconstruction
 
-Both results go to DIR as adwave.ply and METHOD.ply, the table as comparison.json.
+The results are DIR/adwave.ply and DIR/METHOD.ply, the table is DIR/comparison.json.
 
 Examples:
   adwave compare bunny.obj --with mht --harmonics 300 -o out
@@ -38,98 +38,72 @@ Examples:
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// The other method
-    #[arg(long = "with", value_name = "METHOD", value_enum)]
-    pub(crate) method: MethodArg,
-    /// Folder that the files go to
+    /// Other method
+    #[arg(long = "with", value_name = "METHOD", value_parser = named::<Method>())]
+    pub(crate) method: Method,
+    /// Folder for the files
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
-    pub(crate) field: FieldArgs,
+    pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     /// mht: number of harmonics
-    #[arg(long, value_name = "K", default_value = "200")]
+    #[arg(long, value_name = "K", value_parser = count_from_one, default_value = "200")]
     pub(crate) harmonics: NonZeroUsize,
 }
 
-/// `adwave_baselines::compare::Method` by its names here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MethodArg {
-    /// Manifold harmonics
-    Mht,
-    /// Mesh saliency
-    Lee,
-    /// Critical points
-    FeatureMap,
-    /// Spectral graph wavelets
-    Sgwt,
-    /// Diffusion wavelets
-    Dw,
-    /// Biorthogonal diffusion wavelets
-    Bdw,
-    /// Windowed sinc
-    Taubin,
-    /// Bilateral normal filtering
-    Bilateral,
-    /// Guided normal filtering
-    Guided,
-}
-
-/// The signal of a feature map, which takes one channel.
+/// Default signal of a feature map, which needs one channel.
 const CURVATURE: &str = "mean-curvature";
 
 pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let params = bands_params(&args.levels)?;
-    std::fs::create_dir_all(&args.output).map_err(|e| {
-        CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
-    })?;
-    let method = args.method.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
-    let field = match (args.method, args.field.name()) {
-        (MethodArg::FeatureMap, COORDS) => CURVATURE,
-        (_, field) => field,
+    let params = check_levels(&args.levels)?;
+    make_folder(&args.output)?;
+    let method = args.method.name();
+    let field = match (args.method, args.signal.name()) {
+        (Method::FeatureMap, COORDS) => CURVATURE,
+        (_, name) => name,
     };
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
+    let input = load_shape(&args.shape, global)?;
+    let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();
-    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
+    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+    let decomposer = prepare(global, &input.shape, &operator)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
-    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
-    let comparison_input = ComparisonInput {
+    let levels = resolve_levels(&args.levels, &decomposer, global)?;
+    let subject = ComparisonInput {
         shape: &input.shape,
         decomposer: &decomposer,
         prepare_seconds,
-        schedule: &schedule,
+        schedule: &levels.schedule,
         params: &params,
         signal: &signal.values,
         n_channels: signal.n_channels,
         n_harmonics: args.harmonics.get(),
     };
-    let comparison = with_progress(global, "comparing", |progress| {
-        compare(&comparison_input, args.method.into(), progress)
-    })?;
+    let comparison = with_progress(global, "comparing", |progress| compare(&subject, args.method, progress))?;
 
     let shown = |value: Option<f64>| value.map_or("–".to_owned(), number);
     let mut text = format!(
-        "{}: {} vertices, {field}\n{why}\n{}\n\n",
+        "{}: {}, {field}\n{}\n{}\n\n",
         input.name,
-        input.shape.n_vertices(),
+        count(input.shape.n_vertices(), "vertex", "vertices"),
+        levels.reason,
         comparison.task
     );
     text += &table(
-        ["", "adwave", method.as_str()],
+        ["", "adwave", method],
         comparison.rows.iter().map(|r| [r.quantity.clone(), shown(r.adwave), shown(r.other)]),
     );
     text += "\n";
-    for (name, outcomes) in [("adwave", &comparison.adwave), (method.as_str(), &comparison.other)] {
+    for (name, outcomes) in [("adwave", &comparison.adwave), (method, &comparison.other)] {
         let path = args.output.join(format!("{name}.ply"));
-        with_spinner(global, "writing", || write(global, &path, &input, field, outcomes))?;
+        write(global, &path, &input, field, outcomes)?;
         text += &format!("{}\n", path.display());
     }
-    let json = report(&input, field, &method, &comparison);
+    let json = report(&input, field, method, &comparison);
     let path = args.output.join("comparison.json");
-    std::fs::write(&path, format!("{json:#}\n"))
-        .map_err(|e| CliError::Environment(format!("cannot write {}: {e}", path.display())))?;
+    write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();
     print(global, &text, &json)
 }
@@ -146,7 +120,7 @@ fn report(input: &Input, field: &str, method: &str, comparison: &Comparison) -> 
     })
 }
 
-/// The shape with the results as fields; coordinates that were smoothed become its points.
+/// Writes the shape with the results as fields; smoothed coordinates become its points.
 fn write(
     global: &Global<'_>,
     path: &Path,
@@ -154,7 +128,7 @@ fn write(
     field: &str,
     outcomes: &[Outcome],
 ) -> Result<(), CliError> {
-    let mut file = fresh(&input.file, path);
+    let mut file = clone_for_output(&input.file, path);
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
         if is_shape && !file.points().is_empty() {
@@ -165,20 +139,4 @@ fn write(
         }
     }
     write_shape(global, &file, path).map(|_| ())
-}
-
-impl From<MethodArg> for Method {
-    fn from(method: MethodArg) -> Self {
-        match method {
-            MethodArg::Mht => Self::Harmonics,
-            MethodArg::Lee => Self::Lee,
-            MethodArg::FeatureMap => Self::FeatureMap,
-            MethodArg::Sgwt => Self::Sgwt,
-            MethodArg::Dw => Self::DiffusionWavelets,
-            MethodArg::Bdw => Self::Biorthogonal,
-            MethodArg::Taubin => Self::Taubin,
-            MethodArg::Bilateral => Self::Bilateral,
-            MethodArg::Guided => Self::Guided,
-        }
-    }
 }

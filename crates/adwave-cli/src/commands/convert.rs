@@ -1,19 +1,18 @@
 //! `adwave convert`: a shape in another format.
 
-use crate::args::PartArgs;
+use crate::args::CloudPartArgs;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, format_of, print, write_shape};
-use crate::progress::with_spinner;
-use crate::shape_input::{Source, load_source};
+use crate::output::{check_writable, count, output_format, print, write_shape};
+use crate::resolve::shape::{ShapeSource, load_source};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Points, faces, edges and fields go over in the number types that the new format has; what it cannot hold is said. 'adwave formats' lists
-what each holds.
+Points, faces, edges and fields are written in the number types of the new format. A note lists what that format cannot store;
+'adwave formats' lists it for every format.
 
 Examples:
   adwave convert model.glb -o model.ply
@@ -23,28 +22,33 @@ Examples:
   adwave convert land.copc.laz -o corner.laz --box 635000,848000,636000,849000 --resolution 2
   adwave convert scan.ply -o - | other-program")]
 pub(crate) struct ConvertArgs {
-    /// The shape: a file, '-' for the standard input, or sample:NAME
+    /// Shape: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE")]
     shape: String,
     #[command(flatten)]
-    part: PartArgs,
-    /// Where it goes; the ending names the format
+    part: CloudPartArgs,
+    /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
 }
 
 pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliError> {
-    format_of(&args.output)?;
+    output_format(&args.output)?;
     check_writable(&args.output)?;
-    let source = Source { part: args.part.part(), ..Source::new(&args.shape) };
-    let input = with_spinner(global, "reading", || load_source(&source, global))?;
+    let source = ShapeSource { part: args.part.to_part(), ..ShapeSource::new(&args.shape) };
+    let input = load_source(&source, global)?;
     let file = &input.file;
-    let report = with_spinner(global, "writing", || write_shape(global, file, &args.output))?;
+    let report = write_shape(global, file, &args.output)?;
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());
     let output = args.output.display();
     print(
         global,
-        &format!("{n_vertices} vertices, {n_faces} faces, {} fields\n{output}\n", file.vertex_fields().len()),
+        &format!(
+            "{}, {}, {}\n{output}\n",
+            count(n_vertices, "vertex", "vertices"),
+            count(n_faces, "face", "faces"),
+            count(file.vertex_fields().len(), "field", "fields")
+        ),
         &json!({
             "input": input.name,
             "format": file.format().map(adwave_io::Format::name),

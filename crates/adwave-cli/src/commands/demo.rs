@@ -1,16 +1,18 @@
-//! `adwave demo`: all of it on a built-in creature, in seconds.
+//! `adwave demo`: a tour of the method on a built-in creature.
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{number, print, steps_json, steps_text, table, write_error, write_shape};
-use crate::progress::{with_progress, with_spinner};
-use crate::shape_input::make_sample;
-use adwave::Decomposer;
+use crate::output::progress::{with_progress, with_spinner};
+use crate::output::{
+    make_folder, number, print, steps_json, steps_text, table, write_file, write_file_with, write_shape,
+};
+use crate::resolve::shape::{SampleSize, make_sample};
 use adwave::bands::{Bands, Schedule};
 use adwave::filter::{Edit, Gains, Layer, Preset, displacement};
 use adwave::region::{Length, Region};
 use adwave::shape::{Mesh, Shape, bounding_box, enclosed_volume};
-use adwave_io::{Field, FieldValues, Levels, Recipe, ShapeFile, atomic_write, write_recipe};
+use adwave::{Decomposer, LevelSpec};
+use adwave_io::{Field, FieldValues, Recipe, ShapeFile, write_recipe};
 use adwave_report::demo::{DemoEdit, DemoText, PICTURES, demo};
 use adwave_report::page::Link;
 use adwave_report::shape_report::{COORDS, Subject};
@@ -23,21 +25,19 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub(crate) struct DemoArgs {
-    /// Folder that the files go to
+    /// Folder for the files
     #[arg(long, short, value_name = "DIR", default_value = "adwave-demo")]
     pub(crate) output: PathBuf,
-    /// Number of vertices of the creature (about)
-    #[arg(long, value_name = "N")]
+    /// Approximate number of vertices of the creature
+    #[arg(long, value_name = "N", value_parser = crate::args::count)]
     pub(crate) vertices: Option<usize>,
 }
 
 pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> {
-    std::fs::create_dir_all(&args.output).map_err(|e| {
-        CliError::Environment(format!("cannot make the folder {}: {e}", args.output.display()))
-    })?;
+    make_folder(&args.output)?;
     let at = |name: &str| args.output.join(name);
-    let file =
-        with_spinner(global, "shaping the creature", || make_sample("creature", args.vertices, None, 1))?;
+    let size = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
+    let file = with_spinner(global, "shaping the creature", || make_sample("creature", &size))?;
     let shape =
         Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone()).map_err(CliError::input)?);
 
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         decomposer.request(coords, 3, &schedule).progress(p).editor()
     })?;
     let (mut edits, mut shown) = (Vec::new(), Vec::new());
-    for (name, layer) in edits_of(&file) {
+    for (name, layer) in demo_edits(&file) {
         let start = Instant::now();
         let edit = Edit::new(std::slice::from_ref(&layer));
         editor.set_edit(&edit)?;
@@ -72,8 +72,8 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
         write_shape(global, &out, &at(&format!("{name}.ply")))?;
         if name == LOCAL_EDIT {
             let recipe =
-                Recipe { levels: Levels::Dyadic(n_levels), layers: vec![layer], ..Recipe::default() };
-            write_recipe(&at("local-edit.toml"), &recipe).map_err(CliError::input)?;
+                Recipe { levels: LevelSpec::Dyadic(n_levels), layers: vec![layer], ..Recipe::default() };
+            write_file_with(global, &at("local-edit.toml"), |path| write_recipe(path, &recipe))?;
         }
         edits.push((name, moved.rms, moved.max, 100.0 * (after - volume) / volume, ms));
         shown.push(DemoEdit {
@@ -102,11 +102,11 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
     let pictures = [&page.sheet, &page.saliency, &page.features];
     for (name, picture) in PICTURES.iter().zip(pictures) {
         let png = picture.png()?;
-        atomic_write(&at(name), |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
+        write_file(global, &at(name), &png)?;
     }
     let index = at("index.html");
     let html = page.page.html();
-    atomic_write(&index, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
+    write_file(global, &index, html.as_bytes())?;
 
     let text = report(args, &file, &decomposer, &bands, &energy, &level_ms, diffusion_ms, &why, &edits);
     let json = json!({
@@ -129,10 +129,10 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
 const LOCAL_EDIT: &str = "local-edit";
 
 /// The presets everywhere, and one of them on a part: one half smooth, the seam between them soft.
-fn edits_of(file: &ShapeFile) -> Vec<(&'static str, Layer)> {
+fn demo_edits(file: &ShapeFile) -> Vec<(&'static str, Layer)> {
     let mut edits: Vec<_> = Preset::ALL
         .iter()
-        .map(|&(name, preset)| (name, Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }))
+        .map(|&preset| (preset.name(), Layer { gains: Gains::Preset(preset), region: Region::Everywhere {} }))
         .collect();
     let (min, max) = bounding_box(file.points()).expect("the creature has vertices");
     let middle = std::array::from_fn(|c| 0.5 * (min[c] + max[c]));
@@ -149,7 +149,7 @@ fn decomposer_triangles(file: &ShapeFile) -> Vec<[u32; 3]> {
     adwave::shape::triangulate(file.points(), file.faces())
 }
 
-/// Milliseconds that all levels up to each take by themselves.
+/// Milliseconds to compute the levels 1 … n, for each n.
 fn level_times(decomposer: &Decomposer, coords: &[f64], schedule: &Schedule) -> Result<Vec<f64>, CliError> {
     (1..=schedule.n_levels())
         .map(|n| {
@@ -201,7 +201,7 @@ fn report(
             ]
         }),
     );
-    text += "\nFive edits of these bands:\n\n";
+    text += &format!("\n{} edits of these bands:\n\n", edits.len());
     text += &table(
         ["file", "moved (rms, % of diagonal)", "at most", "volume", "ms"],
         edits.iter().map(|&(name, rms, max, volume, ms)| {
@@ -223,18 +223,18 @@ fn report(
     for (command, _) in next_commands(args) {
         text += &format!("  {command}\n");
     }
-    text += &format!("\nAll of it in pictures: {}\n", args.output.join("index.html").display());
+    text += &format!("\nThe same in pictures: {}\n", args.output.join("index.html").display());
     text
 }
 
-/// What to type next, and what it does.
+/// Commands to try next, and what they do.
 fn next_commands(args: &DemoArgs) -> [(String, &'static str); 5] {
     let recipe = args.output.join("local-edit.toml");
     [
         ("adwave report SHAPE -o report.html".to_owned(), "one page about it"),
-        ("adwave info SHAPE".to_owned(), "what it consists of, and which levels it gets"),
+        ("adwave info SHAPE".to_owned(), "its contents, and the levels it gets"),
         ("adwave transform SHAPE -o bands.npz".to_owned(), "its bands, for numpy"),
-        ("adwave filter SHAPE -o crisp.ply --preset enhance".to_owned(), "one of the four presets"),
+        ("adwave filter SHAPE -o crisp.ply --preset enhance".to_owned(), "one of the five presets"),
         (
             format!("adwave filter SHAPE -o edit.ply --recipe {}", recipe.display()),
             "the local edit of this page",
@@ -269,7 +269,7 @@ fn page_text(
     }
     let mut table = Table::new(
         "edits.csv",
-        "What each edit changes.",
+        "Effect of each edit.",
         &["edit", "moved (rms), % of the diagonal", "moved at most, % of the diagonal", "volume, %", "ms"],
     );
     for &(name, rms, max, volume, ms) in edits {

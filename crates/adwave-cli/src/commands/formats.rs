@@ -10,22 +10,22 @@ use serde_json::{Value, json};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The content of a file decides its format, its name only where the content leaves that open. All may be compressed by gzip (.gz).
-A shape that is written in the format that it was read from keeps what the third column names; in another format the command says
-what did not fit.
+The content of a file decides its format; its name counts only if the content leaves that open. Files that are read may be
+compressed by gzip (.gz). A shape that is written in the format that it was read from keeps what the third column names; for another
+format a note lists what it cannot store.
 
 Examples:
   adwave formats
   adwave formats --json
   adwave formats --markdown                     the list of docs/FORMATS.md")]
 pub(crate) struct FormatsArgs {
-    /// As a table in Markdown
+    /// Print a table in Markdown
     #[arg(long)]
     pub(crate) markdown: bool,
 }
 
 pub(crate) fn run(args: &FormatsArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let text = if args.markdown { Format::markdown_list() } else { on_a_terminal() };
+    let text = if args.markdown { Format::markdown_list() } else { terminal_table() };
     let rows: Vec<Value> = Format::all()
         .map(|f| {
             json!({
@@ -42,15 +42,15 @@ pub(crate) fn run(args: &FormatsArgs, global: &Global<'_>) -> Result<(), CliErro
     print(global, &text, &json!({"formats": rows}))
 }
 
-fn on_a_terminal() -> String {
+fn terminal_table() -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Dynamic).set_header([
         "format",
-        "endings",
-        "read",
-        "written",
+        "extensions",
+        "reads",
+        "writes",
         "keeps of its own file",
-        "does not hold",
+        "cannot store",
     ]);
     if table.width().is_none() {
         table.set_width(160);

@@ -1,5 +1,6 @@
-//! One file for each subcommand.
+//! The subcommands, a file or a folder each: resolve → compute → write.
 
+mod analysis;
 pub(crate) mod basis;
 pub(crate) mod compare;
 pub(crate) mod convert;
@@ -16,11 +17,12 @@ pub(crate) mod region;
 pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod reproduce;
+mod result_file;
 pub(crate) mod saliency;
 pub(crate) mod sample;
 pub(crate) mod shell;
 pub(crate) mod simplify;
 pub(crate) mod studio;
-pub(crate) mod terrain;
+mod terrain;
 pub(crate) mod tiles;
 pub(crate) mod transform;

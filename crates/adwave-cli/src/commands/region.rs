@@ -1,14 +1,16 @@
-//! `adwave region`: the weights of regions, to see and to use before anything is edited by them.
+//! `adwave region`: the weights of regions, to inspect them before an edit.
 
-use crate::args::ShapeArgs;
+use crate::args::{ShapeArgs, region, regions_help};
 use crate::error::CliError;
-use crate::field_file::{FieldFile, holds_fields, no_fields, write_field};
 use crate::global::Global;
-use crate::output::{bounds_json, bounds_text, check_writable, note, number, print};
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::region::{joined, region, regions_help, weights};
-use crate::shape_input::{Input, load};
+use crate::output::progress::with_progress;
+use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, write_field};
+use crate::output::{bounds_json, bounds_text, check_writable, count, note, number, print};
+use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::region::{WEIGHT, region_weights, union_of_regions};
+use crate::resolve::shape::{Input, load_shape};
 use adwave::Decomposer;
+use adwave::operator::OperatorTask;
 use adwave::region::Region;
 use adwave::shape::bounding_box;
 use adwave_io::{Field, FieldValues};
@@ -17,17 +19,14 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// The name of the weights as a field.
-pub(crate) const WEIGHT: &str = "weight";
-
 #[derive(Debug, Args)]
 #[command(after_help = concat!(regions_help!(), "
 Output by extension:
   .ply .vtp        the shape with the field weight
   .npy .csv .gii   the weights alone, one number per vertex
 
-The weights are those that 'adwave filter' takes with the same regions and options of the diffusion operator. Of files that
-this writes they come back as a region: field:name=weight.
+These are the weights that 'adwave filter' uses for the same regions and options of the diffusion operator. In a file that this
+command wrote, the region field:name=weight reads them back.
 
 Examples:
   adwave region bust.obj --region 'ball:vertex=120,radius=10%'
@@ -37,10 +36,10 @@ Examples:
 pub(crate) struct RegionArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where; several are joined by "or" (see below)
+    /// Region; several are joined by "or" (see above)
     #[arg(long, value_name = "REGION", value_parser = region, required = true)]
     pub(crate) region: Vec<Region>,
-    /// Where the weights go (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others); without it they are only counted
+    /// File for the weights (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others); without it they are only summarized
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -49,62 +48,64 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     if let Some(path) = &args.output {
         check(path)?;
     }
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let decomposer = prepare(global, &input.shape, &args.shape.operator()?)?;
-    let region = joined(&args.region);
-    let weights =
-        with_progress(global, "measuring", |progress| weights(&region, &input, &decomposer, progress))?;
-    let covered = Covered::new(&weights, &input, &decomposer);
-    if covered.n_inside == 0 {
-        note(global, "no vertex is in the region; a larger radius or another place reaches some");
+    let input = load_shape(&args.shape, global)?;
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
+    let decomposer = prepare(global, &input.shape, &operator)?;
+    let region = union_of_regions(&args.region);
+    let weights = with_progress(global, "measuring", |progress| {
+        region_weights(&region, &input, &decomposer, progress)
+    })?;
+    let coverage = Coverage::new(&weights, &input, &decomposer);
+    if coverage.n_inside == 0 {
+        note(global, "no vertex is in the region; try a larger radius or another place");
     }
-    let mut text = format!("{}: {} vertices\n", input.name, weights.len());
-    covered.describe(&mut text, decomposer.diagonal());
+    let mut text = format!("{}: {}\n", input.name, count(weights.len(), "vertex", "vertices"));
+    coverage.describe(&mut text, decomposer.diagonal());
     let json = json!({
         "shape": input.name,
         "output": args.output.as_ref().map(|path| path.display().to_string()),
         "vertices": weights.len(),
         "region": region,
-        "weight_above_0": covered.n_inside,
-        "weight_1": covered.n_full,
-        "area_share": covered.area_share,
-        "weighted_area_share": covered.weighted_area_share,
-        "bounding_box": bounds_json(covered.bounds),
+        "weight_above_0": coverage.n_inside,
+        "weight_1": coverage.n_full,
+        "area_share": coverage.area_share,
+        "weighted_area_share": coverage.weighted_area_share,
+        "bounding_box": bounds_json(coverage.bounds),
     });
     if let Some(path) = &args.output {
-        with_spinner(global, "writing", || write(global, path, input, weights))?;
+        write(global, path, input, weights)?;
         let _ = writeln!(text, "{}", path.display());
     }
     print(global, &text, &json)
 }
 
 fn check(path: &Path) -> Result<(), CliError> {
-    if FieldFile::of(path).is_none() && !holds_fields(path) {
-        return Err(no_fields(path, "weights are", &[".npy", ".csv", ".gii"]));
+    if ValuesFile::from_path(path).is_none() && !holds_fields(path) {
+        return Err(unsuitable_format(path, "weights are", &[".npy", ".csv", ".gii"]));
     }
     check_writable(path)
 }
 
 fn write(global: &Global<'_>, path: &Path, mut input: Input, weights: Vec<f64>) -> Result<(), CliError> {
     let field = Field::new(WEIGHT, 1, FieldValues::F64(weights));
-    write_field(global, path, FieldFile::of(path), &mut input.file, field)
+    write_field(global, path, ValuesFile::from_path(path), &mut input.file, field)
 }
 
-/// What of a shape a region covers.
-struct Covered {
+/// Part of a shape that a region covers.
+struct Coverage {
     /// Vertices whose weight is above 0.
     n_inside: usize,
     /// Vertices whose weight is 1.
     n_full: usize,
-    /// The part of the area where the weight is above 0; none of a graph.
+    /// Share of the area in which the weight is above 0; none on a graph.
     area_share: Option<f64>,
-    /// The same with each vertex counted by its weight.
+    /// Share of the area, each vertex counted by its weight; none on a graph.
     weighted_area_share: Option<f64>,
-    /// Of the vertices whose weight is above 0.
+    /// Bounding box of the vertices whose weight is above 0.
     bounds: Option<([f64; 3], [f64; 3])>,
 }
 
-impl Covered {
+impl Coverage {
     fn new(weights: &[f64], input: &Input, decomposer: &Decomposer) -> Self {
         let points = input.shape.points().unwrap_or_default();
         let inside: Vec<[f64; 3]> =
@@ -125,14 +126,15 @@ impl Covered {
     }
 
     fn describe(&self, text: &mut String, diagonal: f64) {
-        let _ = writeln!(text, "  weight above 0   {} vertices", self.n_inside);
-        let _ = writeln!(text, "  weight 1         {} vertices", self.n_full);
+        let _ = writeln!(text, "  weight above 0   {}", count(self.n_inside, "vertex", "vertices"));
+        let _ = writeln!(text, "  weight 1         {}", count(self.n_full, "vertex", "vertices"));
         if let (Some(all), Some(weighted)) = (self.area_share, self.weighted_area_share) {
             let (all, weighted) = (number(100.0 * all), number(100.0 * weighted));
-            let _ = writeln!(text, "  area             {all} % of the shape's, {weighted} % by weight");
+            let _ =
+                writeln!(text, "  area             {all} % of the area of the shape, {weighted} % by weight");
         }
         if let Some(bounds) = self.bounds {
-            let _ = writeln!(text, "  bounding box     {}", bounds_text(bounds, diagonal));
+            let _ = writeln!(text, "  bounding box     {}", bounds_text(&bounds, diagonal));
         }
     }
 }

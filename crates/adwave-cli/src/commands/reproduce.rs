@@ -1,9 +1,9 @@
-//! `adwave reproduce`: the figures and tables of the paper, reproduced.
+//! `adwave reproduce`: the figures and tables of the paper.
 
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::print;
-use crate::progress::bar;
+use crate::output::progress::bar;
 use adwave_report::reproduce::{
     Context, Event, FIGURES, Figure, Models, ReproducedFigure, Target, reproduce, select,
 };
@@ -17,11 +17,11 @@ use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-DIR/index.html shows every figure with its pictures, what to see and whether it came out as the paper claims; DIR/figNN
-holds the pictures in full size and the numbers as CSV.
+DIR/index.html shows every figure with its pictures, an explanation, and whether the claim of the paper holds. DIR/figNN holds the
+pictures in full size and the numbers as CSV.
 
-Models are found by name in the folders and all folders below: armadillo, dinosaur, skull, horse, kitten, face, bunny,
-spot (with its texture), gargoyle, buddha, hand, pegaso, cow, sphere. Built-in shapes stand in for those that are missing.
+Models are found by name in the given folders and all folders below: armadillo, dinosaur, skull, horse, kitten, face, bunny,
+spot (with its texture), gargoyle, buddha, hand, pegaso, cow, sphere. Built-in shapes replace those that are missing.
 
 Examples:
   adwave reproduce -o out
@@ -31,17 +31,17 @@ pub(crate) struct ReproduceArgs {
     /// fig1 … fig15, table1, table2, or all
     #[arg(value_name = "FIGURE", default_value = "all")]
     pub(crate) figures: Vec<String>,
-    /// Folder that the files go to
+    /// Folder for the files
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// Folder with copies of the paper's models; may be given several times
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Vec<PathBuf>,
-    /// Write the page as Markdown too, with small pictures in a folder beside it
+    /// Write the page as Markdown too, with small pictures in a folder next to it
     #[arg(long, value_name = "FILE.md")]
     pub(crate) markdown: Option<PathBuf>,
-    /// Make built-in shapes no larger than this: a quick sketch of every figure
-    #[arg(long, value_name = "N", value_parser = crate::args::at_least_one)]
+    /// Largest number of vertices of built-in shapes, for a quick sketch of every figure
+    #[arg(long, value_name = "N", value_parser = crate::args::count_from_one)]
     pub(crate) most_vertices: Option<NonZeroUsize>,
 }
 
@@ -49,17 +49,17 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliEr
     let start = Instant::now();
     let figures = select(&args.figures).map_err(|name| {
         let known = FIGURES.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
-        CliError::Input(format!("there is no figure '{name}'; there is all, {known}"))
+        CliError::Input(format!("figure must be all, {known}, got '{name}'"))
     })?;
     if args.output.exists() && !args.output.is_dir() {
-        return Err(CliError::Input(format!("{} is a file; name a folder", args.output.display())));
+        return Err(CliError::Input(format!("{} is a file; give a folder", args.output.display())));
     }
     let models = models(args, &figures)?;
     let found: Vec<Value> = models
         .files()
         .map(|(name, path)| json!({"name": name, "file": path.display().to_string()}))
         .collect();
-    let line = Line::new(global, figures.len());
+    let line = FigureProgress::new(global, figures.len());
     let report = |done: u64, total: u64| line.part(done, total);
     let progress = global.progress().with_report(&report);
     let mut context = Context::new(models, progress);
@@ -84,7 +84,7 @@ pub(crate) fn run(args: &ReproduceArgs, global: &Global<'_>) -> Result<(), CliEr
     print(global, &summary(&made, &index, start.elapsed()), &json)
 }
 
-/// The user's models, those that the figures can use read.
+/// The user's models, of which those that the figures use are read.
 fn models(args: &ReproduceArgs, figures: &[&Figure]) -> Result<Models, CliError> {
     if args.models.is_empty() {
         return Ok(Models::default());
@@ -113,7 +113,7 @@ fn describe(made: &ReproducedFigure) -> Value {
 fn summary(made: &[ReproducedFigure], index: &Path, took: Duration) -> String {
     let count = |keyword: &str| made.iter().filter(|m| m.outcome.verdict.keyword() == keyword).count();
     format!(
-        "{} of {} as the paper claims, {} in part, {} not, in {:.1} s\n{}\n",
+        "{} of {} as claimed in the paper, {} partly, {} not as claimed; {:.1} s\n{}\n",
         count("as-claimed"),
         made.len(),
         count("partly"),
@@ -123,14 +123,14 @@ fn summary(made: &[ReproducedFigure], index: &Path, took: Duration) -> String {
     )
 }
 
-/// A line for every figure that is done, and on a terminal a bar below for the one that is being made.
-struct Line<'a> {
+/// A line for every finished figure, and on a terminal a bar for the current one.
+struct FigureProgress<'a> {
     global: &'a Global<'a>,
     bar: ProgressBar,
     n_figures: usize,
 }
 
-impl<'a> Line<'a> {
+impl<'a> FigureProgress<'a> {
     fn new(global: &'a Global<'a>, n_figures: usize) -> Self {
         Self { global, bar: bar(global, ""), n_figures }
     }

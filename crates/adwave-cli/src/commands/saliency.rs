@@ -1,13 +1,11 @@
-//! `adwave saliency`: where a signal stands out.
+//! `adwave saliency`: a map of where a signal stands out.
 
-use crate::analysis::{Analysis, Map};
-use crate::args::{BorderArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
-use crate::commands::transform::{forget_original, fresh};
+use super::analysis::{Analysis, AnalysisArgs, Map};
+use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, number as parse_number};
 use crate::error::CliError;
-use crate::field_file::{FieldFile, holds_fields, no_fields};
 use crate::global::Global;
-use crate::output::{check_writable, number, print, table, write_shape};
-use crate::progress::with_spinner;
+use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
+use crate::output::{check_writable, clone_for_output, number, print, release_source, table, write_shape};
 use adwave::saliency::{Saliency, SaliencyLevel, saliency_per_level};
 use adwave_io::{Field, FieldValues};
 use adwave_render::{ColorMap, value_range};
@@ -20,97 +18,102 @@ use std::path::PathBuf;
 Output by extension:
   .ply .vtp   the shape with the fields saliency and color
   .npy        the map, one number per vertex; with --per-level one row per vertex: the map, then each level
-  .csv .gii   the same with names, .gii as 32-bit floats
+  .csv .gii   the map and, with --per-level, the levels as named columns; .gii as 32-bit floats
 
-Coordinates have + where the shape is convex and - where it is concave, where one of its sides is outside; a scalar signal has
-its own sign: + above its surroundings. Other vectors, --unsigned and --weighting give a map without a sign.
-Where the signal is NaN, vertices are masked and the map is NaN.
+The map of coordinates is + where the shape is convex and - where it is concave, if the shape has an outside. That of a scalar
+signal is + above its surroundings and - below. Other vectors, --unsigned and --weighting give a map without a sign. Vertices
+where the signal is NaN are masked, and the map is NaN there.
 
 Examples:
   adwave saliency bunny.obj -o map.ply
   adwave saliency bunny.obj -o map.ply --weighting paper
-  adwave saliency scan.pcd -o map.vtp --field mean-curvature --color-map magma
-  adwave saliency face-scan.ply -o map.ply --border 1
-  adwave saliency cow.obj -o map.ply --field texture-lightness --texture cow.png
-  adwave saliency pial.gii.gz -o map.shape.gii --field sulc.gii.gz")]
+  adwave saliency scan.pcd -o map.vtp --signal mean-curvature --color-map magma
+  adwave saliency face-scan.ply -o map.ply --mask-border 1
+  adwave saliency cow.obj -o map.ply --signal texture-lightness --texture cow.png
+  adwave saliency pial.gii.gz -o map.shape.gii --signal sulc.gii.gz")]
 pub(crate) struct SaliencyArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the map goes (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others)
+    /// File for the map (.ply, .glb, .vtp, .las, .npy, .csv, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
-    pub(crate) field: FieldArgs,
+    pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) map: MapArgs,
     #[command(flatten)]
-    pub(crate) border: BorderArgs,
-    /// Write what each level adds too, as the fields saliency3, saliency4 …
+    pub(crate) border: BorderMaskArgs,
+    /// Write the contribution of each level too, as the fields saliency3, saliency4 …
     #[arg(long, help_heading = "Map")]
     pub(crate) per_level: bool,
-    /// The colors: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
-    /// [default: coolwarm about 0 where the map has a sign, else viridis]
+    /// Color map: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
+    /// [default: coolwarm centered at 0 if the map has a sign, else viridis]
     #[arg(long, alias = "colormap", value_name = "NAME", help_heading = "Map")]
     pub(crate) color_map: Option<String>,
-    /// The last color stands for this percentile of the map, of its size where it has a sign, and all above
-    #[arg(long, value_name = "P", default_value_t = 99.0, help_heading = "Map")]
+    /// Percentile of the map, or of its magnitude if it has a sign, that gets the last color; values above get it too
+    #[arg(long, value_name = "P", value_parser = parse_number, default_value_t = 99.0, help_heading = "Map")]
     pub(crate) color_top: f64,
 }
 
+impl SaliencyArgs {
+    fn analysis(&self) -> AnalysisArgs<'_> {
+        let extent = self.map.weighting.extent();
+        AnalysisArgs { shape: &self.shape, signal: &self.signal, levels: &self.levels, extent }
+    }
+}
+
 pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let alone = FieldFile::of(&args.output);
+    let alone = ValuesFile::from_path(&args.output);
     if alone.is_none() && !holds_fields(&args.output) {
-        return Err(no_fields(&args.output, "a map is", &[".npy", ".csv", ".gii"]));
+        return Err(unsuitable_format(&args.output, "a map is", &[".npy", ".csv", ".gii"]));
     }
     check_writable(&args.output)?;
-    let colors = color_map(args)?;
+    color_map(args)?;
     if !(args.color_top > 0.0 && args.color_top <= 100.0) {
         return Err(CliError::Input(format!(
-            "--color-top is {}; it is above 0 and at most 100",
+            "--color-top must be above 0 and at most 100, got {}",
             args.color_top
         )));
     }
-    args.map.params(&args.border).check().map_err(CliError::input)?;
-    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, args.map.extent(), global)?;
-    // The map goes into a new file, and the bytes of the old one would lie beside the bands.
-    forget_original(&mut analysis.input.file, &args.output);
+    args.map.to_params(&args.border).check().map_err(CliError::input)?;
+    let mut analysis = Analysis::new(args.analysis(), global)?;
+    // The map goes into a new file: the bytes of the old one need not be kept while the bands are computed.
+    release_source(&mut analysis.input.file, &args.output);
     let map = analysis.saliency(&args.map, &args.border, global)?;
     let levels = if args.per_level {
         saliency_per_level(&analysis.decomposer, &map.wavelets, &map.params, global.progress())
-            .map_err(|e| CliError::classified(&e))?
+            .map_err(|e| CliError::classify(&e))?
     } else {
         Vec::new()
     };
-    with_spinner(global, "writing", || {
-        let fields = fields(&map.saliency, &levels);
-        match alone {
-            Some(kind) => kind.write(&args.output, &fields, analysis.input.file.structure()),
-            None => write_colored(args, global, &analysis, &map, fields, colors),
-        }
-    })?;
+    let fields = fields(&map.saliency, &levels);
+    match alone {
+        Some(kind) => kind.write(global, &args.output, &fields, &analysis.input.file)?,
+        None => write_colored(args, global, &analysis, &map, fields)?,
+    }
     report(args, global, &analysis, &map)
 }
 
-/// The colors of a map, by default diverging round 0 where it has a sign.
+/// The color map that is asked for.
 fn color_map(args: &SaliencyArgs) -> Result<Option<ColorMap>, CliError> {
     let Some(name) = &args.color_map else { return Ok(None) };
     ColorMap::from_name(name).map(Some).ok_or_else(|| {
         let names: Vec<&str> = ColorMap::names().collect();
-        CliError::Input(format!("there is no color map '{name}'; there is {}", names.join(", ")))
+        CliError::Input(format!("--color-map must be one of {}, got '{name}'", names.join(", ")))
     })
 }
 
 fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &Map) -> Result<(), CliError> {
     let saliency = &map.saliency;
-    let mut text = analysis.headline(args.field.name());
+    let mut text = analysis.headline(args.signal.name());
     text += &format!("{}\n\n", map.sides());
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
         saliency.levels.iter().map(|l| {
             let percent = number(analysis.percent(l.sigma));
-            let alpha = if l.alpha.is_nan() { "by vertex".to_owned() } else { number(l.alpha) };
+            let alpha = if l.alpha.is_nan() { "per vertex".to_owned() } else { number(l.alpha) };
             [l.level.to_string(), number(l.sigma), percent, number(l.mean), number(l.max), alpha]
         }),
     );
@@ -123,16 +126,16 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     if let Some((vertex, value)) = least {
         text += &format!("smallest at vertex {vertex}: {}\n", number(*value));
     }
-    text += &analysis.timing("map", map.took);
+    text += &analysis.timing("map", map.seconds);
     text += &args.output.display().to_string();
     let json = json!({
         "shape": analysis.input.name,
         "output": args.output.display().to_string(),
-        "field": args.field.name(),
+        "field": args.signal.name(),
         "vertices": analysis.decomposer.n_vertices(),
         "operator": analysis.decomposer.operator_kind().name(),
         "sides": map.sides_json(),
-        "levels_reason": analysis.why,
+        "levels_reason": analysis.levels_reason,
         "levels": saliency.levels.iter().map(|l| json!({
             "level": l.level, "sigma": l.sigma, "mean": l.mean, "max": l.max,
             "alpha": if l.alpha.is_nan() { None } else { Some(l.alpha) },
@@ -143,13 +146,13 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
         "smallest": least.map(|m| m.1),
         "seconds": {
             "read": analysis.seconds.read, "diffusion": analysis.seconds.diffusion, "bands": analysis.seconds.bands,
-            "map": map.took,
+            "map": map.seconds,
         },
     });
     print(global, &text, &json)
 }
 
-/// The map, then what each level adds where that is asked for.
+/// The map, then the contribution of each level if that is asked for.
 fn fields(saliency: &Saliency, levels: &[(SaliencyLevel, Vec<f64>)]) -> Vec<Field> {
     let field = |name: String, map: &[f64]| Field::new(name, 1, FieldValues::F64(map.to_vec()));
     let each = levels.iter().map(|(level, map)| field(format!("saliency{}", level.level), map));
@@ -163,9 +166,9 @@ fn write_colored(
     analysis: &Analysis,
     map: &Map,
     fields: Vec<Field>,
-    colors: Option<ColorMap>,
 ) -> Result<(), CliError> {
-    let mut file = fresh(&analysis.input.file, &args.output);
+    let colors = color_map(args)?;
+    let mut file = clone_for_output(&analysis.input.file, &args.output);
     for field in fields {
         file.add_vertex_field(field)?;
     }

@@ -1,11 +1,12 @@
 //! `adwave sample`: a built-in shape as a file.
 
-use crate::commands::terrain;
+use super::terrain;
+use crate::args::{count as parse_count, number, seed};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, format_of, print, table, write_shape};
-use crate::progress::with_spinner;
-use crate::shape_input::make_sample;
+use crate::output::progress::with_spinner;
+use crate::output::{check_writable, count, output_format, print, table, write_shape};
+use crate::resolve::shape::{SampleSize, make_sample};
 use adwave::sample::SAMPLE_NAMES;
 use adwave_io::ShapeFile;
 use clap::{Args, ValueEnum};
@@ -21,29 +22,29 @@ Examples:
   adwave sample sphere --as cloud -o points.ply
   adwave sample terrain --points 1e8 -o scan     a folder of LAZ files")]
 pub(crate) struct SampleArgs {
-    /// Which shape; without it the shapes are listed
+    /// Name of the shape; without it the shapes are listed
     pub(crate) name: Option<String>,
-    /// Where it goes; the format is that of the extension
+    /// File for the shape; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
-    /// Number of vertices (about)
-    #[arg(long, value_name = "N")]
+    /// Approximate number of vertices
+    #[arg(long, value_name = "N", value_parser = parse_count)]
     pub(crate) vertices: Option<usize>,
-    /// Write a mesh, or its vertices only
+    /// Write a mesh, or only its vertices as a cloud
     #[arg(long = "as", value_name = "KIND", value_enum)]
     pub(crate) kind: Option<SampleKind>,
     /// Noise along the normals: its standard deviation in mean edge lengths
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = number)]
     pub(crate) noise: Option<f64>,
     /// Seed of the noise
-    #[arg(long, value_name = "K", default_value_t = 1)]
+    #[arg(long, value_name = "K", value_parser = seed, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Number of points of a terrain; `1e8` is understood
+    /// Number of points of a terrain, such as 1e8
     #[arg(long, value_name = "N", value_parser = terrain::parse_points)]
     pub(crate) points: Option<u64>,
 }
 
-/// What a sample can be written as.
+/// Kind of shape that a sample is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SampleKind {
     Mesh,
@@ -54,7 +55,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     let Some(name) = &args.name else { return list(global) };
     let Some(output) = &args.output else {
         let ending = if name == terrain::NAME { "laz" } else { "ply" };
-        return Err(CliError::Input(format!("say where the {name} goes: -o {name}.{ending}")));
+        return Err(CliError::Input(format!("a file for the {name} is missing; add -o {name}.{ending}")));
     };
     if name == terrain::NAME {
         let given = [
@@ -63,17 +64,19 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
             ("--as", args.kind.is_some()),
         ];
         if let Some((flag, _)) = given.iter().find(|(_, is_given)| *is_given) {
-            return Err(CliError::Input(format!("{flag} is for the other samples; a terrain has --points")));
+            return Err(CliError::Input(format!(
+                "{flag} applies to the other samples; a terrain has --points"
+            )));
         }
         return terrain::write(global, args.points.unwrap_or(terrain::DEFAULT_POINTS), args.seed, output);
     }
     if args.points.is_some() {
-        return Err(CliError::Input(format!("--points is for the terrain; a {name} has --vertices")));
+        return Err(CliError::Input(format!("--points applies to the terrain; a {name} has --vertices")));
     }
-    format_of(output)?;
+    output_format(output)?;
     check_writable(output)?;
-    let mut file =
-        with_spinner(global, "shaping", || make_sample(name, args.vertices, args.noise, args.seed))?;
+    let size = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
+    let mut file = with_spinner(global, "shaping", || make_sample(name, &size))?;
     match args.kind {
         None | Some(SampleKind::Mesh) => {}
         Some(SampleKind::Cloud) => file = ShapeFile::from_cloud(file.points().to_vec()),
@@ -82,7 +85,12 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());
     print(
         global,
-        &format!("{name}: {n_vertices} vertices, {n_faces} faces\n{}\n", output.display()),
+        &format!(
+            "{name}: {}, {}\n{}\n",
+            count(n_vertices, "vertex", "vertices"),
+            count(n_faces, "face", "faces"),
+            output.display()
+        ),
         &json!({
             "sample": name,
             "vertices": n_vertices,
@@ -94,7 +102,7 @@ pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError
 
 fn list(global: &Global<'_>) -> Result<(), CliError> {
     let text = table(
-        ["sample", "vertices", "what it is"],
+        ["sample", "vertices", "description"],
         SAMPLE_NAMES
             .iter()
             .map(|s| [s.name.to_owned(), s.default_vertices.to_string(), s.description.to_owned()])

@@ -1,33 +1,33 @@
-//! `adwave sample terrain`: a made landscape as LAS or LAZ, of any number of points, written as it is made.
+//! `adwave sample terrain`: a synthetic landscape of any number of points as LAS or LAZ, written while it is generated.
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, print};
-use crate::progress::with_progress;
+use crate::output::progress::with_progress;
+use crate::output::{check_writable, count, make_folder, print};
 use adwave_io::Format;
-use adwave_tiles::Terrain;
+use adwave_tiles::{Terrain, TilesError};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// What it is called among the samples, and what it is.
+/// Name and description in the list of samples.
 pub(crate) const NAME: &str = "terrain";
 pub(crate) const DESCRIPTION: &str =
-    "flown laser scan of hills, houses and trees, made point by point: LAS or LAZ, --points";
+    "airborne laser scan of hills, houses and trees; LAS or LAZ of any number of --points";
 pub(crate) const DEFAULT_POINTS: u64 = 1_000_000;
-/// More would not fit in the 32-bit coordinates.
+/// Largest number of points that the 32-bit coordinates can hold.
 const MOST_POINTS: f64 = 1e13;
-/// Most points of each file in a folder.
+/// Most points of a file in a folder.
 const PER_FILE: u64 = 20_000_000;
 
 /// A number of points, which may be written as `1e8`.
 pub(crate) fn parse_points(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
         Ok(n) if n.fract() == 0.0 && (1.0..=MOST_POINTS).contains(&n) => Ok(n as u64),
-        _ => Err(format!("give a whole number from 1 to {MOST_POINTS:e}, such as 1e8")),
+        _ => Err(format!("must be a whole number in 1..={MOST_POINTS:e}, such as 1e8")),
     }
 }
 
-/// Writes `n` points into the file, or into some files in the folder.
+/// Writes `n` points into a file, or into several files in a folder.
 pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Result<(), CliError> {
     let is_file = match Format::from_path(output) {
         Some(Format::LAS | Format::LAZ) => true,
@@ -35,7 +35,7 @@ pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Re
         None if output.extension().is_none() && output != Path::new("-") => false,
         _ => {
             return Err(CliError::Input(format!(
-                "{}: a {NAME} is a file in .las or .laz, or a folder of such; name one",
+                "{}: a {NAME} is written as a .las or .laz file, or into a folder of such files",
                 output.display()
             )));
         }
@@ -44,9 +44,7 @@ pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Re
         check_writable(output)?;
         vec![(output.to_owned(), 0..n)]
     } else {
-        std::fs::create_dir_all(output).map_err(|e| {
-            CliError::Environment(format!("cannot make the folder {}: {e}", output.display()))
-        })?;
+        make_folder(output)?;
         let file = |k: u64| {
             let path: PathBuf = output.join(format!("{NAME}-{:04}.laz", k + 1));
             (path, k * PER_FILE..((k + 1) * PER_FILE).min(n))
@@ -55,13 +53,20 @@ pub(crate) fn write(global: &Global<'_>, n: u64, seed: u64, output: &Path) -> Re
     };
     let terrain = Terrain::new(n, seed);
     with_progress(global, "scanning", |progress| {
-        files.iter().try_for_each(|(path, points)| terrain.write(path, points.clone(), progress))
-    })
-    .map_err(|e| CliError::of(&e))?;
-    let count = if is_file { String::new() } else { format!(" in {} files", files.len()) };
+        files.iter().try_for_each(|(path, points)| {
+            global.files.write_with(path, |staged| {
+                terrain.write(staged, points.clone(), progress).map_err(|error| match error {
+                    TilesError::Write(error) => error.about_file(path).into(),
+                    other => CliError::classify(&other),
+                })
+            })
+        })
+    })?;
+    let in_files =
+        if is_file { String::new() } else { format!(" in {}", count(files.len(), "file", "files")) };
     print(
         global,
-        &format!("{NAME}: {n} points{count}\n{}\n", output.display()),
+        &format!("{NAME}: {}{in_files}\n{}\n", count(n, "point", "points"), output.display()),
         &json!({
             "sample": NAME,
             "points": n,

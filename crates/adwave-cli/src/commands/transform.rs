@@ -1,24 +1,26 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{FieldArgs, LevelArgs, ShapeArgs};
+use crate::args::{LevelArgs, ShapeArgs, SignalArgs};
 use crate::error::CliError;
-use crate::field_file::{FieldFile, holds_fields, no_fields};
 use crate::global::Global;
+use crate::output::progress::{with_progress, with_spinner};
+use crate::output::provenance::provenance;
+use crate::output::stopwatch::Stopwatch;
+use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
 use crate::output::{
-    bands_params, check_writable, fwhm_json, fwhm_text, number, peak_memory, percent_of, print, schedule,
-    steps_json, steps_text, table, write_error, write_shape,
+    check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, number, peak_memory,
+    percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
 };
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::provenance::provenance;
-use crate::shape_input::{Input, load};
-use crate::signal::{self, Signal};
-use crate::stopwatch::Stopwatch;
-use adwave::bands::Bands;
-use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format, ShapeFile};
+use crate::resolve::levels::{check_levels, resolve_levels};
+use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
+use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::signal::{Signal, load_signal};
+use adwave::Decomposer;
+use adwave::bands::{Bands, BandsParams, Schedule};
+use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
 use clap::Args;
-use serde_json::json;
-use std::path::Path;
-use std::path::PathBuf;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -29,95 +31,152 @@ Output by extension:
 
 Examples:
   adwave transform bunny.obj -o bands.npz --levels 8
-  adwave transform brain.ply -o bands.vtp --field thickness
-  adwave transform pial.gii.gz -o bands.func.gii --field thick.gii.gz --fwhm 4,8,16
-  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --field intensity")]
+  adwave transform brain.ply -o bands.vtp --signal thickness
+  adwave transform pial.gii.gz -o bands.func.gii --signal thick.gii.gz --fwhm 4,8,16
+  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity")]
 pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the bands go (.npz, .vtp, .ply, .las, .gii and others)
+    /// File for the bands (.npz, .vtp, .ply, .las, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
-    pub(crate) field: FieldArgs,
+    pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
 }
 
+/// Kind of the file of bands.
+#[derive(Clone, Copy)]
+enum BandsFile {
+    Npz,
+    Gifti,
+    Fields,
+}
+
+/// A signal on a shape, ready to be split.
+struct TransformJob {
+    file: BandsFile,
+    input: Input,
+    signal: Signal,
+    decomposer: Decomposer,
+    schedule: Schedule,
+    levels_reason: String,
+    params: BandsParams,
+}
+
+/// Seconds that each part took.
+struct Seconds {
+    read: f64,
+    prepare: f64,
+    split: f64,
+    write: f64,
+}
+
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let npz = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
-    let format = Format::from_path(&args.output);
-    if !npz && format != Some(Format::GIFTI) && !holds_fields(&args.output) {
-        return Err(no_fields(&args.output, "bands are", &[".npz", ".gii"]));
-    }
-    check_writable(&args.output)?;
-    let params = bands_params(&args.levels)?;
     let mut watch = Stopwatch::start();
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let field = args.field.name();
-    let signal = signal::load(global, &input, field, args.field.texture.as_deref())?;
-    let read = watch.lap();
-    let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
-    let decomposer = signal::mask(decomposer, &signal, field, global)?;
-    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
-    let prepared = watch.lap();
+    let (job, read) = resolve(args, &mut watch, global)?;
+    let prepare = watch.lap();
     let bands = with_progress(global, "splitting", |progress| {
-        decomposer
-            .request(&signal.values, signal.n_channels, &schedule)
-            .params(&params)
-            .progress(progress)
-            .bands()
+        let request = job.decomposer.request(&job.signal.values, job.signal.n_channels, &job.schedule);
+        request.params(&job.params).progress(progress).bands()
     })?;
     let split = watch.lap();
-    with_spinner(global, "writing", || {
-        if npz {
-            write_npz(global, &args.output, &input, &signal, &bands)
-        } else if format == Some(Format::GIFTI) {
-            write_gifti(&args.output, &input, &bands)
-        } else {
-            write_fields(global, &args.output, &input, &signal, &bands)
-        }
-    })?;
-    let written = watch.lap();
+    write(args, &job, &bands, global)?;
+    let seconds = Seconds { read, prepare, split, write: watch.lap() };
+    report(args, &job, &bands, &seconds, global)
+}
 
-    let energy = bands.energy(&decomposer.areas())?;
-    let diagonal = decomposer.diagonal();
+/// The job, and the seconds that reading took.
+fn resolve(
+    args: &TransformArgs,
+    watch: &mut Stopwatch,
+    global: &Global<'_>,
+) -> Result<(TransformJob, f64), CliError> {
+    let file = bands_file(&args.output)?;
+    check_writable(&args.output)?;
+    let params = check_levels(&args.levels)?;
+    watch.lap();
+    let input = load_shape(&args.shape, global)?;
+    let name = args.signal.name();
+    let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    let read = watch.lap();
+    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+    let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
+    let levels = resolve_levels(&args.levels, &decomposer, global)?;
+    let (schedule, levels_reason) = (levels.schedule, levels.reason);
+    Ok((TransformJob { file, input, signal, decomposer, schedule, levels_reason, params }, read))
+}
+
+fn bands_file(path: &Path) -> Result<BandsFile, CliError> {
+    match Format::from_path(path) {
+        _ if has_extension(path, &["npz"]) => Ok(BandsFile::Npz),
+        Some(Format::GIFTI) => Ok(BandsFile::Gifti),
+        _ if holds_fields(path) => Ok(BandsFile::Fields),
+        _ => Err(unsuitable_format(path, "bands are", &[".npz", ".gii"])),
+    }
+}
+
+fn write(
+    args: &TransformArgs,
+    job: &TransformJob,
+    bands: &Bands,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    match job.file {
+        BandsFile::Npz => with_spinner(global, "writing", || write_npz(global, &args.output, job, bands)),
+        BandsFile::Gifti => {
+            with_spinner(global, "writing", || write_gifti(global, &args.output, &job.input, bands))
+        }
+        BandsFile::Fields => write_fields(global, &args.output, job, bands),
+    }
+}
+
+fn report(
+    args: &TransformArgs,
+    job: &TransformJob,
+    bands: &Bands,
+    seconds: &Seconds,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let energy = bands.energy(&job.decomposer.areas())?;
+    let diagonal = job.decomposer.diagonal();
+    let name = args.signal.name();
     let mut text = format!(
-        "{}: {} vertices, {} channel{} of {}\n{why}\n\n",
-        input.name,
-        bands.n_vertices,
-        bands.n_channels,
-        if bands.n_channels == 1 { "" } else { "s" },
-        field,
+        "{}: {}, {} of {name}\n{}\n\n",
+        job.input.name,
+        count(bands.n_vertices, "vertex", "vertices"),
+        count(bands.n_channels, "channel", "channels"),
+        job.levels_reason,
     );
     text += &table(
         ["level", "steps", "sigma", "FWHM", "% of diagonal", "rms of W by area"],
         (1..=bands.n_levels()).map(|j| {
-            let rms = energy[j - 1].sqrt();
             [
                 j.to_string(),
                 steps_text(bands.steps[j]),
                 number(bands.sigma[j]),
                 fwhm_text(bands.sigma[j], diagonal),
                 percent_of(bands.sigma[j], diagonal),
-                number(rms),
+                number(energy[j - 1].sqrt()),
             ]
         }),
     );
+    let Seconds { read, prepare, split, write } = seconds;
     text += &format!(
-        "\nread {read:.3} s, diffusion {prepared:.3} s, bands {split:.3} s, written {written:.3} s{}\n{}\n",
+        "\nread {read:.3} s, diffusion {prepare:.3} s, bands {split:.3} s, written {write:.3} s{}\n{}\n",
         peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),
         args.output.display(),
     );
-    let json = json!({
-        "shape": input.name,
+    let json: Value = json!({
+        "shape": job.input.name,
         "output": args.output.display().to_string(),
-        "field": field,
-        "operator": decomposer.operator_kind().name(),
+        "field": name,
+        "operator": job.decomposer.operator_kind().name(),
         "vertices": bands.n_vertices,
         "channels": bands.n_channels,
         "levels": bands.n_levels(),
-        "levels_reason": why,
+        "levels_reason": job.levels_reason,
         "steps": steps_json(&bands.steps),
         "sigma": bands.sigma,
         "fwhm": fwhm_json(&bands.sigma, diagonal),
@@ -125,23 +184,17 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
         "products": bands.info.products,
         "error_bound": bands.info.error_bound,
         "diagonal": diagonal,
-        "seconds": {"read": read, "diffusion": prepared, "bands": split, "write": written},
+        "seconds": {"read": read, "diffusion": prepare, "bands": split, "write": write},
         "peak_memory_bytes": peak_memory(),
     });
     print(global, &text, &json)
 }
 
-/// The arrays points, scaling, wavelet, steps and sigma.
-fn write_npz(
-    global: &Global<'_>,
-    path: &Path,
-    input: &Input,
-    signal: &Signal,
-    bands: &Bands,
-) -> Result<(), CliError> {
-    let made = provenance(global)?.to_json();
+/// Writes the arrays points, scaling, wavelet, steps and sigma.
+fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands) -> Result<(), CliError> {
+    let provenance = provenance(global)?.to_json();
     let (n, d, levels) = (bands.n_vertices, bands.n_channels, bands.n_levels());
-    let scaling = all_scaling(signal, bands);
+    let scaling = all_scaling(&job.signal, bands);
     let wavelet = &bands.as_slice()[..levels * n * d];
     let (scaling_shape, wavelet_shape) = ([levels + 1, n, d], [levels, n, d]);
     let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
@@ -151,15 +204,15 @@ fn write_npz(
         ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
         ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
     ];
-    if let Some(points) = input.shape.points() {
+    if let Some(points) = job.input.shape.points() {
         arrays.push(("points", &points_shape, ArrayValues::F64(points.as_flattened())));
     }
-    arrays.push(("provenance", &[], ArrayValues::Text(&made)));
-    adwave_io::write_npz(path, &arrays, Compression::Stored).map_err(write_error)
+    arrays.push(("provenance", &[], ArrayValues::Text(&provenance)));
+    write_file_with(global, path, |path| adwave_io::write_npz(path, &arrays, Compression::Stored))
 }
 
-/// The fields W1 … WJ and SJ without the shape.
-fn write_gifti(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
+/// Writes the fields W1 … WJ and SJ without the shape.
+fn write_gifti(global: &Global<'_>, path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError> {
     let n_levels = bands.n_levels();
     let name = |j: usize| if j < n_levels { format!("W{}", j + 1) } else { format!("S{n_levels}") };
     let size = bands.n_vertices * bands.n_channels;
@@ -167,21 +220,15 @@ fn write_gifti(path: &Path, input: &Input, bands: &Bands) -> Result<(), CliError
         Field::new(name(j), bands.n_channels, FieldValues::F64(values.to_vec()))
     };
     let fields: Vec<Field> = bands.as_slice().chunks_exact(size).enumerate().map(field).collect();
-    FieldFile::Gifti.write(path, &fields, input.file.structure())
+    ValuesFile::Gifti.write(global, path, &fields, &input.file)
 }
 
-/// The shape with the fields S0 … SJ and W1 … WJ.
-fn write_fields(
-    global: &Global<'_>,
-    path: &Path,
-    input: &Input,
-    signal: &Signal,
-    bands: &Bands,
-) -> Result<(), CliError> {
-    let mut file = fresh(&input.file, path);
+/// Writes the shape with the fields S0 … SJ and W1 … WJ.
+fn write_fields(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands) -> Result<(), CliError> {
+    let mut file = clone_for_output(&job.input.file, path);
     let field =
         |name: String, values: &[f64]| Field::new(name, bands.n_channels, FieldValues::F64(values.to_vec()));
-    for (j, level) in all_scaling(signal, bands).chunks_exact(signal.values.len()).enumerate() {
+    for (j, level) in all_scaling(&job.signal, bands).chunks_exact(job.signal.values.len()).enumerate() {
         file.add_vertex_field(field(format!("S{j}"), level))?;
     }
     for (j, level) in bands.wavelets().enumerate() {
@@ -190,25 +237,9 @@ fn write_fields(
     write_shape(global, &file, path).map(|_| ())
 }
 
-/// S_f(0) … S_f(J), S_f(0) being the signal itself.
+/// S_f(0) … S_f(J), where S_f(0) is the signal itself.
 fn all_scaling(signal: &Signal, bands: &Bands) -> Vec<f64> {
     let mut scaling = bands.all_scaling();
     scaling[..signal.values.len()].copy_from_slice(&signal.values);
     scaling
-}
-
-/// A copy of a shape that further fields can be added to, for a file of that name.
-pub(crate) fn fresh(file: &ShapeFile, path: &Path) -> ShapeFile {
-    let mut file = file.clone();
-    forget_original(&mut file, path);
-    file
-}
-
-/// Frees the bytes that a shape was read from before long work, but for a scan that becomes one again: its coordinate system and
-/// the like are nowhere else.
-pub(crate) fn forget_original(file: &mut ShapeFile, path: &Path) {
-    let is_scan = |format: Option<Format>| matches!(format, Some(Format::LAS | Format::LAZ | Format::EPT));
-    if !(is_scan(file.format()) && is_scan(Format::from_path(path))) {
-        file.forget_original();
-    }
 }

@@ -1,6 +1,5 @@
 //! Atomic replacement of files: a reader sees either the old bytes or the new ones, never a part.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -15,13 +14,13 @@ use crate::WriteError;
 /// Temporary files that exist now.
 static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+pub(crate) fn with_temporaries<T>(change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     change(&mut TEMPORARIES.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
 }
 
 /// Prefix and suffix of the names of temporary files.
-const PREFIX: &str = ".adwave-";
-const SUFFIX: &str = ".tmp";
+pub(crate) const PREFIX: &str = ".adwave-";
+pub(crate) const SUFFIX: &str = ".tmp";
 
 /// Deletes the temporary files of all writes in progress. A program calls it when it ends before they are complete,
 /// for instance in its Ctrl-C handler; those writes then fail, and the files that they would replace stay unchanged.
@@ -42,7 +41,7 @@ pub fn remove_temporaries() {
 }
 
 fn remove(path: PathBuf) {
-    let _ = fs::remove_file(path);
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
 }
 
 /// Entry of [`TEMPORARIES`], removed when the file is renamed or deleted.
@@ -132,10 +131,24 @@ fn replace<T>(
         out.flush()?;
         return Ok(result);
     }
-    let mut pending = PendingFile::create_temporary(path, target, old)?;
+    let mut pending = PendingFile::create_temporary(target, old)?;
     let result = write(&mut pending.out)?;
     pending.finish(progress)?;
     Ok(result)
+}
+
+/// Folder of a file that is to be made or replaced; an error if it is missing, or if the file may not be written.
+pub(crate) fn check_replaceable(target: &Path, exists: bool) -> Result<&Path, WriteError> {
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(WriteError::NoFolder { folder: folder.display().to_string() });
+    }
+    clear(folder);
+    // A file without write permission is not replaced either, though a rename could do so.
+    if exists {
+        OpenOptions::new().write(true).open(target)?;
+    }
+    Ok(folder)
 }
 
 /// File that is written beside the one it will replace; dropping it before [`finish`](Self::finish) deletes it.
@@ -143,8 +156,6 @@ pub(crate) struct PendingFile {
     pub(crate) out: BufWriter<File>,
     temporary: tempfile::TempPath,
     target: PathBuf,
-    /// Name given by the user.
-    named: PathBuf,
     /// Metadata of the file to be replaced.
     old: Option<fs::Metadata>,
     listed: Option<TemporaryEntry>,
@@ -161,19 +172,11 @@ impl PendingFile {
             )
             .into());
         }
-        Self::create_temporary(path, target, old)
+        Self::create_temporary(target, old)
     }
 
-    fn create_temporary(path: &Path, target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
-        let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        if !folder.is_dir() {
-            return Err(WriteError::NoFolder { folder: folder.display().to_string() });
-        }
-        clear(folder);
-        // A file without write permission is not replaced either, though a rename could do so.
-        if old.is_some() {
-            OpenOptions::new().write(true).open(&target)?;
-        }
+    fn create_temporary(target: PathBuf, old: Option<fs::Metadata>) -> Result<Self, WriteError> {
+        let folder = check_replaceable(&target, old.is_some())?;
         let mut listed = None;
         let temporary = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |path| {
             // Listed before it is created, so that none is missed, and with the default permissions of a new file.
@@ -185,7 +188,7 @@ impl PendingFile {
         })?;
         let (file, temporary) = temporary.into_parts();
         let out = BufWriter::with_capacity(1 << 18, file);
-        Ok(Self { out, temporary, target, named: path.to_path_buf(), old, listed })
+        Ok(Self { out, temporary, target, old, listed })
     }
 
     /// Flushes the file to the disk and renames it to its final name.
@@ -197,76 +200,10 @@ impl PendingFile {
             file.set_permissions(old.permissions())?;
         }
         flush_to_disk(file, progress)?;
-        let (temporary, target, named) = (self.temporary, self.target, self.named);
-        let written = CompletedFile { temporary, target, named, _listed: self.listed };
-        let waits = TOGETHER.with_borrow_mut(|together| match together {
-            Some(waiting) => {
-                waiting.push(written);
-                None
-            }
-            None => Some(written),
-        });
-        waits.map_or(Ok(()), CompletedFile::put_in_place)
+        self.temporary.persist(&self.target).map_err(|e| e.error)?;
+        drop(self.listed);
+        Ok(())
     }
-}
-
-/// File that is complete and on the disk, but not renamed yet.
-struct CompletedFile {
-    temporary: tempfile::TempPath,
-    target: PathBuf,
-    /// Name given by the user.
-    named: PathBuf,
-    _listed: Option<TemporaryEntry>,
-}
-
-impl CompletedFile {
-    fn put_in_place(self) -> Result<(), WriteError> {
-        Ok(self.temporary.persist(&self.target).map_err(|e| e.error)?)
-    }
-}
-
-thread_local! {
-    /// Files waiting for the last one while [`write_together`] runs; `None` otherwise.
-    static TOGETHER: RefCell<Option<Vec<CompletedFile>>> = const { RefCell::new(None) };
-}
-
-/// Renames the files that `work` writes on this thread only after all of them are complete. If one fails (on a full
-/// disk, say), every old file is unchanged and no new one exists. Within `work` a written file cannot be read yet.
-///
-/// ```
-/// use adwave_io::{WriteError, atomic_write, write_together};
-/// let folder = tempfile::tempdir().unwrap();
-/// let path = folder.path().join("a.txt");
-/// let failed: Result<(), WriteError> = write_together(|| {
-///     atomic_write(&path, |w| Ok(w.write_all(b"whole")?))?;
-///     atomic_write(&folder.path().join("missing/b.txt"), |w| Ok(w.write_all(b"whole")?))
-/// });
-/// assert!(failed.is_err() && !path.exists());
-/// ```
-///
-/// # Errors
-/// The errors of `work`, and a file that cannot be renamed; the files before it have been replaced then.
-pub fn write_together<T, E: From<WriteError>>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
-    /// Drops the waiting files even if `work` panics.
-    struct WaitingFiles;
-    impl Drop for WaitingFiles {
-        fn drop(&mut self) {
-            TOGETHER.set(None);
-        }
-    }
-    if TOGETHER.with_borrow(Option::is_some) {
-        return work();
-    }
-    TOGETHER.set(Some(Vec::new()));
-    let waiting = WaitingFiles;
-    let result = work()?;
-    let files = TOGETHER.take().unwrap_or_default();
-    drop(waiting);
-    for file in files {
-        let named = file.named.clone();
-        file.put_in_place().map_err(|e| e.in_file(&named))?;
-    }
-    Ok(result)
 }
 
 /// Age at which temporary files of a killed run are deleted.
@@ -282,17 +219,16 @@ fn clear(folder: &Path) {
         let name = entry.file_name();
         let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes())
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes());
-        let age = || entry.metadata().ok().filter(fs::Metadata::is_file)?.modified().ok()?.elapsed().ok();
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
         if is_ours && age().is_some_and(|age| age > LEFT_OVER) {
-            // Missing permission to delete is harmless.
-            let _ = fs::remove_file(entry.path());
+            remove(entry.path());
         }
     }
 }
 
 /// Keeps the owner of a file that root replaces.
 #[cfg(unix)]
-fn keep_owner(file: &File, old: &fs::Metadata) {
+pub(crate) fn keep_owner(file: &File, old: &fs::Metadata) {
     use std::os::unix::fs::{MetadataExt, fchown};
     let is_other = file.metadata().is_ok_and(|new| (new.uid(), new.gid()) != (old.uid(), old.gid()));
     if is_other {
@@ -302,10 +238,10 @@ fn keep_owner(file: &File, old: &fs::Metadata) {
 }
 
 #[cfg(not(unix))]
-fn keep_owner(_: &File, _: &fs::Metadata) {}
+pub(crate) fn keep_owner(_: &File, _: &fs::Metadata) {}
 
 /// Target of a chain of symbolic links; it need not exist.
-fn resolve(path: &Path) -> io::Result<PathBuf> {
+pub(crate) fn resolve(path: &Path) -> io::Result<PathBuf> {
     const MAX_LINKS: usize = 40;
     let mut target = path.to_path_buf();
     for _ in 0..MAX_LINKS {

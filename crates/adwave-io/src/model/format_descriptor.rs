@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use adwave::vector::Axis;
+
 use crate::model::context::{ReadContext, WriteContext};
 use crate::model::file_head::FileHead;
 use crate::model::texture::TextureFn;
@@ -104,6 +106,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) holds_fields: bool,
     /// Coordinates are always written as 32-bit floats.
     pub(crate) is_single_precision: bool,
+    /// Axis that points up in all files of the format, if they agree.
+    pub(crate) up_axis: Option<Axis>,
     pub(crate) provenance: ProvenanceRoom,
     /// Evidence that a file is of this format. Of two forms of an ending only the first is asked.
     pub(crate) recognize: fn(&FileHead<'_>) -> Option<Evidence>,
@@ -136,6 +140,7 @@ impl FormatDescriptor {
         loses: "",
         holds_fields: false,
         is_single_precision: false,
+        up_axis: None,
         provenance: ProvenanceRoom::None,
         recognize: |_| None,
         name_foreign: |_| None,

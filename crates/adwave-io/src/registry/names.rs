@@ -1,5 +1,6 @@
 //! Formats by name and by file ending, and what messages and documents say of all of them.
 
+use adwave::vector::Axis;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -57,6 +58,12 @@ impl Format {
     /// Tells if it can be written.
     pub fn can_write(self) -> bool {
         !self.descriptor().writes.is_empty()
+    }
+
+    /// Axis that points up in files of this format, if all of them agree: z for the heights of LAS, LAZ and EPT, and for the
+    /// top of the head in the spaces of GIFTI and FreeSurfer.
+    pub fn up_axis(self) -> Option<Axis> {
+        self.descriptor().up_axis
     }
 
     /// Tells if a file of it has a shape together with any fields of its vertices, by their names.

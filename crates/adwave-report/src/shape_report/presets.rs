@@ -46,7 +46,7 @@ pub(super) fn section(
          up. A gain of 1 keeps a band, 0 removes it, more than 1 amplifies it. The rest S_J does not change.",
     );
     let edited: Vec<PresetResult> =
-        Preset::ALL.into_iter().map(|(name, preset)| apply_preset(subject, name, preset, volume)).collect();
+        Preset::ALL.iter().map(|&preset| apply_preset(subject, preset.name(), preset, volume)).collect();
     section.gallery(pictures(subject, studio, &edited));
     let summaries: Vec<PresetSummary> = edited.into_iter().map(|e| e.summary).collect();
     section.push(Block::Table(table(subject, &summaries)));

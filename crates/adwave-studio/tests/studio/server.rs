@@ -6,10 +6,8 @@ use adwave::filter::Edit;
 use adwave::positions::constrain_positions;
 use adwave::sample::Sample;
 use adwave::shape::Shape;
-use adwave::{Decomposer, Progress};
-use adwave_io::{
-    Levels, ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path,
-};
+use adwave::{Decomposer, LevelSpec, Progress};
+use adwave_io::{ReadLimits, ShapeFile, parse_recipe, read_path, region_field, write_bytes, write_path};
 use adwave_studio::StudioInput;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -36,7 +34,7 @@ fn replayed(path: &Path, recipe: &str) -> Vec<u8> {
     let recipe = parse_recipe(recipe).unwrap();
     let StudioInput { mut file, shape, .. } = opened(path);
     let decomposer = Decomposer::new(&shape);
-    let Levels::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
+    let LevelSpec::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
     let points = shape.points().unwrap();
     let schedule = Schedule::dyadic(n_levels).unwrap();
     let mut editor = decomposer.request(points.as_flattened(), 3, &schedule).editor().unwrap();

@@ -2,8 +2,10 @@
 
 mod border;
 mod creases;
+mod level_spec;
 mod request;
 
+pub use level_spec::{LevelSpec, LevelSpecError, ResolvedLevels};
 pub use request::BandsRequest;
 
 use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_EXTENT, Schedule, Transform, levels_reaching};

@@ -1,6 +1,7 @@
 //! Parameters of the denoiser, and information about its result.
 
 use super::DenoiseError;
+use crate::named_values;
 use serde::{Deserialize, Serialize};
 
 /// Treatment of creases, where the surface turns abruptly.
@@ -15,6 +16,12 @@ pub enum Creases {
     /// Creases are smoothed like everything else.
     None,
 }
+
+named_values!(Creases, "creases", {
+    Auto => "auto", "Kept or smoothed, whichever has the smaller estimated error";
+    Keep => "keep", "Kept sharp";
+    None => "none", "Smoothed like everything else";
+});
 
 /// Parameters of denoising. The defaults need no tuning.
 ///

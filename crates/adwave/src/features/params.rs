@@ -1,6 +1,7 @@
 //! Parameters of feature detection.
 
 use super::FeatureError;
+use crate::named_values;
 
 /// Default width of the last level as a share of the bounding box's diagonal: twice
 /// [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT), that is two levels more.
@@ -24,6 +25,13 @@ pub enum Response {
     /// `W_f(j,x) / σ_j`.
     Sigma,
 }
+
+named_values!(Response, "response", {
+    Normalized => "normalized", "Each level divided by its own mean";
+    Literal => "literal", "W itself, as printed in the paper; finds the size of bumps of a scalar";
+    Channels => "channels", "Every channel on its own";
+    Sigma => "sigma", "W divided by σ of its level";
+});
 
 /// Set of vertices over which the threshold takes its mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,13 +1,16 @@
 //! Space-frequency filters (eq. 18): keep, remove, attenuate or amplify each band, everywhere or by region.
 
 mod apply;
+mod keep_volume;
 mod layers;
 
 pub(crate) use apply::FilterInput;
 pub use apply::filter_bands;
+pub use keep_volume::{KeepVolume, KeepVolumeError};
 pub(crate) use layers::LayerSlot;
 pub use layers::WeightedLayer;
 
+use crate::named_values;
 use crate::region::{FieldLookup, Region, RegionError, parse_region};
 use crate::{ClassifiedError, ErrorKind};
 use serde::de::Error as _;
@@ -33,16 +36,15 @@ pub enum Preset {
     Band2,
 }
 
-impl Preset {
-    /// All presets with their names on a command line and in a recipe.
-    pub const ALL: [(&'static str, Self); 5] = [
-        ("suppress", Self::Suppress),
-        ("suppress-paper", Self::SuppressPaper),
-        ("enhance", Self::Enhance),
-        ("band1", Self::Band1),
-        ("band2", Self::Band2),
-    ];
+named_values!(Preset, "preset", {
+    Suppress => "suppress" | "smooth", "Smooth, and keep limbs and volume: 1 − (1 − Φⁿ)²; 'smooth' is the same";
+    SuppressPaper => "suppress-paper", "Drop every band, as in the paper: thin parts shrink";
+    Enhance => "enhance", "Strengthen every band, fine ones most";
+    Band1 => "band1", "Keep the fine bands, drop the middle ones";
+    Band2 => "band2", "Drop the fine bands, strengthen the middle ones";
+});
 
+impl Preset {
     /// Gains g_1 … g_J for `n_levels` = J levels. The fine bands of `Band1` and `Band2` are the finest third.
     ///
     /// ```

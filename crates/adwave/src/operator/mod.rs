@@ -13,8 +13,10 @@ pub(crate) use guided::{Sites, site_diffusion, typical_square};
 pub use local::{LocalOperator, local_operator, local_operator_of_neighbors};
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 
+use crate::named_values;
 use crate::shape::{CloudArea, MeshArea, WeldMode};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// Symmetry of the neighbor graph of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,13 +41,64 @@ pub enum OperatorKind {
     Surface,
 }
 
-impl OperatorKind {
-    /// Name of the kind: `walk` or `surface`.
-    pub fn name(self) -> &'static str {
+named_values!(OperatorKind, "operator", {
+    Walk => "walk", "Lazy random walk over the edges, as in the paper";
+    Surface => "surface", "Heat on the surface: widths that hardly depend on the mesh";
+});
+
+/// Task that decides which operator is used if none is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OperatorTask {
+    /// Levels are counted in steps.
+    StepLevels,
+    /// Levels are given by their widths, which should mean the same on every mesh.
+    WidthLevels,
+    /// Two shapes are compared, or their features are matched.
+    Comparison,
+}
+
+impl OperatorTask {
+    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk of the paper.
+    pub fn default_kind(self) -> OperatorKind {
         match self {
-            Self::Walk => "walk",
-            Self::Surface => "surface",
+            Self::StepLevels => OperatorKind::Walk,
+            Self::WidthLevels | Self::Comparison => OperatorKind::Surface,
         }
+    }
+}
+
+/// An option that applies to the walk, asked for together with the operator of the surface.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error(
+    "{option} is an option of the walk and has no effect on the surface operator; leave it out or choose the walk"
+)]
+pub struct WalkOptionError {
+    /// The option by its name at the caller's.
+    pub option: String,
+}
+
+/// The operator for a task: the one asked for; else the walk if `walk_option` names an option that only the walk has; else `default`.
+///
+/// ```
+/// use adwave::operator::{OperatorKind, OperatorTask, choose_operator};
+/// let default = OperatorTask::WidthLevels.default_kind();
+/// assert_eq!(choose_operator(None, default, None), Ok(OperatorKind::Surface));
+/// assert_eq!(choose_operator(None, default, Some("rings")), Ok(OperatorKind::Walk));
+/// assert!(choose_operator(Some(OperatorKind::Surface), default, Some("rings")).is_err());
+/// ```
+///
+/// # Errors
+/// [`WalkOptionError`] if the operator of the surface is asked for together with an option of the walk.
+pub fn choose_operator(
+    asked: Option<OperatorKind>,
+    default: OperatorKind,
+    walk_option: Option<&str>,
+) -> Result<OperatorKind, WalkOptionError> {
+    match (asked, walk_option) {
+        (Some(OperatorKind::Surface), Some(option)) => Err(WalkOptionError { option: option.to_owned() }),
+        (Some(kind), _) => Ok(kind),
+        (None, Some(_)) => Ok(OperatorKind::Walk),
+        (None, None) => Ok(default),
     }
 }
 

@@ -11,7 +11,7 @@ mod params;
 
 pub use drawn::saliency_f32;
 pub use height::with_height;
-pub use params::{SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
+pub use params::{MapWeighting, SALIENCY_EXTENT, SaliencyParams, Sign, Weighting};
 
 use crate::bands::Wavelets;
 use crate::population::Population;

@@ -1,6 +1,8 @@
 //! Parameters of saliency: levels, weights and sign.
 
 use super::SaliencyError;
+use crate::bands::DEFAULT_EXTENT;
+use crate::named_values;
 
 /// Default width of the last level of the signed map, as a share of the diagonal.
 pub const SALIENCY_EXTENT: f64 = 0.16;
@@ -37,6 +39,53 @@ pub enum Sign {
     Signed,
     /// |W_f(j)|: bumps and dents alike, as in the paper.
     Unsigned,
+}
+
+/// Weighting of the levels of a map by its name; all but `signed` give a map without a sign.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MapWeighting {
+    /// [`Weighting::Entropy`] with the sign, over all levels.
+    #[default]
+    Signed,
+    /// [`Weighting::PerLevel`] without the two finest levels.
+    Paper,
+    /// [`Weighting::AsPrinted`] without the two finest levels.
+    Printed,
+    /// [`Weighting::Normalized`] without the two finest levels.
+    Normalized,
+    /// [`Weighting::Ranks`] without the two finest levels.
+    Ranks,
+    /// [`Weighting::Uniform`] without the two finest levels.
+    None,
+}
+
+named_values!(MapWeighting, "weighting", {
+    Signed => "signed", "1/mean, times how unevenly the level is spread, with the sign: of coordinates + where the shape is convex";
+    Paper => "paper" | "level", "(max − mean)², one number per level";
+    Printed => "printed", "(max − |W|)² at each vertex, as eq. 17 is printed";
+    Normalized => "normalized", "1/mean, so that every level counts alike";
+    Ranks => "ranks", "Ranks instead of values";
+    None => "none", "1 for every level";
+});
+
+impl MapWeighting {
+    /// The parameters of a map that is weighted so. `sign` matters for [`Signed`](Self::Signed) only.
+    pub fn params(self, sign: Sign) -> SaliencyParams {
+        let weighting = match self {
+            Self::Signed => return SaliencyParams::default().with_sign(sign),
+            Self::Paper => Weighting::PerLevel,
+            Self::Printed => Weighting::AsPrinted,
+            Self::Normalized => Weighting::Normalized,
+            Self::Ranks => Weighting::Ranks,
+            Self::None => Weighting::Uniform,
+        };
+        SaliencyParams::paper().with_weighting(weighting)
+    }
+
+    /// Share of the diagonal that the last level reaches if no number of levels is asked for.
+    pub fn extent(self) -> f64 {
+        if self == Self::Signed { SALIENCY_EXTENT } else { DEFAULT_EXTENT }
+    }
 }
 
 /// Parameters of a saliency map.

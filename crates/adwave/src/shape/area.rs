@@ -2,6 +2,7 @@
 
 use super::adjacency::triangles_at_vertices;
 use super::{Adjacency, Neighborhoods, distance, squared_distance};
+use crate::named_values;
 use crate::parallel::{self, expect_not_cancelled};
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress};
@@ -18,6 +19,11 @@ pub enum MeshArea {
     MixedVoronoi,
 }
 
+named_values!(MeshArea, "mesh area", {
+    Barycentric => "barycentric", "A third of the area of the triangles at the vertex";
+    MixedVoronoi => "mixed-voronoi", "The Voronoi cell within the triangles";
+});
+
 /// Definition of the area of a point of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CloudArea {
@@ -29,6 +35,12 @@ pub enum CloudArea {
     /// The Voronoi cell in the best-fitting plane of the neighborhood, within the disc of radius `r_k`.
     TangentVoronoi,
 }
+
+named_values!(CloudArea, "cloud area", {
+    KthNeighbor => "kth-neighbor", "The disc up to the k-th nearest neighbor, divided by k";
+    Unit => "unit", "1 for every point";
+    TangentVoronoi => "tangent-voronoi", "The Voronoi cell in the tangent plane";
+});
 
 /// Area of a triangle.
 pub(crate) fn triangle_area(a: &[f64; 3], b: &[f64; 3], c: &[f64; 3]) -> f64 {

@@ -360,7 +360,7 @@ impl<'a> Fast<'a> {
 
 /// The gains of a preset, by its name.
 pub(crate) fn preset(name: &str, n_levels: usize) -> Vec<f64> {
-    Preset::ALL.iter().find(|(other, _)| *other == name).unwrap().1.gains(n_levels)
+    name.parse::<Preset>().unwrap().gains(n_levels)
 }
 
 fn accurate() -> BandsParams {

@@ -1,13 +1,14 @@
-//! From two versions of a shape to their difference at each vertex.
+//! Difference between two versions of a shape at each vertex.
 
 use super::DiffArgs;
 use super::args::ByArg;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{note, number};
-use crate::progress::with_progress;
-use crate::shape_input::Input;
-use crate::signal::file_normals;
+use crate::output::progress::with_progress;
+use crate::output::{count, note, number};
+use crate::resolve::operator::prepare;
+use crate::resolve::shape::Input;
+use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
@@ -19,25 +20,25 @@ use adwave_register::{
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
 
-/// A fit whose median distance is beyond this share of the diagonal is begun anew from features.
+/// Median distance of a fit, as a share of the diagonal, beyond which the fit starts again from features.
 const POOR: f64 = 0.005;
-/// The same where fewer points have a closest point off the border.
+/// Share of points with a closest point off the border below which the fit starts again from features.
 const LEAST_OVERLAP: f64 = 0.3;
 
-/// The difference at the vertices of the first shape, in its order; NaN where there is none.
+/// Difference at the vertices of the first shape, in its order; NaN where there is none.
 pub(super) struct Difference {
     /// 3 for vectors from vertex to vertex, 1 for signed distances.
     pub(super) n_channels: usize,
     pub(super) values: Vec<f64>,
-    /// How the two were compared, in sentences.
+    /// Sentences on how the two were compared.
     pub(super) how: Vec<String>,
     pub(super) facts: Vec<Fact>,
     pub(super) json: Value,
-    /// What the second shape was moved by.
+    /// Motion of the second shape.
     pub(super) motion: Option<Motion>,
 }
 
-/// The difference; `second` is moved to where it is compared.
+/// Difference of two shapes; `second` is moved if --align asks for it.
 pub(super) fn difference(
     args: &DiffArgs,
     first: &Input,
@@ -47,10 +48,7 @@ pub(super) fn difference(
 ) -> Result<Difference, CliError> {
     for input in [first, &*second] {
         if input.shape.points().is_none_or(<[_]>::is_empty) {
-            return Err(CliError::Input(format!(
-                "{}: it has no positions that could be compared",
-                input.name
-            )));
+            return Err(CliError::Input(format!("{}: the shape has no positions to compare", input.name)));
         }
     }
     let same =
@@ -60,7 +58,7 @@ pub(super) fn difference(
         ByArg::Vertex if first.shape.n_vertices() == second.shape.n_vertices() => true,
         ByArg::Vertex => {
             return Err(CliError::Input(format!(
-                "{} has {} vertices and {} has {}: they cannot be compared vertex by vertex; leave out --by",
+                "--by vertex needs equal numbers of vertices, but {} has {} and {} has {}; leave out --by",
                 first.name,
                 first.shape.n_vertices(),
                 second.name,
@@ -70,14 +68,14 @@ pub(super) fn difference(
         ByArg::Closest => false,
     };
     if by_vertex {
-        vectors(args, first, second, decomposer)
+        vertex_differences(args, first, second, decomposer)
     } else {
-        distances(args, first, second, decomposer, global)
+        closest_differences(args, first, second, decomposer, global)
     }
 }
 
-/// From vertex to vertex.
-fn vectors(
+/// Vectors from vertex to vertex.
+fn vertex_differences(
     args: &DiffArgs,
     first: &Input,
     second: &mut Input,
@@ -91,7 +89,10 @@ fn vectors(
     if args.align {
         let fitted = Motion::fit_robust(second.shape.points().unwrap_or_default(), points, &areas);
         let found = fitted.ok_or_else(|| {
-            CliError::Input("the points leave a rotation open: there is nothing to --align by".to_owned())
+            CliError::Input(
+                "--align needs points that fix a rotation, and these do not (too few, or on a line)"
+                    .to_owned(),
+            )
         })?;
         how.push(moved_sentence(&second.name, &found));
         move_shape(second, &found)?;
@@ -109,8 +110,8 @@ fn vectors(
     Ok(Difference { n_channels: 3, values, how, facts, json, motion })
 }
 
-/// To the closest points.
-fn distances(
+/// Signed distances to the closest points.
+fn closest_differences(
     args: &DiffArgs,
     first: &Input,
     second: &mut Input,
@@ -131,11 +132,11 @@ fn distances(
         move_shape(second, &found)?;
         motion = Some(found);
     }
-    let geometry = prepared(&second.shape, global)?;
+    let geometry = prepare_geometry(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
     let normals = file_normals(&first.file);
     let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
-        .map_err(|e| CliError::classified(&e))?;
+        .map_err(|e| CliError::classify(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
     let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
         with_progress(global, "measuring", |progress| {
@@ -151,9 +152,9 @@ fn distances(
         first.name,
         second.name,
         if outward.info.has_outside() {
-            "above 0 where that lies outside"
+            "positive where that lies outside"
         } else {
-            "without a sign, as neither side is outside"
+            "without a sign, since neither side is outside"
         }
     ));
     let magnitude = |values: &[f64]| values.iter().map(|v| v.abs()).collect();
@@ -161,7 +162,7 @@ fn distances(
     let values = decomposer.geometry().vertex_map().scatter(&values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
-            "no vertex of {} has a closest point on {} (off its borders, within the limit); try --align",
+            "no vertex of {} has a closest point on {} off its borders and within the limit; try --align",
             first.name, second.name
         )));
     }
@@ -176,7 +177,7 @@ fn distances(
     Ok(Difference { n_channels: 1, values, how, facts, json, motion })
 }
 
-/// What is said of signed distances.
+/// Facts on signed distances.
 fn closest_facts(
     [first, second]: [&str; 2],
     summary: &Summary,
@@ -187,7 +188,7 @@ fn closest_facts(
         fact("rms", number(summary.rms), "root mean square by area"),
         fact("mean", number(summary.mean), "by area"),
         fact("greatest", number(summary.greatest), &format!("at vertex {}", summary.vertex)),
-        fact("way back", number(greatest_back), &format!("the greatest distance from {second} to {first}")),
+        fact("reverse", number(greatest_back), &format!("greatest distance from {second} to {first}")),
     ];
     let without = there.n_beyond_border + there.n_too_far;
     if without > 0 {
@@ -195,7 +196,11 @@ fn closest_facts(
             "{} lie beyond a border of {second}, {} beyond the limit",
             there.n_beyond_border, there.n_too_far
         );
-        facts.push(fact("no value", format!("{without} of {} vertices", there.values.len()), &meaning));
+        facts.push(fact(
+            "no value",
+            format!("{without} of {}", count(there.values.len(), "vertex", "vertices")),
+            &meaning,
+        ));
     }
     facts
 }
@@ -206,64 +211,65 @@ fn fact(name: &str, value: String, meaning: &str) -> Fact {
 
 fn moved_sentence(name: &str, motion: &Motion) -> String {
     format!(
-        "{name} was turned by {:.3}° and moved by ({}) to fit.",
+        "{name} was rotated by {:.3}° and translated by ({}) to fit.",
         motion.degrees(),
         motion.translation().map(number).join(", ")
     )
 }
 
-fn prepared(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeometry, CliError> {
+fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeometry, CliError> {
     PreparedGeometry::new(shape, WeldMode::EqualPositions, global.progress()).map_err(|_| CliError::Cancelled)
 }
 
 fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
-    Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: it has no points")))
+    Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 
-/// The motion that brings the second shape to the first: from where it is, or from features where that leads nowhere.
+/// Motion that aligns the second shape with the first, starting from where it is, or from features if that fit is poor.
 fn fit(
     first: &Input,
     second: &Input,
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<(Motion, AlignInfo), CliError> {
-    let (geometry, target) = (prepared(&second.shape, global)?, surface(decomposer.geometry(), &first.name)?);
+    let (geometry, target) =
+        (prepare_geometry(&second.shape, global)?, surface(decomposer.geometry(), &first.name)?);
     let from = |start: Motion| {
         with_progress(global, "fitting", |progress| {
             align(geometry.points(), &target, start, &AlignParams::default(), progress)
         })
         .map_err(|_| CliError::Cancelled)
     };
-    let straight = from(Motion::default())?;
+    let direct = from(Motion::default())?;
     let is_poor = |info: &AlignInfo| {
         info.median.is_nan() || info.median > POOR * decomposer.diagonal() || info.overlap < LEAST_OVERLAP
     };
-    if !is_poor(&straight.1) {
-        return Ok(straight);
+    if !is_poor(&direct.1) {
+        return Ok(direct);
     }
-    let Some(start) = by_features(first, second, decomposer, global)? else { return Ok(straight) };
+    let Some(start) = motion_from_features(first, second, decomposer, global)? else { return Ok(direct) };
     let fitted = from(start)?;
-    let is_better = straight.1.median.is_nan() || fitted.1.median < straight.1.median;
-    Ok(if is_better { fitted } else { straight })
+    let is_better = direct.1.median.is_nan() || fitted.1.median < direct.1.median;
+    Ok(if is_better { fitted } else { direct })
 }
 
-/// The motion that features of the second and the first shape agree on.
-fn by_features(
+/// Motion that the features of both shapes agree on.
+fn motion_from_features(
     first: &Input,
     second: &Input,
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Option<Motion>, CliError> {
     let params: &OperatorParams = decomposer.operator_params();
-    let other = crate::progress::prepare(global, &second.shape, params)?;
+    let other = prepare(global, &second.shape, params)?;
     let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
-    let of = |input: &Input, decomposer: &Decomposer| {
+    let features_of = |input: &Input, decomposer: &Decomposer| {
         with_progress(global, "finding features", |progress| {
             describe_shape(decomposer, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
         })
-        .map_err(|e| CliError::classified(&e))
+        .map_err(|e| CliError::classify(&e))
     };
-    let (a, b) = (of(second, &other)?, of(first, decomposer)?);
+    let (a, b) = (features_of(second, &other)?, features_of(first, decomposer)?);
     let found = with_progress(global, "matching", |progress| {
         consensus(&a, &b, &ConsensusParams::default(), progress)
     })
@@ -271,7 +277,7 @@ fn by_features(
     Ok(found.filter(Consensus::is_clear).map(|found| found.motion))
 }
 
-/// Moves a shape, in its file too.
+/// Moves the points of a shape.
 fn move_shape(input: &mut Input, motion: &Motion) -> Result<(), CliError> {
     let points: Vec<[f64; 3]> =
         input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();

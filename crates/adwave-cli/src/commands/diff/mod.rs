@@ -1,25 +1,27 @@
-//! `adwave diff`: what differs between two versions of a shape, and at which scale.
+//! `adwave diff`: the difference between two versions of a shape, scale by scale.
 
 mod args;
 mod distances;
 
 use crate::args::ShapeArgs;
-use crate::commands::transform::fresh;
 use crate::error::CliError;
-use crate::field_file::no_fields;
 use crate::global::Global;
+use crate::output::progress::with_progress;
+use crate::output::values_file::unsuitable_format;
 use crate::output::{
-    bands_params, check_levels, check_writable, command_line, fwhm_json, fwhm_text, number, percent_of,
-    print, schedule_reaching, steps_json, table, write_error, write_shape,
+    check_writable, clone_for_output, command_line, fwhm_json, fwhm_text, has_extension, number, percent_of,
+    print, steps_json, table, write_file, write_shape,
 };
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::{Input, load};
-use crate::signal::{Signal, Values, file_normals, mask};
-use crate::up::Upward;
+use crate::resolve::levels::{check_levels, resolve_spec};
+use crate::resolve::operator::{mask_missing, operator_for_task, prepare};
+use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::signal::{Signal, SignalValues, file_normals};
+use crate::resolve::up::UpAxis;
 use adwave::bands::Bands;
+use adwave::operator::OperatorTask;
 use adwave::saliency::SALIENCY_EXTENT;
 use adwave::{BandsRequest, Decomposer};
-use adwave_io::{Field, FieldValues, Format, atomic_write};
+use adwave_io::{Field, FieldValues, Format};
 use adwave_register::Summary;
 use adwave_report::difference_report::{Versions, difference_report};
 use adwave_report::page::Fact;
@@ -35,37 +37,37 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     if let Some(path) = &args.output {
         check_writable(path)?;
     }
-    let params = bands_params(&args.levels)?;
-    check_levels(&args.levels)?;
-    let (first, mut second) = with_spinner(global, "reading", || {
-        let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
-        Ok::<_, CliError>((load(&args.shape, global)?, load(&other, global)?))
-    })?;
-    let decomposer = prepare(global, &first.shape, &args.shape.over_meshes().operator()?)?;
+    let params = check_levels(&args.levels)?;
+    let first = load_shape(&args.shape, global)?;
+    let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
+    let mut second = load_shape(&other, global)?;
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::Comparison)?;
+    let decomposer = prepare(global, &first.shape, &operator)?;
     let found = difference(args, &first, &mut second, &decomposer, global)?;
-    let signal = Signal { n_channels: found.n_channels, values: Values::Other(found.values.clone()) };
-    let decomposer = mask(decomposer, &signal, DIFFERENCE, global)?;
-    let (schedule, why) = schedule_reaching(SALIENCY_EXTENT, &args.levels, &decomposer, global)?;
+    let signal = Signal { n_channels: found.n_channels, values: SignalValues::Other(found.values.clone()) };
+    let decomposer = mask_missing(decomposer, &signal, DIFFERENCE, global)?;
+    let levels = resolve_spec(&args.levels.to_spec(), SALIENCY_EXTENT, &decomposer, global)?;
     let bands = with_progress(global, "splitting", |progress| {
-        let request: BandsRequest<'_> = decomposer.request(&signal.values, signal.n_channels, &schedule);
+        let request: BandsRequest<'_> =
+            decomposer.request(&signal.values, signal.n_channels, &levels.schedule);
         request.params(&params).progress(progress).bands()
     })?;
-    let compared = Compared {
+    let comparison = VersionComparison {
         args,
         first: &first,
         second: &second,
         decomposer: &decomposer,
         found: &found,
         bands: &bands,
-        why: &why,
+        levels_reason: &levels.reason,
     };
-    let summaries = band_summaries(&compared.subject(""));
+    let summaries = band_summaries(&comparison.subject(""));
     match (output, &args.output) {
-        (Some(OutputKind::Page), Some(path)) => compared.write_page(path, global)?,
-        (Some(OutputKind::Fields), Some(path)) => compared.write_fields(path, global)?,
+        (Some(OutputKind::Page), Some(path)) => comparison.write_page(path, global)?,
+        (Some(OutputKind::Fields), Some(path)) => comparison.write_fields(path, global)?,
         _ => {}
     }
-    print(global, &compared.text(&summaries), &compared.json(&summaries))
+    print(global, &comparison.text(&summaries), &comparison.json(&summaries))
 }
 
 #[derive(Clone, Copy)]
@@ -75,27 +77,25 @@ enum OutputKind {
 }
 
 fn output_kind(path: &Path) -> Result<OutputKind, CliError> {
-    let is_page =
-        path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
     match Format::from_path(path) {
-        _ if is_page => Ok(OutputKind::Page),
+        _ if has_extension(path, &["html", "htm"]) => Ok(OutputKind::Page),
         Some(format) if format.holds_fields() => Ok(OutputKind::Fields),
-        _ => Err(no_fields(path, "a difference is", &[".html"])),
+        _ => Err(unsuitable_format(path, "a difference is", &[".html"])),
     }
 }
 
-/// All that there is to say.
-struct Compared<'a> {
+/// Two versions of a shape, their difference, and its bands.
+struct VersionComparison<'a> {
     args: &'a DiffArgs,
     first: &'a Input,
     second: &'a Input,
     decomposer: &'a Decomposer,
     found: &'a Difference,
     bands: &'a Bands,
-    why: &'a str,
+    levels_reason: &'a str,
 }
 
-impl Compared<'_> {
+impl VersionComparison<'_> {
     fn subject<'s>(&'s self, command: &'s str) -> Subject<'s> {
         Subject {
             name: &self.first.name,
@@ -107,7 +107,7 @@ impl Compared<'_> {
             values: &self.found.values,
             normals: None,
             bands: self.bands,
-            levels_reason: self.why,
+            levels_reason: self.levels_reason,
             command,
             seconds: &[],
         }
@@ -122,7 +122,7 @@ impl Compared<'_> {
             let _ = writeln!(text, "  {:<12} {}{}", fact.name, fact.value, meaning(fact));
         }
         let diagonal = self.decomposer.diagonal();
-        let _ = writeln!(text, "\n{} (rms by area, model units)\n", self.why);
+        let _ = writeln!(text, "\n{} (rms by area, model units)\n", self.levels_reason);
         text += &table(
             ["level", "sigma", "FWHM", "% of diagonal", "rms of W", "largest |W|", "% of the bands"],
             summaries.iter().map(|b| {
@@ -141,7 +141,11 @@ impl Compared<'_> {
                 ]
             }),
         );
-        let _ = writeln!(text, "  what is wider still (S_J) has an rms of {}", number(self.rest()));
+        let _ = writeln!(
+            text,
+            "  the rest, wider than the last level (S_J), has an rms of {}",
+            number(self.rest())
+        );
         if let Some(path) = &self.args.output {
             let _ = writeln!(text, "{}", path.display());
         }
@@ -173,9 +177,9 @@ impl Compared<'_> {
         })
     }
 
-    /// SHAPE with the difference and its bands as fields.
+    /// Writes SHAPE with the difference and its bands as fields.
     fn write_fields(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
-        let mut file = fresh(&self.first.file, path);
+        let mut file = clone_for_output(&self.first.file, path);
         let n_levels = self.bands.n_levels();
         let levels = self.bands.wavelets().enumerate().map(|(j, level)| (format!("W{}", j + 1), level));
         let rest = (format!("S{n_levels}"), self.bands.coarsest());
@@ -188,8 +192,7 @@ impl Compared<'_> {
                 FieldValues::F64(values.to_vec()),
             ))?;
         }
-        with_spinner(global, "writing", || write_shape(global, &file, path))?;
-        Ok(())
+        write_shape(global, &file, path).map(|_| ())
     }
 
     fn write_page(&self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
@@ -202,13 +205,14 @@ impl Compared<'_> {
             facts: self.found.facts.clone(),
             how: self.found.how.clone(),
         };
-        let viewpoint = Viewpoint { view: Some(self.args.view), up: Upward::of(self.args.up, self.first).up };
+        let viewpoint =
+            Viewpoint { view: Some(self.args.view), up: UpAxis::choose(self.args.up, self.first).up };
         let report = with_progress(global, "drawing", |progress| {
             difference_report(&subject, &versions, viewpoint, progress)
         })
         .map_err(|_| CliError::Cancelled)?;
         let html = report.page.html();
-        atomic_write(path, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)
+        write_file(global, path, html.as_bytes())
     }
 }
 

@@ -1,16 +1,16 @@
 //! The arguments of `adwave evaluate`.
 
-use crate::args::{BorderArgs, DetectArgs, FieldArgs, LevelArgs, MapArgs, ShapeArgs};
+use crate::args::{BorderMaskArgs, DetectArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, number, seed};
 use adwave::measure::RepeatabilityParams;
 use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without --fixations: which share of the features is found again, level by level, after noise along the normals, rotation,
-scaling, four times the faces, and on other vertices with other triangles of the same surface; with --operator surface --response
-sigma most are, by the walk few. With --fixations: how well the saliency map, maps that are given, and the distance from the center
-agree with a field of fixations (seconds): area under the ROC curve, normalized scanpath saliency, correlation, and
-correlation without what both share with the distance from the center.
+Without --fixations the report gives the share of features that are found again, level by level, after noise along the normals,
+rotation, scaling, subdivision into four times the faces, and on other vertices and triangles of the same surface. With
+--operator surface --response sigma most features are found again; with the walk few are. With --fixations the report compares
+the saliency map, further maps, and the distance from the center with a field of fixations (seconds): area under the ROC
+curve, normalized scanpath saliency, correlation, and partial correlation given the distance from the center.
 
 Examples:
   adwave evaluate bunny.obj --percent 10,30,50
@@ -20,7 +20,7 @@ pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     #[command(flatten)]
-    pub(crate) field: FieldArgs,
+    pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
@@ -28,10 +28,11 @@ pub(crate) struct EvaluateArgs {
     #[command(flatten)]
     pub(crate) map: MapArgs,
     #[command(flatten)]
-    pub(crate) border: BorderArgs,
+    pub(crate) border: BorderMaskArgs,
     /// Standard deviations of the noise in % of the mean edge
     #[arg(
         long = "percent",
+        value_parser = number,
         value_name = "P,P,…",
         value_delimiter = ',',
         default_value = "10,20,30,40,50",
@@ -39,25 +40,26 @@ pub(crate) struct EvaluateArgs {
         help_heading = "Repeatability"
     )]
     pub(crate) percents: Vec<f64>,
-    /// How many times each random change is made
-    #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Repeatability")]
+    /// Number of times that each random change is made
+    #[arg(long, value_name = "N", value_parser = seed, default_value_t = 3, help_heading = "Repeatability")]
     pub(crate) runs: u64,
-    /// How far off a feature may be and still be found again, in its σ
-    #[arg(long, value_name = "S", default_value_t = RepeatabilityParams::default().sigmas, help_heading = "Repeatability")]
+    /// Largest distance between a feature and its counterpart, in its σ
+    #[arg(long, value_name = "S", value_parser = number, default_value_t = RepeatabilityParams::default().sigmas, help_heading = "Repeatability")]
     pub(crate) within: f64,
-    /// The field of fixations, in seconds, named as for --field
+    /// Field of fixations, in seconds, named as for --signal
     #[arg(long, alias = "against", value_name = "NAME", help_heading = "Agreement")]
     pub(crate) fixations: Option<String>,
-    /// A vertex was looked at when its fixation is above this
+    /// Fixation above which a vertex counts as looked at
     #[arg(
         long,
+        value_parser = number,
         value_name = "T",
         default_value_t = 0.0,
         allow_negative_numbers = true,
         help_heading = "Agreement"
     )]
     pub(crate) threshold: f64,
-    /// Further maps to compare, named as for --field
+    /// Further map to compare, named as for --signal; may be given several times
     #[arg(long = "map", value_name = "NAME", help_heading = "Agreement")]
     pub(crate) maps: Vec<String>,
 }

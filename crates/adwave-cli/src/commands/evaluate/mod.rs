@@ -1,15 +1,15 @@
-//! `adwave evaluate`: whether features are found again, and whether a map agrees with fixations of the eye.
+//! `adwave evaluate`: repeatability of features, and agreement of maps with eye fixations.
 
 mod args;
 
-use crate::analysis::Analysis;
+use super::analysis::{Analysis, AnalysisArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{bands_params, print, table};
-use crate::progress::prepare;
-use crate::shape_input::Input;
-use crate::signal;
-use adwave::bands::Schedule;
+use crate::output::{count, print, table};
+use crate::resolve::levels::{check_levels, rescale_levels};
+use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::shape::Input;
+use crate::resolve::signal::load_signal;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
@@ -23,18 +23,19 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
-    args.detect.params(&args.border).check().map_err(CliError::input)?;
-    args.map.params(&args.border).check().map_err(CliError::input)?;
-    let share = if args.fixations.is_some() { args.map.extent() } else { FEATURE_EXTENT };
-    let mut analysis = Analysis::new(&args.shape, &args.field, &args.levels, share, global)?;
+    args.detect.to_params(&args.border).check().map_err(CliError::input)?;
+    args.map.to_params(&args.border).check().map_err(CliError::input)?;
+    let extent = if args.fixations.is_some() { args.map.weighting.extent() } else { FEATURE_EXTENT };
+    let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels: &args.levels, extent };
+    let mut analysis = Analysis::new(what, global)?;
     match &args.fixations {
-        Some(fixations) => against(args, global, &mut analysis, fixations),
-        None => again(args, global, &mut analysis),
+        Some(fixations) => evaluate_agreement(args, global, &mut analysis, fixations),
+        None => evaluate_repeatability(args, global, &mut analysis),
     }
 }
 
 /// Agreement of maps with fixations.
-fn against(
+fn evaluate_agreement(
     args: &EvaluateArgs,
     global: &Global<'_>,
     analysis: &mut Analysis,
@@ -42,17 +43,17 @@ fn against(
 ) -> Result<(), CliError> {
     let found = analysis.saliency(&args.map, &args.border, global)?;
     let one_channel = |name: &str| {
-        let signal = signal::load(global, &analysis.input, name, None)?;
+        let signal = load_signal(global, &analysis.input, name, None)?;
         if signal.n_channels != 1 {
-            return Err(CliError::Input(format!("{name} has {} channels, not one", signal.n_channels)));
+            return Err(CliError::Input(format!("{name} must have one channel, got {}", signal.n_channels)));
         }
         Ok(signal.values.to_vec())
     };
     let fixations = one_channel(fixations)?;
     let sides = (found.sides(), found.sides_json());
-    let own = found.saliency.map;
+    let saliency_map = found.saliency.map;
     let control = analysis.input.shape.points().map(center_distance);
-    let mut maps = vec![(format!("saliency of {}", args.field.name()), own)];
+    let mut maps = vec![(format!("saliency of {}", args.signal.name()), saliency_map)];
     for name in &args.maps {
         maps.push((name.clone(), one_channel(name)?));
     }
@@ -66,9 +67,9 @@ fn against(
     if let Some(control) = &control {
         rows.push(("distance from the center".to_owned(), compare(control, None)?));
     }
-    let mut text = analysis.headline(args.field.name());
+    let mut text = analysis.headline(args.signal.name());
     text += &format!("{}\n", sides.0);
-    text += &format!("{} of {} vertices were looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
+    text += &format!("{} of {} vertices count as looked at\n\n", rows[0].1.n_positive, rows[0].1.n_vertices);
     text += &table(
         ["map", "AUC", "NSS", "correlation", "without center"],
         rows.iter().map(|(name, a)| {
@@ -89,15 +90,19 @@ fn against(
     print(global, &text, &json)
 }
 
-/// Repeatability under changes.
-fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<(), CliError> {
+/// Repeatability of features under changes of the shape.
+fn evaluate_repeatability(
+    args: &EvaluateArgs,
+    global: &Global<'_>,
+    analysis: &mut Analysis,
+) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
     let geometry = analysis.decomposer.geometry();
     let area = match geometry.triangles() {
         [] => analysis.decomposer.areas().iter().sum(),
         triangles => surface_area(geometry.points(), triangles),
     };
-    let mut rows: Vec<Again> = Vec::new();
+    let mut rows: Vec<Repetition> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));
     let kinds = percents.chain([("rotation".to_owned(), None)]);
     let mut changes: Vec<(String, Vec<Trial>)> = kinds
@@ -118,11 +123,11 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
             .push(("other vertices".to_owned(), (1..=args.runs.max(1)).map(Trial::OtherVertices).collect()));
     }
     for (name, changes) in changes {
-        let mut row = Again { name, levels: Vec::new(), n_right: 0, n_found: 0, by_chance: 0.0 };
+        let mut row = Repetition { name, levels: Vec::new(), n_right: 0, n_found: 0, by_chance: 0.0 };
         let n_runs = changes.len() as f64;
         for step in changes {
             global.progress().check().map_err(|_| CliError::Cancelled)?;
-            let changed = step.of(analysis, global)?;
+            let changed = step.apply(analysis, global)?;
             let found = find_again(args, global, analysis, &changed)?;
             let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
             let levels = repeatability(&reference, &found, &changed, &params);
@@ -140,7 +145,7 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
         }
         rows.push(row);
     }
-    let text = analysis.headline(args.field.name()) + "\n" + &repeatability_table(&reference, &rows);
+    let text = analysis.headline(args.signal.name()) + "\n" + &repeatability_table(&reference, &rows);
     let json = json!({
         "shape": analysis.input.name,
         "levels": analysis.schedule.n_levels(),
@@ -162,21 +167,22 @@ fn again(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> R
 /// One change of the shape.
 enum Trial {
     Change(Change),
-    /// As many other vertices on the same surface, and other triangles, by that seed.
+    /// Other vertices, as many, and other triangles of the same surface; with its seed.
     OtherVertices(u64),
 }
 
 impl Trial {
-    fn of(&self, analysis: &Analysis, global: &Global<'_>) -> Result<ChangedShape, CliError> {
+    /// The changed shape.
+    fn apply(&self, analysis: &Analysis, global: &Global<'_>) -> Result<ChangedShape, CliError> {
         let shape = &analysis.input.shape;
         match (self, shape) {
             (Self::Change(step), _) => change(shape, &analysis.decomposer, step).map_err(CliError::input),
             (Self::OtherVertices(seed), Shape::Mesh(mesh)) => {
                 let mesh =
-                    resample_mesh(mesh, *seed, global.progress()).map_err(|e| CliError::classified(&e))?;
+                    resample_mesh(mesh, *seed, global.progress()).map_err(|e| CliError::classify(&e))?;
                 Ok(ChangedShape::resampled(Shape::Mesh(mesh)))
             }
-            _ => Err(CliError::Input("only a mesh gets other vertices".to_owned())),
+            _ => Err(CliError::Input("only a mesh can get other vertices".to_owned())),
         }
     }
 }
@@ -185,8 +191,8 @@ fn level_json(l: &LevelRepeatability) -> Value {
     json!({"level": l.level, "features": l.n_reference, "found": l.n_found, "share": l.share()})
 }
 
-/// What became of the features under one kind of change, over all runs.
-struct Again {
+/// Features under one kind of change, over all runs.
+struct Repetition {
     name: String,
     levels: Vec<LevelRepeatability>,
     /// Features of the changed shapes that are one of the reference.
@@ -196,18 +202,18 @@ struct Again {
     by_chance: f64,
 }
 
-impl Again {
-    /// The share of the features of the changed shapes that are right; `None` without any.
+impl Repetition {
+    /// The share of the features of the changed shapes that are features of the reference; `None` if there are none.
     fn precision(&self) -> Option<f64> {
         (self.n_found > 0).then(|| self.n_right as f64 / self.n_found as f64)
     }
 }
 
-/// A row a change; a column a level, then all levels and those from 4 on, what chance gives, and the share that is right.
-fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
+/// A table with a row per change: a column per level, all levels, levels from 4 on, the share found by chance, and the precision.
+fn repeatability_table(reference: &[Feature], rows: &[Repetition]) -> String {
     let mut text = format!(
-        "{} features; share of them that is found again, by level; what chance finds again; share of what is found that is right\n\n",
-        reference.len()
+        "{}; columns: share found again by level, share found again by chance, share of the found ones that are right\n\n",
+        count(reference.len(), "feature", "features")
     );
     let levels: Vec<usize> =
         rows.first().map(|row| row.levels.iter().map(|l| l.level).collect()).unwrap_or_default();
@@ -225,7 +231,7 @@ fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
     text += &line("", &heads.collect::<Vec<_>>());
     let two_digits = |v: f64| if v.is_nan() { "-".to_owned() } else { format!("{v:.2}") };
     for row in rows {
-        let Again { name, levels, .. } = row;
+        let Repetition { name, levels, .. } = row;
         let beside = [row.by_chance, row.precision().unwrap_or(f64::NAN)].map(two_digits);
         let share = |from: usize| {
             let kept = levels.iter().filter(|l| l.level >= from);
@@ -240,10 +246,9 @@ fn repeatability_table(reference: &[Feature], rows: &[Again]) -> String {
 }
 
 fn find(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<Vec<Feature>, CliError> {
-    let params = args.detect.params(&args.border);
+    let params = args.detect.to_params(&args.border);
     let wavelets = analysis.wavelets(global, Some(params.response))?;
-    features(&analysis.decomposer, &wavelets, &params, global.progress())
-        .map_err(|e| CliError::classified(&e))
+    features(&analysis.decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classify(&e))
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -254,14 +259,15 @@ fn find_again(
     changed: &ChangedShape,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let decomposer = prepare(global, shape, &args.shape.operator_for(&args.levels)?)?;
+    let decomposer = prepare(global, shape, &operator_for_levels(&args.shape.operator, &args.levels)?)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
-    let is_own = ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
-        .contains(&args.field.name());
-    let (n_channels, values) = if is_own {
+    let is_surface_signal =
+        ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]
+            .contains(&args.signal.name());
+    let (n_channels, values) = if is_surface_signal {
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
         let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
-        let signal = signal::load(global, &input, args.field.name(), args.field.texture.as_deref())?;
+        let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {
         (analysis.signal.n_channels, analysis.signal.values.to_vec())
@@ -273,19 +279,12 @@ fn find_again(
         Some(flags) => decomposer.masked(&flags).map_err(CliError::input)?,
         None => decomposer,
     };
-    let step = changed.length_before(decomposer.diffusion().step_length());
-    let sigma = &analysis.sigma()[1..];
-    let dyadic = args.levels.steps.is_none() && !args.levels.by_width() && args.levels.voices.is_none();
-    let schedule = if dyadic {
-        let octaves = 2.0 * (sigma[sigma.len() - 1] / step).log2();
-        Schedule::dyadic((1.0 + octaves.round()).max(3.0) as usize)?
-    } else {
-        Schedule::lengths(sigma, step)?
-    };
-    let params = bands_params(&args.levels)?;
+    let step_length = changed.length_before(decomposer.diffusion().step_length());
+    let schedule = rescale_levels(&args.levels.to_spec(), &analysis.sigma()[1..], step_length)?;
+    let params = check_levels(&args.levels)?;
     let request =
         decomposer.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
-    let params = args.detect.params(&args.border);
+    let params = args.detect.to_params(&args.border);
     let wavelets = if params.response == Response::Channels { request.wavelets() } else { request.norms() }?;
-    features(&decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classified(&e))
+    features(&decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classify(&e))
 }

@@ -1,6 +1,8 @@
 //! The arguments of `adwave features`.
 
-use crate::args::{BorderArgs, DetectArgs, FieldArgs, LevelArgs, ShapeArgs};
+use crate::args::{BorderMaskArgs, DetectArgs, LevelArgs, ShapeArgs, SignalArgs};
+use crate::commands::analysis::AnalysisArgs;
+use adwave::features::FEATURE_EXTENT;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -12,26 +14,37 @@ Output by extension; without it the features are printed:
 
 Examples:
   adwave features bunny.obj
-  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, knees and elbows
+  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, such as knees and elbows
   adwave features scan.pcd -o features.ply --best 50 --refine
-  adwave features sample:plane --field mean-curvature --response literal --edge-ratio 10 --border 1
+  adwave features sample:plane --signal mean-curvature --response literal --edge-ratio 10 --mask-border 1
 
 'adwave match' pairs the features of two shapes.")]
 pub(crate) struct FeaturesArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
-    /// Where the features go (.csv, .json, .ply or .vtp)
+    /// File for the features (.csv, .json, .ply or .vtp)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) field: FieldArgs,
+    pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) detect: DetectArgs,
     #[command(flatten)]
-    pub(crate) border: BorderArgs,
+    pub(crate) border: BorderMaskArgs,
     /// Write a descriptor of each feature's surroundings too (.csv and .json)
     #[arg(long, help_heading = "Features")]
     pub(crate) descriptors: bool,
+}
+
+impl FeaturesArgs {
+    pub(super) fn analysis(&self) -> AnalysisArgs<'_> {
+        AnalysisArgs {
+            shape: &self.shape,
+            signal: &self.signal,
+            levels: &self.levels,
+            extent: FEATURE_EXTENT,
+        }
+    }
 }

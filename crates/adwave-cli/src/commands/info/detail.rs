@@ -1,13 +1,13 @@
-//! `adwave info --detail`: what is lost when fine bands are dropped, and which can be dropped for an error.
+//! `adwave info --detail` and `--error`: loss of detail if fine bands are dropped, and the bands that can be dropped within an error.
 
 use super::InfoArgs;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{bands_params, command_line, fwhm_text, number, percent_of, table};
-use crate::progress::with_progress;
-use crate::shape_input::Input;
+use crate::output::progress::with_progress;
+use crate::output::{command_line, fwhm_text, number, percent_of, table};
+use crate::resolve::shape::Input;
 use adwave::Decomposer;
-use adwave::bands::{FWHM, Schedule};
+use adwave::bands::{BandsParams, FWHM, Schedule};
 use adwave::region::Length;
 use adwave::shape::{Health, Shape};
 use adwave_report::{DetailLoss, detail_loss, widest_within};
@@ -15,40 +15,41 @@ use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fmt::Write;
 
-/// What each level loses, and what was asked of it.
+/// Loss of detail by level, and the answer to an error that was asked for.
 pub(super) struct Detail {
     losses: Vec<DetailLoss>,
     diagonal: f64,
-    /// The error that is allowed, in model units and as it was typed.
-    error: Option<(f64, String)>,
-    /// The command that drops so many of the bands.
-    drop: Box<dyn Fn(usize) -> String>,
+    question: Option<ErrorQuestion>,
 }
 
-/// Refuses what no shape can be asked for.
+/// An allowed error, and the command that would drop bands.
+struct ErrorQuestion {
+    /// The error in model units.
+    error: f64,
+    /// The error as it was typed.
+    typed: String,
+    /// Command that drops the n finest bands.
+    drop_command: Box<dyn Fn(usize) -> String>,
+}
+
+/// Refuses errors that no shape can be asked for.
 pub(super) fn check(args: &InfoArgs) -> Result<(), CliError> {
-    if args.wants_detail() {
-        bands_params(&args.levels)?;
-    }
     match args.error {
         Some(Length::Units(error) | Length::PercentOfDiagonal(error))
             if !(error.is_finite() && error >= 0.0) =>
         {
-            Err(CliError::Input(format!(
-                "--error {error:?} is no length; it must be finite and not negative"
-            )))
+            Err(CliError::Input(format!("--error must be finite and not negative, got {error}")))
         }
         _ => Ok(()),
     }
 }
 
-/// Splits the coordinates and measures.
+/// Splits the coordinates and measures what each level loses.
 pub(super) fn measure(
-    args: &InfoArgs,
     input: &Input,
     decomposer: &Decomposer,
     schedule: &Schedule,
-    health: &Health,
+    params: &BandsParams,
     global: &Global<'_>,
 ) -> Result<Detail, CliError> {
     let Some(points) = input.shape.points() else {
@@ -57,20 +58,11 @@ pub(super) fn measure(
             input.name
         )));
     };
-    let params = bands_params(&args.levels)?;
     let bands = with_progress(global, "splitting", |progress| {
-        decomposer.request(points.as_flattened(), 3, schedule).params(&params).progress(progress).bands()
+        decomposer.request(points.as_flattened(), 3, schedule).params(params).progress(progress).bands()
     })?;
-    let diagonal = decomposer.diagonal();
-    let (words, n_levels) = (global.arguments.to_vec(), schedule.n_levels());
-    let is_closed = matches!(input.shape, Shape::Mesh(_)) && health.is_closed();
-    let output = output_name(input);
-    Ok(Detail {
-        losses: detail_loss(&bands, &decomposer.areas()),
-        diagonal,
-        error: args.error.map(|error| (error.to_model_units(diagonal), typed(error))),
-        drop: Box::new(move |n| filter_command(&words, &output, n, n_levels, is_closed)),
-    })
+    let losses = detail_loss(&bands, &decomposer.areas());
+    Ok(Detail { losses, diagonal: decomposer.diagonal(), question: None })
 }
 
 /// A length as it is typed.
@@ -107,24 +99,42 @@ fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, i
     let gains: Vec<&str> = (1..=n_levels).map(|j| if j <= n { "0" } else { "1" }).collect();
     filter.extend(["-o", output, "--gains", &gains.join(",")].map(OsString::from));
     if !is_closed {
-        // What is measured are the bands; by default filter keeps the outline of what is open from shrinking.
+        // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking.
         filter.extend(["--border", "free"].map(OsString::from));
     }
     command_line(filter.iter())
 }
 
 impl Detail {
-    /// The table, and the sentences that answer an error.
+    /// The same with the error that is asked for, if there is one.
+    pub(super) fn with_question(
+        self,
+        args: &InfoArgs,
+        input: &Input,
+        health: &Health,
+        global: &Global<'_>,
+    ) -> Self {
+        let (words, n_levels) = (global.arguments.to_vec(), self.losses.len());
+        let is_closed = matches!(input.shape, Shape::Mesh(_)) && health.is_closed();
+        let output = output_name(input);
+        let question = args.error.map(|error| ErrorQuestion {
+            error: error.to_model_units(self.diagonal),
+            typed: typed(error),
+            drop_command: Box::new(move |n| filter_command(&words, &output, n, n_levels, is_closed)),
+        });
+        Self { question, ..self }
+    }
+
+    /// The table of losses, and the answer to the error that is asked for.
     pub(super) fn text(&self) -> String {
         let percent = |length: f64| percent_of(length, self.diagonal);
         let mut text =
-            "\nWhat is lost when everything finer than S_j is dropped, |f − S_j| over the vertices:\n\n"
-                .to_owned();
+            "\nLoss if everything finer than S_j is dropped, |f − S_j| over the vertices:\n\n".to_owned();
         text += &table(
             ["bands dropped", "sigma", "greatest", "% of diagonal", "rms by area", "% of diagonal"],
             self.losses.iter().map(|loss| {
                 [
-                    dropped(loss.level),
+                    dropped_bands(loss.level),
                     number(loss.sigma),
                     number(loss.greatest),
                     percent(loss.greatest),
@@ -133,39 +143,39 @@ impl Detail {
                 ]
             }),
         );
-        if let Some((error, typed)) = &self.error {
+        if let Some(question) = &self.question {
             text += "\n";
             for (name, measure) in MEASURES {
-                self.answer(&mut text, name, typed, *error, measure);
+                self.answer(&mut text, name, question, measure);
             }
         }
         text
     }
 
-    fn answer(&self, text: &mut String, name: &str, typed: &str, error: f64, measure: Measure) {
-        let Some(loss) = widest_within(&self.losses, error, measure) else {
+    fn answer(&self, text: &mut String, name: &str, question: &ErrorQuestion, measure: Measure) {
+        let typed = &question.typed;
+        let Some(loss) = widest_within(&self.losses, question.error, measure) else {
             let first = self.losses.first().map_or(0.0, measure);
             let _ = writeln!(
                 text,
-                "{name} within {typed}: no band can be dropped, S_1 is {} away; finer levels: --steps or --lengths",
+                "{name} within {typed}: no band can be dropped, S_1 is {} away; try finer levels (--steps or --lengths)",
                 number(first)
             );
             return;
         };
         let bands = if loss.level == 1 { "band 1".to_owned() } else { format!("bands 1–{}", loss.level) };
-        let widest =
-            if loss.level == self.losses.len() { ", the widest level; ask for more with -j" } else { "" };
+        let widest = if loss.level == self.losses.len() { ", the widest level; -j adds more" } else { "" };
         let _ = writeln!(
             text,
             "{name} within {typed}: S_{} (σ = {}, FWHM = {}{widest}), so {bands} can be dropped:\n  {}",
             loss.level,
             number(loss.sigma),
             fwhm_text(loss.sigma, self.diagonal),
-            (self.drop)(loss.level)
+            (question.drop_command)(loss.level)
         );
     }
 
-    /// The same for machines.
+    /// Losses by level, and the answer to the error.
     pub(super) fn json(&self) -> Value {
         let percent = |length: f64| {
             if self.diagonal > 0.0 { json!(100.0 * length / self.diagonal) } else { Value::Null }
@@ -181,12 +191,13 @@ impl Detail {
                 })
             })
             .collect();
-        let within = self.error.as_ref().map(|(error, _)| {
+        let within = self.question.as_ref().map(|question| {
+            let error = question.error;
             let answer = |measure: Measure| {
-                widest_within(&self.losses, *error, measure).map(|loss| {
+                widest_within(&self.losses, error, measure).map(|loss| {
                     json!({
                         "level": loss.level, "sigma": loss.sigma, "fwhm": FWHM * loss.sigma,
-                        "command": (self.drop)(loss.level),
+                        "command": (question.drop_command)(loss.level),
                     })
                 })
             };
@@ -198,10 +209,10 @@ impl Detail {
 
 type Measure = fn(&DetailLoss) -> f64;
 
-/// By what a loss is measured, and what it is called.
+/// Measures of a loss with their names.
 const MEASURES: [(&str, Measure); 2] = [("greatest", |loss| loss.greatest), ("rms", |loss| loss.rms)];
 
-fn dropped(level: usize) -> String {
+fn dropped_bands(level: usize) -> String {
     if level == 1 { "1".to_owned() } else { format!("1–{level}") }
 }
 

@@ -1,150 +1,170 @@
-//! `adwave info`: what a shape consists of, what is unusual about it, and which levels it gets.
+//! `adwave info`: contents of a shape, unusual features of it, and the levels that it gets.
 
+mod args;
 mod detail;
+mod health;
 
-use crate::args::{LevelArgs, ShapeArgs, any_length};
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::health::{health_json, kind_name};
+use crate::output::provenance::{provenance_json, provenance_text};
 use crate::output::{
-    bounds_json, bounds_text, check_levels, fwhm_json, fwhm_text, number, percent_of, print, schedule,
-    steps_json, steps_text, table,
+    bounds_json, bounds_text, count, fwhm_json, fwhm_text, number, percent_of, print, steps_json, steps_text,
+    table,
 };
-use crate::progress::{prepare, with_spinner};
-use crate::provenance;
-use crate::shape_input::{Input, load};
-use adwave::Decomposer;
+use crate::resolve::levels::{check_levels, resolve_levels};
+use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
-use adwave::region::Length;
 use adwave::shape::{Health, Shape, bounding_box};
+use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Format, ReadError, cloud_levels};
-use clap::Args;
+pub(crate) use args::InfoArgs;
+use detail::Detail;
+use health::{health_lines, health_notes};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  adwave info scan.las
-  adwave info land.copc.laz --resolution 5        a coarse look at a large cloud
-  adwave info bunny.obj --json | jq .health
-  adwave info sample:creature --vertices 200000
-  adwave info bunny.obj --detail                 what each level loses
-  adwave info bunny.obj --error 0.1%             how many of the fine bands can be dropped for that")]
-pub(crate) struct InfoArgs {
-    #[command(flatten)]
-    pub(crate) shape: ShapeArgs,
-    #[command(flatten)]
-    pub(crate) levels: LevelArgs,
-    /// Measure what is lost of the shape when everything finer than each level is dropped
-    #[arg(long, help_heading = "Detail")]
-    pub(crate) detail: bool,
-    /// Say how many of the fine bands can be dropped for an error of at most this, in model units or in % of the diagonal
-    #[arg(long, value_name = "LENGTH", value_parser = any_length, allow_negative_numbers = true, help_heading = "Detail")]
-    pub(crate) error: Option<Length>,
-}
-
-impl InfoArgs {
-    fn wants_detail(&self) -> bool {
-        self.detail || self.error.is_some()
-    }
+/// Facts about a shape.
+struct ShapeFacts {
+    input: Input,
+    decomposer: Decomposer,
+    health: Health,
+    levels: ResolvedLevels,
+    /// Levels of a file that has an octree; the error if the file's are damaged, which its points do not need.
+    octree: Option<Result<CloudLevels, ReadError>>,
+    detail: Option<Detail>,
 }
 
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
-    check_levels(&args.levels)?;
     detail::check(args)?;
-    let (input, decomposer, health) = with_spinner(global, "reading", || {
-        let input = load(&args.shape, global)?;
-        let decomposer = prepare(global, &input.shape, &args.shape.operator_for(&args.levels)?)?;
-        let health = decomposer.health();
-        Ok::<_, CliError>((input, decomposer, health))
-    })?;
-    let (schedule, why) = schedule(&args.levels, &decomposer, global)?;
-    let sigma = schedule.sigma(decomposer.diffusion().step_length());
-    let detail = args
-        .wants_detail()
-        .then(|| detail::measure(args, &input, &decomposer, &schedule, &health, global))
-        .transpose()?;
-    let kind = kind(&input.shape);
-    let diagonal = decomposer.diagonal();
-    let format = input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string());
+    let facts = gather(args, global)?;
+    print(global, &facts.text(), &facts.json())
+}
 
-    let mut text = format!("{}: {kind}, {format}\n", input.name);
-    let bounds = input.shape.points().and_then(bounding_box);
-    health_lines(&mut text, &input.shape, &health);
-    if let Some(bounds) = bounds {
-        let _ = writeln!(text, "  bounding box  {}", bounds_text(bounds, diagonal));
-    }
-    if diagonal > 0.0 {
-        let _ = writeln!(text, "  diagonal      {}", number(diagonal));
-    }
+fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> {
+    let params = check_levels(&args.levels)?;
+    let input = load_shape(&args.shape, global)?;
+    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+    let decomposer = prepare(global, &input.shape, &operator)?;
+    let health = decomposer.health();
+    let levels = resolve_levels(&args.levels, &decomposer, global)?;
+    let detail = if args.needs_detail() {
+        let measured = detail::measure(&input, &decomposer, &levels.schedule, &params, global)?;
+        Some(measured.with_question(args, &input, &health, global))
+    } else {
+        None
+    };
     let octree = octree(&input, global);
-    if let Some(octree) = &octree {
-        let _ = writeln!(text, "  octree        {}", octree_text(octree));
+    Ok(ShapeFacts { input, decomposer, health, levels, octree, detail })
+}
+
+impl ShapeFacts {
+    fn format_name(&self) -> String {
+        self.input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string())
     }
-    health_notes(&mut text, &health);
-    let is_unsymmetric = kind == "graph" && input.file.is_unsymmetric();
-    if is_unsymmetric {
-        text +=
-            "  weights       (M + Mᵀ)/2: the matrix M is not symmetric, and a walk on it goes both ways\n";
+
+    fn is_unsymmetric_graph(&self) -> bool {
+        matches!(self.input.shape, Shape::Graph(_)) && self.input.file.is_unsymmetric()
     }
-    text += &input.file.provenance().map_or_else(String::new, provenance::text);
-    let fields = input.file.vertex_fields();
-    if !fields.is_empty() {
-        let named = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
-        let _ = writeln!(text, "  fields        {}", named.join(", "));
+
+    /// Widths σ_0 … σ_J.
+    fn sigma(&self) -> Vec<f64> {
+        self.levels.schedule.sigma(self.decomposer.diffusion().step_length())
     }
-    let _ = writeln!(
-        text,
-        "  diffusion     {}{}{}, {} entries, mean edge {}, step {}",
+
+    fn text(&self) -> String {
+        let Self { input, decomposer, health, .. } = self;
+        let diagonal = decomposer.diagonal();
+        let mut text = format!("{}: {}, {}\n", input.name, kind_name(&input.shape), self.format_name());
+        health_lines(&mut text, &input.shape, health);
+        if let Some(bounds) = input.shape.points().and_then(bounding_box) {
+            let _ = writeln!(text, "  bounding box  {}", bounds_text(&bounds, diagonal));
+        }
+        if diagonal > 0.0 {
+            let _ = writeln!(text, "  diagonal      {}", number(diagonal));
+        }
+        if let Some(octree) = &self.octree {
+            let _ = writeln!(text, "  octree        {}", octree_text(octree));
+        }
+        health_notes(&mut text, health);
+        if self.is_unsymmetric_graph() {
+            text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
+        }
+        text += &input.file.provenance().map_or_else(String::new, provenance_text);
+        let fields = input.file.vertex_fields();
+        if !fields.is_empty() {
+            let names = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
+            let _ = writeln!(text, "  fields        {}", names.join(", "));
+        }
+        text += &diffusion_text(decomposer, &input.shape);
+        let _ = writeln!(text, "  levels        {}\n", self.levels.reason);
+        text += &self.level_table();
+        text += &self.detail.as_ref().map_or_else(String::new, Detail::text);
+        text
+    }
+
+    fn level_table(&self) -> String {
+        let (schedule, sigma, diagonal) = (&self.levels.schedule, self.sigma(), self.decomposer.diagonal());
+        table(
+            ["level", "steps", "sigma", "FWHM", "% of diagonal"],
+            (1..=schedule.n_levels()).map(|j| {
+                [
+                    j.to_string(),
+                    steps_text(schedule.steps()[j - 1]),
+                    number(sigma[j]),
+                    fwhm_text(sigma[j], diagonal),
+                    percent_of(sigma[j], diagonal),
+                ]
+            }),
+        )
+    }
+
+    fn json(&self) -> Value {
+        let Self { input, decomposer, health, .. } = self;
+        let (sigma, diagonal) = (self.sigma(), decomposer.diagonal());
+        let fields = input.file.vertex_fields();
+        json!({
+            "shape": input.name,
+            "kind": kind_name(&input.shape),
+            "format": self.format_name(),
+            "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+            "provenance": input.file.provenance().map(provenance_json),
+            "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
+            "diagonal": diagonal,
+            "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
+                "spacing": levels.spacing, "points": levels.n_points,
+            })),
+            "made_symmetric": self.is_unsymmetric_graph(),
+            "health": health_json(health),
+            "diffusion": diffusion_json(decomposer),
+            "levels": self.levels.schedule.n_levels(),
+            "levels_reason": self.levels.reason,
+            "steps": steps_json(&self.levels.schedule.steps_from_zero()),
+            "sigma": sigma,
+            "fwhm": fwhm_json(&sigma, diagonal),
+            "detail": self.detail.as_ref().map(Detail::json),
+        })
+    }
+}
+
+/// Lines on the diffusion operator.
+fn diffusion_text(decomposer: &Decomposer, shape: &Shape) -> String {
+    let params = decomposer.operator_params();
+    let mut text = format!(
+        "  diffusion     {}{}{}, {}, mean edge {}, step {}\n",
         decomposer.operator_kind().name(),
-        if decomposer.operator_params().density_invariant { " without density" } else { "" },
-        if decomposer.operator_params().keep_creases { " along creases" } else { "" },
-        decomposer.diffusion().nnz(),
+        if params.density_invariant { ", density-invariant" } else { "" },
+        if params.keep_creases { ", keeping creases" } else { "" },
+        count(decomposer.diffusion().nnz(), "entry", "entries"),
         number(decomposer.mean_length()),
         number(decomposer.diffusion().step_length()),
     );
     if let Some(info) = decomposer.surface_info() {
-        let _ = writeln!(text, "  surface       {}", surface_text(info, &input.shape));
+        let _ = writeln!(text, "  surface       {}", surface_text(info, shape));
     }
-    let _ = writeln!(text, "  levels        {why}\n");
-    text += &table(
-        ["level", "steps", "sigma", "FWHM", "% of diagonal"],
-        (1..=schedule.n_levels()).map(|j| {
-            [
-                j.to_string(),
-                steps_text(schedule.steps()[j - 1]),
-                number(sigma[j]),
-                fwhm_text(sigma[j], diagonal),
-                percent_of(sigma[j], diagonal),
-            ]
-        }),
-    );
-
-    text += &detail.as_ref().map_or_else(String::new, detail::Detail::text);
-
-    let json = json!({
-        "shape": input.name,
-        "kind": kind,
-        "format": format,
-        "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
-        "provenance": input.file.provenance().map(provenance::json),
-        "bounding_box": bounds_json(bounds),
-        "diagonal": diagonal,
-        "octree": octree.and_then(Result::ok).map(|levels| json!({
-            "spacing": levels.spacing, "points": levels.n_points,
-        })),
-        "made_symmetric": is_unsymmetric,
-        "health": health_json(&health),
-        "diffusion": diffusion_json(&decomposer),
-        "levels": schedule.n_levels(),
-        "levels_reason": why,
-        "steps": steps_json(&schedule.steps_from_zero()),
-        "sigma": sigma,
-        "fwhm": fwhm_json(&sigma, diagonal),
-        "detail": detail.as_ref().map(detail::Detail::json),
-    });
-    print(global, &text, &json)
+    text
 }
 
 fn diffusion_json(decomposer: &Decomposer) -> Value {
@@ -166,7 +186,7 @@ fn diffusion_json(decomposer: &Decomposer) -> Value {
     })
 }
 
-/// The levels of a file that has such; what is wrong with them where it has no true ones, which the points do not need.
+/// The levels of the octree of a LAZ or EPT, if it has one.
 fn octree(input: &Input, global: &Global<'_>) -> Option<Result<CloudLevels, ReadError>> {
     let has_file = matches!(input.file.format(), Some(Format::LAZ | Format::EPT)) && input.name != "-";
     has_file.then(|| cloud_levels(Path::new(&input.name), &global.limits).transpose()).flatten()
@@ -178,108 +198,30 @@ fn octree_text(octree: &Result<CloudLevels, ReadError>) -> String {
             let n = levels.n_points.len();
             let finest = levels.spacing * 0.5_f64.powi(n.saturating_sub(1) as i32);
             let points = levels.n_points.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
-            format!("{n} levels of {points} points; {} to {} apart", number(levels.spacing), number(finest))
+            let levels_text = count(n, "level", "levels");
+            format!(
+                "{levels_text} of {points} points; spacing {} to {}",
+                number(levels.spacing),
+                number(finest)
+            )
         }
-        Err(error) => format!("of no use: {error}"),
+        Err(error) => format!("not usable: {error}"),
     }
 }
 
-/// What was done to a shape on the way to heat on it.
+/// Changes to the surface that its operator needed.
 fn surface_text(info: &SurfaceInfo, shape: &Shape) -> String {
-    let mut said = match shape {
-        Shape::Mesh(_) => vec![format!("{} edges flipped", info.laplacian.n_flips)],
+    let mut changes = match shape {
+        Shape::Mesh(_) => vec![format!("{} flipped", count(info.laplacian.n_flips, "edge", "edges"))],
         Shape::Cloud(_) => vec!["cells of the points in tangent planes".to_owned()],
         Shape::Graph(_) => return "degrees minus weights".to_owned(),
     };
     if info.laplacian.is_covered {
-        said.push("covered twice".to_owned());
+        changes.push("double cover".to_owned());
     }
     if info.laplacian.lengthened > 0.0 {
-        said.push(format!("edges lengthened by {}", number(info.laplacian.lengthened)));
+        changes.push(format!("edges lengthened by {}", number(info.laplacian.lengthened)));
     }
-    said.push(format!("{} % of mass added", number(100.0 * info.added_mass)));
-    said.join(", ")
-}
-
-pub(crate) fn kind(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Mesh(_) => "mesh",
-        Shape::Cloud(_) => "cloud",
-        Shape::Graph(_) => "graph",
-    }
-}
-
-/// The counts that mean something, one a line.
-fn health_lines(text: &mut String, shape: &Shape, health: &Health) {
-    let mut line = |name: &str, value: String| {
-        let _ = writeln!(text, "  {name:<13} {value}");
-    };
-    line("vertices", health.n_vertices.to_string());
-    if let Shape::Mesh(_) = shape {
-        let polygons = if health.n_polygons > 0 {
-            format!(", {} of them with more than three corners", health.n_polygons)
-        } else {
-            String::new()
-        };
-        line("faces", format!("{}{polygons}", health.n_faces));
-        let surface = if health.is_closed() { "closed" } else { "open" };
-        let volume = health.volume.map_or(String::new(), |v| format!(", volume {}", number(v)));
-        let euler =
-            health.euler_characteristic.map_or(String::new(), |e| format!(", Euler characteristic {e}"));
-        line("surface", format!("{surface}, area {}{volume}{euler}", number(health.area)));
-    }
-    line("edges", health.n_edges.to_string());
-    line("components", (health.n_components - health.n_isolated).to_string());
-}
-
-/// Counts that are 0 when all is well, where they are not.
-fn health_notes(text: &mut String, health: &Health) {
-    for (count, one, many) in [
-        (health.n_boundary_edges, "boundary edge", "boundary edges"),
-        (health.n_non_manifold_edges, "edge of three faces or more", "edges of three faces or more"),
-        (
-            health.n_misoriented_edges,
-            "edge whose two faces disagree on the orientation",
-            "edges whose two faces disagree on the orientation",
-        ),
-        (health.n_zero_area_faces, "face without area", "faces without area"),
-        (health.n_repeated_faces, "repeated face", "repeated faces"),
-        (
-            health.n_welded,
-            "vertex at the position of another, welded",
-            "vertices at the position of another, welded",
-        ),
-        (
-            health.n_isolated,
-            "vertex without neighbors, unchanged in every band",
-            "vertices without neighbors, unchanged in every band",
-        ),
-        (health.n_unreferenced, "vertex of no face", "vertices of no face"),
-    ] {
-        if count > 0 {
-            let _ = writeln!(text, "  note          {count} {}", if count == 1 { one } else { many });
-        }
-    }
-}
-
-pub(crate) fn health_json(health: &Health) -> Value {
-    json!({
-        "vertices": health.n_vertices,
-        "faces": health.n_faces,
-        "polygons": health.n_polygons,
-        "edges": health.n_edges,
-        "components": health.n_components,
-        "boundary_edges": health.n_boundary_edges,
-        "non_manifold_edges": health.n_non_manifold_edges,
-        "misoriented_edges": health.n_misoriented_edges,
-        "zero_area_faces": health.n_zero_area_faces,
-        "repeated_faces": health.n_repeated_faces,
-        "welded_vertices": health.n_welded,
-        "isolated_vertices": health.n_isolated,
-        "unreferenced_vertices": health.n_unreferenced,
-        "closed": health.is_closed(),
-        "area": health.area,
-        "volume": health.volume,
-        "euler_characteristic": health.euler_characteristic,
-    })
+    changes.push(format!("{} % of mass added", number(100.0 * info.added_mass)));
+    changes.join(", ")
 }

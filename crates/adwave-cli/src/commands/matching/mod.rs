@@ -1,4 +1,4 @@
-//! `adwave match`: the motion between two shapes, and their features in pairs.
+//! `adwave match`: the motion between two shapes, and pairs of their features.
 
 mod args;
 mod picture;
@@ -6,14 +6,17 @@ mod picture;
 use crate::args::ShapeArgs;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, format_of, number, print, table, write_error, write_shape};
-use crate::progress::{prepare, with_progress, with_spinner};
-use crate::shape_input::{Input, load};
-use crate::signal::file_normals;
+use crate::output::progress::{with_progress, with_spinner};
+use crate::output::{
+    check_writable, count, has_extension, number, output_format, print, table, write_file, write_shape,
+};
+use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::features::match_features;
+use adwave::operator::OperatorTask;
 use adwave::shape::surface_area;
-use adwave_io::atomic_write;
 use adwave_register::{
     AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
     align, common_lengths, consensus, describe_shape, pairs_under,
@@ -25,7 +28,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 
-/// How many pairs are printed.
+/// Most pairs that are printed.
 const MAX_PRINTED: usize = 20;
 
 /// One of the two shapes.
@@ -35,12 +38,21 @@ struct Side {
     described: ShapeFeatures,
 }
 
-/// What was found.
-struct Found {
-    /// The motion from the first to the second, and how many features agree with it; none where there is no clear one.
-    motion: Option<(Motion, Consensus, AlignInfo)>,
+/// The motion between two shapes, and the pairs of their features.
+struct Matching {
+    /// None if there is no clear one.
+    motion: Option<FittedMotion>,
     pairs: Vec<Pair>,
     sigma: Vec<f64>,
+}
+
+/// A motion from the first shape to the second.
+struct FittedMotion {
+    motion: Motion,
+    /// Features that agree with it.
+    consensus: Consensus,
+    /// Quality of its fit.
+    fit: AlignInfo,
 }
 
 pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -49,20 +61,20 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     let found = find(args, &first, &second, global)?;
     let mut text = describe(&first, &second, &found);
     if let Some(path) = &args.output {
-        write_pairs(path, &first, &second, &found)?;
+        write_pairs(path, &first, &second, &found, global)?;
         let _ = writeln!(text, "{}", path.display());
     }
     if let Some(path) = &args.moved {
-        let Some((motion, ..)) = &found.motion else {
-            return Err(CliError::Input("there is no motion that SHAPE could be moved by".to_owned()));
+        let Some(FittedMotion { motion, .. }) = &found.motion else {
+            return Err(CliError::Input("no motion was found that --moved could apply to SHAPE".to_owned()));
         };
         let mut file = first.input.file.clone();
         file.set_points(file.points().iter().map(|p| motion.apply(p)).collect())?;
-        with_spinner(global, "writing", || write_shape(global, &file, path))?;
+        write_shape(global, &file, path)?;
         let _ = writeln!(text, "{}", path.display());
     }
     if let Some(path) = &args.picture {
-        let motion = found.motion.as_ref().map_or_else(Motion::default, |(motion, ..)| *motion);
+        let motion = found.motion.as_ref().map_or_else(Motion::default, |fitted| fitted.motion);
         with_spinner(global, "drawing", || {
             picture::write(path, args, [&first, &second], &motion, &found.pairs, global)
         })?;
@@ -71,26 +83,23 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     print(global, &text, &report(&first, &second, &found))
 }
 
-/// What can be refused before anything is read.
+/// Refuses what can be refused before anything is read.
 fn check(args: &MatchArgs) -> Result<(), CliError> {
-    let has = |path: &Path, endings: &[&str]| {
-        path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
-    };
-    if let Some(path) = args.output.as_deref().filter(|path| !has(path, &["csv", "json"])) {
+    if let Some(path) = args.output.as_deref().filter(|path| !has_extension(path, &["csv", "json"])) {
         return Err(CliError::Input(format!("{}: pairs are written as .csv or .json", path.display())));
     }
-    if let Some(path) = args.picture.as_deref().filter(|path| !has(path, &["png"])) {
+    if let Some(path) = args.picture.as_deref().filter(|path| !has_extension(path, &["png"])) {
         return Err(CliError::Input(format!("{}: a picture is written as .png", path.display())));
     }
     if let Some(path) = &args.moved {
-        format_of(path)?;
+        output_format(path)?;
     }
     for path in [&args.output, &args.picture, &args.moved].into_iter().flatten() {
         check_writable(path)?;
     }
     for (name, value) in [("--within", args.within), ("--theta", args.theta), ("--ratio", args.ratio)] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(CliError::Input(format!("{name} is {value}; it must be a number above 0")));
+            return Err(CliError::Input(format!("{name} must be a number above 0, got {value}")));
         }
     }
     Ok(())
@@ -98,18 +107,20 @@ fn check(args: &MatchArgs) -> Result<(), CliError> {
 
 fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     let shapes = [args.shape.clone(), ShapeArgs { shape: args.other.clone(), ..args.shape.clone() }];
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::Comparison)?;
     let mut prepared = Vec::new();
     for shape in &shapes {
-        let input = with_spinner(global, "reading", || load(shape, global))?;
-        let decomposer = prepare(global, &input.shape, &shape.over_meshes().operator()?)?;
+        let input = load_shape(shape, global)?;
+        let decomposer = prepare(global, &input.shape, &operator)?;
         prepared.push((input, decomposer));
     }
-    let own = |k: usize| common_lengths(&prepared[k].1, &prepared[k].1).map_err(|e| CliError::classified(&e));
+    let lengths_of =
+        |k: usize| common_lengths(&prepared[k].1, &prepared[k].1).map_err(|e| CliError::classify(&e));
     let lengths = if args.motion == MotionArg::Rigid {
-        let both = common_lengths(&prepared[0].1, &prepared[1].1).map_err(|e| CliError::classified(&e))?;
+        let both = common_lengths(&prepared[0].1, &prepared[1].1).map_err(|e| CliError::classify(&e))?;
         [both.clone(), both]
     } else {
-        [own(0)?, own(1)?]
+        [lengths_of(0)?, lengths_of(1)?]
     };
     let mut sides = Vec::new();
     for ((input, decomposer), lengths) in prepared.into_iter().zip(lengths) {
@@ -117,13 +128,13 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
         let described = with_progress(global, "finding features", |progress| {
             describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
         })
-        .map_err(|e| CliError::classified(&e))?;
+        .map_err(|e| CliError::classify(&e))?;
         sides.push(Side { input, decomposer, described });
     }
     sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
 }
 
-fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> Result<Found, CliError> {
+fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> Result<Matching, CliError> {
     let (a, b) = (&first.described, &second.described);
     let sigma: Vec<f64> = a.features.iter().map(|f| f.sigma).collect();
     if args.motion == MotionArg::None {
@@ -136,7 +147,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         };
         let pairs =
             match_features(&a.descriptors, &b.descriptors, args.ratio).into_iter().map(pair).collect();
-        return Ok(Found { motion: None, pairs, sigma });
+        return Ok(Matching { motion: None, pairs, sigma });
     }
     let params =
         ConsensusParams { scaled: args.motion == MotionArg::Similarity, ..ConsensusParams::default() };
@@ -144,7 +155,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         .map_err(|_| CliError::Cancelled)?;
     let clear = found.filter(Consensus::is_clear);
     let (Some(found), Some(surface)) = (clear, Surface::new(second.decomposer.geometry())) else {
-        return Ok(Found { motion: None, pairs: Vec::new(), sigma });
+        return Ok(Matching { motion: None, pairs: Vec::new(), sigma });
     };
     let points = first.decomposer.geometry().points();
     let (motion, info) = with_progress(global, "fitting", |progress| {
@@ -162,17 +173,19 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         triangles => surface_area(second.decomposer.geometry().points(), triangles),
     };
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams { sigmas: args.within });
-    Ok(Found { motion: Some((motion, found, info)), pairs, sigma })
+    let fitted = FittedMotion { motion, consensus: found, fit: info };
+    Ok(Matching { motion: Some(fitted), pairs, sigma })
 }
 
-fn describe(first: &Side, second: &Side, found: &Found) -> String {
+fn describe(first: &Side, second: &Side, found: &Matching) -> String {
     let mut text = String::new();
     for side in [first, second] {
         let (n, n_features) = (side.decomposer.n_vertices(), side.described.features.len());
-        let _ = writeln!(text, "{}: {n} vertices, {n_features} features", side.input.name);
+        let (n, n_features) = (count(n, "vertex", "vertices"), count(n_features, "feature", "features"));
+        let _ = writeln!(text, "{}: {n}, {n_features}", side.input.name);
     }
     match &found.motion {
-        Some((motion, consensus, info)) => {
+        Some(FittedMotion { motion, consensus, fit }) => {
             let scale = if motion.scale() == 1.0 {
                 String::new()
             } else {
@@ -180,33 +193,33 @@ fn describe(first: &Side, second: &Side, found: &Found) -> String {
             };
             let _ = writeln!(
                 text,
-                "motion: turn by {:.2}°, move by ({}){scale}; {} features agree with it, {} at most by chance",
+                "motion: rotation by {:.2}°, translation by ({}){scale}; {} agree with it, at most {} by chance",
                 motion.degrees(),
                 motion.translation().map(number).join(", "),
-                consensus.n_agreeing,
+                count(consensus.n_agreeing, "feature", "features"),
                 consensus.n_by_chance
             );
             let _ = writeln!(
                 text,
                 "fit: median distance {} ({} mean edges), {:.0} % overlap",
-                number(info.median),
-                number(info.median / second.decomposer.mean_length()),
-                100.0 * info.overlap
+                number(fit.median),
+                number(fit.median / second.decomposer.mean_length()),
+                100.0 * fit.overlap
             );
         }
         None if found.pairs.is_empty() => {
             text += "no motion explains the features better than chance; try --theta 0.7 for more features, --motion similarity if the units \
-                     differ, or --motion none for shapes that are bent\n";
+                     differ, or --motion none for bent shapes\n";
         }
         None => {}
     }
-    let _ = writeln!(text, "{} pair{}\n", found.pairs.len(), if found.pairs.len() == 1 { "" } else { "s" });
-    let mut sure: Vec<&Pair> = found.pairs.iter().collect();
-    sure.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
-    if !sure.is_empty() {
+    let _ = writeln!(text, "{}\n", count(found.pairs.len(), "pair", "pairs"));
+    let mut by_confidence: Vec<&Pair> = found.pairs.iter().collect();
+    by_confidence.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    if !by_confidence.is_empty() {
         text += &table(
             ["vertex", "other vertex", "sigma", "apart, σ", "confidence"],
-            sure.iter().take(MAX_PRINTED).map(|p| {
+            by_confidence.iter().take(MAX_PRINTED).map(|p| {
                 let (a, b) = (&first.described.features[p.first], &second.described.features[p.second]);
                 let apart = if p.sigmas.is_nan() { "–".to_owned() } else { format!("{:.2}", p.sigmas) };
                 [
@@ -219,13 +232,13 @@ fn describe(first: &Side, second: &Side, found: &Found) -> String {
             }),
         );
     }
-    if sure.len() > MAX_PRINTED {
-        let _ = writeln!(text, "  … {} more; write them with -o FILE.csv", sure.len() - MAX_PRINTED);
+    if by_confidence.len() > MAX_PRINTED {
+        let _ = writeln!(text, "  … {} more; write them with -o FILE.csv", by_confidence.len() - MAX_PRINTED);
     }
     text
 }
 
-/// A pair by what its two features are.
+/// A pair with its two features.
 fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
     let feature = |side: &Side, k: usize| {
         let f = &side.described.features[k];
@@ -238,7 +251,7 @@ fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
     })
 }
 
-fn report(first: &Side, second: &Side, found: &Found) -> Value {
+fn report(first: &Side, second: &Side, found: &Matching) -> Value {
     let side = |side: &Side| {
         json!({
             "shape": side.input.name, "vertices": side.decomposer.n_vertices(), "features": side.described.features.len(),
@@ -248,17 +261,23 @@ fn report(first: &Side, second: &Side, found: &Found) -> Value {
     json!({
         "first": side(first),
         "second": side(second),
-        "motion": found.motion.as_ref().map(|(motion, consensus, info)| json!({
+        "motion": found.motion.as_ref().map(|FittedMotion { motion, consensus, fit }| json!({
             "matrix": motion.matrix(), "degrees": motion.degrees(), "scale": motion.scale(),
             "agreeing": consensus.n_agreeing, "by_chance": consensus.n_by_chance,
-            "median_distance": info.median, "overlap": info.overlap,
+            "median_distance": fit.median, "overlap": fit.overlap,
         })),
         "pairs": found.pairs.iter().map(|p| pair_json(first, second, p)).collect::<Vec<_>>(),
     })
 }
 
-fn write_pairs(path: &Path, first: &Side, second: &Side, found: &Found) -> Result<(), CliError> {
-    let text = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+fn write_pairs(
+    path: &Path,
+    first: &Side,
+    second: &Side,
+    found: &Matching,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let text = if has_extension(path, &["json"]) {
         format!("{:#}\n", report(first, second, found))
     } else {
         let head = [
@@ -289,5 +308,5 @@ fn write_pairs(path: &Path, first: &Side, second: &Side, found: &Found) -> Resul
         }
         table.csv()
     };
-    atomic_write(path, |out| Ok(out.write_all(text.as_bytes())?)).map_err(write_error)
+    write_file(global, path, text.as_bytes())
 }

@@ -3,19 +3,18 @@
 use super::{MatchArgs, Side};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::write_error;
-use crate::up::Upward;
+use crate::output::write_file;
+use crate::resolve::up::UpAxis;
 use adwave::shape::{Shape, triangulate};
-use adwave_io::atomic_write;
 use adwave_register::{Motion, Pair};
 use adwave_render::{Ball, Paint, RenderParams, Surface, render};
 use std::path::Path;
 
 /// Half the thickness of a line, as a share of the diagonal.
 const THICKNESS: f64 = 0.001;
-/// Lines that are drawn at most: the surest.
+/// Most lines that are drawn: those of the highest confidence.
 const MAX_LINES: usize = 120;
-/// The empty space between the shapes, as a share of their width.
+/// Empty space between the shapes, as a share of their width.
 const GAP: f64 = 0.15;
 
 /// Draws SHAPE after the motion to the left of OTHER, and the lines.
@@ -31,33 +30,34 @@ pub(super) fn write(
     let moved: Vec<[f64; 3]> =
         first.input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
     let others = second.input.shape.points().unwrap_or_default();
-    let up = Upward::of(args.up, &second.input).up;
+    let up = UpAxis::choose(args.up, &second.input).up;
     let params = RenderParams::default().with_size(1600, 900).with_view(args.view).with_up(up);
-    let aside = to_the_left(&moved, others, args.view.right(up));
-    let left: Vec<[f64; 3]> = moved.iter().map(|p| std::array::from_fn(|k| p[k] + aside[k])).collect();
+    let offset = offset_to_left(&moved, others, args.view.right(up));
+    let left: Vec<[f64; 3]> = moved.iter().map(|p| std::array::from_fn(|k| p[k] + offset[k])).collect();
     let points = [&left[..], others].concat();
     let mut triangles = triangles(&first.input.shape);
     let n_left = left.len() as u32;
-    let of_mesh = [triangles.len(), self::triangles(&second.input.shape).len()];
+    let n_triangles = [triangles.len(), self::triangles(&second.input.shape).len()];
     triangles.extend(self::triangles(&second.input.shape).into_iter().map(|t| t.map(|v| v + n_left)));
-    // A cloud beside a mesh is drawn as discs where both are clouds only.
-    if of_mesh.contains(&0) {
+    // Discs are drawn only if there are no triangles, so a mesh beside a cloud loses its triangles.
+    if n_triangles.contains(&0) {
         triangles.clear();
     }
-    let mut sure: Vec<&Pair> = pairs.iter().collect();
-    sure.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+    let mut by_confidence: Vec<&Pair> = pairs.iter().collect();
+    by_confidence.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     let radius = THICKNESS * adwave::shape::diagonal(&points);
     let line = |(k, pair): (usize, &&Pair)| {
         let from = motion.apply(&first.described.features[pair.first].position?);
         let to = second.described.features[pair.second].position?;
-        let from = std::array::from_fn(|c| from[c] + aside[c]);
+        let from = std::array::from_fn(|c| from[c] + offset[c]);
         Some(beads(&from, &to, radius, color((k as f64 * GOLDEN).fract())))
     };
-    let lines: Vec<Ball> = sure.iter().take(MAX_LINES).enumerate().filter_map(line).flatten().collect();
+    let lines: Vec<Ball> =
+        by_confidence.iter().take(MAX_LINES).enumerate().filter_map(line).flatten().collect();
     let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
     let picture = render(&surface, &lines, &params, global.progress())?;
     let png = picture.png()?;
-    atomic_write(path, |out| Ok(out.write_all(&png)?)).map_err(write_error)
+    write_file(global, path, &png)
 }
 
 fn triangles(shape: &Shape) -> Vec<[u32; 3]> {
@@ -67,8 +67,8 @@ fn triangles(shape: &Shape) -> Vec<[u32; 3]> {
     }
 }
 
-/// How far to move `points` so that they lie beside `others`, against the direction to the right.
-fn to_the_left(points: &[[f64; 3]], others: &[[f64; 3]], right: [f64; 3]) -> [f64; 3] {
+/// Offset that moves `points` to the left of `others`, against the direction `right`.
+fn offset_to_left(points: &[[f64; 3]], others: &[[f64; 3]], right: [f64; 3]) -> [f64; 3] {
     let along = |p: &[f64; 3]| p.iter().zip(right).map(|(c, r)| c * r).sum::<f64>();
     let last = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
     let (first, end) = others

@@ -1,8 +1,7 @@
 //! The arguments of `adwave render`.
 
 use super::framing::FramingArgs;
-use crate::args::{Kind, PartArgs, signal_names};
-use crate::region::region;
+use crate::args::{CloudPartArgs, ShapeKindArg, count, number, region, signal_names};
 use adwave::region::Region;
 use adwave_render::{RenderParams, Up, View};
 use clap::Args;
@@ -13,15 +12,15 @@ use std::str::FromStr;
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Without --color a shape has the colors of its file, else one color. A field of both signs gets a diverging map with 0 in
-the middle, others viridis, from the 1st to the 99th percentile; what is NaN is gray. The front is seen from +z with y up,
-or with --up z from -y. --region shows the weights that 'adwave filter' would take, whose help says how regions are written.
+Without --color a shape has the colors of its file, else a single color. A field with both signs gets a diverging map with 0 in the
+middle, other fields viridis, from the 1st to the 99th percentile; NaN is gray. The front view looks from +z with y up, or with
+--up z from -y. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
 
 Examples:
   adwave render bunny.obj -o bunny.png
   adwave render bunny.obj -o curvature.png --color mean-curvature --view 30,15
   adwave features bunny.obj -o features.csv && adwave render bunny.obj -o features.png --features features.csv
-  adwave saliency bunny.obj -o map.ply && adwave render map.ply -o map.png --color saliency --colormap turbo
+  adwave saliency bunny.obj -o map.ply && adwave render map.ply -o map.png --color saliency --color-map turbo
   adwave render scan.las -o plan.png --view top --orthographic
   adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
   adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
@@ -32,24 +31,24 @@ pub(crate) struct RenderArgs {
     #[arg(value_name = "SHAPE", required = true)]
     pub(crate) shapes: Vec<String>,
     #[command(flatten)]
-    pub(crate) part: PartArgs,
-    /// Where the picture goes (.png)
+    pub(crate) part: CloudPartArgs,
+    /// File for the picture (.png)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[arg(
         long,
         value_name = "FIELD",
-        help = concat!("What its colors show: ", signal_names!(), "; 'plain' for one color. Several with --grid"),
+        help = concat!("Signal that the colors show: ", signal_names!(), "; 'plain' for a single color. Several with --grid"),
         help_heading = "Colors"
     )]
     pub(crate) color: Vec<String>,
-    /// Show the weights of a region in place of a field; several are joined by "or"
+    /// Show the weights of a region instead of a signal; several are joined by "or"
     #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "color", help_heading = "Colors")]
     pub(crate) region: Vec<Region>,
-    /// viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
-    #[arg(long, value_name = "NAME", help_heading = "Colors")]
-    pub(crate) colormap: Option<String>,
-    /// The values of the first and last color: auto, or LOW,HIGH
+    /// Color map: viridis, magma, inferno, plasma, cividis, turbo, cool, warm, gray, coolwarm, red-blue or spectral
+    #[arg(long = "color-map", visible_alias = "colormap", value_name = "NAME", help_heading = "Colors")]
+    pub(crate) color_map: Option<String>,
+    /// Values of the first and last color: auto, or LOW,HIGH
     #[arg(
         long,
         value_name = "RANGE",
@@ -58,13 +57,13 @@ pub(crate) struct RenderArgs {
         help_heading = "Colors"
     )]
     pub(crate) range: RangeArg,
-    /// No bar that says which color stands for which value
+    /// Leave out the color bar
     #[arg(long, help_heading = "Colors")]
     pub(crate) no_bar: bool,
-    /// Show features as balls of their size: a .csv or .json that 'adwave features' wrote
+    /// Show the features in a .csv or .json of 'adwave features', as balls of their size
     #[arg(long, value_name = "FILE", help_heading = "Features")]
     pub(crate) features: Option<PathBuf>,
-    /// front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
+    /// View: front, back, left, right, top, bottom, three-quarter, or AZIMUTH,ELEVATION in degrees
     #[arg(
         long,
         value_name = "VIEW",
@@ -73,26 +72,27 @@ pub(crate) struct RenderArgs {
         help_heading = "Picture"
     )]
     pub(crate) view: View,
-    /// Which axis of the shape points up: x, y or z [default: z of LAS, LAZ, GIFTI and what is as low and open as land, else y]
+    /// Axis of the shape that points up: x, y or z [default: z for LAS, LAZ, GIFTI, FreeSurfer and shapes as low and open as land, else y]
     #[arg(long, value_name = "AXIS", help_heading = "Picture")]
     pub(crate) up: Option<Up>,
     #[command(flatten)]
     pub(crate) framing: FramingArgs,
-    /// Parallel rays in place of mild perspective: lengths can be measured in the picture
+    /// Orthographic instead of mildly perspective projection: lengths can be measured in the picture
     #[arg(long, help_heading = "Picture")]
     pub(crate) orthographic: bool,
-    /// Pixels; of one panel with --grid [default: 1200x900, with --grid 600x500]
+    /// Size in pixels, with --grid of one panel [default: 1200x900, with --grid 600x500]
     #[arg(long, value_name = "WxH", help_heading = "Picture")]
     pub(crate) size: Option<SizeArg>,
-    /// Nothing behind the shape
+    /// Transparent background
     #[arg(long, help_heading = "Picture")]
     pub(crate) transparent: bool,
-    /// Edges sharper than this are seen as edges, degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = RenderParams::default().crease_angle, help_heading = "Picture")]
+    /// Edges sharper than this angle are shaded as creases, in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = number, default_value_t = RenderParams::default().crease_angle, help_heading = "Picture")]
     pub(crate) crease: f64,
-    /// All shapes and fields on one sheet, with captions and of one scale; --grid=N for N columns
+    /// All shapes and signals on one sheet, with captions and at one scale; --grid=N for N columns
     #[arg(
         long,
+        value_parser = count,
         value_name = "COLUMNS",
         num_args = 0..=1,
         require_equals = true,
@@ -100,29 +100,29 @@ pub(crate) struct RenderArgs {
         help_heading = "Picture"
     )]
     pub(crate) grid: Option<usize>,
-    /// With --grid: let every shape fill its panel
+    /// With --grid: every shape fills its panel
     #[arg(long, requires = "grid", help_heading = "Picture")]
     pub(crate) own_scale: bool,
-    /// Take the shapes as this, whatever their files say
+    /// Take the shapes as this kind, whatever their files say
     #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
-    pub(crate) kind: Option<Kind>,
-    /// Number of vertices of samples (about)
-    #[arg(long, value_name = "N", help_heading = "Shape")]
+    pub(crate) kind: Option<ShapeKindArg>,
+    /// Approximate number of vertices of samples
+    #[arg(long, value_name = "N", value_parser = count, help_heading = "Shape")]
     pub(crate) vertices: Option<usize>,
-    /// The picture of the texture, for --color texture…
+    /// Picture of the texture, for --color texture…
     #[arg(long, value_name = "FILE", help_heading = "Shape")]
     pub(crate) texture: Option<PathBuf>,
 }
 
 impl RenderArgs {
-    /// Columns of the sheet with so many panels.
+    /// Number of columns of a sheet with `n_panels` panels.
     pub(crate) fn columns(&self, n_panels: usize) -> usize {
         let columns = self.grid.and_then(NonZeroUsize::new).map(NonZeroUsize::get);
         columns.unwrap_or_else(|| (1..=n_panels).find(|c| c * c >= n_panels).unwrap_or(1))
     }
 }
 
-/// The values of the first and last color.
+/// Values of the first and last color.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RangeArg {
     Auto,
@@ -141,7 +141,7 @@ impl FromStr for RangeArg {
         });
         match numbers {
             Some((low, high)) if low < high && (high - low).is_finite() => Ok(Self::Fixed(low, high)),
-            _ => Err("it is auto, or two numbers LOW,HIGH with the smaller one first".to_owned()),
+            _ => Err("must be auto, or two numbers LOW,HIGH with the smaller one first".to_owned()),
         }
     }
 }
@@ -158,9 +158,9 @@ impl FromStr for SizeArg {
             .split_once(['x', 'X', '×'])
             .and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
         match numbers {
-            Some((0, _) | (_, 0)) => Err("a picture without pixels; both are at least 1".to_owned()),
+            Some((0, _) | (_, 0)) => Err("width and height must be at least 1".to_owned()),
             Some((width, height)) => Ok(Self(width, height)),
-            None => Err("it is WIDTHxHEIGHT in pixels, such as 1200x900".to_owned()),
+            None => Err("must be WIDTHxHEIGHT in pixels, such as 1200x900".to_owned()),
         }
     }
 }

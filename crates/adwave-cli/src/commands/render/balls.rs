@@ -1,4 +1,4 @@
-//! The features that a picture shows as balls, from the files that `adwave features` writes.
+//! Features that a picture shows as balls, from the files of `adwave features`.
 
 use crate::error::CliError;
 use adwave_io::ReadLimits;
@@ -6,12 +6,12 @@ use adwave_render::Ball;
 use serde_json::Value;
 use std::path::Path;
 
-/// What marks a feature.
+/// Color of the balls.
 const GREEN: [u8; 3] = [52, 168, 83];
 
-/// Whether a table of features has its head only: none were found.
+/// Whether a table of features has only its head, because none were found.
 fn has_no_row(path: &Path) -> bool {
-    /// A head is shorter than this.
+    /// A head is shorter than this many bytes.
     const HEAD: u64 = 4096;
     if !std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < HEAD) {
         return false;
@@ -21,15 +21,16 @@ fn has_no_row(path: &Path) -> bool {
     ["x", "y", "z", "sigma"].iter().all(|name| columns.contains(name)) && text.trim().lines().count() == 1
 }
 
-/// The balls of the features in a file that `adwave features` wrote.
-pub(super) fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
+/// The balls for the features in a file of `adwave features`.
+pub(super) fn read_balls(path: &Path) -> Result<Vec<Ball>, CliError> {
     let shown = path.display();
     let rows: Vec<[f64; 4]> = if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let text = std::fs::read_to_string(path).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
         let json: Value =
             serde_json::from_str(&text).map_err(|e| CliError::Input(format!("{shown}: {e}")))?;
         let list = json.get("features").unwrap_or(&json).as_array();
-        let list = list.ok_or_else(|| CliError::Input(format!("{shown}: there is no list of features")))?;
+        let list =
+            list.ok_or_else(|| CliError::Input(format!("{shown}: it must hold a list of features")))?;
         let row = |f: &Value| {
             let number = |name: &str| f.get(name).and_then(Value::as_f64);
             let position = |k: usize| f.get("position").and_then(|p| p.get(k)).and_then(Value::as_f64);
@@ -45,7 +46,7 @@ pub(super) fn features(path: &Path) -> Result<Vec<Ball>, CliError> {
         let columns = ["x", "y", "z", "sigma"].map(|name| fields.iter().find(|f| f.name == name));
         let [Some(x), Some(y), Some(z), Some(sigma)] = columns else {
             return Err(CliError::Input(format!(
-                "{shown}: features have the columns x, y, z and sigma; write them with 'adwave features -o FILE.csv'"
+                "{shown}: it must have the columns x, y, z and sigma, as in files of 'adwave features -o FILE.csv'"
             )));
         };
         (0..x.len()).map(|k| [x, y, z, sigma].map(|f| f.get(k, 0))).collect()

@@ -1,26 +1,27 @@
-//! What of a shape fills its picture: the arguments, and the shape that they are about.
+//! The part of a shape that fills its picture.
 
+use crate::args::number;
 use crate::error::CliError;
-use crate::shape_input::Input;
+use crate::resolve::shape::Input;
 use adwave_render::Framing;
 use clap::Args;
 use std::str::FromStr;
 
-/// How many times as large a place is shown where nothing is said.
+/// Zoom factor on a focus if none is given.
 const CLOSE_UP: f64 = 4.0;
 
-/// Which part of the shape is seen.
+/// The part of the shape that is seen.
 #[derive(Debug, Args)]
 pub(crate) struct FramingArgs {
-    /// How many times as large as the whole shape would fit [default: 1, with --focus 4]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, help_heading = "Picture")]
+    /// Magnification, relative to the view that fits the whole shape [default: 1, with --focus 4]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) zoom: Option<f64>,
-    /// The place in the middle of the picture: X,Y,Z in model units, or vertex=N (of the first shape)
+    /// Point in the middle of the picture: X,Y,Z in model units, or vertex=N of the first shape
     #[arg(long, value_name = "PLACE", allow_hyphen_values = true, help_heading = "Picture")]
     pub(crate) focus: Option<FocusArg>,
 }
 
-/// A place of a shape.
+/// A point of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FocusArg {
     Point([f64; 3]),
@@ -31,7 +32,7 @@ impl FromStr for FocusArg {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "it is X,Y,Z in model units, or vertex=N with vertices counted from 0".to_owned();
+        let wrong = || "must be X,Y,Z in model units, or vertex=N with vertices counted from 0".to_owned();
         if let Some(vertex) = text.trim().strip_prefix("vertex=") {
             return vertex.trim().parse().map(Self::Vertex).map_err(|_| wrong());
         }
@@ -46,7 +47,7 @@ impl FromStr for FocusArg {
 }
 
 impl FramingArgs {
-    /// What can be known before a shape is read: everything but where a vertex is.
+    /// The framing as far as it is known before a shape is read: without the position of a vertex.
     pub(crate) fn without_vertex(&self) -> Framing {
         let zoom = self.zoom.unwrap_or(if self.focus.is_some() { CLOSE_UP } else { 1.0 });
         let focus = match self.focus {
@@ -56,14 +57,14 @@ impl FramingArgs {
         Framing { zoom, focus }
     }
 
-    /// The same with the vertex of this shape.
-    pub(crate) fn of(&self, input: &Input) -> Result<Framing, CliError> {
+    /// The framing for a shape, whose vertex may be the focus.
+    pub(crate) fn for_shape(&self, input: &Input) -> Result<Framing, CliError> {
         let framing = self.without_vertex();
         let Some(FocusArg::Vertex(vertex)) = self.focus else { return Ok(framing) };
         let points = input.shape.points().unwrap_or_default();
         let point = points.get(vertex).ok_or_else(|| {
             CliError::Input(format!(
-                "--focus vertex={vertex}: {} has {} vertices, counted from 0",
+                "--focus vertex={vertex} must be below the number of vertices, but {} has {}",
                 input.name,
                 points.len()
             ))

@@ -4,53 +4,52 @@ mod args;
 mod balls;
 mod framing;
 
-use crate::commands::region::WEIGHT;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, print, write_error};
-use crate::progress::with_spinner;
-use crate::region::{joined, weights};
-use crate::shape_input::{Input, Source, load_source};
-use crate::signal::{self, COORDS, Signal};
-use crate::up::Upward;
+use crate::output::progress::with_spinner;
+use crate::output::{check_writable, count, has_extension, print, write_file};
+use crate::resolve::region::{WEIGHT, region_weights, union_of_regions};
+use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
+use crate::resolve::signal::{COORDS, Signal, load_signal};
+use crate::resolve::up::UpAxis;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Shape, triangulate};
 use adwave::signal::SurfaceSignal;
 use adwave::{Decomposer, Progress};
-use adwave_io::{FieldValues, atomic_write};
+use adwave_io::FieldValues;
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, Projection, RenderParams,
     SharedCamera, Surface, ValueRange, grid, render,
 };
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
-use balls::features;
+use balls::read_balls;
 use serde_json::json;
 use std::time::Instant;
 
-/// The name of no field at all.
+/// Name of the single color, instead of that of a signal.
 const PLAIN: &str = "plain";
 
 pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError> {
     let params = check(args)?;
-    let balls = args.features.as_deref().map(features).transpose()?.unwrap_or_default();
+    let balls = args.features.as_deref().map(read_balls).transpose()?.unwrap_or_default();
     let start = Instant::now();
-    let shapes = with_spinner(global, "reading", || load_all(args, global))?;
-    let upward = Upward::of(args.up, &shapes[0].input);
-    let params = params.with_up(upward.up).with_framing(args.framing.of(&shapes[0].input)?);
+    let shapes = load_all(args, global)?;
+    let up = UpAxis::choose(args.up, &shapes[0].input);
+    let params = params.with_up(up.up).with_framing(args.framing.for_shape(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let picture =
         with_spinner(global, "drawing", || draw(args, &params, &shapes, &balls, global.progress()))?;
     let drawn = start.elapsed().as_secs_f64();
     let png = picture.png()?;
-    atomic_write(&args.output, |out| Ok(out.write_all(&png)?)).map_err(write_error)?;
+    write_file(global, &args.output, &png)?;
     let text = format!(
-        "{} × {} pixels, {} vertices; read {read:.2} s, drawn {drawn:.2} s\n{}{}",
+        "{} × {} pixels, {}; read {read:.2} s, drawn {drawn:.2} s\n{}{}",
         picture.width,
         picture.height,
-        shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(),
-        upward.line(),
+        count(shapes.iter().map(|s| s.input.shape.n_vertices()).sum::<usize>(), "vertex", "vertices"),
+        up.line(),
         args.output.display()
     );
     let json = json!({
@@ -63,7 +62,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
             "colors": s.looks.iter().map(Look::label).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "features": balls.len(),
-        "up": upward.json(),
+        "up": up.to_json(),
         "zoom": params.framing.zoom,
         "focus": params.framing.focus,
         "projection": if args.orthographic { "orthographic" } else { "perspective" },
@@ -72,14 +71,16 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     print(global, &text, &json)
 }
 
-/// What can be refused before anything is read.
+/// The parameters of the picture. Refuses what can be refused before anything is read.
 fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
-    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+    if !has_extension(&args.output, &["png"]) {
         return Err(CliError::Input(format!("{}: a picture is written as .png", args.output.display())));
     }
     check_writable(&args.output)?;
     if args.grid.is_none() && args.shapes.len() * args.color.len().max(1) > 1 {
-        return Err(CliError::Input("several shapes or fields go on one sheet; add --grid".to_owned()));
+        return Err(CliError::Input(
+            "several shapes or signals need --grid, which puts them on one sheet".to_owned(),
+        ));
     }
     color_map(args)?;
     let usual = if args.grid.is_some() { SizeArg(600, 500) } else { SizeArg(1200, 900) };
@@ -100,15 +101,15 @@ fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
 }
 
 fn color_map(args: &RenderArgs) -> Result<Option<ColorMap>, CliError> {
-    let Some(name) = &args.colormap else { return Ok(None) };
+    let Some(name) = &args.color_map else { return Ok(None) };
     ColorMap::from_name(name).map(Some).ok_or_else(|| {
         let names: Vec<&str> = ColorMap::names().collect();
-        CliError::Input(format!("there is no color map '{name}'; there is {}", names.join(", ")))
+        CliError::Input(format!("--color-map must be one of {}, got '{name}'", names.join(", ")))
     })
 }
 
-/// A shape and what is shown of it.
-struct Loaded {
+/// A shape and the colors of its panels.
+struct ShownShape {
     input: Input,
     triangles: Vec<[u32; 3]>,
     looks: Vec<Look>,
@@ -130,13 +131,14 @@ impl Look {
     }
 }
 
-fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<Loaded>, CliError> {
+fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<ShownShape>, CliError> {
     args.shapes.iter().map(|name| load(args, name, global)).collect()
 }
 
-fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<Loaded, CliError> {
-    let (kind, vertices, part) = (args.kind, args.vertices, args.part.part());
-    let input = load_source(&Source { kind, vertices, part, ..Source::new(name) }, global)?;
+fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape, CliError> {
+    let (kind, part) = (args.kind, args.part.to_part());
+    let sample = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
+    let input = load_source(&ShapeSource { kind, sample, part, ..ShapeSource::new(name) }, global)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
     };
@@ -150,7 +152,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<Loaded, Cl
     } else {
         args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
     };
-    Ok(Loaded { input, triangles, looks })
+    Ok(ShownShape { input, triangles, looks })
 }
 
 /// The weights of the regions.
@@ -158,12 +160,12 @@ fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<
     let progress = global.progress();
     let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
         .map_err(|_| CliError::Cancelled)?;
-    let values = weights(&joined(&args.region), input, &decomposer, progress)?;
+    let values = region_weights(&union_of_regions(&args.region), input, &decomposer, progress)?;
     let range = ValueRange::Fixed(0.0, 1.0);
     Ok(Look::Field { values, label: WEIGHT.to_owned(), unit: None, range })
 }
 
-/// What is shown by a field's name: its number, its length where it has several, or the colors that it holds.
+/// The colors of a panel by the name of a signal: its number, the length of its vectors, or the colors that it stores.
 fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Result<Look, CliError> {
     if name == PLAIN {
         return Ok(Look::Plain);
@@ -176,15 +178,16 @@ fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Re
         return Ok(Look::Colors { values, label });
     }
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
-    let Signal { n_channels, values } = signal::load(global, input, name, texture)?;
+    let Signal { n_channels, values } = load_signal(global, input, name, texture)?;
     if name == "texture"
         && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
     {
         return Ok(Look::Colors { values, label });
     }
-    // A field of the file goes before what the shape gives by itself, and its unit is not known.
-    let own = SurfaceSignal::from_name(name).filter(|_| input.file.field(name).is_none());
-    let unit = if name == COORDS { Some("model units") } else { own.and_then(SurfaceSignal::unit) };
+    // A field of the file takes precedence over a signal of the shape, and its unit is not known.
+    let surface_signal = SurfaceSignal::from_name(name).filter(|_| input.file.field(name).is_none());
+    let unit =
+        if name == COORDS { Some("model units") } else { surface_signal.and_then(SurfaceSignal::unit) };
     if n_channels == 1 {
         return Ok(Look::Field { values: values.to_vec(), label, unit, range: ValueRange::Auto });
     }
@@ -217,7 +220,7 @@ fn bytes(n_channels: usize, values: &FieldValues) -> Option<Vec<[u8; 3]>> {
 fn draw(
     args: &RenderArgs,
     params: &RenderParams,
-    shapes: &[Loaded],
+    shapes: &[ShownShape],
     balls: &[Ball],
     progress: Progress<'_>,
 ) -> Result<Picture, CliError> {
@@ -253,7 +256,7 @@ fn draw(
     Ok(grid(&panels, args.columns(panels.len()), camera, params, progress)?)
 }
 
-/// What tells a panel from the others.
+/// Caption that tells a panel from the others.
 fn caption(args: &RenderArgs, shape: &str, label: Option<&str>) -> String {
     let file = shape.rsplit('/').next().unwrap_or(shape);
     match (args.shapes.len() > 1, label.filter(|_| !(args.color.is_empty() && args.region.is_empty()))) {

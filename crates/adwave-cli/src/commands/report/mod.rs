@@ -1,22 +1,20 @@
-//! `adwave report`: one page about one shape.
+//! `adwave report`: a page about a shape.
 
 mod args;
 
-use crate::analysis::Analysis;
-use crate::commands::info::{health_json, kind};
+use super::analysis::{Analysis, AnalysisArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{
-    bands_params, check_levels, check_writable, command_line, print, steps_json, write_error,
-};
-use crate::progress::{with_progress, with_spinner};
-use crate::shape_input::load;
-use crate::signal::{default_signal, field_names, file_normals};
-use crate::stopwatch::Stopwatch;
-use crate::up::Upward;
+use crate::output::health::{health_json, kind_name};
+use crate::output::progress::with_progress;
+use crate::output::stopwatch::Stopwatch;
+use crate::output::{check_writable, command_line, count, has_extension, print, steps_json, write_file};
+use crate::resolve::levels::check_levels;
+use crate::resolve::shape::load_shape;
+use crate::resolve::signal::{default_signal, field_names, file_normals};
+use crate::resolve::up::UpAxis;
 use adwave::bands::Bands;
 use adwave::features::FEATURE_EXTENT;
-use adwave_io::atomic_write;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
 pub(crate) use args::ReportArgs;
 use serde_json::{Value, json};
@@ -27,34 +25,32 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let start = Instant::now();
     check(args)?;
     let mut watch = Stopwatch::start();
-    let input = with_spinner(global, "reading", || load(&args.shape, global))?;
-    let signal = args.field.or(default_signal(&input.file));
+    let input = load_shape(&args.shape, global)?;
+    let signal = args.signal.with_default(default_signal(&input.file));
     let field = signal.name().to_owned();
-    let upward = Upward::of(args.up, &input);
-    let mut analysis =
-        Analysis::of(input, watch.lap(), &args.shape, &signal, &args.levels, FEATURE_EXTENT, global)?;
+    let up = UpAxis::choose(args.up, &input);
+    let what =
+        AnalysisArgs { shape: &args.shape, signal: &signal, levels: &args.levels, extent: FEATURE_EXTENT };
+    let mut analysis = Analysis::from_input(input, watch.lap(), what, global)?;
     let bands = analysis.bands(global)?;
-    let viewpoint = Viewpoint { view: Some(args.view), up: upward.up };
+    let viewpoint = Viewpoint { view: Some(args.view), up: up.up };
     let report = report(viewpoint, global, &analysis, &bands, &field)?;
     let html = report.page.html();
-    atomic_write(&args.output, |out| Ok(out.write_all(html.as_bytes())?)).map_err(write_error)?;
+    write_file(global, &args.output, html.as_bytes())?;
     let seconds = start.elapsed().as_secs_f64();
-    let text =
-        analysis.headline(&field) + &upward.line() + &summary(&report, html.len(), seconds, &args.output);
+    let text = analysis.headline(&field) + &up.line() + &summary(&report, html.len(), seconds, &args.output);
     let mut json = describe(args, &analysis, &field, &report, html.len(), seconds);
-    json["up"] = upward.json();
+    json["up"] = up.to_json();
     print(global, &text, &json)
 }
 
-/// What can be refused before anything is read.
+/// Refuses what can be refused before anything is read.
 fn check(args: &ReportArgs) -> Result<(), CliError> {
-    let named = |ending: &str| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
-    if !named("html") && !named("htm") {
+    if !has_extension(&args.output, &["html", "htm"]) {
         return Err(CliError::Input(format!("{}: a report is written as .html", args.output.display())));
     }
     check_writable(&args.output)?;
-    bands_params(&args.levels)?;
-    check_levels(&args.levels)
+    check_levels(&args.levels).map(|_| ())
 }
 
 fn report(
@@ -69,7 +65,7 @@ fn report(
     let seconds = &analysis.seconds;
     let normals = file_normals(&input.file);
     let subject = Subject {
-        name: last_part(&input.name),
+        name: file_name(&input.name),
         format: &format.map_or_else(|| "built-in".to_owned(), |f| f.to_string()),
         fields: &field_names(&input.file),
         shape: &input.shape,
@@ -78,7 +74,7 @@ fn report(
         values: &analysis.signal.values,
         normals: normals.as_deref(),
         bands,
-        levels_reason: &analysis.why,
+        levels_reason: &analysis.levels_reason,
         command: &command_line(global.arguments.iter().skip(1)),
         seconds: &[("reading", seconds.read), ("diffusion", seconds.diffusion), ("bands", seconds.bands)],
     };
@@ -86,14 +82,14 @@ fn report(
         .map_err(|_| CliError::Cancelled)
 }
 
-/// A name without the folders before it.
-fn last_part(name: &str) -> &str {
+/// The file name of a path that is given as text.
+fn file_name(name: &str) -> &str {
     Path::new(name).file_name().and_then(|part| part.to_str()).unwrap_or(name)
 }
 
 /// The name of a signal that may come from another file: the column, or the file without folders and endings.
 fn signal_name(field: &str) -> &str {
-    let name = last_part(field);
+    let name = file_name(field);
     if let Some((file, column)) = name.rsplit_once(':')
         && !file.is_empty()
         && !column.is_empty()
@@ -106,13 +102,12 @@ fn signal_name(field: &str) -> &str {
 }
 
 fn summary(report: &ShapeReport, bytes: usize, seconds: f64, output: &Path) -> String {
-    let count = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     let features = report.features.as_ref().map_or(0, |f| f.features.len());
     format!(
         "{}, {}, {} in {:.1} MB; {seconds:.2} s\n{}",
-        count(report.bands.len(), "band"),
-        count(features, "feature"),
-        count(report.n_pictures, "picture"),
+        count(report.bands.len(), "band", "bands"),
+        count(features, "feature", "features"),
+        count(report.n_pictures, "picture", "pictures"),
         bytes as f64 / 1e6,
         output.display(),
     )
@@ -130,12 +125,12 @@ fn describe(
         report.seconds.iter().map(|(what, seconds)| (what.clone(), json!(seconds))).collect();
     json!({
         "shape": analysis.input.name,
-        "kind": kind(&analysis.input.shape),
+        "kind": kind_name(&analysis.input.shape),
         "output": args.output.display().to_string(),
         "bytes": bytes,
         "pictures": report.n_pictures,
         "field": field,
-        "levels_reason": analysis.why,
+        "levels_reason": analysis.levels_reason,
         "health": health_json(&report.health),
         "bands": report.bands.iter().map(|b| json!({
             "level": b.level, "steps": steps_json(&[b.steps])[0], "sigma": b.sigma, "percent": analysis.percent(b.sigma),

@@ -1,6 +1,6 @@
 //! The arguments of `adwave simplify`.
 
-use crate::args::{Kind, PartArgs, any_length};
+use crate::args::{CloudPartArgs, ShapeKindArg, count, length, number};
 use adwave::region::Length;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -9,8 +9,8 @@ use std::path::PathBuf;
 #[command(
     group(ArgGroup::new("target").required(true).args(["error", "vertices", "ratio"])),
     after_help = "\
-Of a mesh edges are collapsed; of a cloud points are dropped so that the rest are evenly spaced. Both keep a subset of the
-vertices, with all that the file says of them. The distance that is reported is measured, not estimated.
+Edges of a mesh are collapsed; points of a cloud are dropped so that the rest are evenly spaced. Both keep a subset of the
+vertices with all of their fields. The reported distance is measured on the result.
 
 Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
@@ -19,28 +19,28 @@ Examples:
   adwave simplify scan.laz -o thin.laz --error 0.25"
 )]
 pub(crate) struct SimplifyArgs {
-    /// File (OBJ, PLY, STL, glTF, VTK, LAS and all else that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
+    /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
     #[arg(value_name = "SHAPE")]
     pub(crate) shape: String,
     #[command(flatten)]
-    pub(crate) part: PartArgs,
-    /// Take the shape as this, whatever the file says; a mesh as a cloud is its vertices
+    pub(crate) part: CloudPartArgs,
+    /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum)]
-    pub(crate) kind: Option<Kind>,
-    /// Where the result goes; the format is that of the extension
+    pub(crate) kind: Option<ShapeKindArg>,
+    /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// The greatest distance between result and input, in model units or in % of the diagonal: of a mesh as few vertices as
-    /// are found within it, of a cloud the least distance that points are apart
-    #[arg(long, value_name = "LENGTH", value_parser = any_length, allow_negative_numbers = true, help_heading = "Target")]
+    /// Largest distance between result and input, in model units or in % of the diagonal. A mesh keeps as few vertices as are
+    /// found within it; points of a cloud are kept at least that far apart
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) error: Option<Length>,
-    /// So many vertices
-    #[arg(long, value_name = "N", help_heading = "Target")]
+    /// Number of vertices
+    #[arg(long, value_name = "N", value_parser = count, help_heading = "Target")]
     pub(crate) vertices: Option<usize>,
-    /// This share of the vertices, above 0 and at most 1
-    #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Target")]
+    /// Share of the vertices, above 0 and at most 1
+    #[arg(long, value_name = "R", value_parser = number, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) ratio: Option<f64>,
-    /// Mesh: the vertices of borders stay
+    /// Mesh: keep all vertices on borders
     #[arg(long)]
     pub(crate) keep_border: bool,
 }

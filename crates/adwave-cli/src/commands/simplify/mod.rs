@@ -1,13 +1,13 @@
-//! `adwave simplify`: fewer vertices, and the distance measured.
+//! `adwave simplify`: fewer vertices at a measured distance.
 
 mod args;
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{check_writable, format_of, note, number, percent_of, print, write_shape};
-use crate::progress::{with_progress, with_spinner};
-use crate::shape_input::{Input, Source, load_source};
-use crate::stopwatch::Stopwatch;
+use crate::output::progress::with_progress;
+use crate::output::stopwatch::Stopwatch;
+use crate::output::{check_writable, note, number, output_format, percent_of, print, write_shape};
+use crate::resolve::shape::{Input, ShapeSource, load_source};
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
@@ -18,8 +18,8 @@ pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// What goes out, and what is said of it.
-struct Outcome {
+/// The simplified shape and what is reported of it.
+struct Simplified {
     file: ShapeFile,
     deviation: Deviation,
     is_changed: bool,
@@ -28,32 +28,39 @@ struct Outcome {
 }
 
 pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliError> {
-    format_of(&args.output)?;
+    output_format(&args.output)?;
     check_writable(&args.output)?;
     check_target(args)?;
     let mut watch = Stopwatch::start();
-    let source = Source { kind: args.kind, part: args.part.part(), ..Source::new(&args.shape) };
-    let input = with_spinner(global, "reading", || load_source(&source, global))?;
+    let source = ShapeSource { kind: args.kind, part: args.part.to_part(), ..ShapeSource::new(&args.shape) };
+    let input = load_source(&source, global)?;
     let read = watch.lap();
-    let outcome = match &input.shape {
-        Shape::Mesh(mesh) => of_mesh(args, &input, mesh, global)?,
-        Shape::Cloud(cloud) => of_cloud(args, &input, cloud, global)?,
+    let simplified_shape = match &input.shape {
+        Shape::Mesh(mesh) => simplify_mesh_file(args, &input, mesh, global)?,
+        Shape::Cloud(cloud) => simplify_cloud_file(args, &input, cloud, global)?,
         Shape::Graph(_) => {
             return Err(CliError::Input(format!(
-                "{}: a graph has no positions, so there is nothing to simplify by distance; give a mesh or a cloud",
+                "{}: a graph has no positions, so it cannot be simplified; give a mesh or a cloud",
                 input.name
             )));
         }
     };
     let simplified = watch.lap();
     global.progress().check().map_err(|_| CliError::Cancelled)?;
-    say_what_is_lost(global, &input, &outcome.file);
-    with_spinner(global, "writing", || write_shape(global, &outcome.file, &args.output))?;
-    let seconds = [read, simplified, watch.lap()];
-    report(args, &input, &outcome, seconds, global)
+    note_losses(global, &input, &simplified_shape.file);
+    write_shape(global, &simplified_shape.file, &args.output)?;
+    let seconds = Seconds { read, simplify: simplified, write: watch.lap() };
+    report(args, &input, &simplified_shape, &seconds, global)
 }
 
-/// Refuses before anything is read what no shape can be simplified to.
+/// Seconds that each part took.
+struct Seconds {
+    read: f64,
+    simplify: f64,
+    write: f64,
+}
+
+/// Refuses targets that no shape can reach, before anything is read.
 fn check_target(args: &SimplifyArgs) -> Result<(), CliError> {
     let error = args.error.map(|error| error.to_model_units(1.0)).filter(|e| !(e.is_finite() && *e >= 0.0));
     let ratio = args.ratio.filter(|r| !(*r > 0.0 && *r <= 1.0));
@@ -65,12 +72,12 @@ fn check_target(args: &SimplifyArgs) -> Result<(), CliError> {
     }
 }
 
-fn of_mesh(
+fn simplify_mesh_file(
     args: &SimplifyArgs,
     input: &Input,
     mesh: &Mesh,
     global: &Global<'_>,
-) -> Result<Outcome, CliError> {
+) -> Result<Simplified, CliError> {
     let target = match (args.error, args.vertices, args.ratio) {
         (Some(error), ..) => MeshTarget::Error(error.to_model_units(input.shape.diagonal())),
         (_, Some(n), _) => MeshTarget::Vertices(n),
@@ -82,7 +89,7 @@ fn of_mesh(
         let params = MeshParams::new(target).with_border(border);
         simplify_mesh(mesh, labels.as_deref(), &params, progress)
     })
-    .map_err(|e| in_shape(input, e))?;
+    .map_err(|e| name_error(input, e))?;
     let is_changed = simplified.why != Why::Unchanged;
     let file = if is_changed {
         input.file.subset(&Subset {
@@ -95,8 +102,8 @@ fn of_mesh(
         input.file.clone()
     };
     let mut lines = vec![format!("faces      {} → {}", mesh.faces().len(), file.faces().len())];
-    lines.extend(why_not(args, &simplified));
-    Ok(Outcome {
+    lines.extend(shortfall(args, &simplified));
+    Ok(Simplified {
         details: json!({
             "faces": {"before": mesh.faces().len(), "after": file.faces().len()},
             "vertices_welded": simplified.n_vertices_before,
@@ -110,33 +117,33 @@ fn of_mesh(
     })
 }
 
-/// What to know where the target was not reached.
-fn why_not(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String> {
+/// Line on a target that was not reached.
+fn shortfall(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String> {
     let n = simplified.n_vertices_before;
     match (simplified.why, args.vertices.or(args.ratio.map(|r| (r * n as f64).round() as usize))) {
         (Why::Reached, _) => None,
-        (Why::Unchanged, None) => Some("unchanged: no vertex can be dropped within that error".to_owned()),
+        (Why::Unchanged, None) => Some("unchanged: no vertex can be dropped within the error".to_owned()),
         (Why::Unchanged, Some(wanted)) => {
             Some(format!("unchanged: the faces have {n} vertices, no more than the {wanted} asked for"))
         }
         (Why::Stuck, wanted) => Some(format!(
-            "not the {} asked for: seams of textures and materials, {}edges of three faces, and parts that are as small as \
-             they can be stay",
+            "more than the {} asked for: seams of textures and materials, {}edges of three faces and parts of minimal size \
+             are kept",
             wanted.unwrap_or(0),
             if args.keep_border { "borders, " } else { "" },
         )),
     }
 }
 
-fn of_cloud(
+fn simplify_cloud_file(
     args: &SimplifyArgs,
     input: &Input,
     cloud: &PointCloud,
     global: &Global<'_>,
-) -> Result<Outcome, CliError> {
+) -> Result<Simplified, CliError> {
     if args.keep_border {
         return Err(CliError::Input(
-            "--keep-border is for meshes; a cloud has no border, leave it out".to_owned(),
+            "--keep-border applies to meshes, and a cloud has no border; leave it out".to_owned(),
         ));
     }
     let target = match (args.error, args.vertices, args.ratio) {
@@ -145,8 +152,8 @@ fn of_cloud(
         (.., ratio) => CloudTarget::Ratio(ratio.unwrap_or(1.0)),
     };
     let thinned = with_progress(global, "thinning", |progress| simplify_cloud(cloud, target, progress))
-        .map_err(|e| in_shape(input, e))?;
-    // A mesh that is taken as a cloud goes out as one.
+        .map_err(|e| name_error(input, e))?;
+    // A mesh that is taken as a cloud is written as one.
     let is_changed = thinned.kept.len() < cloud.points().len() || !input.file.faces().is_empty();
     let file = if is_changed {
         input.file.subset(&Subset { vertices: &thinned.kept, ..Subset::default() })?
@@ -156,14 +163,14 @@ fn of_cloud(
     let diagonal = input.shape.diagonal();
     let line = if is_changed {
         format!(
-            "spacing    {}, {} % of the diagonal: no two points are nearer, and every dropped one has one within it",
+            "spacing    {}, {} % of the diagonal: no two points are nearer, and every dropped point is that near to one that stays",
             number(thinned.spacing),
             percent_of(thinned.spacing, diagonal)
         )
     } else {
-        "unchanged: no point can be dropped for that".to_owned()
+        "unchanged: no point can be dropped".to_owned()
     };
-    Ok(Outcome {
+    Ok(Simplified {
         details: json!({"spacing": thinned.spacing}),
         file,
         deviation: thinned.deviation,
@@ -172,21 +179,21 @@ fn of_cloud(
     })
 }
 
-/// An error about the shape begins with its name.
-fn in_shape(input: &Input, error: SimplifyError) -> CliError {
+/// An error with the name of the shape, if it is about the shape.
+fn name_error(input: &Input, error: SimplifyError) -> CliError {
     match error {
         SimplifyError::NoSurface => CliError::Input(format!("{}: {error}", input.name)),
         other => other.into(),
     }
 }
 
-/// What the file had besides that the result does not carry.
-fn say_what_is_lost(global: &Global<'_>, input: &Input, file: &ShapeFile) {
+/// Prints a note on content of the file that the result does not have.
+fn note_losses(global: &Global<'_>, input: &Input, file: &ShapeFile) {
     let lost: Vec<&str> = input
         .file
         .extras()
         .iter()
-        .filter(|extra| !file.extras().contains(extra) && file.field(field_of(extra)).is_none())
+        .filter(|extra| !file.extras().contains(extra) && file.field(vertex_field_name(extra)).is_none())
         .map(String::as_str)
         .collect();
     if !lost.is_empty() {
@@ -194,8 +201,8 @@ fn say_what_is_lost(global: &Global<'_>, input: &Input, file: &ShapeFile) {
     }
 }
 
-/// The field that values of corners become where each vertex that is left has one.
-fn field_of(extra: &str) -> &str {
+/// The vertex field that values of corners become if each remaining vertex has one value.
+fn vertex_field_name(extra: &str) -> &str {
     match extra {
         "texture coordinates of face corners" => "texcoord",
         "normals of face corners" => "normal",
@@ -206,47 +213,48 @@ fn field_of(extra: &str) -> &str {
 fn report(
     args: &SimplifyArgs,
     input: &Input,
-    outcome: &Outcome,
-    [read, simplified, written]: [f64; 3],
+    simplified_shape: &Simplified,
+    seconds: &Seconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let (before, after) = (input.shape.n_vertices(), outcome.file.n_vertices());
+    let (before, after) = (input.shape.n_vertices(), simplified_shape.file.n_vertices());
     let diagonal = input.shape.diagonal();
-    let (greatest, rms) = (outcome.deviation.greatest(), outcome.deviation.rms());
+    let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
     let bytes = std::fs::metadata(&args.output).map_or(0, |m| m.len());
     let by = if let Shape::Mesh(_) = input.shape { "rms by area" } else { "rms" };
     let mut text = format!("{}: {before} → {after} vertices\n", input.name);
-    for line in &outcome.lines {
+    for line in &simplified_shape.lines {
         let _ = writeln!(text, "  {line}");
     }
     let _ = writeln!(
         text,
-        "  error      greatest {} ({} % of the diagonal), {by} {} ({} %), measured",
+        "  error      greatest {} ({} % of the diagonal), {by} {} ({} %), measured on the result",
         number(greatest),
         percent_of(greatest, diagonal),
         number(rms),
         percent_of(rms, diagonal),
     );
     let _ = writeln!(text, "  size       {bytes} bytes");
-    let _ = writeln!(text, "read {read:.3} s, simplified {simplified:.3} s, written {written:.3} s");
+    let Seconds { read, simplify, write } = seconds;
+    let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s, written {write:.3} s");
     let _ = writeln!(text, "{}", args.output.display());
     let side = |side: adwave_simplify::OneSided| json!({"greatest": side.greatest, "rms": side.rms});
     let mut json = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
-        "changed": outcome.is_changed,
+        "changed": simplified_shape.is_changed,
         "vertices": {"before": before, "after": after},
         "diagonal": diagonal,
         "error": {
             "greatest": greatest,
             "rms": rms,
-            "of_input": side(outcome.deviation.of_original),
-            "of_result": side(outcome.deviation.of_simplified),
+            "of_input": side(simplified_shape.deviation.of_original),
+            "of_result": side(simplified_shape.deviation.of_simplified),
         },
         "bytes": bytes,
-        "seconds": {"read": read, "simplify": simplified, "write": written},
+        "seconds": {"read": seconds.read, "simplify": seconds.simplify, "write": seconds.write},
     });
-    if let (Some(json), Value::Object(details)) = (json.as_object_mut(), outcome.details.clone()) {
+    if let (Some(json), Value::Object(details)) = (json.as_object_mut(), simplified_shape.details.clone()) {
         json.extend(details);
     }
     print(global, &text, &json)

@@ -2,141 +2,173 @@
 
 mod args;
 
-use crate::commands::denoise;
-use crate::commands::features::{output_kind, write_features};
 use crate::error::CliError;
-use crate::global::Global;
-use crate::output::{check_writable, note, number, print, table};
-use crate::progress::with_progress;
-use adwave::pages::keep_freed;
+use crate::global::{Global, HeapUse};
+use crate::output::denoising::{SamplingUnit, describe_denoising};
+use crate::output::features_file::{FeatureList, FeaturesFile};
+use crate::output::progress::with_progress;
+use crate::output::{check_writable, count, has_extension, note, number, print, table};
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_tiles::{
-    Forecast, LevelSummary, Status, Summary, Task, TilesError, TilingJob, forecast, is_mesh, join, run_task,
+    Forecast, LevelSummary, Params, Status, Summary, Task, TilesError, TilingJob, forecast, is_mesh, join,
+    run_task,
 };
 use args::JobKind;
 pub(crate) use args::{TileArgs, TilesArgs};
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-fn failed(error: &TilesError) -> CliError {
+fn classify(error: &TilesError) -> CliError {
     match error {
-        // As all commands have it: a file that is not there is a wrong argument.
+        // As in all commands, a file that is missing is a wrong argument.
         TilesError::Read(_) if error.kind() == ErrorKind::Machine => CliError::Input(error.to_string()),
-        _ => CliError::of(error),
+        _ => CliError::classify(error),
     }
 }
 
-/// Whether the output is one file; a folder otherwise.
+/// Whether the output is one file instead of a folder.
 fn is_joined(args: &TilesArgs) -> Result<bool, CliError> {
-    let ends = |path: &Path, endings: &[&str]| {
-        path.extension().is_some_and(|e| endings.iter().any(|ending| e.eq_ignore_ascii_case(ending)))
-    };
     let wrong = |what: &str| Err(CliError::Input(format!("{}: {what}", args.output.display())));
     let has_ending = args.output.extension().is_some() && !args.output.is_dir();
     match args.files.iter().find(|file| is_mesh(file)) {
         Some(mesh) => {
             let ending = mesh.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            match ends(&args.output, &[&ending]) {
+            match has_extension(&args.output, &[&ending]) {
                 true => Ok(true),
                 false if args.plan_only && !has_ending => Ok(false),
-                false => wrong(&format!("a mesh comes out in its own format; give a .{ending}")),
+                false => wrong(&format!("a mesh is written in its own format; give a .{ending} file")),
             }
         }
-        None if ends(&args.output, &["las", "laz"]) => Ok(true),
-        None if has_ending => wrong("give a .las or .laz, or a folder"),
+        None if has_extension(&args.output, &["las", "laz"]) => Ok(true),
+        None if has_ending => wrong("give a .las or .laz file, or a folder"),
         None => Ok(false),
     }
 }
 
+/// Files of a run and where its work is kept.
+struct TilesJob<'a> {
+    params: Params,
+    /// Whether the output is one file.
+    is_joined: bool,
+    features: Option<(&'a Path, FeaturesFile)>,
+    folder: PathBuf,
+}
+
 pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let params = args.params();
     if args.forecast {
-        let forecast = forecast(&args.files, &params).map_err(|e| failed(&e))?;
+        let forecast = forecast(&args.files, &args.to_params()).map_err(|e| classify(&e))?;
         return print(global, &format!("{}\n", format_forecast(&forecast)), &json!(forecast));
     }
-    let wants_fields =
+    let job = resolve(args)?;
+    let (work, forecast) =
+        TilingJob::begin(&job.folder, &args.files, &job.params).map_err(|e| classify(&e))?;
+    note(global, &format_forecast(&forecast));
+    if args.plan_only {
+        return print(
+            global,
+            &format!("{}\n", job.folder.join("plan.json").display()),
+            &json!({ "folder": job.folder, "forecast": forecast }),
+        );
+    }
+    let summary = process(args, &job, &work, global)?;
+    let n_features = write(args, &job, &work, global)?;
+    print_summary(global, args, &summary, n_features)
+}
+
+fn resolve(args: &TilesArgs) -> Result<TilesJob<'_>, CliError> {
+    let params = args.to_params();
+    let has_fields =
         !(params.magnitudes.is_empty() && params.vectors.is_empty() && params.saliency.is_none());
     let moves = args.noise.denoise || params.gains.iter().any(|&gain| gain != 1.0);
-    if !moves && !wants_fields && args.features.is_none() {
+    if !moves && !has_fields && args.features.is_none() {
         return Err(CliError::Input(
-            "say what is wanted: --gains, --magnitudes, --vectors, --saliency, --features or --denoise"
+            "nothing to compute; give --gains, --magnitudes, --vectors, --saliency, --features or --denoise"
                 .into(),
         ));
     }
-    let joined = is_joined(args)?;
-    if joined {
+    let is_joined = is_joined(args)?;
+    if is_joined {
         check_writable(&args.output)?;
     }
     let features = match &args.features {
         Some(path) => {
-            let kind = output_kind(path)?;
+            let kind = FeaturesFile::from_path(path)?;
             check_writable(path)?;
-            Some((path, kind))
+            Some((path.as_path(), kind))
         }
         None => None,
     };
     let folder = match &args.work {
         Some(folder) => folder.clone(),
-        None if joined => {
+        None if is_joined => {
             let mut name = args.output.clone().into_os_string();
             name.push(".work");
             name.into()
         }
         None => args.output.clone(),
     };
-    if !joined && folder != args.output {
-        return Err(CliError::Input("--work is for results in one file; tiles stay in their folder".into()));
+    if !is_joined && folder != args.output {
+        return Err(CliError::Input(
+            "--work applies to results in one file; tiles stay in their folder".into(),
+        ));
     }
-    let (job, forecast) = TilingJob::begin(&folder, &args.files, &params).map_err(|e| failed(&e))?;
-    note(global, &format_forecast(&forecast));
-    if args.plan_only {
-        return print(
-            global,
-            &format!("{}\n", folder.join("plan.json").display()),
-            &json!({ "folder": folder, "forecast": forecast }),
-        );
+    Ok(TilesJob { params, is_joined, features, folder })
+}
+
+/// Memory from which on freed memory that is kept is small beside the rest, at most a tenth.
+const LARGE_MEMORY: u64 = 1 << 30;
+
+fn process(
+    args: &TilesArgs,
+    job: &TilesJob<'_>,
+    work: &TilingJob,
+    global: &Global<'_>,
+) -> Result<Summary, CliError> {
+    if job.params.memory >= LARGE_MEMORY {
+        global.tune_heap(HeapUse::ReuseAll); // each tile needs as much as the one before
     }
-    if params.memory >= MUCH {
-        keep_freed(); // each tile wants as much as the one before
-    }
-    let summary = match with_progress(global, "tiles", |progress| adwave_tiles::run(&job, progress)) {
-        Ok(summary) => summary,
-        Err(error) => {
-            // With such an input there is nothing to go on with.
-            if joined && !args.keep_work && error.kind() == ErrorKind::Input && !job.is_sorted() {
-                let _ = job.clean();
-                let _ = std::fs::remove_dir(&folder);
-            }
-            return Err(failed(&error));
+    with_progress(global, "tiles", |progress| adwave_tiles::run(work, progress)).map_err(|error| {
+        // A run with such an input cannot be continued.
+        if job.is_joined && !args.keep_work && error.kind() == ErrorKind::Input && !work.is_sorted() {
+            let _ = work.clean();
+            let _ = std::fs::remove_dir(&job.folder);
         }
-    };
-    let n_features = match features {
+        classify(&error)
+    })
+}
+
+/// Writes the features and the joined file, and removes the temporary files. The number of features, if they were asked for.
+fn write(
+    args: &TilesArgs,
+    job: &TilesJob<'_>,
+    work: &TilingJob,
+    global: &Global<'_>,
+) -> Result<Option<usize>, CliError> {
+    let n_features = match job.features {
         Some((path, kind)) => {
-            let features = job.features().map_err(|e| failed(&e))?;
-            write_features(path, kind, &features, params.levels, global)?;
+            let features = work.features().map_err(|e| classify(&e))?;
+            let n_levels = job.params.levels;
+            FeatureList { features: &features, descriptors: &[], n_levels }.write(path, kind, global)?;
             Some(features.len())
         }
         None => None,
     };
-    if joined {
-        with_progress(global, "joining", |progress| join(&job, &args.output, progress))
-            .map_err(|e| failed(&e))?;
+    if job.is_joined {
+        with_progress(global, "joining", |progress| join(work, &args.output, progress))
+            .map_err(|e| classify(&e))?;
     }
     if !args.keep_work {
-        if joined {
-            job.remove_tiles().map_err(|e| failed(&e))?;
+        if job.is_joined {
+            work.remove_tiles().map_err(|e| classify(&e))?;
         }
-        job.clean().map_err(|e| failed(&e))?;
-        if joined {
-            // Whatever else is there stays.
-            let _ = std::fs::remove_dir(&folder);
+        work.clean().map_err(|e| classify(&e))?;
+        if job.is_joined {
+            // The folder stays if it holds anything else.
+            let _ = std::fs::remove_dir(&job.folder);
         }
     }
-    print_summary(global, args, &summary, n_features)
+    Ok(n_features)
 }
-
-/// Bytes of memory from which on what is kept of freed memory is little beside the rest, a tenth at most.
-const MUCH: u64 = 1 << 30;
 
 /// A forecast in words.
 fn format_forecast(forecast: &Forecast) -> String {
@@ -145,14 +177,20 @@ fn format_forecast(forecast: &Forecast) -> String {
         "one tile".to_owned()
     } else {
         format!(
-            "{n_tiles} tiles of {points_per_tile} points, {rings} rings around each ({share:.2} times its points)"
+            "{n_tiles} tiles of {points_per_tile} points, with halos of {rings} rings ({share:.2} times the points)"
         )
     };
     format!(
-        "{n_points} points in {tiles}; about {:.1} GB of memory, up to {:.1} GB of temporary files",
-        *memory as f64 / 1e9,
-        *disk as f64 / 1e9
+        "{} in {tiles}; about {} of memory, up to {} of temporary files",
+        count(*n_points, "point", "points"),
+        format_bytes(*memory as f64),
+        format_bytes(*disk as f64)
     )
+}
+
+/// Bytes in MB or GB.
+fn format_bytes(bytes: f64) -> String {
+    if bytes < 1e8 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
 fn print_summary(
@@ -166,14 +204,16 @@ fn print_summary(
         n => (format!("vertices of {n} faces"), "length of edges"),
     };
     let mut text = format!(
-        "{} {what} at {} positions, {} tiles; mean {length} {}\n",
+        "{} {what} at {}, {}; mean {length} {}\n",
         summary.n_points,
-        summary.n_vertices,
-        summary.n_tiles,
+        count(summary.n_vertices, "position", "positions"),
+        count(summary.n_tiles, "tile", "tiles"),
         number(summary.mean_length)
     );
     if let Some(noise) = &summary.noise {
-        denoise::describe(&mut text, noise, summary.n_faces > 0);
+        let unit =
+            if summary.n_faces > 0 { SamplingUnit::MeanEdges } else { SamplingUnit::NeighborDistances };
+        describe_denoising(&mut text, noise, unit);
     }
     let [rms, most] = summary.moved;
     if most > 0.0 {
@@ -190,23 +230,24 @@ fn print_summary(
         text += &table(["band", "sigma", "mean", "rms", "most", alpha], summary.levels.iter().map(row));
     }
     if let (Some(n), Some(path)) = (n_features, &args.features) {
-        text += &format!("{n} feature{}: {}\n", if n == 1 { "" } else { "s" }, path.display());
+        text += &format!("{}: {}\n", count(n, "feature", "features"), path.display());
     }
     text += &format!("{}\n", args.output.display());
     print(global, &text, &json!({ "summary": summary, "output": args.output, "features": n_features }))
 }
 
-fn status_in_words(status: &Status) -> String {
+fn format_status(status: &Status) -> String {
     let Status { n_runs, runs_done, n_tiles, neighbors_done, bands_done, .. } = status;
-    let where_asked = |is_asked: bool, what: &str, n: usize| {
+    let if_asked = |is_asked: bool, what: &str, n: usize| {
         if is_asked { format!("{what} of {n}, ") } else { String::new() }
     };
-    let orientation = where_asked(status.has_orientation, "orientation", status.orientation_done);
-    let maps = where_asked(status.has_maps, "maps", status.maps_done);
+    let sides = if_asked(status.has_orientation, "orientation", status.orientation_done);
+    let maps = if_asked(status.has_maps, "maps", status.maps_done);
     match n_tiles {
         Some(n) => {
             let text = format!(
-                "{n} tiles: neighbors of {neighbors_done}, {orientation}bands of {bands_done}, {maps}"
+                "{}: neighbors of {neighbors_done}, {sides}bands of {bands_done}, {maps}",
+                count(*n, "tile", "tiles")
             );
             format!("{}\n", text.trim_end_matches(", "))
         }
@@ -216,11 +257,11 @@ fn status_in_words(status: &Status) -> String {
 }
 
 pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let job = TilingJob::open(&args.folder).map_err(|e| failed(&e))?;
-    let task = match args.job {
+    let work = TilingJob::open(&args.folder).map_err(|e| classify(&e))?;
+    let job = match args.job {
         JobKind::Status => {
-            let status = job.status().map_err(|e| failed(&e))?;
-            return print(global, &status_in_words(&status), &json!(status));
+            let status = work.status().map_err(|e| classify(&e))?;
+            return print(global, &format_status(&status), &json!(status));
         }
         JobKind::Run => Task::Run(args.index),
         JobKind::Sort => Task::Sort,
@@ -229,20 +270,24 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         JobKind::Bands => Task::Bands(args.index),
         JobKind::Maps => Task::Maps(args.index),
     };
-    if !(args.if_missing && job.is_done(task)) {
-        with_progress(global, "working", |progress| run_task(&job, task, progress))
-            .map_err(|e| failed(&e))?;
+    if !(args.if_missing && work.is_done(job)) {
+        with_progress(global, "working", |progress| run_task(&work, job, progress))
+            .map_err(|e| classify(&e))?;
     }
-    if let Task::Run(_) = task {
-        let n_runs = job.n_runs();
-        return print(global, &format!("done; {n_runs} runs\n"), &json!({ "job": task, "n_runs": n_runs }));
+    if let Task::Run(_) = job {
+        let n_runs = work.n_runs();
+        return print(
+            global,
+            &format!("done; {}\n", count(n_runs, "run", "runs")),
+            &json!({ "job": job, "n_runs": n_runs }),
+        );
     }
-    let n_tiles = job.n_tiles().map_err(|e| failed(&e))?;
-    let is_last = matches!(task, Task::Maps(_)) || (matches!(task, Task::Bands(_)) && !job.has_maps());
-    let path = is_last.then(|| job.tile(args.index));
+    let n_tiles = work.n_tiles().map_err(|e| classify(&e))?;
+    let is_last = matches!(job, Task::Maps(_)) || (matches!(job, Task::Bands(_)) && !work.has_maps());
+    let path = is_last.then(|| work.tile(args.index));
     let text = match &path {
         Some(path) => format!("{}\n", path.display()),
-        None => format!("done; {n_tiles} tiles\n"),
+        None => format!("done; {}\n", count(n_tiles, "tile", "tiles")),
     };
-    print(global, &text, &json!({ "job": task, "n_tiles": n_tiles, "path": path }))
+    print(global, &text, &json!({ "job": job, "n_tiles": n_tiles, "path": path }))
 }

@@ -9,6 +9,8 @@ pub(crate) mod overlay;
 pub(crate) mod read;
 pub(crate) mod write;
 
+use adwave::vector::Axis;
+
 use crate::Format;
 use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
 
@@ -26,6 +28,7 @@ pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
     keeps: "creator, volume information",
     loses: "fields, faces of more than three corners",
     is_single_precision: true,
+    up_axis: Some(Axis::Z),
     recognize: |file| read::is_surface(file.bytes).then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_surface(&bytes, c.name, c.limits, c.progress)),
     write: Some(|shape, c| write::write_surface(shape, &mut c.report, c.out, c.progress)),

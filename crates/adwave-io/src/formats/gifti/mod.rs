@@ -8,6 +8,8 @@ pub(crate) mod read;
 pub(crate) mod update;
 pub(crate) mod write;
 
+use adwave::vector::Axis;
+
 use crate::Format;
 use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
 
@@ -25,6 +27,7 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
     keeps: "metadata, encodings, all other text",
     loses: "faces of more than three corners",
     is_single_precision: true,
+    up_axis: Some(Axis::Z),
     recognize: |file| {
         (file.text.starts_with(b"<") && read::is_gifti(file.head)).then_some(Evidence::Signature)
     },

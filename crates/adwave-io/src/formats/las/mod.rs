@@ -12,6 +12,8 @@ pub(crate) mod read;
 pub(crate) mod stream;
 pub(crate) mod write;
 
+use adwave::vector::Axis;
+
 use crate::Format;
 use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, ProvenanceRoom};
 
@@ -34,6 +36,7 @@ pub(crate) static LAS: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    up_axis: Some(Axis::Z),
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| file.bytes.starts_with(b"LASF").then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_las(bytes, c.limits, c.progress)),
@@ -59,6 +62,7 @@ pub(crate) static EPT: FormatDescriptor = FormatDescriptor {
     reads: "a folder with `ept.json` and LAZ tiles, also by box and level",
     loses: "tiles of types `binary` and `zstandard`",
     content: ContentKind::Cloud,
+    up_axis: Some(Axis::Z),
     read_folder: Some(part::read_folder),
     ..FormatDescriptor::NEW
 };

@@ -1,4 +1,4 @@
-//! Which part of a cloud is read.
+//! The part of a cloud that is read.
 
 use adwave_io::CloudPart;
 use clap::Args;
@@ -6,11 +6,11 @@ use clap::Args;
 /// The least and the greatest coordinates.
 type Bounds = ([f64; 3], [f64; 3]);
 
-/// Which part of a cloud is read.
+/// The part of a cloud that is read.
 #[derive(Clone, Debug, Default, Args)]
-pub(crate) struct PartArgs {
-    /// Only the points in this box, in model units, its faces included: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or XMIN,YMIN,XMAX,YMAX; of LAS,
-    /// LAZ, COPC and EPT. Of the last two only the nodes that meet it are read
+pub(crate) struct CloudPartArgs {
+    /// Read only the points in this box, its faces included: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX in model
+    /// units. For LAS, LAZ, COPC and EPT; of COPC and EPT only the nodes that meet the box are read
     #[arg(
         long = "box",
         value_name = "X,Y,…",
@@ -18,21 +18,21 @@ pub(crate) struct PartArgs {
         allow_hyphen_values = true,
         help_heading = "Part of a cloud"
     )]
-    pub(crate) bounds: Option<Bounds>,
-    /// Points about this far apart, in model units: no finer levels of a COPC or EPT are read than that needs
-    #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Part of a cloud")]
-    pub(crate) resolution: Option<f64>,
+    bounds: Option<Bounds>,
+    /// Read points about this far apart, in model units: of COPC and EPT only the levels that this needs
+    #[arg(long, value_name = "R", value_parser = super::number, allow_negative_numbers = true, help_heading = "Part of a cloud")]
+    resolution: Option<f64>,
 }
 
-impl PartArgs {
-    pub(crate) fn part(&self) -> CloudPart {
+impl CloudPartArgs {
+    pub(crate) fn to_part(&self) -> CloudPart {
         CloudPart { bounds: self.bounds, resolution: self.resolution }
     }
 }
 
-/// Reads six numbers, or four where z is free.
+/// Reads six numbers, or four for a box without bounds in z.
 fn bounds(text: &str) -> Result<Bounds, String> {
-    let refused = || "it takes six numbers XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, or four without z".to_owned();
+    let refused = || "must be XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX".to_owned();
     let number = |word: &str| word.trim().parse::<f64>().map_err(|_| refused());
     let numbers = text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
     match numbers[..] {

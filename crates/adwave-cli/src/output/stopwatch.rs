@@ -1,4 +1,4 @@
-//! How long each part of a command took.
+//! Times of the parts of a command.
 
 use std::time::Instant;
 

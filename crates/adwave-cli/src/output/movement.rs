@@ -1,31 +1,31 @@
-//! How far a shape moved, and what became of its area and volume.
+//! Movement of a shape: how far its vertices moved, and how its area and volume changed.
 
+use super::{note, number};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{note, number};
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
 use adwave::shape::{PreparedGeometry, enclosed_volume, health, one_ring, surface_area};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Widths of the widest level beyond which a vertex is said to have moved far.
+/// Widths of the widest level beyond which a note says that a vertex moved far.
 const FAR: f64 = 3.0;
 
-/// The part of the volume whose change is said to be much.
-const MUCH: f64 = 0.5;
+/// Relative change of the volume beyond which a note reports it.
+const LARGE_CHANGE: f64 = 0.5;
 
-/// What changed between a shape and its new positions.
+/// Change between a shape and its new positions.
 pub(crate) struct Movement {
     moved: Displacement,
     diagonal: f64,
     /// Area before and after, of a shape with faces.
     areas: Option<Change>,
-    /// Volume before and after, where the surface encloses one.
+    /// Volume before and after, if the surface encloses one.
     volumes: Option<Change>,
 }
 
-/// A size before and after in model units, and the change as a share of the size before; none where that is 0.
+/// A size before and after in model units, and the change relative to the size before; none if that is 0.
 #[derive(Clone, Copy)]
 struct Change {
     before: f64,
@@ -34,8 +34,8 @@ struct Change {
 }
 
 impl Change {
-    /// From sizes in other units: one of them is `unit` in model units. Those may be too small or large for these sizes,
-    /// and the share still holds.
+    /// The change between sizes in a unit that is `unit` in model units. The sizes may underflow or overflow in model units; the share
+    /// does not.
     fn new(before: f64, after: f64, unit: f64) -> Self {
         let share = Some((after - before) / before).filter(|share| share.is_finite());
         Self { before: before * unit, after: after * unit, share }
@@ -43,8 +43,11 @@ impl Change {
 }
 
 impl Movement {
-    /// Of positions in the order of the shape.
-    pub(crate) fn new(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Self {
+    /// Movement to new positions, in the order of the shape.
+    ///
+    /// # Errors
+    /// A vertex moved so far that no number says how far.
+    pub(crate) fn measure(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Result<Self, CliError> {
         let (triangles, shape) = (geometry.triangles(), geometry.shape());
         let diagonal = shape.diagonal();
         // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two rounds nothing.
@@ -53,9 +56,15 @@ impl Movement {
             |points: &[[f64; 3]]| -> Vec<[f64; 3]> { points.iter().map(|p| p.map(|c| c / unit)).collect() };
         let moved = displacement(&in_units(shape.points().unwrap_or_default()), &in_units(points));
         let moved = Displacement { rms: moved.rms * unit, max: moved.max * unit, ..moved };
+        if !moved.max.is_finite() {
+            return Err(CliError::Input(format!(
+                "vertex {} would move beyond the range of numbers; check whether such large gains are meant",
+                moved.furthest
+            )));
+        }
         let mut this = Self { moved, diagonal, areas: None, volumes: None };
         if triangles.is_empty() {
-            return this;
+            return Ok(this);
         }
         let (before, after) =
             (in_units(geometry.points()), in_units(&geometry.vertex_map().positions(points)));
@@ -66,26 +75,15 @@ impl Movement {
             let volume = |points: &[[f64; 3]]| enclosed_volume(points, triangles);
             this.volumes = Some(Change::new(volume(&before), volume(&after), unit.powi(3)));
         }
-        this
+        Ok(this)
     }
 
-    /// Refuses positions so far off that no number says how far.
-    pub(crate) fn check(&self) -> Result<(), CliError> {
-        if self.moved.max.is_finite() {
-            return Ok(());
-        }
-        let vertex = self.moved.furthest;
-        Err(CliError::Input(format!(
-            "vertex {vertex} would move farther than numbers reach; are gains that large meant?"
-        )))
-    }
-
-    /// A note where this is hardly a change of bands any more: vertices moved farther than a few widths of the widest, or half of
-    /// the volume changed.
-    pub(crate) fn warn(&self, sigma: f64, global: &Global<'_>) {
+    /// Prints a note if an edit of bands did more than such edits do: vertices moved farther than a few times `sigma`, the width of the
+    /// widest level, or half of the volume changed.
+    pub(crate) fn note_unusual(&self, sigma: f64, global: &Global<'_>) {
         if sigma > 0.0 && self.moved.max > FAR * sigma {
             let said = format!(
-                "vertex {} moved by {}, {:.0} times the widest σ; are the levels those of another shape or unit?",
+                "vertex {} moved by {}, {:.0} times the widest σ; check whether the levels are meant for a shape in this unit",
                 self.moved.furthest,
                 number(self.moved.max),
                 self.moved.max / sigma
@@ -93,24 +91,24 @@ impl Movement {
             note(global, &said);
         }
         if let Some(Change { before, after, share: Some(share) }) = self.volumes
-            && share.abs() > MUCH
+            && share.abs() > LARGE_CHANGE
         {
             note(global, &format!("the volume changed from {} to {}", number(before), number(after)));
         }
     }
 
-    /// For people, some lines.
+    /// Lines for people.
     pub(crate) fn describe(&self, text: &mut String) {
         let Self { moved, diagonal, .. } = self;
         let percent = |length: f64| number(if *diagonal > 0.0 { 100.0 * length / diagonal } else { 0.0 });
         let _ = writeln!(
             text,
-            "vertices moved by {} (rms over the vertices, {} % of the diagonal), vertex {} furthest: {} ({} %)",
+            "vertices moved by {} (rms, {} % of the diagonal), at most {} ({} %) at vertex {}",
             number(moved.rms),
             percent(moved.rms),
-            moved.furthest,
             number(moved.max),
             percent(moved.max),
+            moved.furthest,
         );
         for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
             let Some(Change { before, after, share }) = change else { continue };
@@ -119,7 +117,7 @@ impl Movement {
         }
     }
 
-    /// For machines: `moved`, `area` and `volume`.
+    /// Adds `moved`, `area` and `volume` to a report.
     pub(crate) fn add_to(&self, report: &mut Value) {
         let Self { moved, diagonal, .. } = self;
         let diagonal = diagonal.max(f64::MIN_POSITIVE);

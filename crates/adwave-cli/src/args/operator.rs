@@ -1,0 +1,66 @@
+//! The diffusion operator.
+
+use super::parse::{count_from_one, named};
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
+use adwave::shape::{CloudArea, MeshArea, WeldMode};
+use clap::Args;
+use std::num::NonZeroUsize;
+
+/// Options of the diffusion operator.
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Diffusion operator")]
+pub(crate) struct OperatorArgs {
+    /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared, else walk]
+    #[arg(long, value_name = "KIND", value_parser = named::<OperatorKind>())]
+    pub(crate) operator: Option<OperatorKind>,
+    /// Keep vertices at exactly equal positions apart
+    #[arg(long)]
+    pub(crate) no_weld: bool,
+    /// Mesh: rings of neighbors that one step reaches
+    #[arg(long, value_name = "N", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().rings))]
+    pub(crate) rings: NonZeroUsize,
+    /// Mesh: area of a vertex
+    #[arg(long, value_name = "KIND", value_parser = named::<MeshArea>(), default_value_t)]
+    pub(crate) mesh_area: MeshArea,
+    /// Cloud: nearest neighbors that one step reaches
+    #[arg(long, value_name = "K", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().neighbors))]
+    pub(crate) neighbors: NonZeroUsize,
+    /// Cloud: step from each point to its nearest only, as in the paper, not in both directions
+    #[arg(long)]
+    pub(crate) directed: bool,
+    /// Cloud: area of a point
+    #[arg(long, value_name = "KIND", value_parser = named::<CloudArea>(), default_value_t)]
+    pub(crate) cloud_area: CloudArea,
+    /// Walk: remove the influence of the sampling density (α = 1 of Coifman and Lafon); slower where the density varies much
+    #[arg(long)]
+    pub(crate) density_invariant: bool,
+    /// Mesh, cloud: do not step across creases, where normals turn sharply
+    #[arg(long)]
+    pub(crate) keep_creases: bool,
+}
+
+/// A default of the library, which is at least 1.
+fn non_zero(n: usize) -> NonZeroUsize {
+    NonZeroUsize::new(n).unwrap_or(NonZeroUsize::MIN)
+}
+
+impl OperatorArgs {
+    /// The options of the walk as they were asked for.
+    pub(crate) fn to_walk_params(&self) -> OperatorParams {
+        OperatorParams::default()
+            .with_weld(self.weld_mode())
+            .with_rings(self.rings.get())
+            .with_mesh_area(self.mesh_area)
+            .with_neighbors(self.neighbors.get())
+            .with_cloud_graph(if self.directed { CloudGraph::Directed } else { CloudGraph::Union })
+            .with_cloud_area(self.cloud_area)
+            .with_density_invariant(self.density_invariant)
+            .with_keep_creases(self.keep_creases)
+    }
+
+    /// Whether vertices at equal positions are one.
+    pub(crate) fn weld_mode(&self) -> WeldMode {
+        if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions }
+    }
+}

@@ -1,0 +1,225 @@
+//! Common beginning of `saliency`, `features`, `evaluate` and `report`: a shape, a signal on it, its operator, and bands.
+
+use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::count;
+use crate::output::progress::with_progress;
+use crate::output::stopwatch::Stopwatch;
+use crate::resolve::levels::{check_levels, resolve_spec};
+use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
+use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::signal::{Signal, SignalValues, file_normals, load_signal};
+use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
+use adwave::features::Response;
+use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
+use adwave::shape::Shape;
+use adwave::signal::{OutwardInfo, outward_normals};
+use adwave::{BandsRequest, Decomposer};
+use serde_json::{Value, json};
+
+/// Flags that say what is analyzed.
+#[derive(Clone, Copy)]
+pub(crate) struct AnalysisArgs<'a> {
+    pub(crate) shape: &'a ShapeArgs,
+    pub(crate) signal: &'a SignalArgs,
+    pub(crate) levels: &'a LevelArgs,
+    /// Share of the diagonal that the last level reaches if no number of levels is asked for.
+    pub(crate) extent: f64,
+}
+
+/// A shape that is prepared for a signal.
+pub(crate) struct Analysis {
+    pub(crate) input: Input,
+    pub(crate) decomposer: Decomposer,
+    pub(crate) signal: Signal,
+    pub(crate) schedule: Schedule,
+    params: BandsParams,
+    /// The reason for the number of levels.
+    pub(crate) levels_reason: String,
+    pub(crate) seconds: Seconds,
+}
+
+/// Times of the parts.
+pub(crate) struct Seconds {
+    pub(crate) read: f64,
+    pub(crate) diffusion: f64,
+    pub(crate) bands: f64,
+}
+
+/// A saliency map and its ingredients.
+pub(crate) struct Map {
+    pub(crate) saliency: Saliency,
+    /// One channel: the levels that the map is the sum of.
+    pub(crate) wavelets: Wavelets,
+    pub(crate) params: SaliencyParams,
+    /// Whether + and - stand for different sides.
+    pub(crate) is_signed: bool,
+    /// How the outside was found, if the signal is the shape.
+    pub(crate) outward: Option<OutwardInfo>,
+    /// Seconds for the map alone.
+    pub(crate) seconds: f64,
+}
+
+impl Map {
+    /// A line that says which sides the signs stand for, or why there are none.
+    pub(crate) fn sides(&self) -> String {
+        match (&self.outward, self.is_signed) {
+            (Some(outward), true) => format!("+ convex, - concave; {outward}"),
+            (Some(outward), false) if !outward.has_outside() => format!("unsigned: {outward}"),
+            (None, true) => "+ above its surroundings, - below".to_owned(),
+            (_, false) => "unsigned".to_owned(),
+        }
+    }
+
+    /// The sides that the signs stand for, and how the outside was found.
+    pub(crate) fn sides_json(&self) -> Value {
+        let outside = self.outward.as_ref().map(|o| {
+            json!({
+                "found": o.has_outside(), "how": o.to_string(), "parts": o.n_parts, "closed": o.n_closed,
+                "by_file": o.n_by_file, "by_majority": o.n_by_majority, "as_given": o.n_as_given,
+                "without": o.n_without, "turned_triangles": o.n_turned, "share_without": o.without,
+            })
+        });
+        json!({ "signed": self.is_signed, "outside": outside })
+    }
+}
+
+impl Analysis {
+    /// Reads the shape and the signal and prepares them.
+    pub(crate) fn new(args: AnalysisArgs<'_>, global: &Global<'_>) -> Result<Self, CliError> {
+        // Impossible levels are refused before a large file is read.
+        check_levels(args.levels)?;
+        let mut watch = Stopwatch::start();
+        let input = load_shape(args.shape, global)?;
+        Self::from_input(input, watch.lap(), args, global)
+    }
+
+    /// Prepares a shape that was read in `read` seconds.
+    pub(crate) fn from_input(
+        input: Input,
+        read: f64,
+        args: AnalysisArgs<'_>,
+        global: &Global<'_>,
+    ) -> Result<Self, CliError> {
+        let AnalysisArgs { shape, signal, levels, extent } = args;
+        let params = check_levels(levels)?;
+        let mut watch = Stopwatch::start();
+        let name = signal.name();
+        // The signal comes first: a name that does not exist is reported before the operator is built.
+        let signal = load_signal(global, &input, name, signal.texture.as_deref())?;
+        let operator = operator_for_levels(&shape.operator, levels)?;
+        let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
+        let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
+        let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
+        let (schedule, levels_reason) = (resolved.schedule, resolved.reason);
+        Ok(Self { input, decomposer, signal, schedule, params, levels_reason, seconds })
+    }
+
+    /// Requests something of the signal's bands, and records the time.
+    fn request<T>(
+        &mut self,
+        global: &Global<'_>,
+        compute: impl FnOnce(BandsRequest<'_>) -> Result<T, BandsError>,
+    ) -> Result<T, CliError> {
+        let mut watch = Stopwatch::start();
+        let found = with_progress(global, "splitting", |progress| {
+            let request =
+                self.decomposer.request(&self.signal.values, self.signal.n_channels, &self.schedule);
+            compute(request.params(&self.params).progress(progress))
+        })?;
+        self.seconds.bands = watch.lap();
+        Ok(found)
+    }
+
+    /// All bands.
+    pub(crate) fn bands(&mut self, global: &Global<'_>) -> Result<Bands, CliError> {
+        self.request(global, |request| request.bands())
+    }
+
+    /// The wavelet coefficients for saliency and features: their norms, unless the response is that of each channel.
+    pub(crate) fn wavelets(
+        &mut self,
+        global: &Global<'_>,
+        response: Option<Response>,
+    ) -> Result<Wavelets, CliError> {
+        match response {
+            Some(Response::Channels) => self.request(global, |request| request.wavelets()),
+            _ => self.request(global, |request| request.norms()),
+        }
+    }
+
+    /// The saliency map; that of coordinates has a sign if the shape has an outside.
+    pub(crate) fn saliency(
+        &mut self,
+        map: &MapArgs,
+        border: &BorderMaskArgs,
+        global: &Global<'_>,
+    ) -> Result<Map, CliError> {
+        let outward = if map.weighting == MapWeighting::Signed && self.is_geometry() {
+            let normals = file_normals(&self.input.file);
+            let found = outward_normals(self.decomposer.geometry(), normals.as_deref(), global.progress());
+            Some(found.map_err(|e| CliError::classify(&e))?)
+        } else {
+            None
+        };
+        let (wavelets, has_sign) = match &outward {
+            Some(outward) if outward.info.has_outside() => {
+                (self.request(global, |request| request.normal_components(&outward.normals))?, true)
+            }
+            _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
+        };
+        let params = map.to_params(border);
+        let mut watch = Stopwatch::start();
+        let mut saliency = saliency(&self.decomposer, &wavelets, &params, global.progress())
+            .map_err(|e| CliError::classify(&e))?;
+        if let Some(axis) = map.up {
+            let Some(points) = self.input.shape.points() else {
+                return Err(CliError::Input(format!(
+                    "{}: a graph has no heights, so --up cannot apply; leave it out",
+                    self.input.name
+                )));
+            };
+            let heights: Vec<f64> = points.iter().map(|p| p[axis.index()]).collect();
+            saliency.map = with_height(&saliency.map, &heights);
+        }
+        let seconds = watch.lap();
+        let is_signed = has_sign && params.sign == Sign::Signed && map.up.is_none();
+        Ok(Map { saliency, wavelets, params, is_signed, outward: outward.map(|o| o.info), seconds })
+    }
+
+    /// Whether the signal is the coordinates of a mesh or cloud.
+    fn is_geometry(&self) -> bool {
+        matches!(self.signal.values, SignalValues::Coordinates(_))
+            && !matches!(self.input.shape, Shape::Graph(_))
+    }
+
+    /// Widths σ_j of the levels 0 … J in model units.
+    pub(crate) fn sigma(&self) -> Vec<f64> {
+        self.schedule.sigma(self.decomposer.diffusion().step_length())
+    }
+
+    /// `NAME: N vertices, coords`, and a line with the reason for the number of levels.
+    pub(crate) fn headline(&self, signal: &str) -> String {
+        let n = self.decomposer.n_vertices();
+        let masked = self.decomposer.mask_flags().map_or(0, |out| out.iter().filter(|&&out| out).count());
+        let masked = if masked > 0 { format!(", {masked} of them masked") } else { String::new() };
+        let n = count(n, "vertex", "vertices");
+        format!("{}: {n}{masked}, {signal}\n{}\n", self.input.name, self.levels_reason)
+    }
+
+    /// A width in % of the diagonal; 0 on a graph.
+    pub(crate) fn percent(&self, sigma: f64) -> f64 {
+        let diagonal = self.decomposer.diagonal();
+        if diagonal > 0.0 { 100.0 * sigma / diagonal } else { 0.0 }
+    }
+
+    /// A line of times, ending in that of one further part.
+    pub(crate) fn timing(&self, part: &str, seconds: f64) -> String {
+        let Seconds { read, diffusion, bands } = self.seconds;
+        format!(
+            "read {read:.3} s, diffusion {diffusion:.3} s, bands {bands:.3} s, {part} {:.2} ms\n",
+            1e3 * seconds
+        )
+    }
+}

@@ -1,0 +1,116 @@
+//! The filtered signal.
+
+use super::resolve::FilterJob;
+use crate::commands::result_file::EditedSignal;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::progress::with_progress;
+use crate::resolve::levels::resolve_spec;
+use crate::resolve::operator::{build_operator, mask_missing};
+use crate::resolve::signal::{COORDS, field_names};
+use adwave::bands::{DEFAULT_EXTENT, Schedule};
+use adwave::filter::{Edit, Layer};
+use adwave::measure::rms;
+use adwave::positions::constrain_positions;
+use adwave::{Decomposer, Progress};
+use adwave_io::region_field;
+
+/// A filtered signal, and the levels and layers that it was filtered by.
+pub(super) struct Filtered {
+    pub(super) decomposer: Decomposer,
+    pub(super) schedule: Schedule,
+    pub(super) layers: Vec<Layer>,
+    pub(super) edited: EditedSignal,
+    /// Difference to the signal before.
+    pub(super) change: Change,
+}
+
+/// Difference between two signals.
+#[derive(Clone, Copy)]
+pub(super) struct Change {
+    /// Root mean square over the vertices.
+    pub(super) rms: f64,
+    /// Largest difference of a value.
+    pub(super) max: f64,
+}
+
+/// Filters the signal of a job.
+pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filtered, CliError> {
+    with_progress(global, "filtering", |progress| {
+        let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
+        let decomposer = mask_missing(decomposer, &job.signal, &job.signal_name, global)?;
+        let schedule = schedule(job, &decomposer, global)?;
+        let (schedule, layers) = match job.keep_volume {
+            Some(how) => how.extend_levels(schedule, job.layers.clone()).map_err(with_offset_flag)?,
+            None => (schedule, job.layers.clone()),
+        };
+        let values = edited_values(job, &decomposer, &schedule, &layers, progress)?;
+        let change = Change::between(&job.signal.values, &values);
+        let edited = if job.signal_name == COORDS {
+            EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
+        } else {
+            job.result.place_values(&job.input.file, &job.signal_name, job.signal.n_channels, values)
+        };
+        Ok(Filtered { decomposer, schedule, layers, edited, change })
+    })
+}
+
+/// The schedule of the job's levels on its shape.
+fn schedule(job: &FilterJob<'_>, decomposer: &Decomposer, global: &Global<'_>) -> Result<Schedule, CliError> {
+    let resolved = resolve_spec(&job.levels.spec, DEFAULT_EXTENT, decomposer, global);
+    match resolved {
+        Ok(levels) => Ok(levels.schedule),
+        Err(error) if job.levels.is_from_recipe && job.levels.spec.is_by_width() => {
+            Err(CliError::Input(format!(
+                "{error}; the recipe may be for a shape of another size; widths in % of the diagonal fit every size"
+            )))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
+    match error {
+        adwave::filter::KeepVolumeError::NotSmoothing { .. } => {
+            CliError::Input(format!("{error} (--keep-volume offset)"))
+        }
+        other => other.into(),
+    }
+}
+
+/// The signal after the edit. It is computed by the object that interactive edits use, so that a recipe gives the same bits everywhere.
+fn edited_values(
+    job: &FilterJob<'_>,
+    decomposer: &Decomposer,
+    schedule: &Schedule,
+    layers: &[Layer],
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, CliError> {
+    let names = field_names(&job.input.file);
+    let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
+    let request = decomposer.request(&job.signal.values, job.signal.n_channels, schedule);
+    let mut editor = request.params(&job.bands).progress(progress).editor()?;
+    editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
+    Ok(editor.into_edited())
+}
+
+/// New positions under the constraints on directions, borders and volume.
+fn constrained_points(
+    job: &FilterJob<'_>,
+    decomposer: &Decomposer,
+    edited: &[f64],
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, CliError> {
+    let points = edited.as_chunks().0.to_vec();
+    if decomposer.geometry().points().is_empty() {
+        return Ok(points);
+    }
+    Ok(constrain_positions(decomposer, job.input.file.points(), points, &job.positions, progress)?)
+}
+
+impl Change {
+    fn between(before: &[f64], after: &[f64]) -> Self {
+        let max = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        Self { rms: rms(before, after, 1), max }
+    }
+}

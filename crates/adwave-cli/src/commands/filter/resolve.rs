@@ -1,0 +1,154 @@
+//! From flags and a recipe to a filter job.
+
+use super::FilterArgs;
+use super::args::EditArgs;
+use crate::commands::result_file::ResultFile;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::note;
+use crate::resolve::levels::check_levels;
+use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
+use crate::resolve::region::union_of_regions;
+use crate::resolve::shape::{Input, Normals, load_shape};
+use crate::resolve::signal::{COORDS, Signal, load_signal};
+use adwave::LevelSpec;
+use adwave::bands::BandsParams;
+use adwave::filter::{Gains, KeepVolume, Layer};
+use adwave::operator::OperatorParams;
+use adwave::positions::{PositionParams, Volume};
+use adwave_io::{Recipe, read_recipe};
+use std::path::Path;
+
+/// A filter and what it is applied to.
+pub(super) struct FilterJob<'a> {
+    pub(super) input: Input,
+    /// The name of the signal.
+    pub(super) signal_name: String,
+    pub(super) signal: Signal,
+    pub(super) operator: OperatorParams,
+    pub(super) levels: FilterLevels,
+    pub(super) layers: Vec<Layer>,
+    pub(super) keep_volume: Option<KeepVolume>,
+    pub(super) positions: PositionParams,
+    pub(super) bands: BandsParams,
+    pub(super) normals: Normals,
+    pub(super) result: ResultFile<'a>,
+    pub(super) save_recipe: Option<SaveRecipe<'a>>,
+}
+
+/// The levels of a filter.
+pub(super) struct FilterLevels {
+    pub(super) spec: LevelSpec,
+    /// Whether they are those of a recipe, which may have been made for another shape.
+    pub(super) is_from_recipe: bool,
+}
+
+/// A recipe to be written.
+#[derive(Clone, Copy)]
+pub(super) struct SaveRecipe<'a> {
+    pub(super) path: &'a Path,
+    pub(super) levels: SavedLevels,
+}
+
+/// Form in which a recipe saves levels.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum SavedLevels {
+    /// Widths, which mean the same on other shapes.
+    Widths,
+    /// Numbers of steps, which give the same bits on this shape.
+    Steps,
+}
+
+/// The job that the flags and the recipe ask for.
+pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<FilterJob<'a>, CliError> {
+    let result = ResultFile::new(&args.output)?;
+    let bands = check_levels(&args.levels)?;
+    let edit = &args.edit;
+    let recipe = edit.recipe.as_deref().map(|path| load_recipe(path, global)).transpose()?;
+    let recipe = recipe.as_ref();
+    let layers = layers(edit, recipe, global)?;
+    let levels = levels(args, recipe);
+    let operator = operator(args, recipe)?;
+    let in_recipe = recipe.map_or(COORDS, |recipe| recipe.field.as_str());
+    let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
+    let input = load_shape(&args.shape, global)?;
+    let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
+    check_operator(&input.shape, &operator)?;
+    let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
+    let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
+    Ok(FilterJob {
+        input,
+        signal_name,
+        signal,
+        operator,
+        levels,
+        layers,
+        keep_volume: edit.keep_volume,
+        positions: positions(edit, recipe),
+        bands,
+        normals: args.update_normals.into(),
+        result,
+        save_recipe,
+    })
+}
+
+fn load_recipe(path: &Path, global: &Global<'_>) -> Result<Recipe, CliError> {
+    global.inputs.add_file(path);
+    read_recipe(path).map_err(CliError::input)
+}
+
+/// The layers that the flags or the recipe ask for.
+fn layers(args: &EditArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
+    if let Some(recipe) = recipe {
+        if recipe.layers.is_empty() {
+            note(global, "the recipe has no [[layer]], so nothing changes");
+        }
+        return Ok(recipe.layers.clone());
+    }
+    let gains = match (args.preset, &args.gains) {
+        (Some(preset), _) => Gains::Preset(preset),
+        (None, Some(gains)) => Gains::Gains(gains.clone()),
+        (None, None) => {
+            return Err(CliError::Input("nothing to change; give --preset, --gains or --recipe".to_owned()));
+        }
+    };
+    Ok(vec![Layer { gains, region: union_of_regions(&args.region) }])
+}
+
+/// The levels: those of the flags, else those of the recipe, else as many as there are gains, else the default.
+fn levels(args: &FilterArgs, recipe: Option<&Recipe>) -> FilterLevels {
+    let asked = args.levels.to_spec();
+    let is_asked = asked != LevelSpec::Default;
+    match (recipe, &args.edit.gains) {
+        (Some(recipe), _) if !is_asked => FilterLevels { spec: recipe.levels.clone(), is_from_recipe: true },
+        (None, Some(gains)) if !is_asked => {
+            FilterLevels { spec: LevelSpec::Dyadic(gains.len()), is_from_recipe: false }
+        }
+        _ => FilterLevels { spec: asked, is_from_recipe: false },
+    }
+}
+
+/// The operator: that of the flags, else that of the recipe, else the one that goes with the levels of either.
+fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams, CliError> {
+    let mut flags = args.shape.operator.clone();
+    flags.density_invariant |= recipe.is_some_and(|recipe| recipe.density_invariant);
+    flags.keep_creases |= recipe.is_some_and(|recipe| recipe.keep_creases);
+    match recipe.and_then(|recipe| recipe.operator) {
+        Some(kind) => operator_with_default(&flags, kind),
+        None => operator_for_spec(&flags, &levels(args, recipe).spec),
+    }
+}
+
+/// Options of new positions: those of the flags, else those of the recipe.
+fn positions(args: &EditArgs, recipe: Option<&Recipe>) -> PositionParams {
+    let in_recipe = recipe.map(|recipe| recipe.positions).unwrap_or_default();
+    PositionParams {
+        along: args.along.or(in_recipe.along),
+        borders: args.border.unwrap_or(in_recipe.borders),
+        volume: match args.keep_volume {
+            Some(KeepVolume::Offset) => Volume::Keep,
+            Some(KeepVolume::Twice | KeepVolume::Thrice) => Volume::Free,
+            None => in_recipe.volume,
+        },
+    }
+}

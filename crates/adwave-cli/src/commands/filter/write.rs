@@ -1,0 +1,84 @@
+//! The result of a filter as a file, as a recipe, and as a report.
+
+use super::compute::Filtered;
+use super::resolve::{FilterJob, SavedLevels};
+use crate::commands::result_file::EditedSignal;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::movement::Movement;
+use crate::output::{count, number, print, steps_json, write_file_with};
+use crate::resolve::signal::COORDS;
+use adwave::LevelSpec;
+use adwave::region::Length;
+use adwave_io::{Recipe, write_recipe};
+use serde_json::json;
+use std::fmt::Write;
+
+/// Writes the result of a job and reports it.
+pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<'_>) -> Result<(), CliError> {
+    let saved_levels = job.save_recipe.map(|saved| levels_to_save(&job, &filtered, saved.levels));
+    let Filtered { decomposer, schedule, layers, edited, change } = filtered;
+    let (signal, output) = (job.signal_name, job.result.path().display().to_string());
+    let n_vertices = job.input.shape.n_vertices();
+    let sigma = schedule.sigma(decomposer.diffusion().step_length());
+    let mut text = format!(
+        "{}: {}, {}\n",
+        job.input.name,
+        count(n_vertices, "vertex", "vertices"),
+        count(schedule.n_levels(), "level", "levels")
+    );
+    let mut report = json!({
+        "shape": job.input.name,
+        "output": output,
+        "field": signal,
+        "operator": decomposer.operator_kind().name(),
+        "vertices": n_vertices,
+        "steps": steps_json(&schedule.steps_from_zero()),
+        "sigma": sigma,
+        "layers": layers,
+    });
+    if let EditedSignal::Points(points) = &edited {
+        let movement = Movement::measure(decomposer.geometry(), points)?;
+        movement.describe(&mut text);
+        movement.add_to(&mut report);
+        if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {
+            movement.note_unusual(*widest, global);
+        }
+    } else {
+        let (rms, max) = (number(change.rms), number(change.max));
+        let _ = writeln!(text, "{signal} changed by {rms} (rms over the vertices), {max} at most");
+        report["changed"] = json!({"rms": change.rms, "max": change.max});
+    }
+    job.result.write(&mut job.input, &signal, edited, job.normals, global)?;
+    let _ = writeln!(text, "{output}");
+    if let (Some(saved), Some(levels)) = (job.save_recipe, saved_levels) {
+        let recipe = Recipe {
+            field: signal,
+            operator: Some(job.operator.kind),
+            density_invariant: job.operator.density_invariant,
+            keep_creases: job.operator.keep_creases,
+            positions: job.positions,
+            levels,
+            layers,
+        };
+        write_file_with(global, saved.path, |path| write_recipe(path, &recipe))?;
+        let _ = writeln!(text, "{}", saved.path.display());
+    }
+    print(global, &text, &report)
+}
+
+/// The levels of the recipe that is saved: widths as they were asked for, unless keeping the volume added levels; or steps.
+fn levels_to_save(job: &FilterJob<'_>, filtered: &Filtered, form: SavedLevels) -> LevelSpec {
+    let schedule = &filtered.schedule;
+    let step_length = filtered.decomposer.diffusion().step_length();
+    if form == SavedLevels::Steps || step_length <= 0.0 {
+        return LevelSpec::Steps(schedule.steps().to_vec());
+    }
+    match &job.levels.spec {
+        LevelSpec::Widths(widths) if widths.len() == schedule.n_levels() => job.levels.spec.clone(),
+        _ => {
+            let sigma = schedule.sigma(step_length);
+            LevelSpec::Widths(sigma[1..].iter().map(|&sigma| Length::Units(sigma)).collect())
+        }
+    }
+}

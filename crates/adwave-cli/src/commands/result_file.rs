@@ -1,0 +1,76 @@
+//! The file that the result of an edit goes to.
+
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::values_file::{ValuesFile, write_field};
+use crate::output::{check_writable, output_format, write_shape};
+use crate::resolve::shape::{Input, Normals, move_points};
+use adwave_io::{COORDS, Field, FieldValues, ShapeFile, named_axis, with_axis, written_signal};
+use std::path::Path;
+
+/// The file that the result of an edit goes to.
+#[derive(Clone, Copy)]
+pub(crate) struct ResultFile<'a> {
+    path: &'a Path,
+}
+
+/// Values of a signal after an edit, in the form in which a file stores them.
+pub(crate) enum EditedSignal {
+    /// New positions of the vertices.
+    Points(Vec<[f64; 3]>),
+    /// New values of a field.
+    Field(Field),
+}
+
+impl<'a> ResultFile<'a> {
+    /// Refuses a path that neither a shape nor values alone can be written to.
+    pub(crate) fn new(path: &'a Path) -> Result<Self, CliError> {
+        if ValuesFile::from_path(path).is_none() {
+            output_format(path)?;
+        }
+        check_writable(path)?;
+        Ok(Self { path })
+    }
+
+    pub(crate) fn path(&self) -> &'a Path {
+        self.path
+    }
+
+    /// The form of the values of a signal after an edit: one that is a coordinate of the shape moves its points, unless the values go
+    /// into a file of their own.
+    pub(crate) fn place_values(
+        &self,
+        file: &ShapeFile,
+        signal: &str,
+        n_channels: usize,
+        values: Vec<f64>,
+    ) -> EditedSignal {
+        let is_alone = ValuesFile::for_edited_signal(self.path, signal, file).is_some();
+        match named_axis(file, signal).filter(|_| !is_alone) {
+            Some(axis) => EditedSignal::Points(with_axis(file.points(), axis, &values)),
+            None => EditedSignal::Field(written_signal(file, signal, n_channels, values)),
+        }
+    }
+
+    /// Writes the shape with the edited signal, or the values of the signal alone.
+    pub(crate) fn write(
+        &self,
+        input: &mut Input,
+        signal: &str,
+        edited: EditedSignal,
+        normals: Normals,
+        global: &Global<'_>,
+    ) -> Result<(), CliError> {
+        let alone = ValuesFile::for_edited_signal(self.path, signal, &input.file);
+        let field = match edited {
+            EditedSignal::Points(points) => {
+                move_points(input, points, normals, global)?;
+                let Some(_) = alone else { return write_shape(global, &input.file, self.path).map(|_| ()) };
+                let values = FieldValues::F64(input.file.points().as_flattened().to_vec());
+                Field::new(COORDS, 3, values)
+            }
+            EditedSignal::Field(field) => field,
+        };
+        write_field(global, self.path, alone, &mut input.file, field)
+    }
+}

@@ -1,0 +1,48 @@
+//! Report of a denoised shape.
+
+use super::{count, number};
+use adwave::denoise::DenoiseInfo;
+use std::fmt::Write;
+
+/// Unit of lengths relative to the sampling of a shape.
+#[derive(Clone, Copy)]
+pub(crate) enum SamplingUnit {
+    MeanEdges,
+    NeighborDistances,
+}
+
+/// Adds lines on the noise that was assumed, and on how much was smoothed and how.
+pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: SamplingUnit) {
+    let unit = match unit {
+        SamplingUnit::MeanEdges => "mean edges",
+        SamplingUnit::NeighborDistances => "mean distances of neighbors",
+    };
+    let _ = writeln!(
+        text,
+        "noise along the normals: {} model units, {} {unit}",
+        number(info.noise),
+        number(info.noise_in_edges)
+    );
+    let percent = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();
+    let mean_steps = |weights: &[f64]| {
+        let sum: f64 = weights.iter().enumerate().map(|(j, w)| w * f64::from(1_u32 << j)).sum();
+        sum / weights.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    };
+    let _ = writeln!(text, "normals: {:.0} % unchanged", 100.0 * info.kept);
+    for (name, weights) in
+        [("creases kept", &info.crease_weights), ("creases smoothed", &info.smooth_weights)]
+    {
+        if percent(weights) > 0.0 {
+            let _ = writeln!(
+                text,
+                "         {:.0} % with {name}, by {:.0} steps on average",
+                percent(weights),
+                mean_steps(weights)
+            );
+        }
+    }
+    if info.n_far > 0 {
+        let vertices = count(info.n_far, "vertex", "vertices");
+        let _ = writeln!(text, "{vertices} moved farther than 3 times the noise");
+    }
+}

@@ -1,0 +1,22 @@
+//! Results for people, for machines and as files.
+
+pub(crate) mod denoising;
+pub(crate) mod features_file;
+mod files;
+pub(crate) mod health;
+mod lengths;
+pub(crate) mod movement;
+pub(crate) mod number;
+mod print;
+pub(crate) mod progress;
+pub(crate) mod provenance;
+pub(crate) mod stopwatch;
+pub(crate) mod values_file;
+
+pub(crate) use files::{
+    check_writable, clone_for_output, has_extension, make_folder, output_format, release_source, write_file,
+    write_file_with, write_shape,
+};
+pub(crate) use lengths::{bounds_json, bounds_text, fwhm_json, fwhm_text, percent_of};
+pub(crate) use number::{count, number, steps_json, steps_text};
+pub(crate) use print::{command_line, note, peak_memory, print, table};

@@ -1,0 +1,114 @@
+//! Files that hold values and no shape: `.npy`, `.csv` and `.gii`.
+
+use super::{has_extension, write_file_with, write_shape};
+use crate::error::CliError;
+use crate::global::Global;
+use adwave_io::{
+    ArrayValues, COORDS, Field, Format, ShapeFile, write_csv_fields, write_gifti_fields, write_npy,
+};
+use std::path::Path;
+
+/// A kind of file for values alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ValuesFile {
+    /// One array of 64-bit floats: a row for each vertex, or one number.
+    Npy,
+    /// A row of names, then one for each vertex.
+    Csv,
+    /// An array of 32-bit floats for each channel.
+    Gifti,
+}
+
+impl ValuesFile {
+    /// The kind that the extension of a path asks for.
+    pub(crate) fn from_path(path: &Path) -> Option<Self> {
+        if has_extension(path, &["npy"]) {
+            return Some(Self::Npy);
+        }
+        match Format::from_path(path) {
+            Some(Format::CSV) => Some(Self::Csv),
+            Some(Format::GIFTI) => Some(Self::Gifti),
+            _ => None,
+        }
+    }
+
+    /// The kind for an edited signal, if it goes alone into `path`. Positions of a shape do so as an array only, and a field of
+    /// the shape's own file goes back into a file of that format.
+    pub(crate) fn for_edited_signal(path: &Path, signal: &str, file: &ShapeFile) -> Option<Self> {
+        let kind = Self::from_path(path)?;
+        let goes_back = if signal == COORDS {
+            kind != Self::Npy
+        } else {
+            file.field(signal).is_some()
+                && file.format().is_some()
+                && file.format() == Format::from_path(path)
+        };
+        (!goes_back).then_some(kind)
+    }
+
+    /// Writes fields with the same number of rows. A GIFTI gets the anatomical structure of `file` too.
+    pub(crate) fn write(
+        self,
+        global: &Global<'_>,
+        path: &Path,
+        fields: &[Field],
+        file: &ShapeFile,
+    ) -> Result<(), CliError> {
+        write_file_with(global, path, |path| match self {
+            Self::Npy => write_array(path, fields),
+            Self::Csv => write_csv_fields(path, fields),
+            Self::Gifti => write_gifti_fields(path, fields, file.structure()),
+        })
+    }
+}
+
+/// Whether a file of that name stores a shape together with any fields of its vertices.
+pub(crate) fn holds_fields(path: &Path) -> bool {
+    Format::from_path(path).is_some_and(Format::holds_fields)
+}
+
+/// Refuses a path for `what` ("bands are"), with the extensions that would do: those of formats with fields, and `others`.
+pub(crate) fn unsuitable_format(path: &Path, what: &str, others: &[&str]) -> CliError {
+    unsuitable_format_among(path, what, |_| true, others)
+}
+
+/// Refuses a path as [`unsuitable_format`] does, if only formats that are `suitable` would do.
+pub(crate) fn unsuitable_format_among(
+    path: &Path,
+    what: &str,
+    suitable: fn(Format) -> bool,
+    others: &[&str],
+) -> CliError {
+    let with_fields = Format::all().filter(|&format| format.holds_fields() && suitable(format));
+    let mut extensions: Vec<String> =
+        with_fields.filter_map(|f| Some(format!(".{}", f.extensions().first()?))).collect();
+    extensions.dedup();
+    extensions.extend(others.iter().map(|extension| (*extension).to_owned()));
+    let last = extensions.pop().unwrap_or_default();
+    CliError::Input(format!("{}: {what} written as {} or {last}", path.display(), extensions.join(", ")))
+}
+
+/// Writes a shape with a new field of its vertices, or the field alone.
+pub(crate) fn write_field(
+    global: &Global<'_>,
+    path: &Path,
+    alone: Option<ValuesFile>,
+    file: &mut ShapeFile,
+    field: Field,
+) -> Result<(), CliError> {
+    if let Some(kind) = alone {
+        return kind.write(global, path, &[field], file);
+    }
+    file.add_vertex_field(field)?;
+    write_shape(global, file, path).map(|_| ())
+}
+
+/// The channels of all fields beside each other, one row for each vertex.
+fn write_array(path: &Path, fields: &[Field]) -> Result<(), adwave_io::WriteError> {
+    let n = fields.first().map_or(0, Field::len);
+    let n_channels: usize = fields.iter().map(|field| field.n_channels).sum();
+    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
+    let values: Vec<f64> = (0..n).flat_map(row).collect();
+    let shape = if n_channels == 1 { vec![n] } else { vec![n, n_channels] };
+    write_npy(path, &shape, ArrayValues::F64(&values))
+}

@@ -1,0 +1,8 @@
+//! From flags to what they stand for: the shape, the signal on it, the operator, the levels, a region, the axis that points up.
+
+pub(crate) mod levels;
+pub(crate) mod operator;
+pub(crate) mod region;
+pub(crate) mod shape;
+pub(crate) mod signal;
+pub(crate) mod up;

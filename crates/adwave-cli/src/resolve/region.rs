@@ -1,0 +1,34 @@
+//! From region flags to weights on a shape.
+
+use super::shape::Input;
+use super::signal::field_names;
+use crate::error::CliError;
+use adwave::region::Region;
+use adwave::{Decomposer, Progress};
+use adwave_io::region_field;
+
+/// The name of the weights as a field.
+pub(crate) const WEIGHT: &str = "weight";
+
+/// The union of regions; everywhere if there are none.
+pub(crate) fn union_of_regions(regions: &[Region]) -> Region {
+    match regions {
+        [] => Region::Everywhere {},
+        [one] => one.clone(),
+        several => Region::Any(several.to_vec()),
+    }
+}
+
+/// The weights of a region in [0, 1], one for each vertex of the shape, as a filter uses them.
+pub(crate) fn region_weights(
+    region: &Region,
+    input: &Input,
+    decomposer: &Decomposer,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, CliError> {
+    let names = field_names(&input.file);
+    let lookup = |name: &str| region_field(&input.file, decomposer, name);
+    let weights = region.weights(decomposer.metric(), &lookup, &names, progress);
+    let weights = weights.map_err(|e| CliError::classify(&e))?;
+    Ok(weights.to_vertices(decomposer.geometry().vertex_map()))
+}

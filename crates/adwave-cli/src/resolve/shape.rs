@@ -1,0 +1,179 @@
+//! From the SHAPE argument to a shape.
+
+use crate::args::{ShapeArgs, ShapeKindArg};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::note;
+use crate::output::progress::with_spinner;
+use adwave::sample::{NoiseSigma, Sample};
+use adwave::shape::{Shape, triangulate, vertex_normals};
+use adwave::{ClassifiedError, ErrorKind};
+use adwave_io::{CloudPart, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with};
+use std::io::Read;
+use std::path::Path;
+
+/// A shape as its file has it and as the mathematics has it.
+pub(crate) struct Input {
+    /// The file's content, to write it back.
+    pub(crate) file: ShapeFile,
+    /// The shape.
+    pub(crate) shape: Shape,
+    /// The name in reports.
+    pub(crate) name: String,
+}
+
+/// Description of where a shape comes from.
+#[derive(Clone, Copy)]
+pub(crate) struct ShapeSource<'a> {
+    /// A file, `-`, or `sample:NAME`.
+    pub(crate) shape: &'a str,
+    pub(crate) kind: Option<ShapeKindArg>,
+    pub(crate) sample: SampleSize,
+    /// The part of a cloud that is read.
+    pub(crate) part: CloudPart,
+}
+
+/// Size and noise of a sample.
+#[derive(Clone, Copy)]
+pub(crate) struct SampleSize {
+    /// Approximate number of vertices.
+    pub(crate) n_vertices: Option<usize>,
+    /// Standard deviation of the noise along the normals, in mean edge lengths.
+    pub(crate) noise: Option<f64>,
+    /// Seed of the noise.
+    pub(crate) seed: u64,
+}
+
+impl Default for SampleSize {
+    fn default() -> Self {
+        Self { n_vertices: None, noise: None, seed: 1 }
+    }
+}
+
+impl<'a> ShapeSource<'a> {
+    /// A shape as it is.
+    pub(crate) fn new(shape: &'a str) -> Self {
+        Self { shape, kind: None, sample: SampleSize::default(), part: CloudPart::default() }
+    }
+}
+
+/// Reads or makes the shape that the arguments ask for.
+pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
+    let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
+    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part: args.part.to_part() };
+    load_source(&source, global)
+}
+
+/// Reads or makes a shape.
+pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Result<Input, CliError> {
+    with_spinner(global, "reading", || {
+        let name = source.shape.to_owned();
+        check_source(source)?;
+        let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
+            global.inputs.add_unhashed(source.shape);
+            make_sample(sample, &source.sample)?
+        } else {
+            read(source.shape, &source.part, global)?
+        };
+        let kind = source.kind.map_or_else(|| file.kind(), Into::into);
+        let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+        Ok(Input { file, shape, name })
+    })
+}
+
+/// Refuses options that do not go with the kind of source.
+fn check_source(source: &ShapeSource<'_>) -> Result<(), CliError> {
+    let name = source.shape;
+    if !source.part.is_whole() && (name == "-" || name.starts_with("sample:")) {
+        return Err(CliError::Input(format!(
+            "--box and --resolution apply to files (LAS, LAZ, COPC, EPT), and '{name}' is not a file"
+        )));
+    }
+    let sample = &source.sample;
+    for (flag, is_given) in [("--vertices", sample.n_vertices.is_some()), ("--noise", sample.noise.is_some())]
+    {
+        if is_given && !name.starts_with("sample:") {
+            return Err(CliError::Input(format!("{flag} applies to samples, and '{name}' is a file")));
+        }
+    }
+    Ok(())
+}
+
+/// Makes a built-in shape.
+pub(crate) fn make_sample(name: &str, size: &SampleSize) -> Result<ShapeFile, CliError> {
+    let mut sample = Sample::from_name(name, size.n_vertices).map_err(CliError::input)?;
+    if let Some(sigma) = size.noise {
+        sample.add_noise(NoiseSigma::MeanEdge(sigma), size.seed).map_err(CliError::input)?;
+    }
+    Ok(ShapeFile::from_mesh(sample.points, sample.faces))
+}
+
+fn read(source: &str, part: &CloudPart, global: &Global<'_>) -> Result<ShapeFile, CliError> {
+    let (limits, path) = (&global.limits, Path::new(source));
+    let read = if source == "-" {
+        let mut bytes = Vec::new();
+        std::io::stdin()
+            .lock()
+            .take(limits.max_bytes.saturating_add(1))
+            .read_to_end(&mut bytes)
+            .map_err(|e| CliError::Environment(format!("cannot read the standard input: {e}")))?;
+        global.inputs.add_bytes(source, &bytes);
+        read_bytes(bytes, None, limits)
+    } else if part.is_whole() {
+        global.inputs.add_file(path);
+        read_path_with(path, limits, global.progress())
+    } else {
+        // A hash would be that of the whole file.
+        global.inputs.add_unhashed(source);
+        read_cloud_part_with(path, part, limits, global.progress())
+    };
+    read.map_err(|error| {
+        if error.kind() == ErrorKind::Cancelled {
+            return CliError::Cancelled;
+        }
+        let mut text = error.to_string();
+        if matches!(innermost_error(&error), ReadError::Limit { what: "bytes", .. }) {
+            text = text.replace("raise the limit", "raise the limit (--max-input 8G)");
+        }
+        CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
+    })
+}
+
+/// The error without the name of the file.
+fn innermost_error(error: &ReadError) -> &ReadError {
+    if let ReadError::InFile { source, .. } = error { innermost_error(source) } else { error }
+}
+
+/// Whether the normals in a file are computed again after its points have moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Normals {
+    /// They stay as they are.
+    Keep,
+    /// They are computed again.
+    Recompute,
+}
+
+impl From<bool> for Normals {
+    fn from(recompute: bool) -> Self {
+        if recompute { Self::Recompute } else { Self::Keep }
+    }
+}
+
+/// Moves the points of a file. Normals of a mesh are computed again if that is asked for, else a note says that they are the old ones.
+pub(crate) fn move_points(
+    input: &mut Input,
+    points: Vec<[f64; 3]>,
+    normals: Normals,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    input.file.set_points(points)?;
+    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
+    if normals == Normals::Keep {
+        note(global, "the normals are those of the input; --update-normals recomputes them");
+        return Ok(());
+    }
+    let triangles = triangulate(input.file.points(), mesh.faces());
+    let values = vertex_normals(input.file.points(), &triangles);
+    let field = field.with_values_rounded(values.as_flattened());
+    Ok(input.file.add_vertex_field(field)?)
+}
