@@ -386,7 +386,7 @@ mod tests {
             ("ball:vertex", "key=value"),
             ("grown:by=2%", "in brackets"),
             ("grown:by=2%(all", "''"),
-            ("blur_weights(all)", "needs by"),
+            ("blurred(all)", "needs by"),
             ("shrunk:by=-1(all)", "'-1'"),
             ("component:vertex=x", "'x'"),
             ("facing:falloff=1", "direction"),

@@ -15,6 +15,9 @@ use proptest::prelude::*;
 const ROW_SUM: f64 = 1e-14;
 /// Default accuracy of a band.
 const ACCURACY: f64 = 1e-10;
+/// Content that rounding of the stored weights adds or removes at each jump: π(x)Φ₁(x,y) and π(y)Φ₁(y,x) differ in the last
+/// bits, whatever computes the powers. Needles take 1e6 jumps a step.
+const ROUNDED_WEIGHTS: f64 = 1e-14;
 /// A few bands, or what they are made of, computed from coordinates that are rounded differently.
 const COMMUTES: f64 = 1e-9;
 /// Rounding in the eigenvalues of some hundred rows.
@@ -107,10 +110,17 @@ fn check_bands(name: &str, decomposer: &Decomposer) {
         for (x, v) in level.iter().enumerate() {
             // The accuracy of each band is that of a norm in which a vertex weighs as much as it has mass.
             let weighed = (v.abs() - top) * pi[map.welded(x)].sqrt();
-            assert!(weighed <= 10.0 * ACCURACY, "{name}, level {j}: {v} after {top}");
+            assert!(
+                weighed <= 10.0 * ACCURACY + ROUNDED_WEIGHTS * rate * bands.steps[j],
+                "{name}, level {j}: {v} after {top}"
+            );
         }
         let gained = content(&level) - content(&f);
-        assert!(gained.abs() < 10.0 * ACCURACY, "{name}, level {j}: {gained:e}, {rate:e} jumps a step");
+        let rounding = ROUNDED_WEIGHTS * rate * bands.steps[j];
+        assert!(
+            gained.abs() < 10.0 * ACCURACY + rounding,
+            "{name}, level {j}: {gained:e}, {rate:e} jumps a step"
+        );
     }
     let constant = decomposer.decompose(&vec![0.7; n], 1, &schedule).unwrap();
     for w in constant.wavelets() {
