@@ -251,9 +251,9 @@ fn what_makes_no_sense_is_refused_in_one_line() {
         ("saliency a.ply -o m.ply --field gone.npy", "gone.npy"),
         (
             "saliency a.ply -o m.ply --field wishes",
-            "no field 'wishes'; there is coords, x, y, z, normals, mean-curvature",
+            "no field 'wishes'; use coords, x, y, z, normals, mean-curvature",
         ),
-        ("evaluate a.ply --against coords", "3 channels"),
+        ("evaluate a.ply --against coords", "one channel, got 3"),
         ("evaluate a.ply --percent -10 --levels 5", "noise"),
     ] {
         let error = refused(folder.path(), line);

@@ -139,7 +139,7 @@ fn signals_have_the_same_names_everywhere() {
         ["filter", "denoise", "saliency", "transform", "features", "evaluate", "compare", "report", "render"]
     {
         assert!(
-            help(command).contains("coords, x, y, z (heights, say), normals, mean-curvature"),
+            help(command).contains("coords, x, y, z (such as heights), normals, mean-curvature"),
             "{command}"
         );
     }

@@ -149,7 +149,7 @@ fn bad_requests_are_refused_in_one_line() {
         ("sample:sphere -o a.png --zoom 0", "got 0.0"),
         ("sample:sphere -o a.png --zoom nan", "got NaN"),
         ("sample:sphere -o a.png --zoom 1e9", "at most 277 "),
-        ("sample:sphere -o a.png --focus vertex=999999", "counted from 0"),
+        ("sample:sphere -o a.png --focus vertex=999999", "below the number of vertices"),
         ("sample:sphere -o a.png --focus 1e9,0,0", "far from the shape"),
         ("sample:sphere -o a.png --region 'ball:vertex=999999,radius=1'", "vertex 999999"),
         ("sample:sphere -o a.png --region 'field:name=heat'", "heat"),
@@ -164,7 +164,7 @@ fn bad_requests_are_refused_in_one_line() {
 fn flags_that_cannot_be_parsed_say_what_they_want() {
     let folder = tempfile::tempdir().unwrap();
     for (flag, value, words) in [
-        ("--size", "0x10", "without pixels"),
+        ("--size", "0x10", "at least 1"),
         ("--size", "wide", "WIDTHxHEIGHT"),
         ("--view", "sideways", "three-quarter"),
         ("--view", "10,100", "-90..=90"),

@@ -122,17 +122,17 @@ fn what_cannot_be_asked_for_is_said_in_one_line() {
     fs::write(path.join("g.mtx"), "%%MatrixMarket matrix coordinate pattern symmetric\n2 2 1\n2 1\n")
         .unwrap();
     for (line, said) in [
-        ("simplify one.obj -o o.ply --vertices 0", "0 vertices"),
-        ("simplify one.obj -o o.ply --error -1", "no length"),
-        ("simplify one.obj -o o.ply --error nan", "no length"),
+        ("simplify one.obj -o o.ply --vertices 0", "at least 1, got 0"),
+        ("simplify one.obj -o o.ply --error -1", "must be finite and not negative"),
+        ("simplify one.obj -o o.ply --error nan", "must be finite and not negative"),
         ("simplify one.obj -o o.ply --ratio 0", "at most 1, got 0.0"),
         ("simplify one.obj -o o.docx --vertices 1", "o.docx"),
         ("simplify one.obj -o o.ply --vertices 1 --keep-border", "--keep-border"),
         ("simplify flat.obj -o o.ply --vertices 1", "flat.obj: no face has a positive area"),
         ("simplify nan.obj -o o.ply --vertices 1", "not finite"),
-        ("simplify g.mtx -o o.ply --vertices 1", "nothing to simplify by distance"),
+        ("simplify g.mtx -o o.ply --vertices 1", "a graph has no positions, so it cannot be simplified"),
         ("info g.mtx --detail", "no detail"),
-        ("info one.obj --error -2", "no length"),
+        ("info one.obj --error -2", "must be finite and not negative"),
     ] {
         let error = refused(path, line);
         assert!(error.contains(said), "{line}: {error}");

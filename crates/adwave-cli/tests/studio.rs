@@ -16,7 +16,7 @@ fn what_cannot_be_opened_is_refused_in_one_line() {
     assert!(refused("studio sample:creature --host 0.0.0.0").contains("--i-know"));
     let graph = "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n";
     std::fs::write(folder.path().join("graph.mtx"), graph).unwrap();
-    assert!(refused("studio graph.mtx --no-open").contains("no positions"));
+    assert!(refused("studio graph.mtx --no-open").contains("needs positions, and a graph has none"));
     std::fs::write(folder.path().join("empty.obj"), "").unwrap();
     assert!(refused("studio empty.obj --no-open").contains("empty.obj"));
 }
@@ -48,7 +48,7 @@ fn it_prints_its_address_and_ctrl_c_ends_it() {
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     assert_eq!(studio.wait().unwrap().code(), Some(130));
     assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
-    assert_eq!(std::io::read_to_string(printed).unwrap(), "Ctrl-C ends it\n");
+    assert_eq!(std::io::read_to_string(printed).unwrap(), "press Ctrl-C to end\n");
     let told = std::io::read_to_string(studio.stderr.take().unwrap()).unwrap();
-    assert_eq!(told, "adwave: stopped; no file is half written\n");
+    assert_eq!(told, "adwave: stopped; no file was left half-written\n");
 }

@@ -47,12 +47,12 @@ fn tiles_join_to_the_bytes_of_one_and_leave_nothing_behind() {
     assert!(fields.contains("wavelet_2") && fields.contains("gps_time"), "{fields}");
     // By jobs, as a cluster does it.
     run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2 --tiles 6 --plan-only");
-    says(path, "tile jobs neighbors 0", "not sorted yet");
+    says(path, "tile jobs neighbors 0", "are not sorted; run its sort first");
     assert_eq!(json(path, "tile jobs status")["n_runs"], 1);
     run(path, "tile jobs run 0");
     assert_eq!(json(path, "tile jobs status")["runs_done"], 1);
-    says(path, "tile jobs run 1", "runs are 0 to 0");
-    says(path, "tiles jobs -o b.laz --magnitudes 1", "not all done");
+    says(path, "tile jobs run 1", "in 0..=0, got 1");
+    says(path, "tiles jobs -o b.laz --magnitudes 1", "are not done; finish it first");
     let n_tiles = all_jobs(path);
     run(path, "tiles a.laz -o jobs --gains 0,1,0.5,1 --magnitudes 2");
     assert_eq!(fs::read_dir(path.join("jobs")).unwrap().count() as u64, n_tiles);

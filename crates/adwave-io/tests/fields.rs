@@ -94,7 +94,7 @@ fn what_is_wrong_with_a_gifti_is_said_in_one_line() {
     let whole = || points("ASCII", "0 0 0 1 0 0 0 1 0");
     for (gifti, words) in [
         (Gifti::new().array(values, "1 2"), "--field"),
-        (points("ASCII", "0 0 0"), "3 values"),
+        (points("ASCII", "0 0 0"), "9 values, got 3"),
         (points("ASCII", "0 0 zero 0 0 0 0 0 0"), "zero"),
         (points("Base64Binary", "@@@"), "Base64"),
         (points("GZipBase64Binary", &base64(b"not zlib at all")), "compressed"),
@@ -149,7 +149,7 @@ fn a_table_names_its_columns_or_numbers_them() {
     let bare = parse_csv_fields(b"1\n2\n3", &limits()).unwrap();
     assert_eq!((bare.len(), bare[0].name.as_str(), bare[0].len()), (1, "1", 3));
     for (text, words) in [
-        ("a,b\n1,2\n3\n", "1 cells"),
+        ("a,b\n1,2\n3\n", "got 1 after 2"),
         ("a\n1\nx\n", "\"x\""),
         ("", "no row"),
         ("a,b\n", "no row"),

@@ -146,7 +146,7 @@ fn what_cannot_be_read_is_said_in_one_line() {
     let text = triangle(r#"[{"mesh":0}]"#, "[0]");
     for (from, to, said) in [
         ("\"2.0\"", "\"1.0\"", "convert it to glTF 2.0"),
-        ("\"count\":3", "\"count\":4", "needs 48 bytes of 36"),
+        ("\"count\":3", "\"count\":4", "needs 48 bytes, but its buffer view has 36"),
         ("\"count\":3", "\"count\":4000000000", "needs"),
         ("\"bufferView\":0,", "", "3 vertices at one place"),
         ("36,\"uri\"", "37,\"uri\"", "ends at byte 36 of 37"),

@@ -144,7 +144,7 @@ fn what_a_record_has_no_place_for_becomes_extra_bytes() {
     for (format, name) in [(Format::LAS, "a.las"), (Format::LAZ, "a.laz")] {
         let mut bytes = Vec::new();
         let report = write_bytes(&shape, format, &mut bytes).unwrap();
-        assert_eq!(report.not_written, ["the name of `intensity` (it is `intensity_2` there)"]);
+        assert_eq!(report.not_written, ["the name of `intensity` (stored as `intensity_2`)"]);
         let again = read(&bytes, name);
         let renamed =
             |name: &str| if name == "intensity" { "intensity_2".to_owned() } else { name.to_owned() };

@@ -107,7 +107,7 @@ fn gzip_is_read_whatever_the_name() {
 fn a_header_of_four_thousand_million_vertices_fails_at_once() {
     let ply = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty double x\nproperty double y\nproperty double z\nend_header\n0123456789";
     let message = error(ply, "a.ply");
-    assert!(message.starts_with(&format!("ends at byte {} of 96000000", ply.len())), "{message}");
+    assert!(message.starts_with(&format!("the file ends at byte {} of 96000000", ply.len())), "{message}");
     assert!(message.contains("element `vertex`, row 0"), "{message}");
     for text in [
         "OFF\n4000000000 1 0\n0 0 0\n",

@@ -60,7 +60,7 @@ fn several_files_are_written_all_or_none() {
     let files = Transaction::new();
     let error = failed(&files).unwrap_err().to_string();
     drop(files);
-    assert!(error.contains(&*at("c").to_string_lossy()) && !error.contains(".tmp"), "{error}");
+    assert!(error.contains(&*at("c").to_string_lossy()) && !error.contains(".adwave-"), "{error}");
     assert_eq!(
         (fs::read(at("a")).unwrap().as_slice(), names(folder.path())),
         (&b"old"[..], vec!["a".into()])
@@ -85,7 +85,7 @@ fn a_missing_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let shape = ShapeFile::from_cloud(vec![[0.0; 3]]);
     let error = write_path(&shape, &folder.path().join("no/a.ply"), None).unwrap_err().to_string();
-    assert!(error.contains("does not exist; make it first"), "{error}");
+    assert!(error.contains("does not exist; create it first"), "{error}");
     let error = write_path(&shape, &folder.path().join("a.blend"), None).unwrap_err().to_string();
     assert!(error.contains("use one of the endings .obj"), "{error}");
 }
@@ -95,10 +95,10 @@ fn gz_compresses_and_the_text_form_stays_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply.gz");
     let shape = ShapeFile::from_cloud(vec![[0.0, 0.5, 1.0]]);
-    write_path(&shape, &path, Some(Format::PlyAscii)).unwrap();
+    write_path(&shape, &path, Some(Format::PLY_ASCII)).unwrap();
     assert!(fs::read(&path).unwrap().starts_with(&[0x1f, 0x8b]));
     let again = adwave_io::read_path(&path, &adwave_io::ReadLimits::default()).unwrap();
-    assert_eq!((again.format(), again.points()), (Some(Format::PlyAscii), shape.points()));
+    assert_eq!((again.format(), again.points()), (Some(Format::PLY_ASCII), shape.points()));
     let plain = folder.path().join("b.ply");
     write_path(&again, &plain, None).unwrap();
     assert!(fs::read(&plain).unwrap().starts_with(b"ply\nformat ascii"));

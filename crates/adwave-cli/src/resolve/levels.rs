@@ -30,8 +30,8 @@ pub(crate) fn check_levels(args: &LevelArgs) -> Result<BandsParams, CliError> {
 /// A length as it is typed.
 pub(crate) fn format_length(length: Length) -> String {
     match length {
-        Length::Units(units) => units.to_string(),
-        Length::PercentOfDiagonal(percent) => format!("{percent}%"),
+        Length::Units(units) => format!("{units:?}"),
+        Length::PercentOfDiagonal(percent) => format!("{percent:?}%"),
     }
 }
 

@@ -184,7 +184,7 @@ fn other_files_and_fields_of_an_obj_are_refused() {
     assert!(MeshReader::open(&path).err().unwrap().to_string().contains("empty"));
     std::fs::write(&path, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n")
         .unwrap();
-    assert!(portions(&path).unwrap_err().to_string().contains("no number `y`"));
+    assert!(portions(&path).unwrap_err().to_string().contains("has no `y`"));
 }
 
 /// Files of other programs, except the largest.

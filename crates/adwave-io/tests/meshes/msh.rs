@@ -168,7 +168,7 @@ fn every_cut_before_the_end_of_the_elements_is_an_error() {
 fn messages_say_where_and_what() {
     for (from, to, said) in [
         ("9 3 2 7 3 10 20", "9 3 2 7 3 11 20", "line 21: element 3 names node 11, which does not exist"),
-        ("2.2 0 8", "3 0 8", "line 2: MSH of version 3 cannot be read"),
+        ("2.2 0 8", "3 0 8", "line 2: MSH of version 3 is not supported"),
         ("20 1.50", "20 x", "line 11: node 1 needs a number, got \"x\""),
         ("$Nodes\n5", "$Nodes\n5000000000", "vertices: 5000000000 exceeds the limit"),
         ("$Nodes\n5", "$Nodes\n500000000", "in element `node`"),

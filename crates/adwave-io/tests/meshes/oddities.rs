@@ -10,7 +10,7 @@ fn points_without_a_place_are_left_out_and_come_back() {
         VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\nDATA ascii\n0.50 0 0 1\nnan nan nan 2\n1 0 0 3\n0 inf 0 4\n";
     let mut file = read(text.as_bytes(), "a.pcd");
     assert_eq!((file.n_vertices(), file.field("q").unwrap().to_f64()), (2, vec![1.0, 3.0]));
-    assert_eq!(file.extras(), ["2 points without a place"]);
+    assert_eq!(file.extras(), ["2 points without a position"]);
     file.to_shape().unwrap();
     assert_eq!(String::from_utf8(written(&file, Format::PCD_ASCII)).unwrap(), text);
     file.set_points(vec![[0.5, 0.0, 0.0], [9.0, 0.0, 0.0]]).unwrap();

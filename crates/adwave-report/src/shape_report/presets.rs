@@ -130,7 +130,7 @@ fn pictures(
         }
     };
     let mut specs =
-        vec![spec(subject.values, format!("Original {}", subject.name), "The original.".to_owned())];
+        vec![spec(subject.values, format!("The original shape, {}", subject.name), "The original.".to_owned())];
     for PresetResult { summary, values } in edited {
         let name = summary.name;
         specs.push(spec(

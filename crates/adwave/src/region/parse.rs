@@ -82,7 +82,7 @@ const MAX_NESTED: usize = 64;
 /// Parses a region as written on a command line.
 ///
 /// ```
-/// use adwave::region::{parse_region, Length, Place, Region};
+/// use adwave::region::{parse_region, Length, Location, Region};
 /// let ball = parse_region("ball:vertex=12,radius=5%")?;
 /// assert_eq!(ball, Region::Ball {
 ///     center: Location::Vertex(12), radius: Length::PercentOfDiagonal(5.0), falloff: None,

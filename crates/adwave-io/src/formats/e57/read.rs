@@ -217,7 +217,7 @@ mod tests {
             (shape.field("intensity").unwrap().get(7, 0), shape.field("color").unwrap().get(7, 0)),
             (1.0, 8.0)
         );
-        assert_eq!(shape.extras(), ["1 records without a place in scan 0", "the pose of the scan"]);
+        assert_eq!(shape.extras(), ["1 records without a position in scan 0", "the pose of the scan"]);
     }
 
     #[test]

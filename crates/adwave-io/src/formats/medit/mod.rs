@@ -41,5 +41,6 @@ pub(crate) static MEDIT_BINARY: FormatDescriptor = FormatDescriptor {
     loses: "as text",
     recognize: |file| binary::begins_as_meshb(file.bytes).map(|_| Evidence::Signature),
     read: Some(|bytes, c| binary::read_meshb(bytes, c.limits, c.progress)),
+    write: Some(|shape, c| write::write_medit(shape, c.format, &mut c.report, c.out, c.progress)),
     ..FormatDescriptor::NEW
 };
