@@ -143,6 +143,7 @@ fn models_and_part<'a>(
 
 fn test() -> StepResult {
     compiler()?;
+    notices::check()?;
     // Before anything is built: the extension for Python asks for it too, in its own words.
     python::check()?;
     cargo(&["fmt", "--all", "--check"], &[])?;
