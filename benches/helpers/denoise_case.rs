@@ -18,9 +18,9 @@ use std::path::Path;
 use std::str::FromStr;
 use std::time::Instant;
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
+type CaseOutcome<T> = Result<T, Box<dyn Error>>;
 
-fn main() -> Outcome<()> {
+fn main() -> CaseOutcome<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [step, parameters @ .., input, output] = &words[..] else {
         return Err("usage: denoise_case STEP [PARAMETERS …] IN OUT".into());
@@ -36,7 +36,7 @@ fn main() -> Outcome<()> {
     Ok(())
 }
 
-fn result(step: &str, parameters: &[String], shape: &Shape, mesh: &Mesh) -> Outcome<Vec<[f64; 3]>> {
+fn result(step: &str, parameters: &[String], shape: &Shape, mesh: &Mesh) -> CaseOutcome<Vec<[f64; 3]>> {
     let none = Progress::none();
     let prepared = || PreparedGeometry::new(shape, WeldMode::default(), none);
     Ok(match (step, parameters) {
@@ -73,6 +73,6 @@ fn result(step: &str, parameters: &[String], shape: &Shape, mesh: &Mesh) -> Outc
     })
 }
 
-fn parse_or_default<T: FromStr<Err: Error + 'static>>(word: &str, default: T) -> Outcome<T> {
+fn parse_or_default<T: FromStr<Err: Error + 'static>>(word: &str, default: T) -> CaseOutcome<T> {
     if word == "-" { Ok(default) } else { Ok(word.parse()?) }
 }

@@ -46,13 +46,13 @@ fn wavelets_into(
     transform.wavelets_into(signal, 3, &schedule, &mut outs, Progress::none()).expect("a valid request")
 }
 
-struct Subject {
+struct TimedShape {
     shape: Shape,
     geometry: PreparedGeometry,
     diffusion: Arc<Diffusion>,
 }
 
-impl Subject {
+impl TimedShape {
     fn new(triangles: Triangles) -> Self {
         let (shape, params) = (triangles.into_shape(), OperatorParams::default());
         let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("not cancelled");
@@ -71,7 +71,7 @@ impl Subject {
     }
 }
 
-fn product(subject: &Subject, bandwidth: f64) -> f64 {
+fn product(subject: &TimedShape, bandwidth: f64) -> f64 {
     let n = subject.diffusion.n_vertices();
     let entries = subject.diffusion.weights().len();
     let mut out = vec![0.0; 3 * n];
@@ -86,7 +86,7 @@ fn product(subject: &Subject, bandwidth: f64) -> f64 {
     least
 }
 
-fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64) {
+fn transform(subject: &TimedShape, levels: usize, bandwidth: f64, one_product: f64) {
     let n = subject.diffusion.n_vertices();
     let (prepare, _) = time(3, || drop(subject.transform(ACCURACY)));
     let transform = subject.transform(ACCURACY);
@@ -116,7 +116,7 @@ fn transform(subject: &Subject, levels: usize, bandwidth: f64, one_product: f64)
 }
 
 /// Prints the relative error of every band against repeated products.
-fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
+fn errors(subject: &TimedShape, levels: usize, outs: &[Vec<f64>]) {
     let params = BandsParams::default().with_engine(Engine::Powers);
     let powers = Transform::new(Arc::clone(&subject.diffusion), &params).expect("a valid accuracy");
     let mut exact = outputs(levels, subject.signal().len());
@@ -134,7 +134,7 @@ fn errors(subject: &Subject, levels: usize, outs: &[Vec<f64>]) {
 }
 
 /// Times a one-off call with a file's vertex order and without prepared state.
-fn one_off(subject: &Subject, levels: usize) {
+fn one_off(subject: &TimedShape, levels: usize) {
     let signal = subject.shape.points().expect("a mesh has points").as_flattened();
     let schedule = Schedule::dyadic(levels).expect("a valid number of levels");
     let params = BandsParams::default().with_accuracy(ACCURACY);
@@ -157,7 +157,7 @@ fn one_off(subject: &Subject, levels: usize) {
 /// Measures the cost against n (4·4^s + 2 vertices) and against J.
 fn sweep(largest: usize) {
     for subdivisions in 6..=largest {
-        let subject = Subject::new(Triangles::sphere(subdivisions));
+        let subject = TimedShape::new(Triangles::sphere(subdivisions));
         let n = subject.diffusion.n_vertices();
         let transform = subject.transform(ACCURACY);
         let mut outs = outputs(8, 3 * n);
@@ -166,7 +166,7 @@ fn sweep(largest: usize) {
         });
         println!(r#"{{"name":"against_n","n":{n},"levels":8,"min":{least},"median":{median}}}"#);
     }
-    let subject = Subject::new(Triangles::sphere(8));
+    let subject = TimedShape::new(Triangles::sphere(8));
     let n = subject.diffusion.n_vertices();
     let transform = subject.transform(ACCURACY);
     for levels in 1..=20 {
@@ -195,12 +195,12 @@ fn main() {
             return;
         }
     };
-    let plain = Subject::new(triangles.clone());
+    let plain = TimedShape::new(triangles.clone());
     let subdivisions = arguments.get(1).and_then(|word| word.parse().ok()).unwrap_or(2);
     for _ in 0..subdivisions {
         triangles = triangles.subdivide();
     }
-    let subject = Subject::new(triangles);
+    let subject = TimedShape::new(triangles);
     if arguments.iter().any(|word| word == "quick") {
         transform(&subject, 8, 1.0, 1.0);
         return;

@@ -36,13 +36,13 @@ use std::time::Instant;
 
 type Answer = Result<String, Box<dyn Error>>;
 
-struct Subject {
+struct TimedShape {
     shape: Shape,
     geometry: PreparedGeometry,
     diffusion: Arc<Diffusion>,
 }
 
-impl Subject {
+impl TimedShape {
     fn read(folder: &Path) -> Result<(Self, f64), Box<dyn Error>> {
         let points = read_all(&folder.join("points.f64"), f64::from_le_bytes)?;
         let triangles = read_all(&folder.join("triangles.u32"), u32::from_le_bytes)?;
@@ -109,7 +109,7 @@ fn outputs(levels: usize, len: usize) -> Vec<Vec<f64>> {
     (0..levels).map(|_| vec![1.0; len]).collect()
 }
 
-fn operator(subject: &Subject, folder: &str) -> Answer {
+fn operator(subject: &TimedShape, folder: &str) -> Answer {
     let walk = &subject.diffusion;
     write_rows(folder, "", walk.neighbors().offsets(), walk.neighbors().columns())?;
     let folder = Path::new(folder);
@@ -122,7 +122,7 @@ fn operator(subject: &Subject, folder: &str) -> Answer {
     Ok(r#"{"written":true}"#.into())
 }
 
-fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
+fn explicit(subject: &TimedShape, levels: usize, folder: Option<&str>) -> Answer {
     let params = BasisParams::new(Schedule::dyadic(levels)?);
     let start = Instant::now();
     let result = basis(&subject.diffusion, &params, Progress::none())?;
@@ -142,7 +142,7 @@ fn explicit(subject: &Subject, levels: usize, folder: Option<&str>) -> Answer {
     ))
 }
 
-fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str>) -> Answer {
+fn one_call(subject: &TimedShape, levels: usize, accuracy: f64, folder: Option<&str>) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
     let (vertex_map, schedule) = (subject.geometry.vertex_map(), Schedule::dyadic(levels)?);
     let start = Instant::now();
@@ -158,7 +158,7 @@ fn one_call(subject: &Subject, levels: usize, accuracy: f64, folder: Option<&str
     Ok(format!(r#"{{"seconds":{seconds}}}"#))
 }
 
-fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
+fn filter(subject: &TimedShape, levels: usize, accuracy: f64) -> Answer {
     let signal = subject.shape.points().ok_or("a mesh has points")?.as_flattened();
     let (vertex_map, schedule) = (subject.geometry.vertex_map(), Schedule::dyadic(levels)?);
     let factors: Vec<f64> = (1..=levels).map(|j| if j % 2 == 0 { -1.0 } else { 0.5 }).collect();
@@ -171,7 +171,7 @@ fn filter(subject: &Subject, levels: usize, accuracy: f64) -> Answer {
     Ok(format!(r#"{{"seconds":{seconds},"n":{}}}"#, filtered.len()))
 }
 
-fn wavelet(subject: &Subject, vertex: usize, level: u32, folder: Option<&str>) -> Answer {
+fn wavelet(subject: &TimedShape, vertex: usize, level: u32, folder: Option<&str>) -> Answer {
     let steps = 1_u64 << (level - 1);
     let welded = subject.geometry.vertex_map().as_slice();
     let at = *welded.get(vertex).ok_or("the vertex must exist")? as usize;
@@ -192,7 +192,7 @@ fn bandwidth() -> String {
     format!(r#"{{"bytes_per_second":{bytes},"threads":{threads}}}"#)
 }
 
-fn product(subject: &Subject, out: &mut Vec<f64>) -> String {
+fn product(subject: &TimedShape, out: &mut Vec<f64>) -> String {
     out.resize(subject.signal().len(), 0.0);
     let start = Instant::now();
     apply(&subject.diffusion, subject.signal(), out, 3);
@@ -215,7 +215,7 @@ fn reset_peak() -> Option<u64> {
     status("VmRSS:")
 }
 
-fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Answer {
+fn memory(subject: &TimedShape, levels: usize, accuracy: f64, channels: usize) -> Answer {
     let xyz = subject.signal();
     let signal: Vec<f64> =
         (0..subject.n() * channels).map(|i| xyz[3 * (i / channels) + i % channels % 3]).collect();
@@ -232,7 +232,7 @@ fn memory(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> A
 
 /// FNV-1a over the bits of all bands of a signal of `channels` channels: coordinates in turn, distorted so that no
 /// two are equal.
-fn bits(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Answer {
+fn bits(subject: &TimedShape, levels: usize, accuracy: f64, channels: usize) -> Answer {
     let xyz = subject.signal();
     let value = |i: usize| xyz[3 * (i / channels) + i % channels % 3] * (1.0 + (i % channels) as f64).sqrt();
     let signal: Vec<f64> = (0..subject.n() * channels).map(value).collect();
@@ -251,7 +251,7 @@ fn bits(subject: &Subject, levels: usize, accuracy: f64, channels: usize) -> Ans
 }
 
 /// `max ‖w − e‖ / ‖e‖` per band, with plain norms and norms weighted by π; the larger one.
-fn errors(subject: &Subject, levels: usize, accuracy: f64, reference: &Transform) -> Answer {
+fn errors(subject: &TimedShape, levels: usize, accuracy: f64, reference: &Transform) -> Answer {
     let (mut ours, mut exact) =
         (outputs(levels, subject.signal().len()), outputs(levels, subject.signal().len()));
     subject.wavelets(
@@ -284,7 +284,7 @@ struct RequestState {
     product: Vec<f64>,
 }
 
-fn answer(subject: &Subject, state: &mut RequestState, words: &[&str]) -> Answer {
+fn answer(subject: &TimedShape, state: &mut RequestState, words: &[&str]) -> Answer {
     match *words {
         ["operator", folder] => operator(subject, folder),
         ["basis", levels] => explicit(subject, levels.parse()?, None),
@@ -337,7 +337,7 @@ fn answer(subject: &Subject, state: &mut RequestState, words: &[&str]) -> Answer
 fn main() -> Result<(), Box<dyn Error>> {
     let folder =
         std::env::args().nth(1).ok_or("usage: timing_on_request FOLDER, then requests line by line")?;
-    let (subject, seconds) = Subject::read(folder.as_ref())?;
+    let (subject, seconds) = TimedShape::read(folder.as_ref())?;
     println!(
         r#"{{"n":{},"nnz":{},"operator_seconds":{seconds},"walk_bytes":{}}}"#,
         subject.n(),

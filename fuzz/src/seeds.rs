@@ -11,7 +11,7 @@ use std::error::Error;
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-type Outcome<T> = Result<T, Box<dyn Error>>;
+type SeedOutcome<T> = Result<T, Box<dyn Error>>;
 
 /// Text seeds: folder, name, content.
 const TEXTS: &[(&str, &str, &str)] = &[
@@ -169,8 +169,8 @@ const TEXTS: &[(&str, &str, &str)] = &[
 ];
 
 /// Writes all seeds.
-pub(crate) fn write(folder: &Path) -> Outcome<()> {
-    let save = |target: &str, name: &str, bytes: &[u8]| -> Outcome<()> {
+pub(crate) fn write(folder: &Path) -> SeedOutcome<()> {
+    let save = |target: &str, name: &str, bytes: &[u8]| -> SeedOutcome<()> {
         std::fs::create_dir_all(folder.join(target))?;
         Ok(std::fs::write(folder.join(target).join(name), bytes)?)
     };
@@ -239,7 +239,7 @@ pub(crate) fn write(folder: &Path) -> Outcome<()> {
 }
 
 /// Writes seeds whose content is encoded or compressed.
-fn write_encoded(save: &impl Fn(&str, &str, &[u8]) -> Outcome<()>) -> Outcome<()> {
+fn write_encoded(save: &impl Fn(&str, &str, &[u8]) -> SeedOutcome<()>) -> SeedOutcome<()> {
     save("gifti", "text", gifti("ASCII", |numbers, _| numbers.join(" ")).as_bytes())?;
     let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
     save("gifti", "base64", gifti("Base64Binary", |_, bytes| encode(bytes)).as_bytes())?;
@@ -259,7 +259,7 @@ fn write_encoded(save: &impl Fn(&str, &str, &[u8]) -> Outcome<()>) -> Outcome<()
 }
 
 /// Writes NPY arrays.
-fn write_arrays(folder: &Path) -> Outcome<()> {
+fn write_arrays(folder: &Path) -> SeedOutcome<()> {
     std::fs::create_dir_all(folder.join("npy"))?;
     write_npy(&folder.join("npy/doubles"), &[2, 3], ArrayValues::F64(&[0.0, 1.0, 2.0, f64::NAN, 4.0, 5.0]))?;
     write_npy(&folder.join("npy/whole"), &[4], ArrayValues::U32(&[0, 1, 2, 3]))?;
@@ -270,7 +270,7 @@ fn write_arrays(folder: &Path) -> Outcome<()> {
 }
 
 /// A square of a quadrilateral and a triangle, with fields of several types.
-fn mesh() -> Outcome<ShapeFile> {
+fn mesh() -> SeedOutcome<ShapeFile> {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.25], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5], [0.5, 2.0, 0.0]];
     let faces: Polygons = [&[0_u32, 1, 2, 3][..], &[3, 2, 4]].into_iter().collect();
     let mut mesh = ShapeFile::from_mesh(points, faces);
@@ -293,7 +293,7 @@ pub(crate) fn picture() -> Vec<u8> {
 }
 
 /// A scan with integer, scaled and floating-point values, one of them without a position.
-fn e57_scan() -> Outcome<Vec<u8>> {
+fn e57_scan() -> SeedOutcome<Vec<u8>> {
     use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue};
     let record = |name, data_type| Record { name, data_type };
     let scaled = || RecordDataType::ScaledInteger { min: -100, max: 100, scale: 0.5, offset: 1.0 };
@@ -382,7 +382,7 @@ fn compressed_pcd() -> Vec<u8> {
 }
 
 /// Twelve points of a format, ten per chunk.
-fn las(format: u8, is_compressed: bool) -> Outcome<Vec<u8>> {
+fn las(format: u8, is_compressed: bool) -> SeedOutcome<Vec<u8>> {
     const N: u32 = 12;
     let size: u16 = match format {
         0 => 20,

@@ -1,10 +1,10 @@
 //! Large clouds by tiles and by other programs: builds ours, makes their environment, runs `benches/clouds`.
 
-use crate::{Outcome, cargo, python, root, run, target};
+use crate::{StepResult, cargo, python, root, run, target};
 use std::process::Command;
 
 /// Prints the table. `arguments`: `--points N`.
-pub(crate) fn bench_clouds(arguments: &[&str]) -> Outcome {
+pub(crate) fn bench_clouds(arguments: &[&str]) -> StepResult {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     let python = python::environment("clouds")?;
     run(Command::new(python)

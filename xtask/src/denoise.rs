@@ -1,6 +1,6 @@
 //! Denoisers beside each other: builds ours, makes their environment, runs `benches/denoise`.
 
-use crate::{Outcome, cargo, data, models_and_part, python, root, run, target};
+use crate::{StepResult, cargo, data, models_and_part, python, root, run, target};
 use std::process::Command;
 
 /// The part of `bench-peers` that has a document of its own.
@@ -8,7 +8,7 @@ pub(crate) const PART: &str = "denoise";
 
 /// Runs all denoisers on pairs of noisy and clean meshes and writes `docs/DENOISING.md`. `arguments`: `--models DIR`, where pairs
 /// `noisy.obj` and `clean.obj` may be found, and `--only denoise`.
-pub(crate) fn bench_denoise(arguments: &[&str]) -> Outcome {
+pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
     let (models, _) = models_and_part("bench-peers", arguments, data().join(PART))?;
     let release = ["build", "--release", "--locked", "--quiet"];
     cargo(&[&release[..], &["-p", "adwave-cli"]].concat(), &[])?;

@@ -59,7 +59,7 @@ from the packages of Debian; nothing else is installed.";
 const FUZZED_SECONDS: &str = "60";
 
 /// A step that did not succeed, in one line.
-type Outcome = Result<(), String>;
+type StepResult = Result<(), String>;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -98,7 +98,7 @@ fn main() -> ExitCode {
 }
 
 /// Prints every violation of the countable rules of style below `folder`.
-fn print_style(folder: &str) -> Outcome {
+fn print_style(folder: &str) -> StepResult {
     let violations = xtask::style::check(&root(), folder)?;
     for (rule, list) in violations.rules() {
         println!("{rule}: {}", list.len());
@@ -111,12 +111,12 @@ fn print_style(folder: &str) -> Outcome {
     Ok(())
 }
 
-fn same_outputs(arguments: &[&str]) -> Outcome {
+fn same_outputs(arguments: &[&str]) -> StepResult {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     xtask::outputs::compare(arguments, &root(), &target().join("release/adwave"), &data())
 }
 
-fn studio_test() -> Outcome {
+fn studio_test() -> StepResult {
     compiler()?;
     cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
     studio::test()
@@ -141,8 +141,9 @@ fn models_and_part<'a>(
     Ok((models, only))
 }
 
-fn test() -> Outcome {
+fn test() -> StepResult {
     compiler()?;
+    notices::check()?;
     // Before anything is built: the extension for Python asks for it too, in its own words.
     python::check()?;
     cargo(&["fmt", "--all", "--check"], &[])?;
@@ -161,7 +162,7 @@ fn test() -> Outcome {
 
 /// Sees to a C++ compiler, which a dependency is built by: where there is none it is installed from the packages of Debian, if
 /// that is possible.
-fn compiler() -> Outcome {
+fn compiler() -> StepResult {
     let asked = std::env::var("CXX").ok();
     let names = asked.as_deref().into_iter().chain(["c++", "g++", "clang++"]);
     let works = |name: &str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
@@ -175,7 +176,7 @@ fn compiler() -> Outcome {
 }
 
 /// Licenses and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.
-fn dependencies() -> Outcome {
+fn dependencies() -> StepResult {
     let tool = Command::new("cargo-deny").arg("--version").output();
     if !tool.is_ok_and(|output| output.status.success()) {
         println!("licenses and sources of dependencies were not checked: cargo-deny is not installed");
@@ -186,19 +187,24 @@ fn dependencies() -> Outcome {
 
 /// Broken input for a minute, or as the arguments say. With the optimization of the tests, so that sums that overflow are
 /// seen.
-fn fuzz(arguments: &[&str]) -> Outcome {
+fn fuzz(arguments: &[&str]) -> StepResult {
     let run = ["run", "--locked", "--quiet", "-p", "adwave-fuzz", "--"];
     cargo(&[&run[..], arguments].concat(), &[])
 }
 
-fn oracle() -> Outcome {
+fn oracle() -> StepResult {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     let adwave = target().join("release/adwave");
     compare_with_scipy(&adwave, "oracle-samples", [5000, 5000, 5000, 5000, 20000], Some(data()))
 }
 
 /// Runs `benches/oracle` on built-in shapes of the given numbers of vertices, and on those of a folder.
-fn compare_with_scipy(adwave: &Path, folder: &str, vertices: [usize; 5], data: Option<PathBuf>) -> Outcome {
+fn compare_with_scipy(
+    adwave: &Path,
+    folder: &str,
+    vertices: [usize; 5],
+    data: Option<PathBuf>,
+) -> StepResult {
     let samples = target().join(folder);
     std::fs::create_dir_all(&samples).map_err(|e| format!("cannot make {}: {e}", samples.display()))?;
     for (name, vertices) in ["sphere", "torus", "plane", "knot", "creature"].into_iter().zip(vertices) {
@@ -217,7 +223,7 @@ fn compare_with_scipy(adwave: &Path, folder: &str, vertices: [usize; 5], data: O
     run(&mut command)
 }
 
-fn oracle_baselines() -> Outcome {
+fn oracle_baselines() -> StepResult {
     let build =
         ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "oracle_values"];
     cargo(&build, &[])?;
@@ -244,7 +250,7 @@ fn data() -> PathBuf {
     std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)
 }
 
-fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> Outcome {
+fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     println!("> cargo {}", arguments.join(" "));
     run(Command::new(cargo).current_dir(root()).args(arguments).envs(variables.iter().copied()))
@@ -262,7 +268,7 @@ fn cargo_output(arguments: &[&str]) -> Result<String, String> {
 }
 
 /// Runs a command to its end with our own standard streams.
-fn run(command: &mut Command) -> Outcome {
+fn run(command: &mut Command) -> StepResult {
     let program = command.get_program().to_string_lossy().into_owned();
     match command.status() {
         Ok(status) if status.success() => Ok(()),

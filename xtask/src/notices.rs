@@ -3,7 +3,7 @@
 //! Read from the sources of the dependencies as cargo keeps them. `cargo about` would do the same but asks a server for
 //! license texts, and cannot name the fonts and the C++ library that lie inside two of the packages.
 
-use crate::{Outcome, cargo_output, root};
+use crate::{StepResult, cargo_output, root};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -127,7 +127,7 @@ pub(crate) fn text() -> Result<String, String> {
 ///
 /// # Errors
 /// A line of text, as of [`text`], or if the file cannot be written.
-pub(crate) fn write() -> Outcome {
+pub(crate) fn write() -> StepResult {
     std::fs::write(root().join(FILE), text()?).map_err(|e| format!("cannot write {FILE}: {e}"))
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn write() -> Outcome {
 ///
 /// # Errors
 /// A line of text with the command that mends it, if the file is not what the dependencies give.
-pub(crate) fn check() -> Outcome {
+pub(crate) fn check() -> StepResult {
     let committed = std::fs::read_to_string(root().join(FILE)).map_err(|e| format!("{FILE}: {e}"))?;
     if committed == text()? {
         Ok(())

@@ -1,6 +1,6 @@
 //! The Python package: wheel, tests, documentation, and checks before a release.
 
-use crate::{Outcome, cargo, python, root, run, target};
+use crate::{StepResult, cargo, python, root, run, target};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,7 +31,7 @@ pub(crate) fn wheel() -> Result<PathBuf, String> {
     Ok(wheel)
 }
 
-fn maturin(python: &Path, words: &[&str], out: &Path) -> Outcome {
+fn maturin(python: &Path, words: &[&str], out: &Path) -> StepResult {
     println!("> maturin {}", words.join(" "));
     let mut command = Command::new(python);
     command.current_dir(package()).args(["-m", "maturin"]).args(words).arg("--out").arg(out);
@@ -56,7 +56,7 @@ fn only_file(folder: &Path, extension: &str) -> Result<PathBuf, String> {
 }
 
 /// Builds the site of the guides and the Python reference, `target/docs/index.html`; warnings are errors.
-pub(crate) fn docs() -> Outcome {
+pub(crate) fn docs() -> StepResult {
     let python = python::environment_from(&package().join("docs-requirements.txt"), "docs")?;
     let site = target().join("docs");
     println!("> mkdocs build --strict");
@@ -70,7 +70,7 @@ pub(crate) fn docs() -> Outcome {
 }
 
 /// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and that the source distribution builds.
-pub(crate) fn check_release() -> Outcome {
+pub(crate) fn check_release() -> StepResult {
     let python = python::environment_from(&package().join("release-requirements.txt"), "release")?;
     let wheel = wheel()?;
     println!("> auditwheel show");
@@ -88,7 +88,7 @@ pub(crate) fn check_release() -> Outcome {
 }
 
 /// Builds a wheel from the source distribution alone, without a network, and imports it from a new environment.
-fn build_from_sdist(python: &Path, sdist: &Path) -> Outcome {
+fn build_from_sdist(python: &Path, sdist: &Path) -> StepResult {
     let out = target().join("sdist-wheel");
     let _ = std::fs::remove_dir_all(&out);
     println!("> pip wheel {}", sdist.display());
@@ -108,7 +108,7 @@ fn build_from_sdist(python: &Path, sdist: &Path) -> Outcome {
 }
 
 /// Compares the wheel with other packages on the same tasks: prints the table of `benches/python/compare.py`.
-pub(crate) fn bench(arguments: &[&str]) -> Outcome {
+pub(crate) fn bench(arguments: &[&str]) -> StepResult {
     let python = python::environment("python")?;
     let place = target().join("bench-python");
     install(&python, &wheel()?, &place)?;
@@ -119,7 +119,7 @@ pub(crate) fn bench(arguments: &[&str]) -> Outcome {
 }
 
 /// Installs a wheel into a folder.
-fn install(python: &Path, wheel: &Path, place: &Path) -> Outcome {
+fn install(python: &Path, wheel: &Path, place: &Path) -> StepResult {
     println!("> pip install {}", wheel.display());
     let _ = std::fs::remove_dir_all(place);
     run(Command::new(python)
@@ -129,7 +129,7 @@ fn install(python: &Path, wheel: &Path, place: &Path) -> Outcome {
 }
 
 /// Runs the tests of the package, the examples of its documentation and its type checks, on a wheel or on a debug build.
-pub(crate) fn test_package(arguments: &[&str]) -> Outcome {
+pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     let with_wheel = match arguments {
         [] => false,
         ["--wheel"] => true,
@@ -193,7 +193,7 @@ fn gallery() -> Result<String, String> {
 }
 
 /// Assembles the package from its Python files and the extension of a debug build.
-fn assemble(place: &Path) -> Outcome {
+fn assemble(place: &Path) -> StepResult {
     let to = place.join("adwave");
     let wrong = |e: std::io::Error| format!("cannot assemble the package in {}: {e}", to.display());
     let _ = std::fs::remove_dir_all(place);

@@ -1,13 +1,13 @@
 //! Python environments below `target/`.
 
-use crate::{Outcome, root, run, target};
+use crate::{StepResult, root, run, target};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const REQUIREMENT: &str = "this command needs Python 3.10 or newer with the module venv as `python3`";
 
 /// Fails unless `python3` is new enough and has the module venv.
-pub(crate) fn check() -> Outcome {
+pub(crate) fn check() -> StepResult {
     let is_recent = "import sys, venv; sys.exit(sys.version_info < (3, 10))";
     run(Command::new("python3").args(["-c", is_recent])).map_err(|e| format!("{e}; {REQUIREMENT}"))
 }
@@ -36,7 +36,7 @@ pub(crate) fn environment_from(list: &Path, name: &str) -> Result<PathBuf, Strin
 }
 
 /// Creates an empty environment in a folder.
-pub(crate) fn create(folder: &Path) -> Outcome {
+pub(crate) fn create(folder: &Path) -> StepResult {
     check()?;
     println!("> python3 -m venv {}", folder.display());
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))

@@ -1,7 +1,7 @@
 //! Tests of the studio's page: type check, lints, unit tests, freshness of the committed bundle, and end-to-end tests in a
 //! browser.
 
-use crate::{Outcome, root, run, target};
+use crate::{StepResult, root, run, target};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -15,7 +15,7 @@ fn web() -> PathBuf {
 }
 
 /// Runs all tests of the page.
-pub(crate) fn test() -> Outcome {
+pub(crate) fn test() -> StepResult {
     require_node()?;
     let browser = require_browser()?;
     let npm = |words: &[&str]| {
@@ -33,7 +33,7 @@ pub(crate) fn test() -> Outcome {
 }
 
 /// Checks that the committed bundle, which the server embeds, equals a fresh build of the sources.
-fn check_bundle() -> Outcome {
+fn check_bundle() -> StepResult {
     let fresh = target().join("studio-bundle");
     println!("> npm run build, into {}", fresh.display());
     run(Command::new("npm")
@@ -64,7 +64,7 @@ fn check_bundle() -> Outcome {
 }
 
 /// Runs the end-to-end tests, which start their own servers from the debug build.
-fn run_in_browser(browser: &str) -> Outcome {
+fn run_in_browser(browser: &str) -> StepResult {
     let out = target().join("studio-test");
     let _ = std::fs::remove_dir_all(&out);
     std::fs::create_dir_all(&out).map_err(|e| format!("cannot create {}: {e}", out.display()))?;
@@ -78,7 +78,7 @@ fn run_in_browser(browser: &str) -> Outcome {
 }
 
 /// Checks the version of Node; installs it if it is missing.
-fn require_node() -> Outcome {
+fn require_node() -> StepResult {
     let version = || {
         let out = Command::new("node").arg("--version").output().ok()?;
         let text = String::from_utf8(out.stdout).ok()?;

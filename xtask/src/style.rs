@@ -398,6 +398,45 @@ pub fn import_edges(package: &Path, files: &[(PathBuf, syn::File)]) -> BTreeMap<
         .collect()
 }
 
+/// Imports of the crate in the folder `package` that point from a layer to one above it, as `file -> file`. A layer is a
+/// list of modules at the root of the crate; `layers` begins at the bottom. Modules of one layer may use each other.
+///
+/// # Errors
+/// A line of text, if a file cannot be read or parsed or its module stands in no layer.
+pub fn upward_imports(root: &Path, package: &str, layers: &[&[&str]]) -> Result<Vec<String>, String> {
+    let (mut files, mut folders) = (Vec::new(), vec![root.join(package).join("src")]);
+    while let Some(folder) = folders.pop() {
+        let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+        for path in entries.flatten().map(|entry| entry.path()) {
+            let name = path.strip_prefix(root).unwrap_or(&path).to_owned();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") && !is_test_path(&name.to_string_lossy()) {
+                let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", name.display()))?;
+                files.push((
+                    name.clone(),
+                    syn::parse_file(&text).map_err(|e| format!("{}: {e}", name.display()))?,
+                ));
+            }
+        }
+    }
+    let layer = |file: &Path| {
+        let module = module_of(Path::new(package), file);
+        let Some(first) = module.first() else { return Ok(layers.len()) };
+        let found = layers.iter().position(|layer| layer.contains(&first.as_str()));
+        found.ok_or_else(|| format!("state in this test in which layer of {package} the module {first} is"))
+    };
+    let mut upward = Vec::new();
+    for (file, targets) in import_edges(Path::new(package), &files) {
+        for target in targets {
+            if layer(&target)? > layer(&file)? {
+                upward.push(format!("{} -> {}", file.display(), target.display()));
+            }
+        }
+    }
+    Ok(upward)
+}
+
 /// Groups of files that import each other in a circle and do not lie in one folder.
 fn import_cycles(package: &Path, files: &[(PathBuf, syn::File)]) -> Vec<String> {
     let edges = import_edges(package, files);

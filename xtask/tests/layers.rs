@@ -178,3 +178,85 @@ fn modules_of_the_method_use_only_those_below_them() {
         assert!(n > 0, "{from} no longer uses {to} ({reason}): take it off the list");
     }
 }
+
+/// Layers of the other crates from the bottom up, by modules at the root of each. Modules of one layer may use each other.
+const ROOMS: [(&str, &[&[&str]]); 4] = [
+    (
+        "crates/adwave-io",
+        &[
+            &["error", "format", "limits", "progress", "provenance"],
+            &["text", "bytes", "files"],
+            &["transaction", "model"],
+            &["formats"],
+            &["registry"],
+            &["texture", "signal", "region_field", "recipe", "mesh_stream", "cloud_part"],
+        ],
+    ),
+    (
+        "crates/adwave-tiles",
+        &[
+            &["error", "bytes", "bounds", "vector", "files", "layout", "params"],
+            &["index"],
+            &["halo"],
+            &["sources"],
+            &["stages"],
+            &["job"],
+            &["run"],
+            &["terrain"],
+        ],
+    ),
+    (
+        "crates/adwave-report",
+        &[
+            &["detail", "table"],
+            &["page"],
+            &["analysis"],
+            &["shape_report", "difference_report"],
+            &["reproduce", "demo"],
+        ],
+    ),
+    (
+        "crates/adwave-cli",
+        &[
+            &["error", "inputs", "global"],
+            &["output"],
+            &["args"],
+            &["resolve"],
+            &["commands"],
+            &["cli", "main"],
+        ],
+    ),
+];
+
+/// Imports that point up in these crates, each with its reason.
+const UPWARD: [(&str, &str); 5] = [
+    (
+        "crates/adwave-cli/src/global.rs -> crates/adwave-cli/src/args/global.rs",
+        "the flags of every command are declared with the other flags",
+    ),
+    (
+        "crates/adwave-io/src/bytes/cursor.rs -> crates/adwave-io/src/model/field.rs",
+        "a cursor reads the values of a field by their type",
+    ),
+    (
+        "crates/adwave-io/src/error.rs -> crates/adwave-io/src/text/mod.rs",
+        "messages quote the file by the rules of text",
+    ),
+    (
+        "crates/adwave-io/src/formats/gltf/texture.rs -> crates/adwave-io/src/texture/picture.rs",
+        "a format names its pictures, the room of textures decodes them",
+    ),
+    ("crates/adwave-io/src/formats/obj/texture.rs -> crates/adwave-io/src/texture/picture.rs", "as for glTF"),
+];
+
+#[test]
+fn rooms_of_the_other_crates_use_only_those_below_them() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut upward = Vec::new();
+    for (package, layers) in ROOMS {
+        upward.extend(xtask::style::upward_imports(root, package, layers).unwrap());
+    }
+    upward.sort();
+    let allowed: Vec<&str> = UPWARD.iter().map(|(import, _)| *import).collect();
+    assert_eq!(upward, allowed, "imports that point up, beside those that UPWARD allows");
+}

@@ -13,7 +13,6 @@ const MANY_ARGUMENTS: usize = 5;
 const LONG_FUNCTIONS: usize = 8;
 
 #[test]
-#[ignore = "enforced at the end of this change"]
 fn the_tree_keeps_the_countable_rules_of_style() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let violations = check(root, ".").unwrap();

@@ -102,9 +102,12 @@ pub(crate) fn keep_panics_quiet() {
     }));
 }
 
-type Outcome<T, E> = Result<Result<T, E>, String>;
+type CallOutcome<T, E> = Result<Result<T, E>, String>;
 
-fn guarded<T, E>(work: impl FnOnce(Progress<'_>) -> Result<T, E>, progress: Progress<'_>) -> Outcome<T, E> {
+fn guarded<T, E>(
+    work: impl FnOnce(Progress<'_>) -> Result<T, E>,
+    progress: Progress<'_>,
+) -> CallOutcome<T, E> {
     catch_unwind(AssertUnwindSafe(|| work(progress))).map_err(|panic: Box<dyn Any + Send>| {
         let message = LAST_PANIC.with(|last| std::mem::take(&mut *last.borrow_mut()));
         let text = panic.downcast_ref::<String>().cloned();
@@ -145,7 +148,7 @@ fn run_in_pool<T: Send, E: Send>(
     py: Python<'_>,
     report: Option<&Py<PyAny>>,
     work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,
-) -> PyResult<Outcome<T, E>> {
+) -> PyResult<CallOutcome<T, E>> {
     let pool = pool()?;
     let (cancel, counter) = (AtomicBool::new(false), ProgressCounter::default());
     let (done, woken) = (Mutex::new(None), Condvar::new());

@@ -162,7 +162,7 @@ impl FrameData {
     }
 }
 
-enum Basis {
+enum WaveletBasis {
     Orthogonal(DiffusionWavelets),
     Biorthogonal(BiorthogonalDiffusionWavelets),
 }
@@ -170,7 +170,7 @@ enum Basis {
 /// Diffusion wavelets, orthogonal or biorthogonal, of a shape of few vertices.
 #[pyclass(frozen, module = "adwave._native")]
 pub(crate) struct MultiscaleData {
-    basis: Basis,
+    basis: WaveletBasis,
     map: VertexMap,
 }
 
@@ -178,8 +178,8 @@ impl MultiscaleData {
     /// Coefficients of a signal over the welded vertices.
     fn analyze_welded(&self, f: &[f64]) -> Result<Coefficients, MultiscaleError> {
         match &self.basis {
-            Basis::Orthogonal(basis) => basis.analyze(f),
-            Basis::Biorthogonal(basis) => basis.analyze(f),
+            WaveletBasis::Orthogonal(basis) => basis.analyze(f),
+            WaveletBasis::Biorthogonal(basis) => basis.analyze(f),
         }
     }
 
@@ -206,11 +206,11 @@ impl MultiscaleData {
         let decomposer = &prepared.get().decomposer;
         let params = MultiscaleParams::default().with_levels(n_levels).with_precision(precision);
         let diffusion = decomposer.diffusion();
-        let basis = run(py, usize::MAX, progress.as_ref(), |p: Progress<'_>| -> Stage<Basis> {
+        let basis = run(py, usize::MAX, progress.as_ref(), |p: Progress<'_>| -> Stage<WaveletBasis> {
             Ok(if orthogonal {
-                Basis::Orthogonal(stage(DiffusionWavelets::new(diffusion, &params, p))?)
+                WaveletBasis::Orthogonal(stage(DiffusionWavelets::new(diffusion, &params, p))?)
             } else {
-                Basis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(diffusion, &params, p))?)
+                WaveletBasis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(diffusion, &params, p))?)
             })
         })?;
         Ok(Self { basis, map: decomposer.geometry().vertex_map().clone() })
@@ -220,8 +220,8 @@ impl MultiscaleData {
     #[getter]
     fn ranks(&self) -> Vec<usize> {
         match &self.basis {
-            Basis::Orthogonal(basis) => basis.ranks(),
-            Basis::Biorthogonal(basis) => basis.ranks(),
+            WaveletBasis::Orthogonal(basis) => basis.ranks(),
+            WaveletBasis::Biorthogonal(basis) => basis.ranks(),
         }
     }
 
@@ -246,8 +246,8 @@ impl MultiscaleData {
         let scaling = coefficients.pop().unwrap_or_default();
         let coefficients = Coefficients { scaling, wavelets: coefficients };
         let back = match &self.basis {
-            Basis::Orthogonal(basis) => basis.synthesize(&coefficients),
-            Basis::Biorthogonal(basis) => basis.synthesize(&coefficients),
+            WaveletBasis::Orthogonal(basis) => basis.synthesize(&coefficients),
+            WaveletBasis::Biorthogonal(basis) => basis.synthesize(&coefficients),
         };
         let back = back.map_err(|e| error::to_exception(&e))?;
         Ok(arrays::vector(py, self.map.scatter(&back, 1)).into_any())
@@ -260,11 +260,11 @@ impl MultiscaleData {
             return Err(value_error(format!("level must be in 1..={n_levels}, got {level}")));
         }
         let functions = match (&self.basis, kind) {
-            (Basis::Orthogonal(basis), 1) => basis.wavelets(level),
-            (Basis::Orthogonal(basis), _) => basis.scaling_functions(level),
-            (Basis::Biorthogonal(basis), 1) => basis.wavelets(level),
-            (Basis::Biorthogonal(basis), 0) => basis.scaling_functions(level),
-            (Basis::Biorthogonal(basis), _) => basis.dual_functions(level),
+            (WaveletBasis::Orthogonal(basis), 1) => basis.wavelets(level),
+            (WaveletBasis::Orthogonal(basis), _) => basis.scaling_functions(level),
+            (WaveletBasis::Biorthogonal(basis), 1) => basis.wavelets(level),
+            (WaveletBasis::Biorthogonal(basis), 0) => basis.scaling_functions(level),
+            (WaveletBasis::Biorthogonal(basis), _) => basis.dual_functions(level),
         };
         self.functions_as_rows(py, &functions)
     }

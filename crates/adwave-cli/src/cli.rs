@@ -153,6 +153,8 @@ pub(crate) enum Command {
     Completions(CompletionsArgs),
     /// Print the manual page
     Man(ManArgs),
+    /// Print the notices and licenses of the software that adwave contains
+    Notices,
 }
 
 #[cfg(test)]

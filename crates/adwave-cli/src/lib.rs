@@ -174,5 +174,6 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Reproduce(args) => commands::reproduce::run(args, global),
         Command::Completions(args) => commands::shell::completions(args, cli::command()),
         Command::Man(args) => commands::shell::man(args, cli::command()),
+        Command::Notices => commands::shell::notices(),
     }
 }

@@ -29,6 +29,9 @@ fn every_command_explains_itself_with_examples() {
         adwave(folder.path()).args([command, "--help"]).assert().success().stdout(contains("Examples:"));
     }
     adwave(folder.path()).args(["completions", "bash"]).assert().success().stdout(contains("adwave"));
+    for package in ["faer", "epaint_default_fonts"] {
+        adwave(folder.path()).arg("notices").assert().success().stdout(contains(package));
+    }
     adwave(folder.path()).arg("man").assert().success().stdout(contains(".TH adwave"));
     adwave(folder.path()).arg("sample").assert().success().stdout(contains("creature"));
 }

@@ -45,9 +45,9 @@ impl Deviation {
 }
 
 /// Triangles in a bounding volume hierarchy.
-pub(crate) struct Surface(TriMesh);
+pub(crate) struct TriangleSurface(TriMesh);
 
-impl Surface {
+impl TriangleSurface {
     /// Builds the hierarchy in O(triangles log triangles); `None` without triangles.
     pub(crate) fn new(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
         let mut index = vec![u32::MAX; points.len()];
@@ -125,7 +125,7 @@ pub(crate) fn measure_vertices(
     points: &[[f64; 3]],
     areas: &[f64],
     is_on: &[bool],
-    to: &Surface,
+    to: &TriangleSurface,
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<Measured, Cancelled> {
@@ -138,7 +138,7 @@ pub(crate) fn measure_triangles(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
     is_of: impl Fn([u32; 3]) -> bool + Sync,
-    to: &Surface,
+    to: &TriangleSurface,
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<Measured, Cancelled> {

@@ -1,7 +1,7 @@
 //! Simplification of meshes: to a largest distance, or to a number of vertices.
 
 use crate::collapse::{collapse, to_single_precision};
-use crate::deviation::{Surface, measure_triangles, measure_vertices, vertex_areas};
+use crate::deviation::{TriangleSurface, measure_triangles, measure_vertices, vertex_areas};
 use crate::provenance;
 use crate::wedges::{Wedges, rotate_to_smallest};
 use crate::{Deviation, SimplifyError};
@@ -163,7 +163,7 @@ struct SimplifyJob<'a> {
     areas: Vec<f64>,
     /// Triangles of the original, each rotated to its smallest wedge, sorted.
     sorted: Vec<[u32; 3]>,
-    original: Surface,
+    original: TriangleSurface,
     border: Border,
     progress: Progress<'a>,
 }
@@ -200,7 +200,8 @@ impl<'a> SimplifyJob<'a> {
         progress: Progress<'a>,
     ) -> Result<Self, SimplifyError> {
         let wedges = Wedges::new(mesh, labels, progress)?;
-        let original = Surface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
+        let original =
+            TriangleSurface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
         progress.check()?;
         let single = to_single_precision(&wedges.points);
         let areas = vertex_areas(&wedges.points, &wedges.triangles);
@@ -225,7 +226,7 @@ impl<'a> SimplifyJob<'a> {
     fn measure(&self, triangles: &[[u32; 3]], limit: f64) -> Result<(Deviation, Vec<u32>), Cancelled> {
         let progress = self.progress.quiet();
         let points = &self.wedges.points;
-        let Some(simplified) = Surface::new(points, triangles) else {
+        let Some(simplified) = TriangleSurface::new(points, triangles) else {
             // No triangle is left: the distance is infinite.
             let far = crate::OneSided { greatest: f64::INFINITY, rms: f64::INFINITY };
             let all = (0..points.len() as u32).collect();

@@ -1,6 +1,6 @@
 //! Corners and faces of the original that new ones continue.
 
-use crate::deviation::{Surface, center};
+use crate::deviation::{TriangleSurface, center};
 use crate::wedges::{Wedges, doubled_normal, length};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
 pub(crate) fn nearest_triangles(
     wedges: &Wedges,
     triangles: &[[u32; 3]],
-    original: &Surface,
+    original: &TriangleSurface,
     progress: Progress<'_>,
 ) -> Result<Vec<u32>, Cancelled> {
     let nearest = |triangle: &[u32; 3]| {

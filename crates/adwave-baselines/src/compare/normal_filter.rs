@@ -32,9 +32,10 @@ pub(super) fn compare(
     let ours = bands.scaling(level);
     let theirs = theirs.into_flattened();
     let [before, after, other] =
-        [input.signal, &ours, &theirs].map(|positions| Surface::new(geometry, positions));
-    let change =
-        |surface: &Surface| (before.volume != 0.0).then(|| 100.0 * (surface.volume / before.volume - 1.0));
+        [input.signal, &ours, &theirs].map(|positions| FilteredSurface::new(geometry, positions));
+    let change = |surface: &FilteredSurface| {
+        (before.volume != 0.0).then(|| 100.0 * (surface.volume / before.volume - 1.0))
+    };
     let rows = vec![
         row("denoise, s", seconds, filtered),
         row("change of the volume, %", change(&after), change(&other)),
@@ -54,12 +55,12 @@ pub(super) fn compare(
 }
 
 /// Volume and face normals of the shape with other vertex positions.
-struct Surface {
+struct FilteredSurface {
     normals: Vec<[f64; 3]>,
     volume: f64,
 }
 
-impl Surface {
+impl FilteredSurface {
     /// Measures the surface for `positions`, three coordinates per vertex of the shape.
     fn new(geometry: &PreparedGeometry, positions: &[f64]) -> Self {
         let points = geometry.vertex_map().positions(positions.as_chunks().0);

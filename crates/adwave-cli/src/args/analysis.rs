@@ -1,6 +1,6 @@
 //! Saliency maps, features, and what is masked near borders.
 
-use super::parse::{count, named, number};
+use super::parse::{count, number, parse_named};
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
 use adwave::saliency::{MapWeighting, SaliencyParams, Sign};
 use adwave::vector::Axis;
@@ -29,13 +29,13 @@ pub(crate) struct MapArgs {
     #[arg(long, value_name = "N", value_parser = count)]
     pub(crate) skip: Option<usize>,
     /// Weighting of the levels; all but signed give a map without a sign
-    #[arg(long, value_name = "KIND", value_parser = named::<MapWeighting>(), default_value_t)]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<MapWeighting>(), default_value_t)]
     pub(crate) weighting: MapWeighting,
     /// Drop the sign: bumps and dents count alike
     #[arg(long)]
     pub(crate) unsigned: bool,
     /// Axis that points up: the map becomes ranks in [0, 1], a third of them by height, since people look at what is up
-    #[arg(long, value_name = "AXIS", value_parser = named::<Axis>())]
+    #[arg(long, value_name = "AXIS", value_parser = parse_named::<Axis>())]
     pub(crate) up: Option<Axis>,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct DetectArgs {
     #[arg(long, value_name = "T", value_parser = number, default_value_t = FeatureParams::default().theta, allow_negative_numbers = true)]
     pub(crate) theta: f64,
     /// Response that is compared between neighbors and levels
-    #[arg(long, value_name = "KIND", value_parser = named::<Response>(), default_value_t)]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Response>(), default_value_t)]
     pub(crate) response: Response,
     /// Compare with the mean over each connected component instead of the whole shape
     #[arg(long)]

@@ -15,7 +15,7 @@ pub(crate) use cloud_part::CloudPartArgs;
 pub(crate) use global::GlobalArgs;
 pub(crate) use levels::LevelArgs;
 pub(crate) use operator::OperatorArgs;
-pub(crate) use parse::{count, count_from_one, length, named, number, region, seed, size};
+pub(crate) use parse::{count, count_from_one, length, number, parse_named, region, seed, size};
 pub(crate) use region_help::regions_help;
 pub(crate) use shape::{ShapeArgs, ShapeKindArg};
 pub(crate) use signal::{SignalArgs, signal_names};

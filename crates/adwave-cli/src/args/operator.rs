@@ -1,6 +1,6 @@
 //! The diffusion operator.
 
-use super::parse::{count_from_one, named};
+use super::parse::{count_from_one, parse_named};
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::Args;
@@ -12,7 +12,7 @@ use std::num::NonZeroUsize;
 #[command(next_help_heading = "Diffusion operator")]
 pub(crate) struct OperatorArgs {
     /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared, else walk]
-    #[arg(long, value_name = "KIND", value_parser = named::<OperatorKind>())]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<OperatorKind>())]
     pub(crate) operator: Option<OperatorKind>,
     /// Keep vertices at exactly equal positions apart
     #[arg(long)]
@@ -21,7 +21,7 @@ pub(crate) struct OperatorArgs {
     #[arg(long, value_name = "N", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().rings))]
     pub(crate) rings: NonZeroUsize,
     /// Mesh: area of a vertex
-    #[arg(long, value_name = "KIND", value_parser = named::<MeshArea>(), default_value_t)]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<MeshArea>(), default_value_t)]
     pub(crate) mesh_area: MeshArea,
     /// Cloud: nearest neighbors that one step reaches
     #[arg(long, value_name = "K", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().neighbors))]
@@ -30,7 +30,7 @@ pub(crate) struct OperatorArgs {
     #[arg(long)]
     pub(crate) directed: bool,
     /// Cloud: area of a point
-    #[arg(long, value_name = "KIND", value_parser = named::<CloudArea>(), default_value_t)]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<CloudArea>(), default_value_t)]
     pub(crate) cloud_area: CloudArea,
     /// Walk: remove the influence of the sampling density (α = 1 of Coifman and Lafon); slower where the density varies much
     #[arg(long)]

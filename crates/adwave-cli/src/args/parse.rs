@@ -6,11 +6,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::num::NonZeroUsize;
 
 /// Parser of a value that the library names.
-pub(crate) fn named<T: NamedValue + Send + Sync>() -> impl TypedValueParser<Value = T> {
-    named_among(T::ENTRIES)
+pub(crate) fn parse_named<T: NamedValue + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    parse_named_among(T::ENTRIES)
 }
 
-fn named_among<T: NamedValue + Send + Sync>(
+fn parse_named_among<T: NamedValue + Send + Sync>(
     entries: &'static [NamedEntry<T>],
 ) -> impl TypedValueParser<Value = T> {
     let value = |entry: &NamedEntry<T>| {

@@ -1,6 +1,6 @@
 //! `adwave compare`: one task by adwave and by another method.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs, count_from_one, named};
+use crate::args::{LevelArgs, ShapeArgs, SignalArgs, count_from_one, parse_named};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -39,7 +39,7 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     /// Other method
-    #[arg(long = "with", value_name = "METHOD", value_parser = named::<Method>())]
+    #[arg(long = "with", value_name = "METHOD", value_parser = parse_named::<Method>())]
     pub(crate) method: Method,
     /// Folder for the files
     #[arg(long, short, value_name = "DIR")]

@@ -45,7 +45,7 @@ impl<'a> ResultFile<'a> {
         n_channels: usize,
         values: Vec<f64>,
     ) -> EditedSignal {
-        let is_alone = ValuesFile::for_edited_signal(self.path, signal, file).is_some();
+        let is_alone = ValuesFile::choose_for_edited_signal(self.path, signal, file).is_some();
         match named_axis(file, signal).filter(|_| !is_alone) {
             Some(axis) => EditedSignal::Points(with_axis(file.points(), axis, &values)),
             None => EditedSignal::Field(written_signal(file, signal, n_channels, values)),
@@ -61,7 +61,7 @@ impl<'a> ResultFile<'a> {
         normals: Normals,
         global: &Global<'_>,
     ) -> Result<(), CliError> {
-        let alone = ValuesFile::for_edited_signal(self.path, signal, &input.file);
+        let alone = ValuesFile::choose_for_edited_signal(self.path, signal, &input.file);
         let field = match edited {
             EditedSignal::Points(points) => {
                 move_points(input, points, normals, global)?;

@@ -1,4 +1,4 @@
-//! `adwave completions` and `adwave man`, from the definitions of the flags.
+//! `adwave completions` and `adwave man`, from the definitions of the flags; `adwave notices`.
 
 use crate::error::CliError;
 use clap::Args;
@@ -33,6 +33,10 @@ pub(crate) fn man(args: &ManArgs, command: clap::Command) -> Result<(), CliError
     clap_mangen::generate_to(command, folder).map_err(|e| {
         CliError::Environment(format!("cannot write the manual pages to {}: {e}", folder.display()))
     })
+}
+
+pub(crate) fn notices() -> Result<(), CliError> {
+    print(include_bytes!("../../THIRD-PARTY-NOTICES.txt"))
 }
 
 fn print(bytes: &[u8]) -> Result<(), CliError> {

@@ -66,7 +66,7 @@ struct TransformJob {
 }
 
 /// Seconds that each part took.
-struct Seconds {
+struct TransformSeconds {
     read: f64,
     prepare: f64,
     split: f64,
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliEr
     })?;
     let split = watch.lap();
     write(args, &job, &bands, global)?;
-    let seconds = Seconds { read, prepare, split, write: watch.lap() };
+    let seconds = TransformSeconds { read, prepare, split, write: watch.lap() };
     report(args, &job, &bands, &seconds, global)
 }
 
@@ -136,7 +136,7 @@ fn report(
     args: &TransformArgs,
     job: &TransformJob,
     bands: &Bands,
-    seconds: &Seconds,
+    seconds: &TransformSeconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let energy = bands.energy(&job.decomposer.areas())?;
@@ -162,7 +162,7 @@ fn report(
             ]
         }),
     );
-    let Seconds { read, prepare, split, write } = seconds;
+    let TransformSeconds { read, prepare, split, write } = seconds;
     text += &format!(
         "\nread {read:.3} s, diffusion {prepare:.3} s, bands {split:.3} s, written {write:.3} s{}\n{}\n",
         peak_memory().map_or(String::new(), |bytes| format!(", peak memory {} MB", bytes / 1_000_000)),

@@ -15,25 +15,25 @@ const FAR: f64 = 3.0;
 /// Relative change of the volume beyond which a note reports it.
 const LARGE_CHANGE: f64 = 0.5;
 
-/// Change between a shape and its new positions.
+/// MeasureChange between a shape and its new positions.
 pub(crate) struct Movement {
     moved: Displacement,
     diagonal: f64,
     /// Area before and after, of a shape with faces.
-    areas: Option<Change>,
+    areas: Option<MeasureChange>,
     /// Volume before and after, if the surface encloses one.
-    volumes: Option<Change>,
+    volumes: Option<MeasureChange>,
 }
 
 /// A size before and after in model units, and the change relative to the size before; none if that is 0.
 #[derive(Clone, Copy)]
-struct Change {
+struct MeasureChange {
     before: f64,
     after: f64,
     share: Option<f64>,
 }
 
-impl Change {
+impl MeasureChange {
     /// The change between sizes in a unit that is `unit` in model units. The sizes may underflow or overflow in model units; the share
     /// does not.
     fn new(before: f64, after: f64, unit: f64) -> Self {
@@ -69,11 +69,11 @@ impl Movement {
         let (before, after) =
             (in_units(geometry.points()), in_units(&geometry.vertex_map().positions(points)));
         let area = |points: &[[f64; 3]]| surface_area(points, triangles);
-        this.areas = Some(Change::new(area(&before), area(&after), unit.powi(2)));
+        this.areas = Some(MeasureChange::new(area(&before), area(&after), unit.powi(2)));
         let counted = health(geometry, &one_ring(geometry.n_vertices(), triangles), Progress::none());
         if counted.is_ok_and(|health| health.volume.is_some()) {
             let volume = |points: &[[f64; 3]]| enclosed_volume(points, triangles);
-            this.volumes = Some(Change::new(volume(&before), volume(&after), unit.powi(3)));
+            this.volumes = Some(MeasureChange::new(volume(&before), volume(&after), unit.powi(3)));
         }
         Ok(this)
     }
@@ -90,7 +90,7 @@ impl Movement {
             );
             note(global, &said);
         }
-        if let Some(Change { before, after, share: Some(share) }) = self.volumes
+        if let Some(MeasureChange { before, after, share: Some(share) }) = self.volumes
             && share.abs() > LARGE_CHANGE
         {
             note(global, &format!("the volume changed from {} to {}", number(before), number(after)));
@@ -111,7 +111,7 @@ impl Movement {
             moved.furthest,
         );
         for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
-            let Some(Change { before, after, share }) = change else { continue };
+            let Some(MeasureChange { before, after, share }) = change else { continue };
             let share = share.map_or_else(String::new, |share| format!(" ({:+.3} %)", 100.0 * share));
             let _ = writeln!(text, "{name} {} → {}{share}", number(before), number(after));
         }
@@ -127,8 +127,9 @@ impl Movement {
             "max_percent": 100.0 * moved.max / diagonal,
         });
         for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
-            report[name] =
-                json!(change.map(|Change { before, after, .. }| json!({"before": before, "after": after})));
+            report[name] = json!(
+                change.map(|MeasureChange { before, after, .. }| json!({"before": before, "after": after}))
+            );
         }
     }
 }

@@ -34,7 +34,7 @@ impl ValuesFile {
 
     /// The kind for an edited signal, if it goes alone into `path`. Positions of a shape do so as an array only, and a field of
     /// the shape's own file goes back into a file of that format.
-    pub(crate) fn for_edited_signal(path: &Path, signal: &str, file: &ShapeFile) -> Option<Self> {
+    pub(crate) fn choose_for_edited_signal(path: &Path, signal: &str, file: &ShapeFile) -> Option<Self> {
         let kind = Self::from_path(path)?;
         let goes_back = if signal == COORDS {
             kind != Self::Npy

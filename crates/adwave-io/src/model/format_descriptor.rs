@@ -59,7 +59,7 @@ pub(crate) enum Evidence {
 
 /// A small file for tests and for the fuzzer.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct SampleFile {
     /// File name, with the ending that readers may need.
     pub(crate) name: &'static str,
     pub(crate) bytes: &'static [u8],
@@ -123,7 +123,7 @@ pub(crate) struct FormatDescriptor {
     pub(crate) write: Option<WriteFn>,
     /// Colors of the pictures that a file names, at the vertices.
     pub(crate) texture: Option<TextureFn>,
-    pub(crate) samples: &'static [Sample],
+    pub(crate) samples: &'static [SampleFile],
 }
 
 impl FormatDescriptor {

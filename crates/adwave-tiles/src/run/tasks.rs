@@ -17,7 +17,7 @@ use crate::job::forecast::halo_limits;
 use crate::job::tiling_job::TilingJob;
 use crate::sources::cloud::create_writer;
 use crate::stages::bands::compute_bands;
-use crate::stages::denoise::{Denoiser, Surface, choose_weights, denoise_tile};
+use crate::stages::denoise::{Denoiser, TileSurface, choose_weights, denoise_tile};
 use crate::stages::features::find_features;
 use crate::stages::maps::{BandNorms, BandResults, write_saliency};
 use crate::stages::neighbors::by_faces::write_one_rings;
@@ -148,13 +148,13 @@ impl TilingJob {
             release_freed();
         }
         let surface = if let Some(faces) = faces {
-            Surface::Mesh(faces)
+            TileSurface::Mesh(faces)
         } else {
             let n_tiles = self.plan.n_tiles(blocks.len());
             let piece_files: Vec<PathBuf> = (0..n_tiles).map(|tile| self.folder.pieces(tile)).collect();
             let (path, n_vertices) = (self.folder.piece_flips(), blocks.n_vertices as usize);
             let vertices_per_tile = self.vertices_per_tile();
-            Surface::Cloud(NormalOrientation::open(
+            TileSurface::Cloud(NormalOrientation::open(
                 &piece_files,
                 &path,
                 n_vertices,

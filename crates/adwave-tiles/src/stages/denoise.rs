@@ -29,7 +29,7 @@ const BLOCKS_PER_PIECE: usize = 2;
 pub(crate) const MAX_SAMPLE_VERTICES: usize = N_PIECES * BLOCKS_PER_PIECE * VERTICES_IN_A_BLOCK;
 
 /// Surface orientation around the vertices: oriented normals of a cloud, or faces of a mesh.
-pub(crate) enum Surface {
+pub(crate) enum TileSurface {
     Cloud(NormalOrientation),
     Mesh(FaceFiles),
 }
@@ -37,7 +37,7 @@ pub(crate) enum Surface {
 /// The decisions for the whole shape, and its surface.
 pub(crate) struct Denoiser {
     pub(crate) choice: DenoiseChoice,
-    pub(crate) surface: Surface,
+    pub(crate) surface: TileSurface,
 }
 
 /// Blocks of the sample, which do not depend on the tiles; all blocks if there are few.
@@ -116,7 +116,7 @@ fn position_changes(
 ) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
     let TileWithHalo { points, neighbors, vertices, .. } = tile;
     let denoised = match &denoiser.surface {
-        Surface::Cloud(orientation) => {
+        TileSurface::Cloud(orientation) => {
             let mut normals = plane_normals(&points, &neighbors, progress)?;
             for (normal, is_flipped) in normals.iter_mut().zip(orientation.flips(&vertices)?) {
                 if is_flipped {
@@ -125,7 +125,7 @@ fn position_changes(
             }
             denoiser.choice.denoise_cloud(&points, neighbors, normals, progress.quiet())?
         }
-        Surface::Mesh(faces) => {
+        TileSurface::Mesh(faces) => {
             drop(neighbors);
             let triangles = faces.triangles(&vertices, &points, progress)?;
             denoiser.choice.denoise_mesh(&points, &triangles, progress.quiet())?

@@ -1,6 +1,6 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{ShapeArgs, SignalArgs, named, number};
+use crate::args::{ShapeArgs, SignalArgs, number, parse_named};
 use adwave::denoise::{Creases, DenoiseParams};
 use clap::Args;
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub(crate) struct DenoiseArgs {
     #[arg(long, value_name = "S", value_parser = number, default_value_t = DenoiseParams::default().strength, help_heading = "Noise")]
     pub(crate) strength: f64,
     /// Treatment of creases of the shape
-    #[arg(long, value_name = "KIND", value_parser = named::<Creases>(), default_value_t, help_heading = "Noise")]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Creases>(), default_value_t, help_heading = "Noise")]
     pub(crate) creases: Creases,
     /// Standard deviation of the noise along the normals in model units, or in the unit of the field [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]

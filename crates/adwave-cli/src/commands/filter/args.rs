@@ -1,6 +1,6 @@
 //! The arguments of `adwave filter`.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs, named, number, region, regions_help};
+use crate::args::{LevelArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help};
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
@@ -45,7 +45,7 @@ pub(crate) struct FilterArgs {
 #[command(next_help_heading = "Edit")]
 pub(crate) struct EditArgs {
     /// Ready-made filter
-    #[arg(long, value_parser = named::<Preset>(), conflicts_with_all = ["gains", "recipe"])]
+    #[arg(long, value_parser = parse_named::<Preset>(), conflicts_with_all = ["gains", "recipe"])]
     pub(crate) preset: Option<Preset>,
     /// One gain per band, fine to coarse: 1 keeps the band, 0 drops it
     #[arg(
@@ -61,13 +61,13 @@ pub(crate) struct EditArgs {
     #[arg(long, value_name = "REGION", value_parser = region, conflicts_with = "recipe")]
     pub(crate) region: Vec<Region>,
     /// Keep the volume of a closed mesh
-    #[arg(long, value_name = "HOW", value_parser = named::<KeepVolume>(), num_args = 0..=1, default_missing_value = "offset")]
+    #[arg(long, value_name = "HOW", value_parser = parse_named::<KeepVolume>(), num_args = 0..=1, default_missing_value = "offset")]
     pub(crate) keep_volume: Option<KeepVolume>,
     /// Directions in which vertices may move when coordinates are filtered [default: as in the recipe, else normal for a cloud and free for a mesh]
-    #[arg(long, value_name = "KIND", value_parser = named::<MoveDirection>())]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<MoveDirection>())]
     pub(crate) along: Option<MoveDirection>,
     /// Treatment of borders when coordinates are filtered [default: as in the recipe, else natural]
-    #[arg(long, value_name = "KIND", value_parser = named::<Borders>())]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Borders>())]
     pub(crate) border: Option<Borders>,
     /// Apply the layers of a recipe
     #[arg(long, value_name = "FILE.toml")]

@@ -22,12 +22,12 @@ pub(super) struct Filtered {
     pub(super) layers: Vec<Layer>,
     pub(super) edited: EditedSignal,
     /// Difference to the signal before.
-    pub(super) change: Change,
+    pub(super) change: SignalChange,
 }
 
 /// Difference between two signals.
 #[derive(Clone, Copy)]
-pub(super) struct Change {
+pub(super) struct SignalChange {
     /// Root mean square over the vertices.
     pub(super) rms: f64,
     /// Largest difference of a value.
@@ -45,7 +45,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
             None => (schedule, job.layers.clone()),
         };
         let values = edited_values(job, &decomposer, &schedule, &layers, progress)?;
-        let change = Change::between(&job.signal.values, &values);
+        let change = SignalChange::new(&job.signal.values, &values);
         let edited = if job.signal_name == COORDS {
             EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
         } else {
@@ -108,8 +108,8 @@ fn constrained_points(
     Ok(constrain_positions(decomposer, job.input.file.points(), points, &job.positions, progress)?)
 }
 
-impl Change {
-    fn between(before: &[f64], after: &[f64]) -> Self {
+impl SignalChange {
+    fn new(before: &[f64], after: &[f64]) -> Self {
         let max = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         Self { rms: rms(before, after, 1), max }
     }

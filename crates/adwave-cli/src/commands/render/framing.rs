@@ -58,7 +58,7 @@ impl FramingArgs {
     }
 
     /// The framing for a shape, whose vertex may be the focus.
-    pub(crate) fn for_shape(&self, input: &Input) -> Result<Framing, CliError> {
+    pub(crate) fn resolve_for_shape(&self, input: &Input) -> Result<Framing, CliError> {
         let framing = self.without_vertex();
         let Some(FocusArg::Vertex(vertex)) = self.focus else { return Ok(framing) };
         let points = input.shape.points().unwrap_or_default();

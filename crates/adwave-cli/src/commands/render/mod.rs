@@ -36,7 +36,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     let start = Instant::now();
     let shapes = load_all(args, global)?;
     let up = UpAxis::choose(args.up, &shapes[0].input);
-    let params = params.with_up(up.up).with_framing(args.framing.for_shape(&shapes[0].input)?);
+    let params = params.with_up(up.up).with_framing(args.framing.resolve_for_shape(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let picture =

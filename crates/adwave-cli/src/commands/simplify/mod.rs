@@ -49,12 +49,12 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     global.progress().check().map_err(|_| CliError::Cancelled)?;
     note_losses(global, &input, &simplified_shape.file);
     write_shape(global, &simplified_shape.file, &args.output)?;
-    let seconds = Seconds { read, simplify: simplified, write: watch.lap() };
+    let seconds = SimplifySeconds { read, simplify: simplified, write: watch.lap() };
     report(args, &input, &simplified_shape, &seconds, global)
 }
 
 /// Seconds that each part took.
-struct Seconds {
+struct SimplifySeconds {
     read: f64,
     simplify: f64,
     write: f64,
@@ -214,7 +214,7 @@ fn report(
     args: &SimplifyArgs,
     input: &Input,
     simplified_shape: &Simplified,
-    seconds: &Seconds,
+    seconds: &SimplifySeconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let (before, after) = (input.shape.n_vertices(), simplified_shape.file.n_vertices());
@@ -235,7 +235,7 @@ fn report(
         percent_of(rms, diagonal),
     );
     let _ = writeln!(text, "  size       {bytes} bytes");
-    let Seconds { read, simplify, write } = seconds;
+    let SimplifySeconds { read, simplify, write } = seconds;
     let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s, written {write:.3} s");
     let _ = writeln!(text, "{}", args.output.display());
     let side = |side: adwave_simplify::OneSided| json!({"greatest": side.greatest, "rms": side.rms});

@@ -1,6 +1,6 @@
 //! The arguments of `adwave tiles` and `adwave tile`.
 
-use crate::args::{count, named, number, size};
+use crate::args::{count, number, parse_named, size};
 use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams};
 use adwave::features::FeatureParams;
 use adwave_tiles::{MapKind, MapWeights, Params};
@@ -53,7 +53,7 @@ pub(crate) struct TilesArgs {
     #[arg(
         long,
         value_name = "KIND",
-        value_parser = named::<MapKind>(),
+        value_parser = parse_named::<MapKind>(),
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "entropy",
@@ -114,7 +114,7 @@ pub(crate) struct NoiseArgs {
     #[arg(long, value_name = "S", value_parser = number, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value_t = DenoiseParams::default().strength)]
     pub(crate) strength: f64,
     /// Treatment of creases of the shape
-    #[arg(long, value_name = "KIND", value_parser = named::<Creases>(), requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value_t)]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Creases>(), requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value_t)]
     pub(crate) creases: Creases,
     /// Standard deviation of the noise along the normals in model units [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS)]

@@ -7,7 +7,7 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::bytes::package::package_has;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Additive manufacturing file, XML.
@@ -31,6 +31,6 @@ pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
     },
     read: Some(|bytes, c| read::read_amf(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_amf(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.amf", bytes: include_bytes!("samples/a.amf") }],
+    samples: &[SampleFile { name: "a.amf", bytes: include_bytes!("samples/a.amf") }],
     ..FormatDescriptor::NEW
 };

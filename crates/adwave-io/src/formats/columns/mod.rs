@@ -8,7 +8,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::model::context::WriteContext;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::model::text_rows::TextRows;
 use crate::{Format, ShapeFile, WriteError};
@@ -49,7 +49,7 @@ pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_columns(bytes, c.limits, c.name, c.progress)),
     write: Some(|shape, c| write::write_columns(shape, c.format, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.xyz", bytes: include_bytes!("samples/a.xyz") }],
+    samples: &[SampleFile { name: "a.xyz", bytes: include_bytes!("samples/a.xyz") }],
     ..FormatDescriptor::NEW
 };
 
@@ -63,7 +63,7 @@ pub(crate) static PTS: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     holds_fields: false,
     recognize: |file| (file.is_named(&PTS) && file.is_text()).then_some(Evidence::Name),
-    samples: &[Sample { name: "a.pts", bytes: include_bytes!("samples/a.pts") }],
+    samples: &[SampleFile { name: "a.pts", bytes: include_bytes!("samples/a.pts") }],
     ..XYZ
 };
 
@@ -77,6 +77,6 @@ pub(crate) static CSV: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     holds_fields: false,
     recognize: |file| (file.is_named(&CSV) && file.is_text()).then_some(Evidence::Name),
-    samples: &[Sample { name: "a.csv", bytes: include_bytes!("samples/a.csv") }],
+    samples: &[SampleFile { name: "a.csv", bytes: include_bytes!("samples/a.csv") }],
     ..XYZ
 };

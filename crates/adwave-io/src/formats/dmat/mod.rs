@@ -6,7 +6,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Matrix of libigl, text.
@@ -30,7 +30,7 @@ pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
     read: Some(|bytes, c| read::read_dmat(&bytes, c.limits, c.progress)),
     read_fields: Some(|path, limits| Ok(vec![read::read_dmat_field(path, limits)?])),
     write: Some(|shape, c| write::write_dmat(shape, c.format, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.dmat", bytes: include_bytes!("samples/a.dmat") }],
+    samples: &[SampleFile { name: "a.dmat", bytes: include_bytes!("samples/a.dmat") }],
     ..FormatDescriptor::NEW
 };
 

@@ -7,7 +7,7 @@ pub(crate) mod grid;
 pub(crate) mod read;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Objects of Geomview, read only.
@@ -23,6 +23,6 @@ pub(crate) static GEOMVIEW: FormatDescriptor = FormatDescriptor {
     loses: "appearance, transforms, curved surfaces",
     recognize: |file| read::is_geomview(file).then_some(Evidence::Keyword),
     read: Some(|bytes, c| read::read_geomview(&bytes, c.limits, c.progress)),
-    samples: &[Sample { name: "a.list", bytes: include_bytes!("samples/a.list") }],
+    samples: &[SampleFile { name: "a.list", bytes: include_bytes!("samples/a.list") }],
     ..FormatDescriptor::NEW
 };

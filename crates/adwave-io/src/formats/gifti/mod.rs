@@ -11,7 +11,7 @@ pub(crate) mod write;
 use adwave::vector::Axis;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// GIFTI surface.
@@ -34,6 +34,6 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
     read: Some(|bytes, c| read::read_gifti(bytes, c.folder, c.limits, c.progress)),
     read_fields: Some(read::read_gifti_fields),
     write: Some(|shape, c| write::write_gifti(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.gii", bytes: include_bytes!("samples/a.gii") }],
+    samples: &[SampleFile { name: "a.gii", bytes: include_bytes!("samples/a.gii") }],
     ..FormatDescriptor::NEW
 };

@@ -22,7 +22,7 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, SampleFile};
 
 impl Format {
     /// glTF 2.0 as one binary file.
@@ -66,6 +66,6 @@ pub(crate) static GLTF: FormatDescriptor = FormatDescriptor {
         let is_json = file.text.starts_with(b"{") && memchr::memmem::find(file.text, b"\"asset\"").is_some();
         is_json.then_some(Evidence::Signature)
     },
-    samples: &[Sample { name: "a.gltf", bytes: include_bytes!("samples/a.gltf") }],
+    samples: &[SampleFile { name: "a.gltf", bytes: include_bytes!("samples/a.gltf") }],
     ..GLB
 };

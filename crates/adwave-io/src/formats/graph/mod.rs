@@ -7,7 +7,7 @@ pub(crate) mod graphml;
 pub(crate) mod tgf;
 pub(crate) mod write;
 
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 
 use std::collections::HashMap;
 
@@ -75,7 +75,7 @@ pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
     has_lines: |_| true,
     read: Some(|bytes, c| tgf::read_tgf(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_tgf(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.tgf", bytes: include_bytes!("samples/a.tgf") }],
+    samples: &[SampleFile { name: "a.tgf", bytes: include_bytes!("samples/a.tgf") }],
     ..FormatDescriptor::NEW
 };
 
@@ -91,7 +91,7 @@ pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
     has_lines: |_| true,
     read: Some(|bytes, c| edge_list::read_edge_list(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_edge_list(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.edges", bytes: include_bytes!("samples/a.edges") }],
+    samples: &[SampleFile { name: "a.edges", bytes: include_bytes!("samples/a.edges") }],
     ..FormatDescriptor::NEW
 };
 
@@ -107,6 +107,6 @@ pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
     recognize: |file| file.has_element("graphml").then_some(Evidence::Signature),
     read: Some(|bytes, c| graphml::read_graphml(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_graphml(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.graphml", bytes: include_bytes!("samples/a.graphml") }],
+    samples: &[SampleFile { name: "a.graphml", bytes: include_bytes!("samples/a.graphml") }],
     ..FormatDescriptor::NEW
 };

@@ -7,7 +7,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Medit of INRIA, text.
@@ -27,7 +27,7 @@ pub(crate) static MEDIT: FormatDescriptor = FormatDescriptor {
     recognize: |file| (file.keyword() == Some(b"MeshVersionFormatted")).then_some(Evidence::Keyword),
     read: Some(|bytes, c| read::read_medit(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_medit(shape, c.format, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.mesh", bytes: include_bytes!("samples/a.mesh") }],
+    samples: &[SampleFile { name: "a.mesh", bytes: include_bytes!("samples/a.mesh") }],
     ..FormatDescriptor::NEW
 };
 

@@ -12,7 +12,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Gmsh, binary.
@@ -50,6 +50,6 @@ pub(crate) static MSH_ASCII: FormatDescriptor = FormatDescriptor {
     form_of: Some(Format::MSH),
     extensions: &[],
     recognize: |_| None,
-    samples: &[Sample { name: "a.msh", bytes: include_bytes!("samples/a.msh") }],
+    samples: &[SampleFile { name: "a.msh", bytes: include_bytes!("samples/a.msh") }],
     ..MSH
 };

@@ -6,7 +6,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// MatrixMarket coordinate matrix, read as a weighted graph.
@@ -28,6 +28,6 @@ pub(crate) static MTX: FormatDescriptor = FormatDescriptor {
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_mtx(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_mtx(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.mtx", bytes: include_bytes!("samples/a.mtx") }],
+    samples: &[SampleFile { name: "a.mtx", bytes: include_bytes!("samples/a.mtx") }],
     ..FormatDescriptor::NEW
 };

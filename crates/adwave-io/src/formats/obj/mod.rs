@@ -18,7 +18,7 @@ pub(crate) mod write;
 use crate::Format;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, SampleFile};
 use crate::text::words;
 
 /// First words of statements by which an OBJ is known.
@@ -61,6 +61,6 @@ pub(crate) static OBJ: FormatDescriptor = FormatDescriptor {
     write: Some(|shape, c| write::write_obj(shape, &mut c.report, c.out, c.progress)),
     #[cfg(feature = "texture")]
     texture: Some(texture::colors),
-    samples: &[Sample { name: "a.obj", bytes: include_bytes!("samples/a.obj") }],
+    samples: &[SampleFile { name: "a.obj", bytes: include_bytes!("samples/a.obj") }],
     ..FormatDescriptor::NEW
 };

@@ -11,7 +11,7 @@ use crate::model::binary_rows::CoordinateRows;
 use crate::model::context::WriteContext;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{FormatDescriptor, Sample};
+use crate::model::format_descriptor::{FormatDescriptor, SampleFile};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::text::words;
 use crate::{Format, ShapeFile, WriteError};
@@ -73,7 +73,7 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_off(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_off(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.off", bytes: include_bytes!("samples/a.off") }],
+    samples: &[SampleFile { name: "a.off", bytes: include_bytes!("samples/a.off") }],
     ..FormatDescriptor::NEW
 };
 

@@ -8,7 +8,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 
 /// Words with which a header without the remark before it begins.
 const HEADER_WORDS: [&[u8]; 3] = [b"VERSION", b"FIELDS", b"COLUMNS"];
@@ -52,7 +52,7 @@ pub(crate) static PCD_ASCII: FormatDescriptor = FormatDescriptor {
     form_of: Some(Format::PCD),
     extensions: &[],
     recognize: |_| None,
-    samples: &[Sample { name: "a.pcd", bytes: include_bytes!("samples/a.pcd") }],
+    samples: &[SampleFile { name: "a.pcd", bytes: include_bytes!("samples/a.pcd") }],
     ..PCD
 };
 

@@ -10,7 +10,7 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, SampleFile};
 
 impl Format {
     /// PLY, binary.
@@ -48,6 +48,6 @@ pub(crate) static PLY_ASCII: FormatDescriptor = FormatDescriptor {
     form_of: Some(Format::PLY),
     extensions: &[],
     recognize: |_| None,
-    samples: &[Sample { name: "a.ply", bytes: include_bytes!("samples/a.ply") }],
+    samples: &[SampleFile { name: "a.ply", bytes: include_bytes!("samples/a.ply") }],
     ..PLY
 };

@@ -7,7 +7,7 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 /// Recognizes a binary STL: many begin with `solid` too, so that only the length tells.
 fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
@@ -59,6 +59,6 @@ pub(crate) static STL_ASCII: FormatDescriptor = FormatDescriptor {
     },
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_stl_ascii(&bytes, c.limits, c.progress)),
-    samples: &[Sample { name: "a.stl", bytes: include_bytes!("samples/a.stl") }],
+    samples: &[SampleFile { name: "a.stl", bytes: include_bytes!("samples/a.stl") }],
     ..STL
 };

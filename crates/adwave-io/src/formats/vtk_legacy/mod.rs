@@ -11,7 +11,7 @@ mod scanner;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, Sample};
+use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Legacy VTK, text and binary.
@@ -29,6 +29,6 @@ pub(crate) static VTK: FormatDescriptor = FormatDescriptor {
     recognize: |file| file.bytes.starts_with(read::MAGIC).then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_vtk(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_vtk(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.vtk", bytes: include_bytes!("samples/a.vtk") }],
+    samples: &[SampleFile { name: "a.vtk", bytes: include_bytes!("samples/a.vtk") }],
     ..FormatDescriptor::NEW
 };

@@ -14,7 +14,7 @@ pub(crate) mod write;
 use crate::Format;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, Sample};
+use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, SampleFile};
 
 /// Recognizes VTK XML of the kind that `format` stands for.
 fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
@@ -49,7 +49,7 @@ pub(crate) static VTP: FormatDescriptor = FormatDescriptor {
     name_foreign: |file| read::kind_of(file.text_head())?.err(),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTP, c.limits, c.progress)),
     write: Some(|shape, c| write::write_vtp(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.vtp", bytes: include_bytes!("samples/a.vtp") }],
+    samples: &[SampleFile { name: "a.vtp", bytes: include_bytes!("samples/a.vtp") }],
     ..FormatDescriptor::NEW
 };
 
@@ -65,7 +65,7 @@ pub(crate) static VTU: FormatDescriptor = FormatDescriptor {
     recognize: |file| recognize(file, Format::VTU),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTU, c.limits, c.progress)),
     write: Some(|shape, c| write::write_vtu(shape, &mut c.report, c.out, c.progress)),
-    samples: &[Sample { name: "a.vtu", bytes: include_bytes!("samples/a.vtu") }],
+    samples: &[SampleFile { name: "a.vtu", bytes: include_bytes!("samples/a.vtu") }],
     ..FormatDescriptor::NEW
 };
 
@@ -77,7 +77,7 @@ pub(crate) static VTI: FormatDescriptor = FormatDescriptor {
     loses: "the interior",
     recognize: |file| recognize(file, Format::VTI),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTI, c.limits, c.progress)),
-    samples: &[Sample { name: "a.vti", bytes: include_bytes!("samples/a.vti") }],
+    samples: &[SampleFile { name: "a.vti", bytes: include_bytes!("samples/a.vti") }],
     ..FormatDescriptor::NEW
 };
 
@@ -89,7 +89,7 @@ pub(crate) static VTR: FormatDescriptor = FormatDescriptor {
     loses: "the interior",
     recognize: |file| recognize(file, Format::VTR),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTR, c.limits, c.progress)),
-    samples: &[Sample { name: "a.vtr", bytes: include_bytes!("samples/a.vtr") }],
+    samples: &[SampleFile { name: "a.vtr", bytes: include_bytes!("samples/a.vtr") }],
     ..FormatDescriptor::NEW
 };
 
@@ -101,6 +101,6 @@ pub(crate) static VTS: FormatDescriptor = FormatDescriptor {
     loses: "the interior",
     recognize: |file| recognize(file, Format::VTS),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTS, c.limits, c.progress)),
-    samples: &[Sample { name: "a.vts", bytes: include_bytes!("samples/a.vts") }],
+    samples: &[SampleFile { name: "a.vts", bytes: include_bytes!("samples/a.vts") }],
     ..FormatDescriptor::NEW
 };
