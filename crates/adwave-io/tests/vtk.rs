@@ -292,9 +292,14 @@ fn claims_make_no_room() {
         read(text).unwrap_err().to_string()
     };
     let large = "WholeExtent=\"0 999999 0 0 0 1000\"";
-    assert!(file("ImageData", large, "<Piece Extent=\"0 999999 0 0 0 1000\"/>").contains("a grid without values may have at most 262144 points"));
+    assert!(
+        file("ImageData", large, "<Piece Extent=\"0 999999 0 0 0 1000\"/>")
+            .contains("a grid without values may have at most 262144 points")
+    );
     let pieces = "<Piece Extent=\"0 999999 0 0 0 1000\"/>".repeat(2);
-    assert!(file("ImageData", large, &pieces).contains("a grid without values may have at most 262144 points"));
+    assert!(
+        file("ImageData", large, &pieces).contains("a grid without values may have at most 262144 points")
+    );
     let huge = "WholeExtent=\"0 2000000000 0 2000000000 0 9\"";
     assert!(file("ImageData", huge, "<Piece Extent=\"0 2000000000 0 2000000000 0 9\"/>").contains("limit"));
     assert!(file("PolyData", "", "<Piece NumberOfPoints=\"4000000000\"/>").contains("no coordinates"));

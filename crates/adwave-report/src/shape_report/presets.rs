@@ -129,8 +129,11 @@ fn pictures(
             spec.field(FieldLook::new(subject.scalar(values), subject.scalar_name(), scale))
         }
     };
-    let mut specs =
-        vec![spec(subject.values, format!("The original shape, {}", subject.name), "The original.".to_owned())];
+    let mut specs = vec![spec(
+        subject.values,
+        format!("The original shape, {}", subject.name),
+        "The original.".to_owned(),
+    )];
     for PresetResult { summary, values } in edited {
         let name = summary.name;
         specs.push(spec(

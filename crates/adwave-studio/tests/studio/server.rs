@@ -240,7 +240,10 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
             "vertex 99999",
         ),
         (bad_layer(layer(&ones, &json!({"field": {"name": "nothing"}}))), "'nothing'"),
-        (bad_layer(json!({"name": "", "on": true, "opacity": 7.0, "gains": ones})), "opacity must be in [0, 1], got 7"),
+        (
+            bad_layer(json!({"name": "", "on": true, "opacity": 7.0, "gains": ones})),
+            "opacity must be in [0, 1], got 7",
+        ),
         (bad_layer(layer(&vec![1e308; n_levels], &json!({"balloon": {}}))), "unknown variant"),
     ] {
         let refused = studio.put("/api/shapes/1/edit", &document);
