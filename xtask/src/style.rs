@@ -149,15 +149,16 @@ fn check_markdown(name: &str, text: &str, violations: &mut Violations) {
 
 /// Counts doc comments and those that begin with a word of a riddle: `///`, `//!` and `/** */`, and docstrings of Python.
 fn check_doc_comments(name: &str, text: &str, violations: &mut Violations) {
-    let is_rust = name.ends_with(".rs");
+    let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let is_rust = extension == "rs";
     let mut marker_before = "";
     for (k, line) in text.lines().enumerate() {
         let line = line.trim_start();
         let marker = match line {
             _ if is_rust && line.starts_with("///") => "///",
             _ if is_rust && line.starts_with("//!") => "//!",
-            _ if name.ends_with(".ts") && line.starts_with("/**") => "/**",
-            _ if name.ends_with(".py") && line.starts_with("\"\"\"") && line.len() > 3 => "\"\"\"",
+            _ if extension == "ts" && line.starts_with("/**") => "/**",
+            _ if extension == "py" && line.starts_with("\"\"\"") && line.len() > 3 => "\"\"\"",
             _ => "",
         };
         let begins = !marker.is_empty() && (marker != marker_before || !is_rust);

@@ -30,7 +30,7 @@ fn documents() -> Vec<Document> {
             let kind = entry.file_type().unwrap();
             if kind.is_dir() && !is_skipped {
                 folders.push(entry.path());
-            } else if kind.is_file() && name.ends_with(".md") {
+            } else if kind.is_file() && entry.path().extension().is_some_and(|e| e == "md") {
                 found.push(read_document(entry.path().strip_prefix(root()).unwrap()));
             }
         }

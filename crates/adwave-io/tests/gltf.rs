@@ -152,7 +152,7 @@ fn what_cannot_be_read_is_said_in_one_line() {
         ("36,\"uri\"", "37,\"uri\"", "ends at byte 36 of 37"),
         ("5126", "5125", "no error"),
         ("5126", "7", "no known type of component"),
-        ("\"VEC3\"", "\"VEC2\"", "2 numbers for a position"),
+        ("\"VEC3\"", "\"VEC2\"", "3 numbers for a position, got 2"),
         ("[{\"mesh\":0}]", "[{\"mesh\":0,\"children\":[0]}]", "its own ancestor"),
         ("[{\"mesh\":0}]", "[{\"mesh\":3}]", "mesh 3"),
         ("\"nodes\":[0]", "\"nodes\":[5]", "node 5"),

@@ -81,7 +81,7 @@ pub(crate) fn compare(
     let signal = original.as_flattened();
     let matched = match method {
         Method::Taubin => {
-            match_roughness(StrengthRange { low: 1e-5, high: 1.9 }, target, roughness, |frequency| {
+            match_roughness(&StrengthRange { low: 1e-5, high: 1.9 }, target, roughness, |frequency| {
                 let narrow = (1.0 - frequency / 2.0).acos();
                 let degree = (8.0 / narrow).ceil().clamp(10.0, MAX_DEGREE) as usize;
                 let filter =
@@ -100,7 +100,7 @@ pub(crate) fn compare(
             let unit = decomposer.mean_length().powi(2);
             let n_harmonics = harmonics.len();
             // Roughness must rise with the searched value, hence 1/t instead of t.
-            match_roughness(StrengthRange { low: 1e-6, high: 1e4 }, target, roughness, |inverse| {
+            match_roughness(&StrengthRange { low: 1e-6, high: 1e4 }, target, roughness, |inverse| {
                 let t = unit / inverse;
                 let heat = |frequency: f64| (-frequency * frequency * t).exp();
                 let filtered = harmonics.filter(signal, 3, heat, Remainder::LastGain);
@@ -138,12 +138,12 @@ struct MatchedSmoothing {
 
 /// Bisects a range on a logarithmic scale until the roughness is `target`; the roughness must rise over the range.
 fn match_roughness(
-    range: StrengthRange,
+    range: &StrengthRange,
     target: f64,
     roughness: impl Fn(&[[f64; 3]]) -> Result<f64, ApiError>,
     apply: impl Fn(f64) -> Result<(Vec<f64>, Value), ApiError>,
 ) -> Result<MatchedSmoothing, ApiError> {
-    let StrengthRange { mut low, mut high } = range;
+    let &StrengthRange { mut low, mut high } = range;
     let mut best: Option<MatchedSmoothing> = None;
     for _ in 0..N_BISECTIONS {
         let middle = (low * high).sqrt();

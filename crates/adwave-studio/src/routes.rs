@@ -261,7 +261,7 @@ async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: 
             .map_err(|e| ApiError::from_classified(&e))?;
         let weights = weights.to_vertices(prepared.decomposer.geometry().vertex_map());
         Ok(bytes_response(encode_rows(weights.len(), 1, |x, byte| {
-            byte[0] = (255.0 * weights[x]).round() as u8
+            byte[0] = (255.0 * weights[x]).round() as u8;
         })))
     })
     .await

@@ -9,7 +9,11 @@ pub(crate) fn number(value: f64) -> String {
 }
 
 /// A number of things with its noun: `1 tile`, `2 tiles`. `plural` is the plural of `noun`.
-pub(crate) fn count<N: std::fmt::Display + PartialEq + From<u8>>(n: N, noun: &str, plural: &str) -> String {
+pub(crate) fn count<N: std::fmt::Display + Copy + PartialEq + From<u8>>(
+    n: N,
+    noun: &str,
+    plural: &str,
+) -> String {
     if n == N::from(1) { format!("{n} {noun}") } else { format!("{n} {plural}") }
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// The command, run in `folder`.
 pub(crate) fn adwave(folder: &Path) -> Command {
     let mut command = Command::cargo_bin("adwave").unwrap();
-    command.current_dir(folder).timeout(std::time::Duration::from_mins(2));
+    command.current_dir(folder).timeout(std::time::Duration::from_secs(120));
     command
 }
 

@@ -207,7 +207,7 @@ impl PendingFile {
 }
 
 /// Age at which temporary files of a killed run are deleted.
-const LEFT_OVER: Duration = Duration::from_hours(24);
+const LEFT_OVER: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// Deletes temporary files that a killed run left in a folder, once per process.
 fn clear(folder: &Path) {

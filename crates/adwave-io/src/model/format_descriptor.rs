@@ -74,6 +74,9 @@ pub(crate) type WriteFn = fn(&ShapeFile, &mut WriteContext<'_>) -> Result<(), Wr
 /// Reader of values for a surface: the bytes, the part of the anatomy and the number of vertices.
 pub(crate) type ReadValuesFn = fn(&[u8], &SurfaceSize<'_>, &ReadContext<'_>) -> Result<Vec<Field>, ReadError>;
 
+/// Reader of the fields in a file, without a shape.
+pub(crate) type ReadFieldsFn = fn(&Path, &ReadLimits) -> Result<Vec<Field>, ReadError>;
+
 /// The surface that values are read for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceSize<'a> {
@@ -119,7 +122,7 @@ pub(crate) struct FormatDescriptor {
     pub(crate) read_folder: Option<ReadFolderFn>,
     pub(crate) read_values: Option<ReadValuesFn>,
     /// Reader of the fields in a file with an ending of the format, without a shape.
-    pub(crate) read_fields: Option<fn(&Path, &ReadLimits) -> Result<Vec<Field>, ReadError>>,
+    pub(crate) read_fields: Option<ReadFieldsFn>,
     pub(crate) write: Option<WriteFn>,
     /// Colors of the pictures that a file names, at the vertices.
     pub(crate) texture: Option<TextureFn>,

@@ -21,6 +21,7 @@ const AGREES: f64 = 0.8;
 /// Points sampled at random from the surface of the creature, which are not its vertices.
 const SAMPLED: &str = "points sampled from the creature";
 
+#[expect(clippy::too_many_lines, reason = "one figure, from its first number to its verdict")]
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     // The paper's clouds, and sizes like theirs.
     let requests: [(&[&str], &str, usize); 3] = [

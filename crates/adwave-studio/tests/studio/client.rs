@@ -71,7 +71,7 @@ impl Studio {
                 send.send(served.url.clone()).unwrap();
             })
         });
-        let address = receive.recv_timeout(Duration::from_mins(1)).expect("the studio is served");
+        let address = receive.recv_timeout(Duration::from_secs(60)).expect("the studio is served");
         let (host, token) =
             address.strip_prefix("http://").and_then(|rest| rest.split_once("/#")).expect("an address");
         Self { host: host.to_owned(), token: token.to_owned(), stop, thread: Some(thread) }
@@ -80,7 +80,7 @@ impl Studio {
     /// Sends a request with only these headers and those that HTTP requires.
     pub(crate) fn bare(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
         let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_mins(2))).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
         let mut head =
             format!("{method} {path} HTTP/1.1\r\nConnection: close\r\nContent-Length: {}\r\n", body.len());
         if !headers.iter().any(|(name, _)| *name == "Host") {

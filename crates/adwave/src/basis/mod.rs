@@ -6,7 +6,7 @@
 //! Ψ_j to 0 (eq. 9).
 //!
 //! * [`basis`]: all levels at once, in single precision, by walks from 32 neighboring vertices at a time
-//! (`local_columns.rs`: powers, `pack.rs`: dropping and packing, `sweep.rs`: growth of the active set).
+//!   (`local_columns.rs`: powers, `pack.rs`: dropping and packing, `sweep.rs`: growth of the active set).
 //! * [`basis_by_squaring`]: the literal Algorithm 1 of the paper, in double precision; the reference.
 //! * [`one_vertex`]: φ and ψ of one vertex at any level, without a matrix.
 //!

@@ -7,7 +7,6 @@ use adwave::region::Region;
 use clap::Args;
 use std::path::PathBuf;
 
-#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Debug, Args)]
 #[command(after_help = concat!(regions_help!(), "
 Output by extension:

@@ -118,7 +118,8 @@ pub(crate) fn names(name: &str, n_channels: usize, others: &[String]) -> (String
         let longest = columns.iter().map(String::len).max().unwrap_or(0);
         if longest > NAME {
             let left = name.len().saturating_sub(longest - NAME);
-            base = format!("{}{end}", &name[..name.floor_char_boundary(left)]);
+            let cut = (0..=left).rev().find(|&at| name.is_char_boundary(at)).unwrap_or(0);
+            base = format!("{}{end}", &name[..cut]);
             columns = columns_of(&base, n_channels);
         }
         if columns.iter().all(is_free) {

@@ -135,7 +135,7 @@ fn text_2(
         }
     }
     elements.begin(kind, n_nodes, 1);
-    push(elements, input, nodes, Element { kind, n_nodes, tag }, row)?;
+    push(elements, input, nodes, &Element { kind, n_nodes, tag }, row)?;
     if let Some(part) = elements.part(kind) {
         part.physical.push(tags[0]);
         part.elementary.push(tags[1]);
@@ -155,10 +155,10 @@ fn push(
     elements: &mut Elements,
     input: &mut MshInput<'_>,
     nodes: &NodeTags,
-    element: Element,
+    element: &Element,
     row: u64,
 ) -> Result<(), ReadError> {
-    let Element { kind, tag, n_nodes } = element;
+    let &Element { kind, tag, n_nodes } = element;
     let mut tokens = input.tokens();
     let part = elements.part(kind);
     let mut corners = [NONE; 8];
@@ -207,7 +207,7 @@ fn read_block(
             report_row(progress, row, block.n)?;
             let tag = input.size("element", row)?;
             let element = Element { kind: block.kind, n_nodes: block.n_nodes, tag };
-            push(elements, input, nodes, element, row)?;
+            push(elements, input, nodes, &element, row)?;
         }
     }
     if let Some(part) = elements.part(block.kind) {

@@ -54,7 +54,7 @@ pub(crate) static OBJ: FormatDescriptor = FormatDescriptor {
     keeps: "all text except changed coordinates and normals",
     loses: "fields other than normals, colors and texture coordinates; curved surfaces",
     provenance: ProvenanceRoom::Comment { begin: "#", lines_before: 0 },
-    recognize: recognize,
+    recognize,
     name_foreign: |file| file.text.starts_with(b"newmtl").then_some("a material library of an OBJ"),
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_obj(bytes, c.limits, c.progress)),

@@ -26,7 +26,7 @@ pub(crate) fn update_obj(
         match name.as_str() {
             "color" => {}
             "normal" | "texcoord" => {
-                report.report_dropped(format!("the new `{name}` (the original values are kept)"))
+                report.report_dropped(format!("the new `{name}` (the original values are kept)"));
             }
             _ => report.report_dropped(format!("vertex field `{name}`")),
         }

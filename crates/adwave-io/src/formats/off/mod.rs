@@ -69,7 +69,7 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
     writes: "points, faces, colors, normals, texture coordinates",
     keeps: "all text except changed coordinates",
     loses: "other fields",
-    recognize: recognize,
+    recognize,
     has_lines: |_| true,
     read: Some(|bytes, c| read::read_off(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_off(shape, &mut c.report, c.out, c.progress)),

@@ -36,7 +36,7 @@ pub(crate) static STL: FormatDescriptor = FormatDescriptor {
     keeps: "header, attributes, normals of unchanged triangles",
     loses: "shared vertices (recovered from equal coordinates), vertex fields",
     is_single_precision: true,
-    recognize: recognize,
+    recognize,
     read: Some(|bytes, c| read::read_stl(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_stl(shape, c.format, &mut c.report, c.out, c.progress)),
     ..FormatDescriptor::NEW
