@@ -111,8 +111,8 @@ impl Differential {
         Ok(Self::from_rows(&rows, vertex_map))
     }
 
-    /// Builds L from a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½` (eq.
-    /// 16), so that `W_f(1)` is half the differential coordinate.
+    /// Builds L from a diffusion operator: `L = 2(I − Φ₁) = 2Ψ₁`, `Ψ₁(x,y) = −T(x,y)/2T(x,x)`, `Ψ₁(x,x) = ½`
+    /// (eq. 16), so that `W_f(1)` is half the differential coordinate.
     pub fn from_diffusion(walk: &Diffusion, vertex_map: VertexMap) -> Self {
         let row = |x: usize| {
             let (columns, values) = walk.row(x);

@@ -124,7 +124,7 @@ impl LevelSpec {
     ///
     /// ```
     /// use adwave::{Decomposer, LevelSpec, bands::DEFAULT_EXTENT, sample::Sample, shape::Shape};
-    /// let sphere = Sample::by_name("sphere", Some(300))?;
+    /// let sphere = Sample::from_name("sphere", Some(300))?;
     /// let shape = Shape::Mesh(adwave::shape::Mesh::new(sphere.points, sphere.faces)?);
     /// let levels = LevelSpec::Dyadic(3).resolve(&Decomposer::new(&shape), DEFAULT_EXTENT)?;
     /// assert_eq!(levels.schedule.steps(), [1.0, 2.0, 4.0]);

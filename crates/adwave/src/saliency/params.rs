@@ -62,7 +62,7 @@ pub enum MapWeighting {
 named_values!(MapWeighting, "weighting", {
     Signed => "signed", "1/mean, times how unevenly the level is spread, with the sign: of coordinates + where the shape is convex";
     Paper => "paper" | "level", "(max − mean)², one number per level";
-    Printed => "printed", "(max − |W|)² at each vertex, as eq. 17 is printed";
+    Printed => "printed", "(max − |W|)² at each vertex, as printed (eq. 17)";
     Normalized => "normalized", "1/mean, so that every level counts alike";
     Ranks => "ranks", "Ranks instead of values";
     None => "none", "1 for every level";
