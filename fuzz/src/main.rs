@@ -9,7 +9,7 @@
 
 #[allow(dead_code, reason = "the tests of adwave-io use all of it")]
 #[allow(clippy::unwrap_used, reason = "generated seeds are valid")]
-#[path = "../../crates/adwave-io/tests/cloud_part/copc_file.rs"]
+#[path = "../../crates/adwave-io/tests/it/cloud_part/copc_file.rs"]
 mod copc_file;
 mod mutate;
 mod seeds;

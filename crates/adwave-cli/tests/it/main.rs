@@ -1,0 +1,20 @@
+//! Tests of `adwave-cli`, in one program: each program of its own would be linked with everything again.
+
+mod analysis;
+mod cloud_part;
+mod commands;
+mod common;
+mod compare;
+mod field_files;
+mod hostile;
+mod levels;
+mod provenance;
+mod real_shapes;
+mod region;
+mod render;
+mod report;
+mod reproduce;
+mod simplify;
+mod studio;
+mod tiles;
+mod two_shapes;

@@ -1,0 +1,116 @@
+//! `adwave match` and `adwave diff`: two versions of one shape.
+
+use crate::common;
+
+use common::{adwave, json, words};
+
+/// A creature, and the same meshed otherwise, turned by a quarter about z and moved.
+fn two_scans(path: &std::path::Path) {
+    for (name, n, seed) in [("a", 8000, 1), ("b", 11_000, 2)] {
+        let line = format!("sample creature --vertices {n} --noise 0.1 --seed {seed} -o {name}.off");
+        adwave(path).args(words(&line)).assert().success();
+    }
+    let text = std::fs::read_to_string(path.join("b.off")).unwrap();
+    let mut lines = text.lines();
+    let mut turned = vec![lines.next().unwrap().to_owned(), lines.next().unwrap().to_owned()];
+    let n: usize = turned[1].split_whitespace().next().unwrap().parse().unwrap();
+    for line in lines.by_ref().take(n) {
+        let [x, y, z] = numbers(line);
+        turned.push(format!("{} {} {}", 1.0 - y, x + 2.0, z));
+    }
+    turned.extend(lines.map(str::to_owned));
+    std::fs::write(path.join("b.off"), turned.join("\n")).unwrap();
+}
+
+fn numbers(line: &str) -> [f64; 3] {
+    let numbers: Vec<f64> = line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    [numbers[0], numbers[1], numbers[2]]
+}
+
+#[test]
+fn scans_are_matched_drawn_and_brought_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    two_scans(path);
+    let found = json(path, "match a.off b.off -o pairs.csv --picture lines.png --moved moved.ply");
+    let matrix = &found["motion"]["matrix"];
+    for (i, row) in [[0.0, -1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 0.0]].iter().enumerate() {
+        for (j, wanted) in row.iter().enumerate() {
+            assert!((matrix[i][j].as_f64().unwrap() - wanted).abs() < 0.01, "{matrix}");
+        }
+    }
+    let pairs = found["pairs"].as_array().unwrap();
+    let is_right = |pair: &serde_json::Value| {
+        let at = |side: &str, c: usize| pair[side]["position"][c].as_f64().unwrap();
+        let truth = [1.0 - at("first", 1), at("first", 0) + 2.0, at("first", 2)];
+        let off = (0..3).map(|c| (truth[c] - at("second", c)).powi(2)).sum::<f64>().sqrt();
+        off <= 2.0 * pair["second"]["sigma"].as_f64().unwrap()
+    };
+    let n_right = pairs.iter().filter(|pair| is_right(pair)).count();
+    assert!(pairs.len() >= 30 && 10 * n_right >= 8 * pairs.len(), "{n_right} of {}", pairs.len());
+    let csv = std::fs::read_to_string(path.join("pairs.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + pairs.len());
+    assert!(path.join("lines.png").metadata().unwrap().len() > 10_000);
+    // What was moved lies on the other.
+    let left = json(path, "diff b.off moved.ply");
+    let straight = json(path, "diff b.off a.off");
+    let rms = |found: &serde_json::Value| found["difference"]["rms"].as_f64().unwrap();
+    assert!(rms(&left) < 0.02 * rms(&straight), "{} of {}", rms(&left), rms(&straight));
+}
+
+#[test]
+fn diff_says_where_and_at_which_scale() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    adwave(path).args(words("sample creature --vertices 8000 -o a.ply")).assert().success();
+    let edit = "filter a.ply -o b.ply --lengths 2%,4% --gains 1,3 --region ball:vertex=100,radius=15%";
+    adwave(path).args(words(edit)).assert().success();
+    let found = json(path, "diff a.ply b.ply --lengths 1%,2%,4%,8% -o diff.ply");
+    assert_eq!(found["by"], "vertex");
+    let levels = found["levels"].as_array().unwrap();
+    let share = |j: usize| levels[j]["share"].as_f64().unwrap();
+    assert!(share(2) > 0.3 && share(2) > share(0), "{levels:?}");
+    let fields = json(path, "info diff.ply");
+    let names: Vec<&str> =
+        fields["fields"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
+    assert!(["difference", "W1", "W4", "S4"].iter().all(|name| names.contains(name)), "{names:?}");
+    // The same shape does not differ from itself, by vertices and by closest points.
+    for by in ["vertex", "closest"] {
+        let none = json(path, &format!("diff a.ply a.ply --by {by}"));
+        assert!(none["difference"]["greatest"].as_f64().unwrap() < 1e-12, "{none}");
+    }
+    adwave(path).args(words("diff a.ply b.ply --by closest --align -o diff.html")).assert().success();
+    let page = std::fs::read_to_string(path.join("diff.html")).unwrap();
+    assert!(page.contains("b.ply compared with a.ply") && page.matches("<img").count() >= 6);
+}
+
+#[test]
+fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    std::fs::write(
+        path.join("g.mtx"),
+        "%%MatrixMarket matrix coordinate real symmetric\n3 3 2\n2 1 1\n3 2 1\n",
+    )
+    .unwrap();
+    std::fs::write(path.join("dot.xyz"), "1 2 3\n1 2 3\n").unwrap();
+    std::fs::write(path.join("line.xyz"), "0 0 0\n1 0 0\n2 0 0\n").unwrap();
+    for (line, said) in [
+        ("match sample:sphere g.mtx", "graph"),
+        ("match sample:sphere dot.xyz", "no extent"),
+        ("diff sample:sphere g.mtx", "no positions"),
+        ("diff sample:sphere line.xyz --by vertex", "needs equal numbers of vertices"),
+        ("diff sample:sphere sample:torus -o out.stl", ".vtk, .msh, .graphml or .html"),
+        ("diff sample:sphere sample:torus --limit 1e-9", "no vertex of"),
+        ("diff line.xyz line.xyz --by vertex --align", "needs points that fix a rotation"),
+        ("match sample:sphere sample:torus -o out.txt", ".csv or .json"),
+        ("match sample:sphere sample:torus --within 0", "above 0"),
+    ] {
+        let output = adwave(path).args(words(line)).assert().code(2).get_output().stderr.clone();
+        let output = String::from_utf8(output).unwrap();
+        assert!(output.contains(said) && output.lines().count() == 1, "{line}: {output}");
+    }
+    // Nothing in common is no error: there is no motion, and that is said.
+    let found = json(path, "match sample:sphere sample:torus --vertices 900");
+    assert!(found["motion"].is_null() && found["pairs"].as_array().unwrap().is_empty(), "{found}");
+}

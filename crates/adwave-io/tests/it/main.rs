@@ -1,0 +1,20 @@
+//! Tests of `adwave-io`, in one program: each program of its own would be linked with everything again.
+
+mod all_files;
+mod cancelling;
+mod cloud_part;
+mod common;
+mod every_format;
+mod fields;
+mod freesurfer;
+mod gifti;
+mod gltf;
+mod las_write;
+mod laz;
+mod meshes;
+mod models;
+mod oddities;
+mod replacing;
+mod round_trip;
+mod subset;
+mod vtk;

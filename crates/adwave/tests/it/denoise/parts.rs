@@ -1,0 +1,144 @@
+//! Parts of a surface are denoised as the whole is, to the last bit.
+
+use crate::denoise::{mesh, rms};
+use adwave::Progress;
+use adwave::denoise::{Creases, DenoiseChoice, DenoiseError, DenoiseParams, denoise};
+use adwave::rows::Pattern;
+use adwave::shape::{Graph, PointCloud, Polygons, PreparedGeometry, Shape, WeldMode, nearest_neighbors};
+use adwave::signal::plane_normals;
+use std::ops::Range;
+
+/// A strip of so many points across.
+const ACROSS: usize = 12;
+const ALONG: usize = 900;
+/// Indices of the points of the part.
+const OWN: Range<usize> = 400..500;
+
+/// A roof along the strip, with noise.
+fn strip() -> Vec<[f64; 3]> {
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state) / f64::from(u32::MAX) - 0.5
+    };
+    let (n, half) = (ACROSS * ALONG, ACROSS as f64 / 2.0);
+    let point = |i: usize| {
+        let (x, y) = ((i / ACROSS) as f64, (i % ACROSS) as f64);
+        [x + 0.3 * random(), y + 0.3 * random(), 0.6 * (half - (y - half).abs()) + 0.4 * random()]
+    };
+    (0..n).map(point).collect()
+}
+
+fn triangles(columns: usize) -> Vec<[u32; 3]> {
+    let n = ACROSS as u32;
+    let corners = (0..(columns as u32 - 1) * n).filter(|i| i % n < n - 1);
+    corners.flat_map(|i| [[i, i + n, i + 1], [i + 1, i + n, i + n + 1]]).collect()
+}
+
+/// The part, with as many rings around it as decide it and where it begins among the points.
+fn part() -> (Range<usize>, usize) {
+    let rings = DenoiseChoice::reach().unwrap();
+    (OWN.start - rings..OWN.end + rings, rings * ACROSS)
+}
+
+fn params(creases: Creases) -> DenoiseParams {
+    DenoiseParams::default().with_creases(creases).with_noise(0.12)
+}
+
+#[test]
+fn a_part_of_a_mesh_is_denoised_as_the_whole() {
+    let points = strip();
+    let shape = mesh(points.clone(), &Polygons::from_triangles(&triangles(ALONG)));
+    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+    for creases in [Creases::Auto, Creases::Keep, Creases::None] {
+        let choice = DenoiseChoice::estimate(&geometry, &params(creases), Progress::none()).unwrap();
+        let whole = choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap();
+        let (columns, own) = part();
+        let of_part = &points[columns.start * ACROSS..columns.end * ACROSS];
+        let found = choice.denoise_mesh(of_part, &triangles(columns.len()), Progress::none()).unwrap();
+        let n = OWN.len() * ACROSS;
+        assert!(found[own..][..n] == whole[OWN.start * ACROSS..][..n], "{creases:?}");
+        let in_memory = denoise(&geometry, &params(creases), Progress::none()).unwrap();
+        assert_eq!(choice.info.crease_weights, in_memory.info.crease_weights);
+        let (off, moved) = (rms(&whole, &in_memory.points), rms(&points, &in_memory.points));
+        println!("{creases:?}: {off:e} of {moved:e}");
+        assert!(moved > 0.02 && off < 1e-4 * moved, "{creases:?}: {off:e} of {moved:e}");
+    }
+}
+
+/// The union of the nearest neighbors both ways.
+fn neighbors(points: &[[f64; 3]]) -> Vec<Vec<u32>> {
+    let near = nearest_neighbors(points, DenoiseChoice::NEIGHBORS).adjacency;
+    let mut rows: Vec<Vec<u32>> = (0..points.len()).map(|x| near.row(x).to_vec()).collect();
+    for x in 0..points.len() {
+        near.row(x).iter().for_each(|&y| rows[y as usize].push(x as u32));
+    }
+    for row in &mut rows {
+        row.sort_unstable();
+        row.dedup();
+    }
+    rows
+}
+
+/// Some of the rows, of which the outermost are left empty where they would leave the part.
+fn pattern(rows: &[Vec<u32>], part: Range<usize>) -> Pattern {
+    let (mut offsets, mut columns) = (vec![0], Vec::new());
+    for x in part.clone() {
+        if rows[x].iter().all(|&y| part.contains(&(y as usize))) {
+            columns.extend(rows[x].iter().map(|&y| y - part.start as u32));
+        }
+        offsets.push(columns.len());
+    }
+    Pattern::new(offsets, columns, part.len()).unwrap()
+}
+
+#[test]
+fn a_part_of_a_cloud_is_denoised_as_the_whole_whichever_side_its_normals_are_on() {
+    // A point may name one two or three columns on.
+    const REACH: usize = 3;
+    let points = strip();
+    let geometry = {
+        let shape = Shape::Cloud(PointCloud::new(points.clone()).unwrap());
+        PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap()
+    };
+    let choice = DenoiseChoice::estimate(&geometry, &params(Creases::Auto), Progress::none()).unwrap();
+    let rows = neighbors(&points);
+    let upwards = |points: &[[f64; 3]], neighbors: &Pattern, up: f64| {
+        let mut normals = plane_normals(points, neighbors, Progress::none()).unwrap();
+        for n in normals.iter_mut().filter(|n| n[2] * up < 0.0) {
+            *n = n.map(|c| -c);
+        }
+        normals
+    };
+    let denoised = |points: &[[f64; 3]], neighbors: Pattern, up: f64| {
+        let normals = upwards(points, &neighbors, up);
+        choice.denoise_cloud(points, neighbors, normals, Progress::none()).unwrap()
+    };
+    let whole = denoised(&points, pattern(&rows, 0..points.len()), 1.0);
+    let rings = REACH * DenoiseChoice::reach().unwrap();
+    let first = OWN.start - rings;
+    let part = first * ACROSS..(OWN.end + rings) * ACROSS;
+    for up in [1.0, -1.0] {
+        let found = denoised(&points[part.clone()], pattern(&rows, part.clone()), up);
+        let (own, n) = ((OWN.start - first) * ACROSS, OWN.len() * ACROSS);
+        assert!(found[own..][..n] == whole[OWN.start * ACROSS..][..n]);
+    }
+    let in_memory = denoise(&geometry, &params(Creases::Auto), Progress::none()).unwrap();
+    let (off, moved) = (rms(&whole, &in_memory.points), rms(&points, &in_memory.points));
+    assert!(moved > 0.02 && off < 1e-3 * moved, "{off:e} of {moved:e}");
+}
+
+#[test]
+fn nothing_is_chosen_for_a_graph_and_nothing_moves_where_there_is_no_noise() {
+    let graph = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)]).unwrap());
+    let geometry = PreparedGeometry::new(&graph, WeldMode::EqualPositions, Progress::none()).unwrap();
+    let refused = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none());
+    assert_eq!(refused.unwrap_err(), DenoiseError::NoPositions);
+    let points = strip();
+    let shape = mesh(points.clone(), &Polygons::from_triangles(&triangles(ALONG)));
+    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+    let choice =
+        DenoiseChoice::estimate(&geometry, &DenoiseParams::default().with_noise(0.0), Progress::none())
+            .unwrap();
+    assert_eq!(choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap(), points);
+}

@@ -1,0 +1,20 @@
+//! Tests of `adwave`, in one program: each program of its own would be linked with everything again.
+
+mod basis;
+mod bump;
+mod cloud_normals;
+mod common;
+mod denoise;
+mod density;
+mod editor;
+mod engine;
+mod examples;
+mod filters;
+mod laws;
+mod positions;
+mod real_steps;
+mod reference;
+mod regions;
+mod saliency_features;
+mod signed_saliency;
+mod surface;
