@@ -8,7 +8,7 @@ use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::recipe::RecipeData;
 use crate::region::region_weights;
 use crate::shape::ShapeData;
-use adwave::filter::{Edit, FilterError, Gains, WeightedLayer, filter_bands};
+use adwave::filter::{BandsView, Edit, FilterError, Gains, WeightedLayer, filter_bands};
 use adwave::region::RegionWeights;
 use adwave::{Decomposer, Editor};
 use numpy::{
@@ -107,17 +107,16 @@ fn apply_bands<'py>(
         )));
     }
     let layers = weighted_layers(py, &layers, n_levels, &own.decomposer, own.shape.get())?;
-    let sizes = (n_levels, n_channels);
-    let bands = bands.as_slice()?;
+    let bands = BandsView { coefficients: bands.as_slice()?, n_levels, n_channels };
     if let Some(out) = out {
         let mut given = writable(&out, n, n_channels)?;
         let rows = given.as_slice_mut()?;
-        run(py, n, None, |_| filter_bands(signal, bands, sizes, &layers, map, rows))?;
+        run(py, n, None, |_| filter_bands(signal, bands, &layers, map, rows))?;
         return Ok(out.into_any());
     }
     let edited = run(py, n, None, |_| {
         let mut edited = vec![0.0; signal.len()];
-        filter_bands(signal, bands, sizes, &layers, map, &mut edited)?;
+        filter_bands(signal, bands, &layers, map, &mut edited)?;
         Ok::<_, FilterError>(edited)
     })?;
     Ok(arrays::matrix(py, edited, n_channels)?.into_any())

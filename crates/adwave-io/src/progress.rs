@@ -1,6 +1,7 @@
 //! Progress reports and cancellation checks of readers and writers: once per several thousand rows, or per mebibyte.
 
 use std::io::{self, Write};
+use std::ops::Range;
 
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -35,14 +36,39 @@ pub(crate) fn extend<T: Send>(
         values.extend((0..n).map(value));
         return Ok(());
     }
+    extend_by_chunks(values, n, progress, &|rows| rows.map(&value).collect())
+}
+
+/// Appends the values of each chunk of `0..n`, in order.
+///
+/// The work is called through a pointer, so this is compiled once per type of value. Compiled once per caller, the
+/// loops of the thread pool were half of this crate.
+fn extend_by_chunks<T: Send>(
+    values: &mut Vec<T>,
+    n: usize,
+    progress: Progress<'_>,
+    chunk: &(dyn Fn(Range<usize>) -> Vec<T> + Sync),
+) -> Result<(), Cancelled> {
     let mut first = 0;
     while first < n {
         progress.step(first as u64, n as u64)?;
         let end = (first + ROWS_PER_BLOCK).min(n);
-        values.par_extend((first..end).into_par_iter().with_min_len(SERIAL).map(&value));
+        let chunks: Vec<Vec<T>> = map_items((end - first).div_ceil(SERIAL), |k| {
+            let start = first + k * SERIAL;
+            chunk(start..(start + SERIAL).min(end))
+        });
+        for mut part in chunks {
+            values.append(&mut part);
+        }
         first = end;
     }
     Ok(())
+}
+
+/// Results of `work(i)` for each `i` in `0..n`, in order, on all threads of the pool.
+fn map_items<R: Send>(n: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+    let work: &(dyn Fn(usize) -> R + Sync) = &work;
+    (0..n).into_par_iter().map(work).collect()
 }
 
 /// Collects the values `value(i)` for each `i` in `0..n`; see [`extend`].
@@ -69,7 +95,11 @@ pub(crate) fn all(
     while first < n {
         progress.check()?;
         let end = (first + 8 * ROWS_PER_BLOCK).min(n);
-        if !(first..end).into_par_iter().with_min_len(SERIAL).all(&holds) {
+        let chunks = map_items((end - first).div_ceil(SERIAL), |k| {
+            let start = first + k * SERIAL;
+            (start..(start + SERIAL).min(end)).all(&holds)
+        });
+        if chunks.contains(&false) {
             return Ok(false);
         }
         first = end;

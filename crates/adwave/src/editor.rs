@@ -1,7 +1,7 @@
 //! Repeated edits of one signal: the bands are kept, and an edit costs as much as it changes.
 
 use crate::bands::{BandsError, Wavelets, check_buffer};
-use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer};
+use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer, WeldedMembers};
 use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::region::RegionWeights;
@@ -213,7 +213,8 @@ impl Editor {
         match &touched {
             ChangedVertices::All => source.apply(&self.layers, &mut self.change, &mut self.edited),
             ChangedVertices::Listed(touched) => {
-                source.apply_at(&self.layers, touched, (&self.first_member, &self.members), &mut self.edited);
+                let welded = WeldedMembers { first_member: &self.first_member, members: &self.members };
+                source.apply_at(&self.layers, touched, welded, &mut self.edited);
             }
         }
         touched

@@ -30,8 +30,10 @@ pub struct Bands {
 impl Bands {
     /// Wraps `coefficients`, laid out as W_f(1), …, W_f(J), S_f(J).
     pub(super) fn new(
-        (n_vertices, n_channels): (usize, usize),
-        (steps, sigma): (Vec<f64>, Vec<f64>),
+        n_vertices: usize,
+        n_channels: usize,
+        steps: Vec<f64>,
+        sigma: Vec<f64>,
         coefficients: Vec<f64>,
         info: BandsInfo,
     ) -> Self {

@@ -37,6 +37,27 @@ impl EvaluationInfo {
     }
 }
 
+/// Values of a signal, n_vertices × n_channels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SignalView<'a> {
+    pub(crate) values: &'a [f64],
+    pub(crate) n_channels: usize,
+}
+
+/// Polynomials of Φ₁ that one evaluation computes together.
+#[derive(Debug)]
+pub(crate) struct Polynomials<'a> {
+    /// One series per output.
+    pub(crate) series: &'a [Series],
+    /// The polynomial whose norm multiplies [`TruncationBound::guarded`](super::series::TruncationBound), for series
+    /// that have such a part; else empty.
+    pub(crate) guard: &'a [f64],
+    /// Passes of this call, or of the call that it must repeat.
+    pub(crate) passes: &'a mut PassPlan,
+    /// Rows of each output.
+    pub(crate) output: RowOutput<'a>,
+}
+
 /// Target degree of each pass of an evaluation. A series is inspected between passes to find where to truncate it.
 /// Series evaluated in two calls get the bits of a single call if the second call takes the same passes as the
 /// first.
@@ -182,18 +203,17 @@ impl ChebyshevEvaluator {
     /// the degree follows the signal and is lower for smooth signals. A value that is nearly zero relative to u
     /// gets all terms that double precision can distinguish.
     ///
-    /// `guard` is the polynomial whose norm multiplies
-    /// [`TruncationBound::guarded`](super::series::TruncationBound), for series that have such a part. If the
-    /// passes differ from those of the first call, the content of `outs` is unspecified.
+    /// If the passes differ from those of the first call, the content of `outs` is unspecified.
     pub(crate) fn evaluate(
         &self,
-        signal: &[f64],
-        (n_channels, kept): (usize, RowOutput<'_>),
-        (series, guard, passes): (&[Series], &[f64], &mut PassPlan),
+        signal: SignalView<'_>,
+        polynomials: Polynomials<'_>,
         accuracy: f64,
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, Cancelled> {
+        let SignalView { values: signal, n_channels } = signal;
+        let Polynomials { series, guard, passes, output: kept } = polynomials;
         let (operator, weights) = (&self.operator, self.weights());
         let mut outcome = EvaluationInfo::default();
         let mut worst = vec![WorstError::default(); series.len()];
@@ -201,7 +221,8 @@ impl ChebyshevEvaluator {
         let guard_degree = guard.len().saturating_sub(1);
         for (block, at) in (0..n_channels).step_by(MAX_CHANNELS).enumerate() {
             let width = MAX_CHANNELS.min(n_channels - at);
-            let recurrence = Recurrence::new(operator, weights, signal, n_channels, (at, width), progress)?;
+            let recurrence =
+                Recurrence::new(operator, weights, signal, n_channels, at..at + width, progress)?;
             let mut recurrence = recurrence.with_kept(kept);
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<SeriesCut> = series.iter().map(SeriesCut::new).collect();
@@ -358,8 +379,10 @@ mod tests {
             [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
         let mut bands = vec![vec![0.0; signal.len()]; series.len()];
         let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-        let polynomials = (&series[..], &[][..], &mut PassPlan::default());
-        prepared.evaluate(signal, (d, RowOutput::Channels), polynomials, 0.0, &mut outs, progress)?; // all terms
+        let passes = &mut PassPlan::default();
+        let polynomials = Polynomials { series: &series, guard: &[], passes, output: RowOutput::Channels };
+        let signal = SignalView { values: signal, n_channels: d };
+        prepared.evaluate(signal, polynomials, 0.0, &mut outs, progress)?; // all terms
         Ok(bands)
     }
 

@@ -1,7 +1,7 @@
 //! Polynomials of Φ₁ whose degree does not depend on the signal, so that part of a shape has the same bands as the
 //! whole.
 
-use super::chebyshev::PassPlan;
+use super::chebyshev::{PassPlan, Polynomials, SignalView};
 use super::error::{check_buffer, check_signal};
 use super::series::{Growth, Series, TruncationBound};
 use super::transform::whole_steps_from_zero;
@@ -89,9 +89,10 @@ impl Transform {
         let len = outs.iter().map(|out| out.len()).sum();
         check_buffer(len, series.len() * signal.len())?;
         let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();
-        let polynomials = (&series[..], &[][..], &mut PassPlan::default());
+        let passes = &mut PassPlan::default();
+        let polynomials = Polynomials { series: &series, guard: &[], passes, output: RowOutput::Channels };
         let prepared = self.evaluator(progress)?;
-        prepared.evaluate(signal, (n_channels, RowOutput::Channels), polynomials, 1.0, outs, progress)?;
+        prepared.evaluate(SignalView { values: signal, n_channels }, polynomials, 1.0, outs, progress)?;
         Ok(())
     }
 }

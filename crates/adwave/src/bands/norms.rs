@@ -1,6 +1,6 @@
 //! Norms or normal components of the wavelet coefficients, without storing all channels of all levels.
 
-use super::chebyshev::{EvaluationInfo, PassPlan};
+use super::chebyshev::{EvaluationInfo, PassPlan, Polynomials, SignalView};
 use super::error::check_signal;
 use super::real_series::LADDER;
 use super::series::Series;
@@ -70,10 +70,10 @@ impl Transform {
          -> Result<(Vec<Vec<f64>>, EvaluationInfo), Cancelled> {
             let mut levels: Vec<Vec<f64>> = range.clone().map(|_| zeros(mean.len())).collect();
             let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
-            let polynomials = (&series[range], &[][..], passes);
-            let accuracy = self.params().accuracy;
-            let channels = (n_channels, RowOutput::Channels);
-            let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
+            let output = RowOutput::Channels;
+            let polynomials = Polynomials { series: &series[range], guard: &[], passes, output };
+            let (signal, accuracy) = (SignalView { values: mean, n_channels }, self.params().accuracy);
+            let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
                 *level = measure.measure_rows(level, n_channels);
             }
@@ -126,10 +126,10 @@ impl Transform {
         let series: Vec<Series> = parallel::map_items(n, n_levels, band);
         let mut levels: Vec<Vec<f64>> = series.iter().map(|_| zeros(n)).collect();
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
-        let (channels, polynomials) =
-            ((3, RowOutput::AlongNormals(normals)), (&series[..], &[][..], &mut PassPlan::default()));
-        let accuracy = self.params().accuracy;
-        let outcome = prepared.evaluate(mean, channels, polynomials, accuracy, &mut outs, progress)?;
+        let (passes, output) = (&mut PassPlan::default(), RowOutput::AlongNormals(normals));
+        let polynomials = Polynomials { series: &series, guard: &[], passes, output };
+        let (signal, accuracy) = (SignalView { values: mean, n_channels: 3 }, self.params().accuracy);
+        let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
         let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, 3));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }

@@ -65,7 +65,7 @@ impl Transform {
         let mut coefficients = zeros((schedule.n_levels() + 1) * signal.len());
         let info = self.bands_into(vertex_map, signal, n_channels, schedule, &mut coefficients, progress)?;
         let sigma = schedule.sigma(self.diffusion().step_length());
-        Ok(Bands::new((n_vertices, n_channels), (schedule.steps_from_zero(), sigma), coefficients, info))
+        Ok(Bands::new(n_vertices, n_channels, schedule.steps_from_zero(), sigma, coefficients, info))
     }
 
     /// Writes [`bands`](Self::bands) into a buffer of (J + 1)·n_vertices·n_channels values: W_f(1), …, W_f(J),

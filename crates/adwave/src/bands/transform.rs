@@ -1,6 +1,6 @@
 //! The diffusion operator prepared for the bands of many signals.
 
-use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan};
+use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials, SignalView};
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
@@ -220,9 +220,11 @@ impl Transform {
                 .filter(|(i, _)| wanted.next_if_eq(i).is_some())
                 .map(|(_, out)| &mut **out)
                 .collect();
-            let polynomials = (&these[..], &guard[..], &mut PassPlan::default());
-            let channels = (n_channels, RowOutput::Channels);
-            let outcome = prepared.evaluate(signal, channels, polynomials, accuracy, &mut outs, progress)?;
+            let passes = &mut PassPlan::default();
+            let polynomials =
+                Polynomials { series: &these, guard: &guard, passes, output: RowOutput::Channels };
+            let signal = SignalView { values: signal, n_channels };
+            let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
             sum.add(&outcome);
             missed = outcome.missed.into_iter().map(|(at, reached)| (missed[at].0, reached)).collect();
             if missed.is_empty() {

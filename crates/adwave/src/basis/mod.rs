@@ -275,7 +275,7 @@ impl<V: Value> Basis<V> {
         let (mut columns, mut values) = (Vec::new(), Vec::new());
         let itself = ([x as u32], [V::from_f64(1.0)]);
         let fine = if j == 1 { (&itself.0[..], &itself.1[..]) } else { self.scaling[j - 2].row(x) };
-        subtract(fine, self.scaling[j - 1].row(x), &mut columns, &mut values);
+        subtract(fine.into(), self.scaling[j - 1].row(x).into(), &mut columns, &mut values);
         (columns, values)
     }
 

@@ -113,7 +113,12 @@ pub fn one_vertex(
     };
     let (fine, scaling) = (row(&fine, steps_before)?, row(&coarse, steps)?);
     let mut wavelet = SparseRow::default();
-    crate::rows::subtract(fine.as_slices(), scaling.as_slices(), &mut wavelet.columns, &mut wavelet.values);
+    crate::rows::subtract(
+        fine.as_slices().into(),
+        scaling.as_slices().into(),
+        &mut wavelet.columns,
+        &mut wavelet.values,
+    );
     Ok(ScalingAndWavelet { scaling, wavelet, n_products })
 }
 

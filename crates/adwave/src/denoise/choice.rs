@@ -66,7 +66,7 @@ impl DenoiseChoice {
         }
         let (points, unit) = geometry.unit_points(progress)?;
         let surface = build_surface(geometry, &points, progress)?;
-        let mut info = estimate_noise(&surface, (&points, unit), params, progress)?;
+        let mut info = estimate_noise(&surface, &points, unit, params, progress)?;
         let (noise, mut scales) = (info.noise / unit, GuideScales::default());
         if is_anything_to_do(&surface, noise, params)
             && let Some((walks, _)) =

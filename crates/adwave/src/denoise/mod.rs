@@ -99,7 +99,7 @@ pub fn denoise(
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
     let surface = build_surface(geometry, &points, progress)?;
-    let mut info = estimate_noise(&surface, (&points, unit), params, progress)?;
+    let mut info = estimate_noise(&surface, &points, unit, params, progress)?;
     let noise = info.noise / unit;
     progress.step(1, STAGES)?;
     if !is_anything_to_do(&surface, noise, params) {
@@ -141,7 +141,8 @@ fn build_surface(
 /// Noise of a surface in model units, estimated or given; `unit` is the unit of the points.
 fn estimate_noise(
     surface: &NoisySurface,
-    (points, unit): (&[[f64; 3]], f64),
+    points: &[[f64; 3]],
+    unit: f64,
     params: &DenoiseParams,
     progress: Progress<'_>,
 ) -> Result<DenoiseInfo, Cancelled> {

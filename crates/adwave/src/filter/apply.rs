@@ -13,19 +13,40 @@ use crate::shape::VertexMap;
 /// Number of vertices that a thread processes at a time; their rows of one band fit into the first-level cache.
 const VERTICES_AT_A_TIME: usize = 1 << 10;
 
+/// Bands of a signal in the order of the shape.
+#[derive(Clone, Copy, Debug)]
+pub struct BandsView<'a> {
+    /// W_f(1) … W_f(J), one after another, each n_vertices × n_channels, as in [`Bands`](crate::bands::Bands); the
+    /// rest of the slice is ignored.
+    pub coefficients: &'a [f64],
+    /// Number of levels J.
+    pub n_levels: usize,
+    /// Number of channels of the signal.
+    pub n_channels: usize,
+}
+
+/// Vertices of the shape that were welded: those of the welded vertex x are
+/// `members[first_member[x]..first_member[x + 1]]`.
+#[derive(Clone, Copy)]
+pub(crate) struct WeldedMembers<'a> {
+    pub(crate) first_member: &'a [usize],
+    pub(crate) members: &'a [u32],
+}
+
 /// Filters with precomputed bands: `out = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)` (eq. 18), with the same bits as
 /// [`Editor`](crate::Editor), all in the order of the shape.
 ///
-/// `bands` are W_f(1) … W_f(J), J = `n_levels`, one after another, as in [`Bands`](crate::bands::Bands); the rest
-/// of the slice is ignored. Each band whose gain is not 1 is read once. O(n·J·d).
+/// Each band whose gain is not 1 is read once. O(n·J·d).
 ///
 /// ```
-/// use adwave::{Decomposer, bands::Schedule, filter::{WeightedLayer, filter_bands}, shape::{Graph, Shape}};
+/// use adwave::{Decomposer, bands::Schedule, filter::{WeightedLayer, BandsView, filter_bands},
+///     shape::{Graph, Shape}};
 /// let path = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?);
 /// let (decomposer, f) = (Decomposer::new(&path), [0.0, 4.0, 0.0]);
 /// let bands = decomposer.request(&f, 1, &Schedule::dyadic(1)?).bands()?.into_vec();
 /// let (map, mut out) = (decomposer.geometry().vertex_map(), [0.0; 3]);
-/// filter_bands(&f, &bands, (1, 1), &[WeightedLayer::everywhere(vec![0.0])], map, &mut out)?;
+/// let bands = BandsView { coefficients: &bands, n_levels: 1, n_channels: 1 };
+/// filter_bands(&f, bands, &[WeightedLayer::everywhere(vec![0.0])], map, &mut out)?;
 /// assert_eq!(out, [2.0, 2.0, 2.0]); // W_1 = (−2, 2, −2) taken away
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -37,12 +58,12 @@ const VERTICES_AT_A_TIME: usize = 1 << 10;
 /// If vertices are welded; the members of a welded vertex share all bands but the finest.
 pub fn filter_bands(
     signal: &[f64],
-    bands: &[f64],
-    (n_levels, n_channels): (usize, usize),
+    bands: BandsView<'_>,
     layers: &[WeightedLayer],
     vertex_map: &VertexMap,
     out: &mut [f64],
 ) -> Result<(), FilterError> {
+    let BandsView { coefficients: bands, n_levels, n_channels } = bands;
     let len = vertex_map.n_vertices() * n_channels;
     assert_eq!(vertex_map.n_welded(), vertex_map.n_vertices(), "no vertices are welded");
     for (k, layer) in layers.iter().enumerate() {
@@ -274,7 +295,7 @@ impl<'a> FilterInput<'a> {
         &self,
         layers: &[LayerSlot],
         touched: &[u32],
-        members: (&[usize], &[u32]),
+        members: WeldedMembers<'_>,
         edited: &mut [f64],
     ) {
         match self.wavelets.n_channels {
@@ -288,9 +309,10 @@ impl<'a> FilterInput<'a> {
         &self,
         layers: &[LayerSlot],
         touched: &[u32],
-        (first_member, members): (&[usize], &[u32]),
+        welded: WeldedMembers<'_>,
         edited: &mut [f64],
     ) {
+        let WeldedMembers { first_member, members } = welded;
         let (d, is_welded) = (self.n_channels::<D>(), self.is_welded());
         let is_by_vertex = layers.iter().any(LayerSlot::is_by_vertex);
         let (mut excess, mut change) = (vec![0.0; self.wavelets.n_levels()], vec![0.0; d]);

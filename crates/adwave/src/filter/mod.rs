@@ -5,7 +5,8 @@ mod keep_volume;
 mod layers;
 
 pub(crate) use apply::FilterInput;
-pub use apply::filter_bands;
+pub(crate) use apply::WeldedMembers;
+pub use apply::{BandsView, filter_bands};
 pub use keep_volume::{KeepVolume, KeepVolumeError};
 pub(crate) use layers::LayerSlot;
 pub use layers::WeightedLayer;

@@ -137,7 +137,7 @@ impl Region {
             }
             Self::Field { name, low, high } => {
                 check_finite("a bound", [low, high])?;
-                field_weights(metric.n_vertices(), name, (*low, *high), field, field_names)?
+                field_weights(metric.n_vertices(), name, *low, *high, field, field_names)?
             }
             Self::Vertices { indices, radius, falloff } => {
                 let source = |&v: &u32| Ok((welded(metric, v)?, 0.0));
@@ -363,7 +363,8 @@ fn weights_from_depth(
 fn field_weights(
     n: usize,
     name: &str,
-    (low, high): (f64, f64),
+    low: f64,
+    high: f64,
     field: &FieldLookup<'_>,
     field_names: &[String],
 ) -> Result<RegionWeights, RegionError> {

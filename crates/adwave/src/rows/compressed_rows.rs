@@ -209,7 +209,10 @@ impl<V: Value> CompressedRows<V> {
             256,
             progress,
             || (),
-            |(), x, columns, values| subtract(self.row(x), other.row(x), columns, values),
+            |(), x, columns, values| {
+                let (fine, coarse) = (self.row(x).into(), other.row(x).into());
+                subtract(fine, coarse, columns, values);
+            },
         )
     }
 
@@ -243,26 +246,40 @@ pub(crate) fn bytes<V>(n_rows: usize, nnz: u64) -> u64 {
     nnz * (size_of::<u32>() + size_of::<V>()) as u64 + (n_rows as u64 + 1) * size_of::<usize>() as u64
 }
 
+/// Entries of a sparse row.
+#[derive(Clone, Copy)]
+pub(crate) struct RowView<'a, V> {
+    /// Columns, ascending.
+    pub(crate) columns: &'a [u32],
+    pub(crate) values: &'a [V],
+}
+
+impl<'a, V> From<(&'a [u32], &'a [V])> for RowView<'a, V> {
+    fn from((columns, values): (&'a [u32], &'a [V])) -> Self {
+        Self { columns, values }
+    }
+}
+
 /// Appends the entries of the sparse row `fine − coarse`, each rounded once. For rows that sum to 1 the result sums
 /// to 0: `Σ_y Ψ_j(x,y) = 0` (eq. 9).
 pub(crate) fn subtract<V: Value>(
-    fine: (&[u32], &[V]),
-    coarse: (&[u32], &[V]),
+    fine: RowView<'_, V>,
+    coarse: RowView<'_, V>,
     columns: &mut Vec<u32>,
     values: &mut Vec<V>,
 ) {
     let (mut i, mut k) = (0, 0);
-    while i < fine.0.len() || k < coarse.0.len() {
+    while i < fine.columns.len() || k < coarse.columns.len() {
         // A finished row counts as positioned after every column.
-        let (a, b) = (fine.0.get(i), coarse.0.get(k));
+        let (a, b) = (fine.columns.get(i), coarse.columns.get(k));
         let Some(column) = a.into_iter().chain(b).copied().min() else { break };
         let mut value = 0.0;
         if a == Some(&column) {
-            value += fine.1[i].into();
+            value += fine.values[i].into();
             i += 1;
         }
         if b == Some(&column) {
-            value -= coarse.1[k].into();
+            value -= coarse.values[k].into();
             k += 1;
         }
         columns.push(column);

@@ -21,7 +21,7 @@ pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
 use mesh_curvature::try_mesh_curvature;
-pub use orientation::{SideStep, side_step};
+pub use orientation::{PointWithNormal, SideStep, side_step};
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;

@@ -88,20 +88,30 @@ pub struct SideStep {
     pub turns: bool,
 }
 
-/// Step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points, each given by its
-/// position, its unit normal (on either side; zero if there is none) and the distance of its furthest neighbor.
+/// Point of a cloud with the normal of its plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointWithNormal {
+    /// Position in model units.
+    pub position: [f64; 3],
+    /// Unit normal, on either side; zero if there is none.
+    pub normal: [f64; 3],
+    /// Distance of the furthest neighbor, in model units.
+    pub radius: f64,
+}
+
+/// Step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points.
 ///
 /// ```
-/// use adwave::signal::side_step;
-/// let here = ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1.0);
-/// let there = ([0.5, 0.0, 0.0], [0.0, 0.0, -1.0], 1.0);
+/// use adwave::signal::{PointWithNormal, side_step};
+/// let here = PointWithNormal { position: [0.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0], radius: 1.0 };
+/// let there = PointWithNormal { position: [0.5, 0.0, 0.0], normal: [0.0, 0.0, -1.0], radius: 1.0 };
 /// let step = side_step(here, there);
 /// assert!(step.turns && step.cost == 0.0); // one plane, seen from both sides
 /// ```
-pub fn side_step((p, n, r): ([f64; 3], [f64; 3], f64), (q, m, s): ([f64; 3], [f64; 3], f64)) -> SideStep {
-    let (n, m) = (Vector3::from(n), Vector3::from(m));
-    let way = EdgeOrientation::new([&p, &q], [&n, &m]);
-    SideStep { cost: way.cost([&n, &m], r.max(s)), turns: way.alike < 0.0 }
+pub fn side_step(here: PointWithNormal, there: PointWithNormal) -> SideStep {
+    let (n, m) = (Vector3::from(here.normal), Vector3::from(there.normal));
+    let way = EdgeOrientation::new([&here.position, &there.position], [&n, &m]);
+    SideStep { cost: way.cost([&n, &m], here.radius.max(there.radius)), turns: way.alike < 0.0 }
 }
 
 /// A step of the tree, ordered by cost, then by the points' order. Costs are ≥ 0, so their bit patterns have the

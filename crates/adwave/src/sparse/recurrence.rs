@@ -11,6 +11,7 @@ use crate::operator::Semigroup;
 use crate::parallel::SERIAL;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// A sum `Σ_k a_k T_k(Y)u` that is being accumulated.
 pub(crate) struct Sum<'a> {
@@ -98,16 +99,17 @@ enum TileOutput<'a> {
 }
 
 impl<'a> Recurrence<'a> {
-    /// Starts at `T_0 u = u = (I − Φ₁)f` for the channels `at .. at + width` of `signal`, which has `n_channels`.
+    /// Starts at `T_0 u = u = (I − Φ₁)f` for some `channels` of `signal`, which has `n_channels`.
     /// Norms are weighted by `weights`.
     pub(crate) fn new(
         operator: &'a TiledDiffusion,
         weights: &'a [f64],
         signal: &[f64],
         n_channels: usize,
-        (at, width): (usize, usize),
+        channels: Range<usize>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
+        let (at, width) = (channels.start, channels.len());
         assert!((1..=MAX_CHANNELS).contains(&width) && at + width <= n_channels, "a block of the channels");
         let len = operator.n_vertices() * width;
         let mut recurrence = Self {

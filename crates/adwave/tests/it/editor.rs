@@ -1,7 +1,7 @@
 //! Laws of the editing object: whatever way led to its layers, the result has the same bits, and it is the filter's.
 
 use adwave::bands::Schedule;
-use adwave::filter::{FilterError, Gains, Layer, Preset, WeightedLayer, filter_bands};
+use adwave::filter::{BandsView, FilterError, Gains, Layer, Preset, WeightedLayer, filter_bands};
 use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape};
@@ -93,6 +93,7 @@ fn bands_in_the_order_of_the_shape_give_the_same_bits() {
         let ball = f.layer(2.0, "ball:vertex=7,radius=20%");
         let all = f.layer(0.5, "all");
         let mut out = vec![f64::NAN; signal.len()];
+        let view = |coefficients| BandsView { coefficients, n_levels: N_LEVELS, n_channels: 3 };
         for layers in [
             vec![],
             vec![all.clone()],
@@ -100,13 +101,13 @@ fn bands_in_the_order_of_the_shape_give_the_same_bits() {
             vec![ball, all, by_vertex.clone()],
             vec![by_vertex],
         ] {
-            filter_bands(signal, &bands, (N_LEVELS, 3), &layers, map, &mut out).unwrap();
+            filter_bands(signal, view(&bands), &layers, map, &mut out).unwrap();
             assert_eq!(out, fresh(&f, &layers), "{name}, {} layers", layers.len());
         }
-        let short = filter_bands(signal, &bands[..9], (N_LEVELS, 3), &[], map, &mut out);
+        let short = filter_bands(signal, view(&bands[..9]), &[], map, &mut out);
         assert!(matches!(short, Err(FilterError::Bands(_))));
         let many = [WeightedLayer::everywhere(vec![1.0; N_LEVELS + 1])];
-        assert!(filter_bands(signal, &bands, (N_LEVELS, 3), &many, map, &mut out).is_err());
+        assert!(filter_bands(signal, view(&bands), &many, map, &mut out).is_err());
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use adwave::Progress;
-use adwave::signal::{plane_normals, side_step};
+use adwave::signal::{PointWithNormal, plane_normals, side_step};
 use rayon::prelude::*;
 
 use super::union_find::UnionFindParity;
@@ -146,7 +146,11 @@ fn tile_edges(
 ) -> Result<TileEdges, TilesError> {
     let normals = plane_normals(&tile.points, &tile.neighbors, progress)?;
     let step = |x: usize, y: usize| {
-        let point = |x: usize| (tile.points[x], normals[x], neighbor_index.rule.radius(tile.areas[x]));
+        let point = |x: usize| PointWithNormal {
+            position: tile.points[x],
+            normal: normals[x],
+            radius: neighbor_index.rule.radius(tile.areas[x]),
+        };
         side_step(point(x), point(y))
     };
     let interior = &tile.interior_range;

@@ -172,15 +172,41 @@ impl TileRows for RingRows<'_> {
     }
 }
 
+/// Weights of the rows of Φ₁ by vertex.
+#[derive(Clone, Copy)]
+struct WeightRows<'a> {
+    /// Start of each row, and the end of the last.
+    offsets: &'a [usize],
+    weights: &'a [f64],
+}
+
+/// Columns and weights of consecutive rows, one row after another.
+#[derive(Clone, Copy)]
+struct RowEntries<'a, I> {
+    columns: &'a [I],
+    weights: &'a [f64],
+}
+
+impl<I> RowEntries<'_, I> {
+    /// The first `n` entries, and the others.
+    #[inline(always)]
+    fn split_at(self, n: usize) -> (Self, Self) {
+        let (columns, other_columns) = self.columns.split_at(n);
+        let (weights, other_weights) = self.weights.split_at(n);
+        (Self { columns, weights }, Self { columns: other_columns, weights: other_weights })
+    }
+}
+
 /// Copies the weights of the rows of `runs` to `to`, in the order of the runs. In the operator they are in vertex
 /// order, and those of the rings are scattered over memory, which no prefetcher follows.
 #[inline(always)]
 fn gather<const CHECKED: bool>(
     mut rows: impl TileRows,
     runs: &[DegreeRun],
-    (offsets, weights): (&[usize], &[f64]),
+    matrix: WeightRows<'_>,
     mut to: &mut [f64],
 ) {
+    let WeightRows { offsets, weights } = matrix;
     for run in runs {
         let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
         let these;
@@ -212,23 +238,21 @@ fn gather<const CHECKED: bool>(
 /// because a power of two rounds nothing.
 #[inline(always)]
 fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
-    (mut rows, runs): (impl TileRows, &[DegreeRun]),
-    mut columns: &[I],
-    mut weights: &[f64],
+    mut rows: impl TileRows,
+    runs: &[DegreeRun],
+    mut entries: RowEntries<'_, I>,
     vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
     for run in runs {
         let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
-        let (these_columns, these_weights);
-        (these_columns, columns) = columns.split_at(n_rows * degree);
-        (these_weights, weights) = weights.split_at(n_rows * degree);
-        let entries = (these_columns, these_weights);
+        let these;
+        (these, entries) = entries.split_at(n_rows * degree);
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED, LAZY>(rows, entries, vectors, scale),)*
-                    _ => any::<I, L, FMA, CHECKED, LAZY>((rows, n_rows, degree), entries, vectors, scale),
+                    $($degree => fixed::<I, $degree, L, FMA, CHECKED, LAZY>(rows, these, vectors, scale),)*
+                    _ => any::<I, L, FMA, CHECKED, LAZY>(rows, degree, these, vectors, scale),
                 }
             };
         }
@@ -265,10 +289,11 @@ fn fixed<
     const LAZY: bool,
 >(
     rows: impl TileRows,
-    (columns, weights): (&[I], &[f64]),
+    entries: RowEntries<'_, I>,
     vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
+    let RowEntries { columns, weights } = entries;
     let StepVectors { before, now, next } = vectors;
     let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
     for (r, (columns, weights)) in entries.enumerate() {
@@ -287,16 +312,19 @@ fn fixed<
 
 #[inline(always)]
 fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
-    (rows, n_rows, degree): (impl TileRows, usize, usize),
-    (columns, weights): (&[I], &[f64]),
+    rows: impl TileRows,
+    degree: usize,
+    entries: RowEntries<'_, I>,
     vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
+    let RowEntries { columns, weights } = entries;
     let StepVectors { before, now, next } = vectors;
-    for r in 0..n_rows {
+    for (r, (columns, weights)) in columns.chunks_exact(degree).zip(weights.chunks_exact(degree)).enumerate()
+    {
         let row = rows.get::<CHECKED>(r);
         let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
-        for (column, &w) in columns[r * degree..][..degree].iter().zip(&weights[r * degree..][..degree]) {
+        for (column, &w) in columns.iter().zip(weights) {
             let there = get::<_, CHECKED>(now, column.get());
             for c in 0..L {
                 let moved = if LAZY { there[c] } else { there[c] - here[c] };
@@ -311,16 +339,32 @@ fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZ
 /// another.
 const COMBINED_TOGETHER: usize = 64;
 
+/// Interior vertices of a tile from `from` on, one per weight.
+#[derive(Clone, Copy)]
+struct WeightedVertices<'a> {
+    from: usize,
+    weights: &'a [f64],
+}
+
+/// Rows of a band, `stride` values each, of which those from `at` on are written.
+struct BandRows<'a> {
+    out: &'a mut [f64],
+    stride: usize,
+    at: usize,
+}
+
 /// Computes `out = Σ_i coefficients[i]·vectors[first + i]`, added to the present values unless the band is new, for
-/// the interior vertices from `from` on, one per weight; adds `Σ_x μ(x)|out(x)|²` to `square` if requested.
+/// the interior vertices of `weighted`; adds `Σ_x μ(x)|out(x)|²` to `square` if requested.
 #[inline(always)]
 fn combine<const N: usize, const L: usize, const D: usize, const FMA: bool>(
     term: &PassTerm<'_>,
     vectors: &[&[[f64; L]]],
-    (out, stride, at): (&mut [f64], usize, usize),
-    (from, weights): (usize, &[f64]),
+    weighted: WeightedVertices<'_>,
+    output: BandRows<'_>,
     square: &mut f64,
 ) {
+    let BandRows { out, stride, at } = output;
+    let WeightedVertices { from, weights } = weighted;
     let a: [f64; N] = std::array::from_fn(|i| term.coefficients[i]);
     let n = weights.len();
     let v: [&[[f64; L]]; N] = std::array::from_fn(|i| &vectors[term.first + i][from..][..n]);
@@ -355,13 +399,13 @@ fn combine_all<const L: usize, const D: usize, const FMA: bool>(
     // function.
     for from in (0..n_own).step_by(COMBINED_TOGETHER) {
         let to = (from + COMBINED_TOGETHER).min(n_own);
-        let own = (from, &pass.weights[from..to]);
+        let own = WeightedVertices { from, weights: &pass.weights[from..to] };
         for ((term, out), square) in pass.terms.iter().zip(&mut *pass.outs).zip(&mut squares) {
-            let out = (&mut out[from * stride..to * stride], stride, at);
+            let out = BandRows { out: &mut out[from * stride..to * stride], stride, at };
             macro_rules! unrolled {
                 ($($n:literal)*) => {
                     match term.coefficients.len() {
-                        $($n => combine::<$n, L, D, FMA>(term, vectors, out, own, square),)*
+                        $($n => combine::<$n, L, D, FMA>(term, vectors, own, out, square),)*
                         n => unreachable!("{n} terms in one pass"),
                     }
                 };
@@ -509,7 +553,7 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     let (own_columns, ring_columns) = tile.columns().split_at(n_own_entries);
     let (own_weights, ring_weights) = rest.as_flattened_mut().split_at_mut(n_own_entries);
     if n_steps > 0 {
-        let rows = (tile.offsets(), tile.weights());
+        let rows = WeightRows { offsets: tile.offsets(), weights: tile.weights() };
         gather::<CHECKED>(own_rows, tile.own_runs(), rows, own_weights);
         gather::<CHECKED>(ring_rows, tile.ring_runs(n_steps - 1), rows, ring_weights);
     }
@@ -522,14 +566,15 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
             vectors.next.len() == tile.n_within(n_steps - i) && vectors.before.len() >= vectors.next.len()
         );
         assert!(vectors.now.len() == tile.n_within(n_steps + 1 - i));
-        let own = (own_rows, tile.own_runs());
-        let rings = (ring_rows, tile.ring_runs(n_steps - i));
+        let (own_runs, ring_runs) = (tile.own_runs(), tile.ring_runs(n_steps - i));
+        let own = RowEntries { columns: own_columns, weights: &*own_weights };
+        let rings = RowEntries { columns: ring_columns, weights: &*ring_weights };
         if pass.is_lazy {
-            step::<I, L, FMA, CHECKED, true>(own, own_columns, own_weights, &mut vectors, scale);
-            step::<I, L, FMA, CHECKED, true>(rings, ring_columns, ring_weights, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, true>(own_rows, own_runs, own, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, true>(ring_rows, ring_runs, rings, &mut vectors, scale);
         } else {
-            step::<I, L, FMA, CHECKED, false>(own, own_columns, own_weights, &mut vectors, scale);
-            step::<I, L, FMA, CHECKED, false>(rings, ring_columns, ring_weights, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, false>(own_rows, own_runs, own, &mut vectors, scale);
+            step::<I, L, FMA, CHECKED, false>(ring_rows, ring_runs, rings, &mut vectors, scale);
         }
     }
     let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
