@@ -31,6 +31,7 @@ pub enum Weights {
 
 /// Reasons for which differential coordinates or their reconstruction cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DifferentialError {
     /// The linear system could not be solved.
     #[error(transparent)]

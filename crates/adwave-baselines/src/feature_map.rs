@@ -14,6 +14,7 @@ use thiserror::Error;
 
 /// Reasons for which a feature map cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum FeatureMapError {
     /// The shape has no faces and therefore no vertex links.
     #[error("critical points need a mesh; this shape is a cloud or a graph")]

@@ -17,6 +17,7 @@ use thiserror::Error;
 
 /// Reasons for which harmonics cannot be computed or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum HarmonicsError {
     /// The eigenpairs could not be computed.
     #[error(transparent)]

@@ -13,6 +13,7 @@ use thiserror::Error;
 
 /// Reasons for which the saliency cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LeeError {
     /// The shape has no faces and therefore no curvature.
     #[error("mesh saliency needs a mesh; this shape is a cloud or a graph")]

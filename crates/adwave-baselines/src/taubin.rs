@@ -10,6 +10,7 @@ use thiserror::Error;
 
 /// Reasons for which a filter cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TaubinError {
     /// The pass band lies outside the spectrum.
     #[error("the pass band must lie between 0 and 2 (exclusive), got {0}")]

@@ -6,6 +6,7 @@ use adwave::{Cancelled, ClassifiedError, ErrorKind};
 
 /// Reasons for which bytes cannot be read as a shape.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// Error in a named file.
     #[error("{path}: {source}")]
@@ -137,6 +138,7 @@ impl ReadError {
 
 /// Reasons for which a shape cannot be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum WriteError {
     /// Error in a named file.
     #[error("{path}: {source}")]

@@ -14,6 +14,7 @@ use thiserror::Error;
 
 /// Reasons for which a name does not select a signal.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum NamedSignalError {
     /// The signal does not exist, or does not fit the shape.
     #[error("{0}")]

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Reasons for which a picture cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// The picture has no pixels.
     #[error("the picture must have at least 1x1 pixels, got {width}x{height}")]

@@ -11,6 +11,7 @@ pub const MAX_SIDE: u32 = 16_384;
 
 /// Background behind the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Background {
     /// Transparent: alpha 0.
     Transparent,
@@ -30,6 +31,7 @@ impl Background {
 
 /// Projection of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Projection {
     /// Parallel rays: equal lengths appear equal at any depth.
     Orthographic,
@@ -65,6 +67,7 @@ const MAX_ZOOMED_SAMPLES: f64 = 1e6;
 
 /// Visibility of a field's color bar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ColorBar {
     /// Drawn beside the shape if there is room for it.
     #[default]

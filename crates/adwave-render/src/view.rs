@@ -87,6 +87,7 @@ impl FromStr for View {
 
 /// Reasons for which a view is invalid.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ViewError {
     /// The text is neither a name nor two numbers.
     #[error(

@@ -116,6 +116,7 @@ pub fn demo(
 
 /// Error of the demo.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DemoError {
     /// The caller cancelled the call.
     #[error(transparent)]

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 /// Target of thinning.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum CloudTarget {
     /// Smallest distance between kept points, in model units; every dropped point has a kept one within it.
     Spacing(f64),

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 /// Target of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum MeshTarget {
     /// Largest measured distance, in model units, reached with as few vertices as possible.
     Error(f64),

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Error of masking vertices.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MaskError {
     /// The number of flags does not match the shape.
     #[error("there are {n_flags} flags for {n_vertices} vertices")]

@@ -12,6 +12,7 @@ use thiserror::Error;
 /// Treatment of the borders of an open mesh or cloud when its coordinates are filtered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Borders {
     /// Vertices of parts with a border move along the normals only, unless a direction is set. Flat areas and the
     /// outline keep their place, and bumps near the outline are smoothed as elsewhere.
@@ -59,6 +60,7 @@ named_values!(MoveDirection, "direction", {
 /// Treatment of the volume of a closed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Volume {
     /// The volume that the filter gives.
     #[default]
@@ -85,6 +87,7 @@ pub struct PositionParams {
 
 /// Error of constraining positions.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PositionsError {
     /// The volume should be kept, but the surface does not enclose one.
     #[error(

@@ -27,6 +27,7 @@ use thiserror::Error;
 
 /// Method that adwave is compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Smoothing by manifold harmonics with the gain `e^(−λt)` of heat; both gains are ½ at the same frequency.
     Harmonics,
@@ -65,6 +66,7 @@ named_values!(Method, "method", {
 /// Reasons for which a comparison cannot be made.
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // each variant wraps the error of the module it names
+#[non_exhaustive]
 pub enum CompareError {
     #[error(transparent)]
     Bands(#[from] BandsError),

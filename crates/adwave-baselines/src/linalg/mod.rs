@@ -28,6 +28,7 @@ use thiserror::Error;
 
 /// Reasons for which a system cannot be solved or eigenpairs cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum LinalgError {
     /// An entry of a matrix is NaN or infinite.
     #[error("entry ({row}, {column}) of the matrix must be finite, got {value}")]

@@ -27,6 +27,7 @@ pub const MAX_LEVELS: usize = 62;
 
 /// Reasons for which diffusion wavelets cannot be built.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum MultiscaleError {
     /// Too many vertices for dense bases.
     #[error("dense bases are limited to {most} vertices, got {n}", most = MAX_VERTICES)]

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 /// Scheme that filters the normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum NormalScheme {
     /// Repeated filter; each round takes its weights from the normals of the previous round.
     Local {

@@ -27,6 +27,7 @@ use thiserror::Error;
 
 /// Reasons for which a mesh cannot be denoised.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum NormalFilterError {
     /// The shape has no faces and therefore no normals.
     #[error(
@@ -74,6 +75,7 @@ pub enum NormalFilterError {
 
 /// Neighborhood of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum FaceNeighbors {
     /// Faces that share a vertex.
     #[default]

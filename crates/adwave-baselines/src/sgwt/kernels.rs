@@ -12,6 +12,7 @@ const MAX_KERNELS: usize = 256;
 
 /// Family of kernels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum KernelFamily {
     /// `g(sλ) = sλ·e^(−sλ)` and a low pass: smooth and therefore of low degree.
     MexicanHat,

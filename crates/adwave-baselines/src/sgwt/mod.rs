@@ -25,6 +25,7 @@ use thiserror::Error;
 
 /// Reasons for which a frame cannot be built or applied.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SgwtError {
     /// A linear algebra step failed.
     #[error(transparent)]

@@ -43,6 +43,7 @@ pub(crate) use with_values;
 /// Type of one number in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // the names are the types
+#[non_exhaustive]
 pub enum ValueType {
     U8,
     I8,

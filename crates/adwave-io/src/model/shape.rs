@@ -9,6 +9,7 @@ use crate::{Direction, Edges, ShapeFile};
 
 /// Kind of shape that the content of a file is interpreted as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ShapeKind {
     /// Points and faces.
     Mesh,
@@ -20,6 +21,7 @@ pub enum ShapeKind {
 
 /// Reasons for which the content of a file cannot be changed or used as requested.
 #[derive(Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShapeFileError {
     /// The number of new points differs from the number of vertices.
     #[error("expected {n_vertices} points, one per vertex; got {found}")]

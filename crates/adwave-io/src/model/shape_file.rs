@@ -10,6 +10,7 @@ use crate::{Field, Format, ShapeFileError};
 
 /// Number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Precision {
     /// 32-bit floating point.
     F32,
@@ -19,6 +20,7 @@ pub enum Precision {
 
 /// Directions that a listed edge represents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Direction {
     /// `[a, b]` represents both directions.
     #[default]

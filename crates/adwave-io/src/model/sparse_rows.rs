@@ -20,6 +20,7 @@ pub struct SparseRows<'a> {
 /// Borrowed values of a matrix.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the types
+#[non_exhaustive]
 pub enum MatrixValues<'a> {
     F32(&'a [f32]),
     F64(&'a [f64]),

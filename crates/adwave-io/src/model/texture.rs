@@ -36,6 +36,7 @@ impl TextureRequest<'_> {
 
 /// Reasons for which there are no colors.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TextureError {
     /// The file of the shape, or of its materials, cannot be read.
     #[error(transparent)]

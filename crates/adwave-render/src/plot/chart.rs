@@ -8,6 +8,7 @@ use std::ops::Range;
 
 /// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AxisScale {
     /// Linear scale.
     #[default]
@@ -29,6 +30,7 @@ pub struct Axis {
 
 /// Drawing style of a series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Mark {
     /// A line through its points.
     #[default]

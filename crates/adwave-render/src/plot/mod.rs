@@ -27,6 +27,7 @@ const MIN_SIDE: u32 = 64;
 
 /// Reasons for which a chart cannot be drawn.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PlotError {
     /// The chart has no points.
     #[error("the chart '{title}' has no points")]

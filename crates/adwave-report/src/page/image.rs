@@ -37,6 +37,7 @@ impl ClassifiedError for ImageError {
 
 /// Encoding of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ImageKind {
     /// Lossless pixels.
     Png,

@@ -47,6 +47,7 @@ pub type FigureError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Error of [`reproduce()`].
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ReproduceError {
     /// The folder or a file in it cannot be written.
     #[error("cannot write {path}: {source}")]

@@ -35,6 +35,7 @@ const MAX_ENTRIES: usize = 200_000;
 
 /// Error of finding or reading models.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ModelError {
     /// A folder does not exist or cannot be read.
     #[error("the folder of models {folder} cannot be read: {source}")]

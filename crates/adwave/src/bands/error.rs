@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Error of splitting a signal into bands.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum BandsError {
     /// The length of the signal does not match the shape.
     #[error("the signal has {n_values} values, which is not {n_vertices} vertices × {n_channels} channels")]

@@ -7,6 +7,7 @@ pub const FINEST_ACCURACY: f64 = 1e-13;
 
 /// Method of computing the bands. All methods agree within the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Engine {
     /// [`Chebyshev`](Self::Chebyshev) if the operator is reversible, else [`Powers`](Self::Powers).
     #[default]

@@ -20,6 +20,7 @@ const WHOLE: f64 = 1e-12;
 
 /// Why a list of levels is no schedule.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ScheduleError {
     /// There is no level.
     #[error("a schedule needs at least one level")]

@@ -110,6 +110,7 @@ fn check_tolerance(tolerance: f64) -> Result<(), BasisError> {
 
 /// Error of computing a basis.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum BasisError {
     /// The tolerance is negative or NaN, or it drops everything.
     #[error("the drop tolerance must be at least 0 and below 1, got {0}; the default is 1e-6")]

@@ -52,6 +52,7 @@ pub struct ResolvedLevels {
 
 /// Levels that no shape can have, or text that names no levels.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum LevelSpecError {
     /// The number of levels, voices or steps is wrong.
     #[error(transparent)]

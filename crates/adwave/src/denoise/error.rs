@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Error of denoising a shape or a signal.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DenoiseError {
     /// The shape is a graph, which has no positions.
     #[error("a graph has no positions to denoise; denoise a field of it")]

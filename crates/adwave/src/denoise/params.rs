@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Treatment of creases, where the surface turns abruptly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Creases {
     /// Whatever the estimated risk prefers.
     #[default]

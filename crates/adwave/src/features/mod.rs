@@ -54,6 +54,7 @@ impl Feature {
 
 /// Error of feature detection.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum FeatureError {
     /// There are fewer than 3 levels; a feature needs a finer and a coarser level.
     #[error("features need at least 3 levels, got {n_levels}; use more levels")]

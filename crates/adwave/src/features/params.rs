@@ -13,6 +13,7 @@ pub const FEATURE_EXTENT: f64 = 2.0 * crate::bands::DEFAULT_EXTENT;
 
 /// Response R(j,x) that is compared in space and scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Response {
     /// `W_f(j,x) / mean_x‖W_f(j,x)‖`: each level divided by its own mean, so that levels are comparable.
     #[default]
@@ -35,6 +36,7 @@ named_values!(Response, "response", {
 
 /// Set of vertices over which the threshold takes its mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ThresholdScope {
     /// The whole shape.
     #[default]
@@ -45,6 +47,7 @@ pub enum ThresholdScope {
 
 /// Refinement of features between vertices and levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Refinement {
     /// None: the vertex and σ_j.
     #[default]

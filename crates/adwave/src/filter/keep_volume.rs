@@ -24,6 +24,7 @@ named_values!(KeepVolume, "way to keep the volume", {
 
 /// A filter whose volume cannot be kept by further levels.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum KeepVolumeError {
     /// The layer changes bands in another way than dropping all of them.
     #[error(

@@ -207,6 +207,7 @@ fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<R
 
 /// Error of applying an edit.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum FilterError {
     /// The number of gains does not match the number of levels.
     #[error("{n_gains} gains were given for {n_levels} levels; give one gain per level, fine to coarse")]

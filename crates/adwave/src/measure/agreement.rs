@@ -25,6 +25,7 @@ pub struct Agreement {
 
 /// Error of comparing maps.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AgreementError {
     /// The map and the fixations have different lengths.
     #[error("the map and the fixations must have the same length, got {n_map} and {n_fixations}")]

@@ -42,6 +42,7 @@ pub enum Change {
 
 /// Error of changing a shape.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ChangeError {
     /// The shape is a graph, which has no positions.
     #[error("a graph has no positions that could be changed")]

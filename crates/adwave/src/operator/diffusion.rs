@@ -14,6 +14,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 13;
 
 /// Error of building a diffusion operator from a matrix.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum DiffusionError {
     /// An entry is negative, NaN or infinite.
     #[error(

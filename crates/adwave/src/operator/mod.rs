@@ -20,6 +20,7 @@ use thiserror::Error;
 
 /// Symmetry of the neighbor graph of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CloudGraph {
     /// `y` is a neighbor of `x` if either is among the nearest points of the other. Φ₁ is then reversible and its
     /// spectrum real.
@@ -48,6 +49,7 @@ named_values!(OperatorKind, "operator", {
 
 /// Task that decides which operator is used if none is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum OperatorTask {
     /// Levels are counted in steps.
     StepLevels,

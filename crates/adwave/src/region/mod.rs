@@ -98,6 +98,7 @@ pub enum Location {
 /// A soft region of a shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Region {
     /// The whole shape.
     Everywhere {},
@@ -240,6 +241,7 @@ fn no_length() -> Length {
 
 /// Error of applying a region to a shape.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RegionError {
     /// The region names a vertex that does not exist.
     #[error("the region names vertex {vertex}, but the shape has {n_vertices} vertices, counted from 0")]

@@ -14,6 +14,7 @@ use thiserror::Error;
 
 /// Syntax error in the text of a region.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RegionSyntaxError {
     /// The text is not a length.
     #[error("'{}' is not a length; write model units (0.25) or a percentage of the diagonal (5%)", one_line(.0))]

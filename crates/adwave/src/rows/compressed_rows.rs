@@ -255,8 +255,8 @@ pub(crate) struct RowView<'a, V> {
 }
 
 impl<'a, V> From<(&'a [u32], &'a [V])> for RowView<'a, V> {
-    fn from((columns, values): (&'a [u32], &'a [V])) -> Self {
-        Self { columns, values }
+    fn from(row: (&'a [u32], &'a [V])) -> Self {
+        Self { columns: row.0, values: row.1 }
     }
 }
 

@@ -22,6 +22,7 @@ use thiserror::Error;
 
 /// Error of building or converting compressed rows.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RowsError {
     /// The list of offsets is empty.
     #[error("the list of offsets is empty; a matrix without rows has the single offset 0")]

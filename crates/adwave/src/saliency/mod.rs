@@ -24,6 +24,7 @@ const VERTICES_AT_A_TIME: usize = 1 << 12;
 
 /// Error of computing saliency.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SaliencyError {
     /// No level is left.
     #[error(

@@ -43,6 +43,7 @@ pub enum Sign {
 
 /// Weighting of the levels of a map by its name; all but `signed` give a map without a sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MapWeighting {
     /// [`Weighting::Entropy`] with the sign, over all levels.
     #[default]

@@ -87,6 +87,7 @@ pub const SAMPLE_NAMES: [SampleInfo; 6] = [
 
 /// Error of generating a sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SampleError {
     /// No sample has this name.
     #[error("there is no sample `{name}`; choose one of {}", names())]

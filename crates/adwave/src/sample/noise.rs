@@ -7,6 +7,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// Standard deviation of noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum NoiseSigma {
     /// In model units.
     Model(f64),

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Error of building a graph from a list of edges.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum GraphError {
     /// The graph has no nodes.
     #[error("the graph has no nodes")]

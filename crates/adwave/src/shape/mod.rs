@@ -83,6 +83,7 @@ impl Shape {
 
 /// Error of building a shape from points and faces.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ShapeError {
     /// The shape has no vertices.
     #[error("the shape has no vertices")]

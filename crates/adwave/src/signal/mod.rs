@@ -47,6 +47,7 @@ const FLAT: f64 = 1e-6;
 
 /// A signal derived from the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SurfaceSignal {
     /// Unit normals, three channels.
     Normals,
@@ -99,6 +100,7 @@ impl SurfaceSignal {
 
 /// Error of deriving a signal from a shape.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SignalError {
     /// The shape is a graph, which has no positions.
     #[error("a graph has no positions, so it has no {}; name a field", .kind.name())]

@@ -74,7 +74,7 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
         adwave::filter::KeepVolumeError::NotSmoothing { .. } => {
             CliError::Input(format!("{error} (--keep-volume offset)"))
         }
-        other @ adwave::filter::KeepVolumeError::Schedule(_) => other.into(),
+        other => other.into(),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::{WriteError, atomic_write};
 
 /// Compression of arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Compression {
     /// Uncompressed.
     #[default]
@@ -21,6 +22,7 @@ pub enum Compression {
 /// Borrowed numbers of an array.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the types
+#[non_exhaustive]
 pub enum ArrayValues<'a> {
     U8(&'a [u8]),
     U32(&'a [u32]),

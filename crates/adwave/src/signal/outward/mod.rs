@@ -97,6 +97,7 @@ impl std::fmt::Display for OutwardInfo {
 
 /// Error of finding outward normals.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum OutwardError {
     /// The shape is a graph, which has no positions.
     #[error("a graph has no positions, so it has no outside")]
