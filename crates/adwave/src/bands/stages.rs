@@ -14,7 +14,7 @@
 use super::chebyshev::EvaluationInfo;
 use super::series::Series;
 use super::transform::add;
-use super::{BandsError, Engine, Schedule, Transform};
+use super::{BandsError, BandsInfo, Engine, Schedule, Transform};
 use crate::Progress;
 use crate::operator::Semigroup;
 use crate::pages::zeros;
@@ -28,6 +28,16 @@ const RATIO: f64 = 64.0;
 
 /// Vectors of the size of the signal that stages take beside the results.
 pub(super) const EXTRA_VECTORS: u64 = 3;
+
+impl BandsInfo {
+    /// Adds the vectors of `len` values that more than one stage takes.
+    pub(super) fn with_stages(mut self, n_stages: usize, len: usize) -> Self {
+        if n_stages > 1 {
+            self.bytes += EXTRA_VECTORS * 8 * len as u64;
+        }
+        self
+    }
+}
 
 /// The part of a level that one stage computes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -128,7 +128,7 @@ impl Transform {
                 add(1.0, now, wavelets[level], n_channels);
             })?
         };
-        Ok(self.info(&outcome, n_channels))
+        Ok(self.info(&outcome, n_channels).with_stages(stages.len(), signal.len()))
     }
 
     /// Computes `Σ_j factors[j−1]·W_f(j)` into `out`, n_vertices × n_channels, by a single polynomial of Φ₁. A
@@ -178,7 +178,7 @@ impl Transform {
                 add(factors[level], now, out, n_channels);
             })?
         };
-        Ok(self.info(&outcome, n_channels))
+        Ok(self.info(&outcome, n_channels).with_stages(stages.len(), signal.len()))
     }
 
     /// Series of the band between two numbers of steps. For fractional powers it interpolates, with the remainder

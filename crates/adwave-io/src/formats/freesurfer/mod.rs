@@ -3,7 +3,8 @@
 //!
 //! Such files have no ending of their own; their first bytes tell.
 //!
-//! Library: none. The formats are a few counts and lists, and the creator and the tail of a surface are kept.
+//! Library: none. `neuroformats` (0.2) panics on files that are cut, on surfaces of quadrangles and on any other file,
+//! and drops the tail of a surface (the volume that it belongs to), which is kept here.
 
 pub(crate) mod overlay;
 pub(crate) mod read;
