@@ -252,7 +252,7 @@ fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LA
             ($($degree:literal)*) => {
                 match degree {
                     $($degree => fixed::<I, $degree, L, FMA, CHECKED, LAZY>(rows, these, vectors, scale),)*
-                    _ => any::<I, L, FMA, CHECKED, LAZY>(rows, degree, these, vectors, scale),
+                    _ => any::<I, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale),
                 }
             };
         }
@@ -313,18 +313,18 @@ fn fixed<
 #[inline(always)]
 fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     rows: impl TileRows,
-    degree: usize,
+    run: DegreeRun,
     entries: RowEntries<'_, I>,
     vectors: &mut StepVectors<'_, L>,
     scale: f64,
 ) {
     let RowEntries { columns, weights } = entries;
     let StepVectors { before, now, next } = vectors;
-    for (r, (columns, weights)) in columns.chunks_exact(degree).zip(weights.chunks_exact(degree)).enumerate()
-    {
+    let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
+    for r in 0..n_rows {
         let row = rows.get::<CHECKED>(r);
         let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
-        for (column, &w) in columns.iter().zip(weights) {
+        for (column, &w) in columns[r * degree..][..degree].iter().zip(&weights[r * degree..][..degree]) {
             let there = get::<_, CHECKED>(now, column.get());
             for c in 0..L {
                 let moved = if LAZY { there[c] } else { there[c] - here[c] };
