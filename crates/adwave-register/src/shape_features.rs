@@ -78,12 +78,12 @@ pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64
         if side.geometry().points().is_empty() {
             return Err(DescribeError::NoPositions);
         }
-        if !(side.diagonal() > 0.0 && side.mean_length() > 0.0) {
+        if !(side.extent() > 0.0 && side.mean_length() > 0.0) {
             return Err(DescribeError::NoExtent);
         }
     }
     let finest = first.mean_length().max(second.mean_length());
-    let octaves = (MAX_RELATIVE_WIDTH * first.diagonal().min(second.diagonal()) / finest).log2();
+    let octaves = (MAX_RELATIVE_WIDTH * first.extent().min(second.extent()) / finest).log2();
     let n_levels = ((2.0 * octaves).ceil().max(0.0) as usize + 1).max(MIN_LEVELS);
     Ok((0..n_levels).map(|j| finest * (j as f64 / 2.0).exp2()).collect())
 }

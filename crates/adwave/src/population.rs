@@ -2,20 +2,26 @@
 
 use crate::operator::Semigroup;
 use crate::{Decomposer, parallel};
+use std::borrow::Cow;
 
 /// The welded vertices of a shape without the masked ones, with weight 1 each for a walk, and weighted by area for
 /// heat on the surface.
 pub(crate) struct Population<'a> {
-    masked: Option<&'a [bool]>,
+    masked: Option<Cow<'a, [bool]>>,
     areas: Option<&'a [f64]>,
     total: f64,
 }
 
 impl<'a> Population<'a> {
     pub(crate) fn new(decomposer: &'a Decomposer) -> Self {
-        let masked = decomposer.mask_flags();
+        let mut masked = decomposer.mask_flags().map(Cow::Borrowed);
         let n_welded = decomposer.geometry().n_vertices();
-        let n = masked.map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
+        if let Some(mut outsiders) = decomposer.geometry().participation().outsiders() {
+            let flags = masked.iter().flat_map(|flags| flags.iter());
+            outsiders.iter_mut().zip(flags).for_each(|(out, masked)| *out |= masked);
+            masked = Some(Cow::Owned(outsiders));
+        }
+        let n = masked.as_ref().map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
         // The areas of masked vertices are 0. If no vertex has an area, all have the same weight.
         let total = parallel::sum(n_welded, |x| decomposer.welded_areas()[x]);
         if decomposer.diffusion().semigroup() == Semigroup::Steps || total <= 0.0 {
@@ -35,7 +41,7 @@ impl<'a> Population<'a> {
     }
 
     pub(crate) fn is_masked(&self, x: usize) -> bool {
-        self.masked.is_some_and(|masked| masked[x])
+        self.masked.as_ref().is_some_and(|masked| masked[x])
     }
 
     /// Weighted mean of |value|.

@@ -2,7 +2,6 @@
 
 use crate::named_values;
 use crate::parallel;
-use crate::shape::{enclosed_volume, triangles_at_vertices, try_vertex_normals};
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
@@ -271,7 +270,6 @@ fn raw_normals(
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    let triangles = decomposer.geometry().triangles();
     if decomposer.is_cloud() {
         return aligned_normals(
             points,
@@ -280,8 +278,7 @@ fn raw_normals(
             progress,
         );
     }
-    let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
-    try_vertex_normals(points, triangles, &at_vertex, progress)
+    decomposer.geometry().incidence(progress)?.normals(points, progress)
 }
 
 /// New positions shifted along their normals by one offset, so that the volume equals that of the old positions.
@@ -292,7 +289,7 @@ fn with_volume_of(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let geometry = decomposer.geometry();
-    let (map, triangles) = (geometry.vertex_map(), geometry.triangles());
+    let map = geometry.vertex_map();
     let Some(wanted) = decomposer.health().volume else { return Err(PositionsError::NoVolume) };
     let points = map.try_positions(after, progress)?;
     let old = map.try_positions(before, progress)?;
@@ -305,7 +302,7 @@ fn with_volume_of(
     let moved = |offset: f64| -> Result<f64, Cancelled> {
         let points =
             parallel::try_collect(points.len(), progress, |x| add_scaled(&points[x], offset, &normals[x]))?;
-        Ok(enclosed_volume(&points, triangles))
+        Ok(geometry.volume_of(&points))
     };
     let mut offset = 0.0;
     let step = 1e-3 * decomposer.mean_length();

@@ -128,8 +128,20 @@ impl ShapeFile {
             ShapeKind::Mesh => {
                 Shape::Mesh(Mesh::from_shared(Arc::clone(&self.points), Arc::clone(&self.faces))?)
             }
-            ShapeKind::Cloud => Shape::Cloud(PointCloud::from_shared(Arc::clone(&self.points))?),
+            ShapeKind::Cloud => Shape::Cloud(self.to_cloud()?),
             ShapeKind::Graph => Shape::Graph(self.to_graph()?),
+        })
+    }
+
+    /// The points, with the normals that the file has.
+    fn to_cloud(&self) -> Result<PointCloud, ShapeFileError> {
+        let cloud = PointCloud::from_shared(Arc::clone(&self.points))?;
+        let normals = self.field("normal").filter(|field| field.n_channels == 3).map(|f| f.values.to_f64());
+        Ok(match normals {
+            Some(normals) if normals.len() == 3 * self.points.len() => {
+                cloud.with_normals(normals.as_chunks().0.to_vec())
+            }
+            _ => cloud,
         })
     }
 

@@ -107,6 +107,6 @@ impl FaceFiles {
                 }
             }
         }
-        Ok(triangulate(points, &faces))
+        Ok(triangulate(points, &faces.with_canonical_starts(points)))
     }
 }

@@ -3,7 +3,6 @@
 use super::Decomposer;
 use crate::parallel;
 use crate::region::SurfaceSearch;
-use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
@@ -24,8 +23,7 @@ impl Decomposer {
         let mut border: Vec<usize> =
             single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
         if let Some(masked) = self.mask_flags() {
-            let at_vertex = triangles_at_vertices(geometry.n_vertices(), geometry.triangles(), progress)?;
-            let whole = try_one_ring(geometry.triangles(), &at_vertex, progress)?;
+            let whole = geometry.incidence(progress)?.ring(progress)?;
             border.extend((0..masked.len()).filter(|&x| whole.row(x).iter().any(|&y| masked[y as usize])));
             border.retain(|&x| !masked[x]);
         }

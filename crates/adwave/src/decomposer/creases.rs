@@ -1,10 +1,7 @@
 //! Diffusion that does not cross creases.
 
 use crate::operator::Diffusion;
-use crate::shape::{
-    PreparedGeometry, Shape, squared_distance, triangles_at_vertices, try_nearest_neighbors,
-    try_vertex_normals,
-};
+use crate::shape::{PreparedGeometry, Shape, squared_distance};
 use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
 use crate::sparse::try_apply;
 use crate::{Cancelled, Progress};
@@ -41,7 +38,7 @@ fn normals(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option
         Shape::Graph(_) => Ok(None),
         // Only the agreement of neighbors matters, not which side is outside.
         Shape::Cloud(_) => {
-            let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
+            let near = geometry.nearest(&points, FIT_NEIGHBORS, progress)?;
             try_cloud_normals(&points, &near, progress).map(Some)
         }
         Shape::Mesh(_) => {
@@ -51,9 +48,7 @@ fn normals(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<Option
                 Err(other) => unreachable!("{other}"),
             };
             // Without an outside, the orientation of the triangles decides.
-            let triangles = geometry.triangles();
-            let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
-            let as_given = try_vertex_normals(&points, triangles, &at_vertex, progress)?;
+            let as_given = geometry.incidence(progress)?.normals(&points, progress)?;
             for (n, given) in normals.iter_mut().zip(as_given) {
                 if *n == [0.0; 3] {
                     *n = given;

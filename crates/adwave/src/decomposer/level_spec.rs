@@ -1,7 +1,7 @@
 //! Levels as they are asked for, and the schedule that they are on a shape.
 
 use super::Decomposer;
-use crate::bands::{FWHM, Schedule, ScheduleError};
+use crate::bands::{DEFAULT_EXTENT, FWHM, Schedule, ScheduleError};
 use crate::operator::OperatorTask;
 use crate::region::Length;
 use crate::{ClassifiedError, ErrorKind};
@@ -120,7 +120,8 @@ impl LevelSpec {
         Ok(())
     }
 
-    /// The schedule of these levels on a shape. `extent` is the share of the diagonal that the last level reaches if no number is
+    /// The schedule of these levels on a shape. For [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT) the default is
+    /// [`Decomposer::default_schedule`]. `extent` is the share of the diagonal that the last level reaches if no number is
     /// asked for, such as [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT).
     ///
     /// ```
@@ -141,6 +142,8 @@ impl LevelSpec {
             None => decomposer.levels_reaching(extent),
         };
         match self {
+            // Wider levels measure and edit nothing.
+            Self::Default if extent <= DEFAULT_EXTENT => Ok(decomposer.default_schedule()),
             Self::Default => {
                 let (levels, reason) = reaching(None);
                 Ok(ResolvedLevels { schedule: Schedule::dyadic(levels)?, reason })
@@ -161,7 +164,7 @@ impl LevelSpec {
                 Ok(ResolvedLevels { schedule, reason })
             }
             Self::Widths(widths) => {
-                let diagonal = decomposer.diagonal();
+                let diagonal = decomposer.extent();
                 let sigma: Vec<f64> = widths.iter().map(|width| width.to_model_units(diagonal)).collect();
                 let schedule = Schedule::lengths(&sigma, decomposer.diffusion().step_length())?;
                 let reason = format!("{}, of the widths asked for", count_levels(schedule.n_levels()));

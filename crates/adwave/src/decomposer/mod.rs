@@ -2,13 +2,14 @@
 
 mod border;
 mod creases;
+mod default_schedule;
 mod level_spec;
 mod request;
 
 pub use level_spec::{LevelSpec, LevelSpecError, ResolvedLevels};
 pub use request::BandsRequest;
 
-use crate::bands::{Bands, BandsError, BandsParams, DEFAULT_EXTENT, Schedule, Transform, levels_reaching};
+use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
@@ -18,7 +19,6 @@ use crate::operator::{
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
-use crate::shape::{triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
 use creases::respect_creases;
 use std::borrow::Cow;
@@ -81,7 +81,10 @@ pub struct Decomposer {
     /// Areas of the welded vertices.
     areas: Arc<[f64]>,
     mean_length: f64,
+    /// Diagonal of the bounding box of all vertices.
     diagonal: f64,
+    /// Size of the largest part without strays.
+    extent: f64,
     /// Mask of the vertices without a value.
     mask: Option<Arc<Mask>>,
     params: OperatorParams,
@@ -122,6 +125,7 @@ impl Decomposer {
         let diffusion =
             if params.keep_creases { respect_creases(diffusion, &geometry, progress)? } else { diffusion };
         Ok(Self {
+            extent: geometry.extent(),
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
             areas,
@@ -162,6 +166,7 @@ impl Decomposer {
         };
         let diffusion = self.diffusion().remove_masked(mask.welded(), squared_length, Progress::none());
         let Ok(diffusion) = diffusion else { unreachable!("there is one flag per welded vertex") };
+        let extent = self.geometry.extent_without(mask.welded());
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
         Ok(Self {
             transform: transform(diffusion),
@@ -169,6 +174,7 @@ impl Decomposer {
             mask: Some(Arc::new(mask)),
             ring: Arc::default(),
             metric: Arc::default(),
+            extent,
             ..self.clone()
         })
     }
@@ -204,8 +210,7 @@ impl Decomposer {
     }
 
     fn new_ring(&self, progress: Progress<'_>) -> Result<Adjacency, Cancelled> {
-        let (n, triangles) = (self.geometry.n_vertices(), self.geometry.triangles());
-        let ring = try_one_ring(triangles, &triangles_at_vertices(n, triangles, progress)?, progress)?;
+        let ring = self.geometry.incidence(progress)?.ring(progress)?;
         match self.mask_flags() {
             Some(masked) => ring.remove_masked(masked, progress),
             None => Ok(ring),
@@ -276,7 +281,7 @@ impl Decomposer {
             } else {
                 MetricEdges::Diffusion(Arc::clone(self.diffusion()))
             };
-            SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.diagonal, self.mean_length)
+            SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.extent, self.mean_length)
         })
     }
 
@@ -288,6 +293,13 @@ impl Decomposer {
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
     pub fn diagonal(&self) -> f64 {
         self.diagonal
+    }
+
+    /// Size of the shape in model units, from which default levels and lengths in percent follow: the diagonal of the
+    /// bounding box of its largest part, without vertices that are masked or take no part
+    /// ([`PreparedGeometry::extent`]); 0 for a graph.
+    pub fn extent(&self) -> f64 {
+        self.extent
     }
 
     /// Mean edge length E, or mean distance to the nearest neighbors, in model units.
@@ -310,16 +322,16 @@ impl Decomposer {
         expect_not_cancelled(health(&self.geometry, self.neighbors(), Progress::none()))
     }
 
-    /// Default number of dyadic levels and the reason for it (see
-    /// [`default_levels`](crate::bands::default_levels)).
+    /// Default number of levels and the reason for it (see [`default_schedule`](Self::default_schedule)).
     pub fn default_levels(&self) -> (usize, String) {
-        self.levels_reaching(DEFAULT_EXTENT)
+        let ResolvedLevels { schedule, reason } = self.default_schedule();
+        (schedule.n_levels(), reason)
     }
 
     /// Number of dyadic levels whose last is as wide as a share of the diagonal, and the reason for it (see
     /// [`levels_reaching`]).
     pub fn levels_reaching(&self, share: f64) -> (usize, String) {
-        levels_reaching(share, self.diffusion().step_length(), self.diagonal)
+        levels_reaching(share, self.diffusion().step_length(), self.extent)
     }
 
     /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands (eq. 11) with the

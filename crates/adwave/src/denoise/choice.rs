@@ -64,6 +64,9 @@ impl DenoiseChoice {
         if matches!(geometry.shape(), Shape::Graph(_)) {
             return Err(DenoiseError::NoPositions);
         }
+        if let Some(members) = geometry.members(progress)? {
+            return Self::estimate(&members.geometry, params, progress);
+        }
         let (points, unit) = geometry.unit_points(progress)?;
         let surface = build_surface(geometry, &points, progress)?;
         let mut info = estimate_noise(&surface, &points, unit, params, progress)?;

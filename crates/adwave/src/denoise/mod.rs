@@ -96,6 +96,15 @@ pub fn denoise(
 ) -> Result<Denoised, DenoiseError> {
     params.check()?;
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
+    if let Some(members) = geometry.members(progress)? {
+        // Random numbers are drawn in the order of the points, which the others must not change.
+        let Denoised { points, info } = denoise(&members.geometry, params, progress)?;
+        let mut all = original.to_vec();
+        for (&vertex, point) in members.vertices.iter().zip(points) {
+            all[vertex as usize] = point;
+        }
+        return Ok(Denoised { points: all, info });
+    }
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
     let surface = build_surface(geometry, &points, progress)?;
@@ -134,7 +143,10 @@ fn build_surface(
 ) -> Result<NoisySurface, Cancelled> {
     match geometry.shape() {
         Shape::Mesh(_) => NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress),
-        _ => NoisySurface::cloud(points, progress),
+        _ => {
+            let near = geometry.nearest(points, surface::NEIGHBORS, progress)?;
+            NoisySurface::cloud_of_nearest(points, near, progress)
+        }
     }
 }
 

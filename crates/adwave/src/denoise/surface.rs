@@ -2,7 +2,7 @@
 
 use crate::operator::Sites;
 use crate::parallel;
-use crate::shape::{Adjacency, triangles_at_vertices, try_nearest_neighbors, try_one_ring};
+use crate::shape::{Adjacency, Neighborhoods, triangles_at_vertices, try_nearest_neighbors, try_one_ring};
 use crate::signal::{aligned_normals, try_cloud_normals};
 use crate::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, rows::Pattern};
@@ -62,7 +62,15 @@ impl NoisySurface {
 
     /// A cloud with its nearest neighbors.
     pub(super) fn cloud(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Self, Cancelled> {
-        let near = try_nearest_neighbors(points, NEIGHBORS, progress)?;
+        Self::cloud_of_nearest(points, try_nearest_neighbors(points, NEIGHBORS, progress)?, progress)
+    }
+
+    /// A cloud with its nearest neighbors, if they are known.
+    pub(super) fn cloud_of_nearest(
+        points: &[[f64; 3]],
+        near: Neighborhoods,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let normals = try_cloud_normals(points, &near, progress)?;
         let ring = near.adjacency.union_with_transpose(progress)?;
         Ok(Self::cloud_of_neighbors(ring, normals))

@@ -3,7 +3,7 @@
 //!
 //! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights
 //! (`pinkall1993`) of the intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its
-//! triangle areas. On a mesh that is not a surface they are those of its double cover (`sharp2020`); on a cloud
+//! triangle areas, or where faces have more than three corners its Voronoi cells. On a mesh that is not a surface they are those of its double cover (`sharp2020`); on a cloud
 //! those of Voronoi cells in tangent planes.
 
 mod cloud;
@@ -12,10 +12,10 @@ mod triangulation;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
-use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, try_nearest_neighbors};
+use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length};
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
-use triangulation::{Triangulation, next};
+use triangulation::{Triangulation, next, previous};
 
 /// Largest weight that counts as rounding, relative to cotangents of about 1: the diagonal of a rectangle has
 /// weight 0.
@@ -79,10 +79,19 @@ impl Laplacian {
         let (points, unit) = geometry.unit_points(progress)?;
         let mut laplacian = match geometry.shape() {
             Shape::Cloud(_) => {
-                let near = try_nearest_neighbors(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
+                let near = geometry.nearest(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
                 cloud::laplacian(&points, &near, progress)?
             }
-            _ => mesh_laplacian(&points, geometry.triangles(), progress)?,
+            _ => {
+                let are_triangles = geometry.faces().triangles().is_some();
+                let cells = if are_triangles { MassCells::Thirds } else { MassCells::Voronoi };
+                let mut laplacian = mesh_laplacian(&points, geometry.triangles(), cells, progress)?;
+                if !are_triangles {
+                    let ring = geometry.incidence(progress)?.ring(progress)?;
+                    laplacian.mean_length = mean_edge_length(&points, &ring, progress)?;
+                }
+                laplacian
+            }
         };
         laplacian.unit = unit;
         laplacian.info.lengthened *= unit;
@@ -134,9 +143,20 @@ fn graph_laplacian(
     Ok(Laplacian { weights, mass: vec![1.0; n], unit: 1.0, mean_length: 1.0, info: LaplacianInfo::default() })
 }
 
+/// Cells whose areas are the masses of a mesh.
+#[derive(Clone, Copy, PartialEq)]
+enum MassCells {
+    /// A third of each triangle.
+    Thirds,
+    /// Voronoi cells. If the corners of a polygon lie on a circle, it has several Delaunay triangulations; their
+    /// thirds differ, and their Voronoi cells do not.
+    Voronoi,
+}
+
 fn mesh_laplacian(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    cells: MassCells,
     progress: Progress<'_>,
 ) -> Result<Laplacian, Cancelled> {
     let n = points.len();
@@ -162,11 +182,32 @@ fn mesh_laplacian(
     let share = if is_covered { 0.5 } else { 1.0 };
     let weights = weights(&surface, &at_vertex, n, share, progress)?;
     let mass = parallel::try_collect(n, progress, |x| {
+        if cells == MassCells::Voronoi {
+            return share * cell_area(&surface, at_vertex.row(x), x);
+        }
         let areas = at_vertex.row(x).iter().map(|&t| surface.area(3 * t as usize));
         share / 3.0 * areas.sum::<f64>()
     })?;
     let info = LaplacianInfo { n_flips, is_covered, lengthened };
     Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, info })
+}
+
+/// Area of the Voronoi cell of `x`, whose triangles are `around`, in the surface of a Delaunay triangulation: at each
+/// corner ⅛·(|a|²·cot α + |b|²·cot β) of its sides a and b with their opposite angles α and β.
+fn cell_area(surface: &Triangulation, around: &[u32], x: usize) -> f64 {
+    let mut before = None;
+    let mut area = 0.0;
+    for &t in around {
+        // A triangle with two corners at x appears twice.
+        if before.replace(t) == Some(t) {
+            continue;
+        }
+        for h in (3 * t as usize..3 * t as usize + 3).filter(|&h| surface.corner[h] as usize == x) {
+            let part = |side: usize| surface.length[side].powi(2) * surface.cotangent(side);
+            area += 0.125 * (part(h) + part(previous(h)));
+        }
+    }
+    area.max(0.0)
 }
 
 /// Cotangent weights `w(x,y) = ½(cot α + cot β)`, α and β opposite the edge; edges between the same two vertices

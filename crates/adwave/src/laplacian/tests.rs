@@ -95,7 +95,7 @@ fn the_cover_of_a_surface_has_the_weights_of_the_surface() {
     let sheet = laplacian(&geometry);
     let mut triangles = geometry.triangles().to_vec();
     triangles[5].swap(1, 2);
-    let covered = mesh_laplacian(geometry.points(), &triangles, Progress::none()).unwrap();
+    let covered = mesh_laplacian(geometry.points(), &triangles, MassCells::Thirds, Progress::none()).unwrap();
     assert!(covered.info().is_covered && !sheet.info().is_covered);
     for x in 0..geometry.n_vertices() {
         assert!((sheet.areas()[x] / covered.areas()[x] - 1.0).abs() < 1e-9);

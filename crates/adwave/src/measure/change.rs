@@ -1,7 +1,9 @@
 //! Changes of a shape that features should survive.
 
 use crate::sample::add_noise;
-use crate::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, nearest_neighbors, vertex_normals};
+use crate::shape::{
+    Mesh, PointCloud, Polygons, PreparedGeometry, Shape, face_vertex_normals, nearest_neighbors,
+};
 use crate::signal::{FIT_NEIGHBORS, cloud_normals};
 use crate::{ClassifiedError, Decomposer, ErrorKind};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -140,7 +142,7 @@ fn with_points(shape: &Shape, points: Vec<[f64; 3]>) -> Option<Shape> {
 fn noisy(shape: &Shape, geometry: &PreparedGeometry, sigma: f64, seed: u64) -> Option<Shape> {
     // Applied to the welded vertices, so that they stay welded.
     let normals = match shape {
-        Shape::Mesh(_) => vertex_normals(geometry.points(), geometry.triangles()),
+        Shape::Mesh(_) => face_vertex_normals(geometry.points(), geometry.faces()),
         _ => cloud_normals(geometry.points(), &nearest_neighbors(geometry.points(), FIT_NEIGHBORS)),
     };
     let mut points = geometry.points().to_vec();

@@ -6,7 +6,7 @@ use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_visit_entries};
 use crate::shape::{
     Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
-    triangles_at_vertices, try_cloud_areas, try_k_rings, try_mesh_areas, try_nearest_neighbors, try_one_ring,
+    try_cloud_areas, try_k_rings,
 };
 use crate::{Cancelled, Progress, parallel};
 
@@ -142,12 +142,11 @@ fn mesh_operator(
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
     let (points, unit) = geometry.unit_points(progress)?;
-    let triangles = geometry.triangles();
-    let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
-    let ring = try_one_ring(triangles, &at_vertex, progress)?;
+    let at_vertex = geometry.incidence(progress)?;
+    let ring = at_vertex.ring(progress)?;
     progress.step(1, STAGES)?;
     let mean_length = mean_edge_length(&points, &ring, progress)?;
-    let areas = try_mesh_areas(&points, triangles, &at_vertex, params.mesh_area, progress)?;
+    let areas = at_vertex.areas(&points, params.mesh_area, progress)?;
     drop(at_vertex);
     progress.step(2, STAGES)?;
     let neighbors = if params.rings > 1 { try_k_rings(&ring, params.rings, progress)? } else { ring };
@@ -169,7 +168,7 @@ fn cloud_operator(
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
     let (points, unit) = geometry.unit_points(progress)?;
-    let near = try_nearest_neighbors(&points, params.neighbors, progress)?;
+    let near = geometry.nearest(&points, params.neighbors, progress)?;
     progress.step(1, STAGES)?;
     let total = parallel::try_sum(points.len(), progress, |x| {
         let lengths =

@@ -2,9 +2,7 @@
 
 use super::{SurfaceSearch, stroke};
 use crate::operator::Diffusion;
-use crate::shape::{
-    Adjacency, PreparedGeometry, squared_distance, triangles_at_vertices, try_vertex_normals,
-};
+use crate::shape::{Adjacency, PreparedGeometry, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -132,10 +130,8 @@ impl SurfaceMetric {
         if let Some(normals) = self.normals.get() {
             return Ok(normals);
         }
-        let (points, triangles) = (self.geometry.points(), self.geometry.triangles());
-        let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
         // If two threads arrive here at once, one of them works in vain.
-        let normals = try_vertex_normals(points, triangles, &at_vertex, progress)?;
+        let normals = self.geometry.incidence(progress)?.normals(self.geometry.points(), progress)?;
         Ok(self.normals.get_or_init(|| normals))
     }
 

@@ -94,7 +94,7 @@ pub(crate) fn try_mesh_areas(
 }
 
 /// The part of a triangle that belongs to its corner `x`.
-fn mixed_voronoi(points: &[[f64; 3]], corners: [u32; 3], x: u32) -> f64 {
+pub(super) fn mixed_voronoi(points: &[[f64; 3]], corners: [u32; 3], x: u32) -> f64 {
     let Some(k) = corners.iter().position(|&c| c == x) else { return 0.0 };
     let [a, b, c] = [0, 1, 2].map(|i| &points[corners[(k + i) % 3] as usize]);
     let area = triangle_area(a, b, c);

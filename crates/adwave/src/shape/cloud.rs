@@ -3,10 +3,11 @@
 use super::{ShapeError, check_points};
 use std::sync::Arc;
 
-/// Points without faces and with finite coordinates. Copies share the points.
+/// Points without faces and with finite coordinates, and perhaps given normals. Copies share them.
 #[derive(Clone, Debug)]
 pub struct PointCloud {
     points: Arc<Vec<[f64; 3]>>,
+    normals: Option<Arc<Vec<[f64; 3]>>>,
 }
 
 impl PointCloud {
@@ -24,7 +25,24 @@ impl PointCloud {
     /// As for [`new`](Self::new).
     pub fn from_shared(points: Arc<Vec<[f64; 3]>>) -> Result<Self, ShapeError> {
         check_points(&points)?;
-        Ok(Self { points })
+        Ok(Self { points, normals: None })
+    }
+
+    /// The cloud with given normals, of any length and zero or NaN where there is none, that tell sheets apart which are
+    /// closer to each other than the points: a neighbor with the opposite normal is not a neighbor. Where the signs of
+    /// normals are arbitrary they are not used; this is decided by the points.
+    ///
+    /// # Panics
+    /// Unless there is one normal per point.
+    #[must_use]
+    pub fn with_normals(self, normals: Vec<[f64; 3]>) -> Self {
+        assert_eq!(normals.len(), self.points.len(), "a normal for each point");
+        Self { normals: Some(Arc::new(normals)), ..self }
+    }
+
+    /// The given normals.
+    pub fn normals(&self) -> Option<&[[f64; 3]]> {
+        self.normals.as_deref().map(Vec::as_slice)
     }
 
     /// The points in model units.

@@ -1,7 +1,7 @@
 //! Counts of the elements and defects of a shape, which explain surprising results.
 
 use super::adjacency::try_n_components;
-use super::{Adjacency, Mesh, Polygons, PreparedGeometry, Shape, enclosed_volume, surface_area};
+use super::{Adjacency, Mesh, Polygons, PreparedGeometry, Shape};
 use crate::{Cancelled, Progress, parallel};
 use nalgebra::Vector3;
 
@@ -126,11 +126,11 @@ fn count_faces(
     let class = |corner: u32| welded[corner as usize];
     health.n_repeated_faces = n_repeated(faces, class, progress)?;
     count_edges(faces, class, health, progress)?;
-    health.area = surface_area(geometry.points(), geometry.triangles());
+    health.area = geometry.area_of(geometry.points());
     let has_edges = health.n_edges > 0;
     let closed = health.n_boundary_edges == 0 && health.n_non_manifold_edges == 0 && has_edges;
     if closed && health.n_misoriented_edges == 0 {
-        health.volume = Some(enclosed_volume(geometry.points(), geometry.triangles()));
+        health.volume = Some(geometry.volume_of(geometry.points()));
     }
     if !faces.is_empty() {
         let n_used = n_named(geometry.n_vertices(), faces, class, progress)?;

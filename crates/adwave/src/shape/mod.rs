@@ -8,14 +8,17 @@
 mod adjacency;
 mod area;
 mod cloud;
+mod face_incidence;
 mod graph;
 mod health;
 mod hilbert;
 mod mesh;
 mod nearest;
 mod order;
+mod participation;
 mod polygons;
 mod prepared_geometry;
+mod sheets;
 mod surface;
 mod triangulate;
 mod vertex_map;
@@ -25,12 +28,15 @@ pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
+pub(crate) use face_incidence::FaceIncidence;
+pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_vertex_normals, total_face_area};
 pub use graph::{Graph, GraphError};
 pub use health::{Health, health};
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
+pub use participation::{VertexRole, describe_outsiders, picture_frame};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
@@ -39,7 +45,8 @@ pub use triangulate::{triangulate, triangulate_with_faces};
 pub use vertex_map::{VertexMap, WeldMode};
 
 use crate::vector::{norm, subtract};
-use crate::{ClassifiedError, ErrorKind, parallel};
+use crate::{ClassifiedError, ErrorKind, Progress, parallel};
+pub(crate) use participation::Participation;
 use thiserror::Error;
 
 /// Largest magnitude of a coordinate; squares and products of three lengths stay finite below it.
@@ -72,6 +79,23 @@ impl Shape {
             Self::Mesh(mesh) => Some(mesh.points()),
             Self::Cloud(cloud) => Some(cloud.points()),
             Self::Graph(_) => None,
+        }
+    }
+
+    /// Size of the shape in model units, from which lengths in percent follow ([`PreparedGeometry::extent`]): the
+    /// diagonal of the bounding box of its largest part, without strays; 0 for a graph. O(n log n).
+    ///
+    /// ```
+    /// use adwave::shape::{Mesh, Polygons, Shape};
+    /// let points = vec![[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [500.0, 0.0, 0.0]];
+    /// let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&[[0, 1, 2]]))?);
+    /// assert_eq!((shape.extent(), shape.diagonal() > 500.0), (5.0, true));
+    /// # Ok::<(), adwave::shape::ShapeError>(())
+    /// ```
+    pub fn extent(&self) -> f64 {
+        match PreparedGeometry::new(self, WeldMode::EqualPositions, Progress::none()) {
+            Ok(geometry) => geometry.extent(),
+            Err(cancelled) => unreachable!("{cancelled}"),
         }
     }
 
@@ -173,8 +197,12 @@ pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
 
 /// Length of the bounding box's diagonal in model units; 0 without points or if all coincide.
 pub fn diagonal(points: &[[f64; 3]]) -> f64 {
-    let Some((lo, hi)) = bounding_box(points) else { return 0.0 };
-    let sides = subtract(&hi, &lo);
+    bounding_box(points).as_ref().map_or(0.0, box_diagonal)
+}
+
+/// Length of the diagonal between two opposite corners of a box.
+pub(crate) fn box_diagonal((lo, hi): &([f64; 3], [f64; 3])) -> f64 {
+    let sides = subtract(hi, lo).map(f64::abs);
     let longest = sides.into_iter().fold(0.0, f64::max);
     if longest == 0.0 {
         return 0.0;

@@ -1,5 +1,9 @@
 //! Faces of a mesh as lists of corners, with any number of corners per face.
 
+use super::squared_distance;
+use crate::vector::{add_scaled, subtract};
+use std::cmp::Ordering;
+
 /// The faces of a mesh, each a list of vertex indices in the order of the file.
 ///
 /// While all faces are triangles only their corners are stored. Nothing is checked here;
@@ -113,10 +117,76 @@ impl Polygons {
         if self.ends.is_empty() { 3 * f + 3 } else { self.ends[f] as usize }
     }
 
+    /// These faces, each of more than three corners starting at a corner that only the positions decide: the one
+    /// nearest to the mean of its corners, and among equally near ones the first in the order of their coordinates.
+    /// Whatever starts at the first corner, such as a fan, then does not depend on the corner that a file names
+    /// first. O(corners).
+    ///
+    /// ```
+    /// use adwave::shape::Polygons;
+    /// let points = [[4.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 0.0], [2.0, 5.0, 0.0]];
+    /// let faces: Polygons = [[3, 0, 1, 2].as_slice()].into_iter().collect();
+    /// assert_eq!(faces.with_canonical_starts(&points).get(0), [1, 2, 3, 0]);
+    /// ```
+    ///
+    /// # Panics
+    /// If a face names a vertex that does not exist.
+    #[must_use]
+    pub fn with_canonical_starts(mut self, points: &[[f64; 3]]) -> Self {
+        if self.ends.is_empty() {
+            return self;
+        }
+        let mut start = 0;
+        for &end in &self.ends {
+            let face = &mut self.corners[start..end as usize];
+            if face.len() > 3 {
+                face.rotate_left(least_rotation(points, face));
+                face.rotate_left(nearest_to_mean(points, face));
+            }
+            start = end as usize;
+        }
+        self
+    }
+
     /// The faces as triangles, if all of them are.
     pub fn triangles(&self) -> Option<&[[u32; 3]]> {
         self.ends.is_empty().then(|| self.corners.as_chunks().0)
     }
+}
+
+/// Start of the rotation of a face whose corners come first in the order of their coordinates, then of their
+/// numbers. O(corners).
+fn least_rotation(points: &[[f64; 3]], face: &[u32]) -> usize {
+    let n = face.len();
+    let key = |k: usize| (&points[face[k % n] as usize], face[k % n]);
+    let order = |a: usize, b: usize| {
+        let ((p, i), (q, j)) = (key(a), key(b));
+        let by_position = (0..3).map(|c| p[c].total_cmp(&q[c])).find(|order| order.is_ne());
+        by_position.unwrap_or_else(|| i.cmp(&j))
+    };
+    // Two candidates; the one that loses a comparison after k equal corners skips k + 1 starts.
+    let (mut a, mut b, mut k) = (0, 1, 0);
+    while a < n && b < n && k < n {
+        match order(a + k, b + k) {
+            Ordering::Equal => k += 1,
+            Ordering::Less => (b, k) = (b + k + 1, 0),
+            Ordering::Greater => (a, k) = (a + k + 1, 0),
+        }
+        if a == b {
+            b += 1;
+        }
+    }
+    a.min(b)
+}
+
+/// Corner of a face nearest to the mean of its corners; the first of several.
+fn nearest_to_mean(points: &[[f64; 3]], face: &[u32]) -> usize {
+    let offset = |&v: &u32| subtract(&points[v as usize], &points[face[0] as usize]);
+    let sum = face.iter().map(offset).fold([0.0; 3], |sum, d| add_scaled(&sum, 1.0, &d));
+    let mean = sum.map(|c| c / face.len() as f64);
+    let squares = face.iter().map(|v| squared_distance(&offset(v), &mean));
+    let nearest = squares.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+    nearest.map_or(0, |(k, _)| k)
 }
 
 fn end(n_corners: usize) -> u32 {

@@ -1,11 +1,16 @@
 //! A shape prepared for the analysis: welded, triangulated, and numbered so that neighbors are close in memory.
 
 use super::order::reverse_cuthill_mckee;
+use super::participation::{Participation, STRAY_NEIGHBORS};
+use super::sheets::{are_sheets_apart, nearest_on_sheet, welded_normals};
 use super::triangulate::try_triangulate;
-use super::{Graph, Shape, VertexMap, WeldMode};
+use super::{
+    Adjacency, FaceIncidence, Graph, Mesh, Neighborhoods, PointCloud, Polygons, Shape, VertexMap, VertexRole,
+    WeldMode, enclosed_face_volume, face_ring, total_face_area,
+};
 use crate::{Cancelled, Progress, parallel};
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A shape with its welded vertices in the analysis order, and their relation to the vertices of the shape. Copies
 /// share all arrays.
@@ -24,7 +29,22 @@ pub struct PreparedGeometry {
     shape: Shape,
     vertex_map: VertexMap,
     points: Arc<Vec<[f64; 3]>>,
-    triangles: Arc<Vec<[u32; 3]>>,
+    /// Faces of three corners or more between welded vertices; polygons start at a corner that the positions decide.
+    faces: Arc<Polygons>,
+    /// The triangulated faces, unless all faces are triangles.
+    triangles: Option<Arc<Vec<[u32; 3]>>>,
+    participation: Arc<Participation>,
+    /// Neighbors found while looking for strays, for the first that asks for them.
+    near: Arc<Mutex<Option<Neighborhoods>>>,
+    /// Normals that separate sheets of a cloud; `None` if they separate nothing.
+    sheet_normals: Option<Arc<Vec<[f64; 3]>>>,
+}
+
+/// Shape of the vertices that take part.
+pub(crate) struct Members {
+    pub(crate) geometry: PreparedGeometry,
+    /// Its vertices as vertices of the whole shape, in ascending order.
+    pub(crate) vertices: Vec<u32>,
 }
 
 /// Number of reported stages: vertex map, positions, triangles.
@@ -44,40 +64,80 @@ impl PreparedGeometry {
     /// [`Cancelled`] if the call is cancelled.
     pub fn new(shape: &Shape, weld_mode: WeldMode, progress: Progress<'_>) -> Result<Self, Cancelled> {
         progress.step(0, STAGES)?;
-        let prepared = |vertex_map, points, triangles| Self {
+        let prepared = |vertex_map, points, faces, triangles: Option<Vec<[u32; 3]>>| Self {
+            participation: Arc::default(),
+            near: Arc::default(),
+            sheet_normals: None,
             shape: shape.clone(),
             vertex_map,
             points: Arc::new(points),
-            triangles: Arc::new(triangles),
+            faces: Arc::new(faces),
+            triangles: triangles.map(Arc::new),
         };
+        let mut given = None;
         let (points, faces) = match shape {
             Shape::Graph(graph) => {
                 let place = reverse_cuthill_mckee(graph.adjacency(), progress)?;
                 progress.step(STAGES, STAGES)?;
-                return Ok(prepared(VertexMap::from_places(place), Vec::new(), Vec::new()));
+                return Ok(prepared(VertexMap::from_places(place), Vec::new(), Polygons::new(), None));
             }
-            Shape::Cloud(cloud) => (cloud.points(), None),
+            Shape::Cloud(cloud) => {
+                given = cloud.normals();
+                (cloud.points(), None)
+            }
             Shape::Mesh(mesh) => (mesh.points(), Some(mesh.faces())),
         };
         let vertex_map = VertexMap::try_new(points, weld_mode, progress)?;
         progress.step(1, STAGES)?;
         let positions = vertex_map.try_positions(points, progress)?;
         progress.step(2, STAGES)?;
-        let welded = vertex_map.as_slice();
-        let triangles = match faces {
-            Some(faces) => try_triangulate(points, faces, progress, |_, corners| {
-                corners.map(|corner| welded[corner as usize])
-            })?,
-            None => Vec::new(),
+        let is_mesh = faces.is_some();
+        let mut faces = match faces {
+            Some(faces) => welded_faces(faces, vertex_map.as_slice(), progress)?,
+            None => Polygons::new(),
+        }
+        .with_canonical_starts(&positions);
+        let (participation, near) = if is_mesh {
+            (Participation::of_mesh(&positions, &mut faces), None)
+        } else {
+            let (participation, near) = Participation::of_cloud(&positions, progress)?;
+            (participation, Some(near))
+        };
+        let triangles = match faces.triangles() {
+            Some(_) => None,
+            None => Some(try_triangulate(&positions, &faces, progress, |_, corners| corners)?),
         };
         progress.step(STAGES, STAGES)?;
-        Ok(prepared(vertex_map, positions, triangles))
+        let sheet_normals = match (given, &near) {
+            (Some(normals), Some(near)) => {
+                let normals = welded_normals(normals, &vertex_map);
+                are_sheets_apart(&positions, &normals, near).then(|| Arc::new(normals))
+            }
+            _ => None,
+        };
+        let near = near.filter(|_| sheet_normals.is_none());
+        let prepared = prepared(vertex_map, positions, faces, triangles);
+        Ok(Self {
+            participation: Arc::new(participation),
+            near: Arc::new(Mutex::new(near)),
+            sheet_normals,
+            ..prepared
+        })
     }
 
     /// Wraps a graph whose nodes keep the given order, for one that is already well numbered.
     pub fn from_ordered_graph(graph: Graph) -> Self {
         let vertex_map = VertexMap::identity(graph.n_nodes());
-        Self { shape: Shape::Graph(graph), vertex_map, points: Arc::default(), triangles: Arc::default() }
+        Self {
+            shape: Shape::Graph(graph),
+            vertex_map,
+            points: Arc::default(),
+            faces: Arc::default(),
+            triangles: None,
+            participation: Arc::default(),
+            near: Arc::default(),
+            sheet_normals: None,
+        }
     }
 
     /// The shape, in the order of its file.
@@ -97,7 +157,135 @@ impl PreparedGeometry {
 
     /// Triangulated faces between welded vertices; empty for a cloud or a graph.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        match &self.triangles {
+            Some(triangles) => triangles,
+            None => self.faces.triangles().unwrap_or_default(),
+        }
+    }
+
+    /// Faces of three corners or more between welded vertices, in the order of the mesh; empty for a cloud or a
+    /// graph. Polygons start at a corner that only the positions decide
+    /// ([`Polygons::with_canonical_starts`]).
+    pub fn faces(&self) -> &Polygons {
+        &self.faces
+    }
+
+    /// Vertices that share a side of a face, for each welded vertex.
+    pub fn one_ring(&self) -> Adjacency {
+        face_ring(self.n_vertices(), &self.faces)
+    }
+
+    /// Area of the mesh with `points` as its welded vertices, in their squared units.
+    pub fn area_of(&self, points: &[[f64; 3]]) -> f64 {
+        total_face_area(points, &self.faces)
+    }
+
+    /// Volume that the mesh encloses with `points` as its welded vertices, in their cubed units.
+    pub fn volume_of(&self, points: &[[f64; 3]]) -> f64 {
+        enclosed_face_volume(points, &self.faces)
+    }
+
+    /// Size of the shape in model units: the diagonal of the bounding box of its largest part; 0 for a graph.
+    ///
+    /// Vertices that take no part ([`outsiders`](Self::outsiders)) do not count, and of the connected parts only
+    /// those with at least a tenth of the vertices of the most populous one. So neither strays, placeholders nor the
+    /// layout of the parts change it. For a shape of one part it is the diagonal of the bounding box.
+    pub fn extent(&self) -> f64 {
+        self.participation.extent(&self.points, None)
+    }
+
+    /// [`extent`](Self::extent) without the flagged welded vertices.
+    pub(crate) fn extent_without(&self, masked: &[bool]) -> f64 {
+        self.participation.extent(&self.points, Some(masked))
+    }
+
+    /// Bounding box, in model units, of what a picture should show: all vertices that take part, unless a hundredth
+    /// of them lies so far away that the others would fill less than half of the picture. `None` without positions.
+    pub fn frame(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.participation.frame(&self.points)
+    }
+
+    /// Vertices of the shape that take no part in the analysis, in ascending order, with the reason. They have no
+    /// neighbors and keep their values.
+    pub fn outsiders(&self) -> Vec<(usize, VertexRole)> {
+        let role = |x: &u32| self.participation.roles.get(*x as usize).copied().unwrap_or_default();
+        let roles = self.vertex_map.as_slice().iter().map(role).enumerate();
+        roles.filter(|(_, role)| *role != VertexRole::Member).collect()
+    }
+
+    /// The shape of the vertices that take part; `None` if all do.
+    pub(crate) fn members(&self, progress: Progress<'_>) -> Result<Option<Members>, Cancelled> {
+        let outsiders = self.outsiders();
+        let Some(points) = self.shape.points().filter(|points| outsiders.len() < points.len()) else {
+            return Ok(None);
+        };
+        if outsiders.is_empty() {
+            return Ok(None);
+        }
+        let mut number = vec![0; points.len()];
+        outsiders.iter().for_each(|(x, _)| number[*x] = u32::MAX);
+        let vertices: Vec<u32> = (0..points.len() as u32).filter(|&x| number[x as usize] == 0).collect();
+        (0..).zip(&vertices).for_each(|(k, &x)| number[x as usize] = k);
+        let pick = |values: &[[f64; 3]]| vertices.iter().map(|&x| values[x as usize]).collect::<Vec<_>>();
+        let shape = match &self.shape {
+            Shape::Mesh(mesh) => {
+                let mut faces = Polygons::new();
+                for face in mesh.faces().iter() {
+                    let own: Vec<u32> = face.iter().map(|&c| number[c as usize]).collect();
+                    if !own.contains(&u32::MAX) {
+                        faces.push(&own);
+                    }
+                }
+                Mesh::new(pick(points), faces).map(Shape::Mesh)
+            }
+            Shape::Cloud(cloud) => PointCloud::new(pick(points)).map(|own| {
+                Shape::Cloud(match cloud.normals() {
+                    Some(normals) => own.with_normals(pick(normals)),
+                    None => own,
+                })
+            }),
+            Shape::Graph(_) => return Ok(None),
+        };
+        let Ok(shape) = shape else { return Ok(None) };
+        let is_welded = self.vertex_map.n_welded() < self.vertex_map.n_vertices();
+        let weld_mode = if is_welded { WeldMode::EqualPositions } else { WeldMode::Off };
+        let geometry = Self::new(&shape, weld_mode, progress)?;
+        // A shape whose members have outsiders of their own would never end.
+        Ok(geometry.outsiders().is_empty().then_some(Members { geometry, vertices }))
+    }
+
+    pub(crate) fn participation(&self) -> &Participation {
+        &self.participation
+    }
+
+    /// The `k` nearest neighbors of the points of a cloud at `points` (its positions in any unit), among those that
+    /// take part.
+    pub(crate) fn nearest(
+        &self,
+        points: &[[f64; 3]],
+        k: usize,
+        progress: Progress<'_>,
+    ) -> Result<Neighborhoods, Cancelled> {
+        if k == STRAY_NEIGHBORS && std::ptr::eq(points, self.points.as_slice()) {
+            let known = self.near.lock().ok().and_then(|mut near| near.take());
+            if let Some(near) = known {
+                return Ok(near);
+            }
+        }
+        match &self.sheet_normals {
+            Some(normals) => nearest_on_sheet(points, normals, &self.participation, k, progress),
+            None => self.participation.nearest(points, k, progress),
+        }
+    }
+
+    /// True if the given normals of a cloud separate sheets: points with opposite normals are not neighbors.
+    pub fn has_separate_sheets(&self) -> bool {
+        self.sheet_normals.is_some()
+    }
+
+    /// The faces at each welded vertex.
+    pub(crate) fn incidence(&self, progress: Progress<'_>) -> Result<FaceIncidence<'_>, Cancelled> {
+        FaceIncidence::new(self.n_vertices(), &self.faces, progress)
     }
 
     /// Number of welded vertices.
@@ -107,7 +295,7 @@ impl PreparedGeometry {
 
     /// Largest power of two not above the diagonal, in model units; 1 if all points coincide.
     pub(crate) fn size_unit(&self) -> f64 {
-        let diagonal = super::diagonal(&self.points);
+        let diagonal = self.participation.members_diagonal(&self.points);
         if diagonal == 0.0 { 1.0 } else { diagonal.log2().floor().clamp(-1000.0, 1000.0).exp2() }
     }
 
@@ -122,3 +310,25 @@ impl PreparedGeometry {
         Ok((Cow::Owned(parallel::try_collect(self.points.len(), progress, scaled)?), unit))
     }
 }
+
+/// Faces of three corners or more with welded corners.
+fn welded_faces(faces: &Polygons, welded: &[u32], progress: Progress<'_>) -> Result<Polygons, Cancelled> {
+    let name = |corner: u32| welded[corner as usize];
+    if let Some(triangles) = faces.triangles() {
+        return Ok(parallel::try_collect(triangles.len(), progress, |f| triangles[f].map(name))?.into());
+    }
+    let mut kept = Polygons::with_capacity(faces.len(), faces.corners().len());
+    let mut corners = Vec::new();
+    for (f, face) in faces.iter().enumerate().filter(|(_, face)| face.len() > 2) {
+        if f.is_multiple_of(FACES_AT_A_TIME) {
+            progress.check()?;
+        }
+        corners.clear();
+        corners.extend(face.iter().map(|&corner| name(corner)));
+        kept.push(&corners);
+    }
+    Ok(kept)
+}
+
+/// Number of faces between two checks for cancellation.
+const FACES_AT_A_TIME: usize = 1 << 14;

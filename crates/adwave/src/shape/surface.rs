@@ -8,7 +8,7 @@ use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
 /// Unit normal of a triangle times twice its area.
-fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> Vector3<f64> {
+pub(super) fn doubled_normal(points: &[[f64; 3]], corners: [u32; 3]) -> Vector3<f64> {
     let [a, b, c] = corners.map(|v| Vector3::from(points[v as usize]));
     (b - a).cross(&(c - a))
 }

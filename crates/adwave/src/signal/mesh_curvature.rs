@@ -2,7 +2,7 @@
 
 use super::Curvature;
 use crate::parallel::{self, expect_not_cancelled};
-use crate::shape::{Adjacency, MeshArea, triangles_at_vertices, try_mesh_areas, try_one_ring};
+use crate::shape::{Adjacency, MeshArea, mesh_areas, triangles_at_vertices, try_one_ring};
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
@@ -21,18 +21,19 @@ const THIN: f64 = 1e-12;
 ///
 /// Source: `meyer2003`.
 pub fn mesh_curvature(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Curvature {
-    expect_not_cancelled(try_mesh_curvature(points, triangles, Progress::none()))
+    let areas = mesh_areas(points, triangles, MeshArea::MixedVoronoi);
+    expect_not_cancelled(try_mesh_curvature(points, triangles, &areas, Progress::none()))
 }
 
-/// [`mesh_curvature`]; stops if the call is cancelled.
+/// [`mesh_curvature`] from the mixed areas of the vertices; stops if the call is cancelled.
 pub(crate) fn try_mesh_curvature(
     points: &[[f64; 3]],
     triangles: &[[u32; 3]],
+    areas: &[f64],
     progress: Progress<'_>,
 ) -> Result<Curvature, Cancelled> {
     let n = points.len();
     let at_vertex = triangles_at_vertices(n, triangles, progress)?;
-    let areas = try_mesh_areas(points, triangles, &at_vertex, MeshArea::MixedVoronoi, progress)?;
     let ring = try_one_ring(triangles, &at_vertex, progress)?;
     let vertices: Vec<VertexCurvature> = parallel::try_collect(n, progress, |x| {
         let around = at_vertex.row(x).iter().map(|&f| triangles[f as usize]);

@@ -27,10 +27,7 @@ pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;
 pub(crate) use quadric::{TangentFrame, fit_quadric};
 
-use crate::shape::{
-    CloudArea, PreparedGeometry, Shape, triangles_at_vertices, try_cloud_areas, try_nearest_neighbors,
-    try_vertex_normals,
-};
+use crate::shape::{CloudArea, MeshArea, PreparedGeometry, Shape, try_cloud_areas};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress, parallel};
 use thiserror::Error;
 
@@ -167,22 +164,21 @@ pub fn surface_signal(
     }
     progress.step(0, STAGES)?;
     let (points, unit) = geometry.unit_points(progress)?;
-    let triangles = geometry.triangles();
     let normals = || {
         Ok::<_, Cancelled>(if is_mesh {
-            let at_vertex = triangles_at_vertices(points.len(), triangles, progress)?;
-            try_vertex_normals(&points, triangles, &at_vertex, progress)?
+            geometry.incidence(progress)?.normals(&points, progress)?
         } else {
-            let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
+            let near = geometry.nearest(&points, FIT_NEIGHBORS, progress)?;
             progress.step(1, STAGES)?;
             try_cloud_normals(&points, &near, progress)?
         })
     };
     let curvature = || {
         if is_mesh {
-            return try_mesh_curvature(&points, triangles, progress);
+            let areas = geometry.incidence(progress)?.areas(&points, MeshArea::MixedVoronoi, progress)?;
+            return try_mesh_curvature(&points, geometry.triangles(), &areas, progress);
         }
-        let near = try_nearest_neighbors(&points, FIT_NEIGHBORS, progress)?;
+        let near = geometry.nearest(&points, FIT_NEIGHBORS, progress)?;
         progress.step(1, STAGES)?;
         try_cloud_curvature(&points, &near, progress)
     };
@@ -200,7 +196,7 @@ pub fn surface_signal(
         SurfaceSignal::GaussianCurvature => in_model_units(curvature()?.gaussian, |k, unit| k / unit / unit)?,
         SurfaceSignal::ShapeIndex => curvature()?.shape_index(FLAT * (unit / geometry.size_unit())),
         SurfaceSignal::Density => {
-            let near = try_nearest_neighbors(&points, DENSITY_NEIGHBORS, progress)?;
+            let near = geometry.nearest(&points, DENSITY_NEIGHBORS, progress)?;
             progress.step(1, STAGES)?;
             let areas = try_cloud_areas(&points, &near, CloudArea::KthNeighbor, progress)?;
             in_model_units(areas, |a, unit| if a > 0.0 { 1.0 / (a * unit * unit) } else { 0.0 })?

@@ -71,11 +71,7 @@ fn gaussian_curvature_integrates_to_four_pi_on_a_sphere_and_to_zero_on_a_torus()
         let shape = mesh(sample.points, sample.faces);
         let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
         let curvature = mesh_curvature(geometry.points(), geometry.triangles());
-        let areas = crate::shape::mesh_areas(
-            geometry.points(),
-            geometry.triangles(),
-            crate::shape::MeshArea::MixedVoronoi,
-        );
+        let areas = crate::shape::mesh_areas(geometry.points(), geometry.triangles(), MeshArea::MixedVoronoi);
         let total: f64 = curvature.gaussian.iter().zip(areas).map(|(k, a)| k * a).sum();
         assert!((total - expected).abs() < ROUNDING, "{name}: {total}");
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use adwave::Progress;
 use adwave::pages::release_freed;
-use adwave::shape::{Adjacency, MeshArea, Polygons, mesh_areas, one_ring, triangulate};
+use adwave::shape::{Adjacency, MeshArea, Polygons, face_areas, face_ring, one_ring, triangulate};
 use rayon::prelude::*;
 
 use crate::error::TilesError;
@@ -15,22 +15,35 @@ use crate::index::neighbor_lists::{BlockNeighbors, BlockSummary, NeighborLists, 
 use crate::index::position_cache::PositionCache;
 use crate::vector::length;
 
+/// Neighbors of a vertex by the faces around it.
+#[derive(Clone, Copy)]
+pub(crate) enum Neighborhood {
+    /// Vertices that share a side of a face: the steps of the walk.
+    Sides,
+    /// Vertices that share a side of a triangle into which faces are cut: what the denoiser sees.
+    Triangles,
+}
+
 /// Finds the neighbors of the vertices of the blocks `interior` by the faces of the tile and writes them to `path`.
 pub(crate) fn write_one_rings(
     blocks: &Blocks,
     interior: Range<usize>,
     face_file: &FaceFile,
+    neighborhood: Neighborhood,
     path: &Path,
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
     release_freed();
     let surroundings = TileFaces::read(blocks, &interior, face_file)?;
     progress.check()?;
-    let triangles = triangulate(&surroundings.points, &surroundings.faces);
+    let ring = match neighborhood {
+        Neighborhood::Sides => face_ring(surroundings.points.len(), &surroundings.faces),
+        Neighborhood::Triangles => {
+            one_ring(surroundings.points.len(), &triangulate(&surroundings.points, &surroundings.faces))
+        }
+    };
     progress.check()?;
-    let ring = one_ring(surroundings.points.len(), &triangles);
-    progress.check()?;
-    let areas = mesh_areas(&surroundings.points, &triangles, MeshArea::Barycentric);
+    let areas = face_areas(&surroundings.points, &surroundings.faces, MeshArea::Barycentric);
     let first_block = interior.start;
     let found: Vec<BlockNeighbors> = interior
         .into_par_iter()
@@ -84,6 +97,7 @@ impl TileFaces {
             face.extend(decode_corners(corners).map(|vertex| tile.local_index(vertex)));
             tile.faces.push(&face);
         }
+        tile.faces = std::mem::take(&mut tile.faces).with_canonical_starts(&tile.points);
         Ok(tile)
     }
 

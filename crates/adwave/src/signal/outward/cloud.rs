@@ -2,17 +2,18 @@
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
-use crate::shape::{Adjacency, try_nearest_neighbors};
+use crate::shape::{Adjacency, PreparedGeometry};
 use crate::signal::{FIT_NEIGHBORS, try_cloud_normals};
 use crate::{Cancelled, Progress};
 
 /// Normals of the file, or normals propagated from point to point.
 pub(super) fn normals(
     points: &[[f64; 3]],
+    geometry: &PreparedGeometry,
     file: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<OutwardNormals, Cancelled> {
-    let near = try_nearest_neighbors(points, FIT_NEIGHBORS, progress)?;
+    let near = geometry.nearest(points, FIT_NEIGHBORS, progress)?;
     let is_known = |normals: &&[[f64; 3]]| normals.iter().any(|n| *n != [0.0; 3]);
     let file = file.filter(is_known);
     let mut normals = match file {
@@ -49,8 +50,10 @@ pub(super) fn normals(
             }
         }
     }
-    let n_without = normals.iter().filter(|n| **n == [0.0; 3]).count();
-    info.without = n_without as f64 / points.len().max(1) as f64;
+    let members = (0..points.len()).filter(|&x| geometry.participation().is_member(x));
+    let (n_members, n_without) =
+        members.fold((0_usize, 0), |(n, without), x| (n + 1, without + usize::from(normals[x] == [0.0; 3])));
+    info.without = f64::from(n_without as u32) / n_members.max(1) as f64;
     Ok(OutwardNormals { normals, info })
 }
 

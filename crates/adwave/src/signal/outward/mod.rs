@@ -155,8 +155,8 @@ pub fn outward_normals(
     let file = file.map(|normals| welded(geometry, normals));
     let (points, _) = geometry.unit_points(progress)?;
     Ok(match geometry.shape() {
-        Shape::Mesh(_) => patches::normals(&points, geometry.triangles(), file.as_deref(), progress)?,
-        Shape::Cloud(_) => cloud::normals(&points, file.as_deref(), progress)?,
+        Shape::Mesh(_) => patches::normals(&points, geometry, file.as_deref(), progress)?,
+        Shape::Cloud(_) => cloud::normals(&points, geometry, file.as_deref(), progress)?,
         Shape::Graph(_) => return Err(OutwardError::NoPositions),
     })
 }

@@ -2,8 +2,10 @@
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
-use crate::shape::{triangles_at_vertices, try_vertex_normals};
-use crate::vector::{cross, dot, norm, subtract};
+use crate::shape::{
+    FaceIncidence, MeshArea, Polygons, PreparedGeometry, triangles_at_vertices, try_vertex_normals,
+};
+use crate::vector::{cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, parallel};
 
 /// Number of triangles between two checks for cancellation.
@@ -24,10 +26,11 @@ enum EdgeNeighbor {
 /// Outward normals of the vertices.
 pub(super) fn normals(
     points: &[[f64; 3]],
-    triangles: &[[u32; 3]],
+    geometry: &PreparedGeometry,
     file: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<OutwardNormals, Cancelled> {
+    let triangles = geometry.triangles();
     let across = neighbors(triangles, progress)?;
     let mut turned = vec![false; triangles.len()];
     let patches = spread(&across, triangles, &mut turned, progress)?;
@@ -54,6 +57,10 @@ pub(super) fn normals(
     }
     let of_sided = |f: usize| if has_side[f] { turned[f] } else { false };
     info.n_turned = (0..triangles.len()).filter(|&f| of_sided(f)).count();
+    if geometry.faces().triangles().is_none() {
+        let side = |f: usize| has_side[f].then_some(turned[f]);
+        return polygon_normals(points, geometry, side, info, progress);
+    }
     let outward: Vec<[u32; 3]> = parallel::try_collect(triangles.len(), progress, |f| {
         let [a, b, c] = triangles[f];
         match (has_side[f], turned[f]) {
@@ -77,6 +84,47 @@ pub(super) fn normals(
             without += all;
         }
         total += all;
+    }
+    info.without = if total > 0.0 { without / total } else { 1.0 };
+    Ok(OutwardNormals { normals, info })
+}
+
+/// Normals of a mesh of polygons; `side` tells of each triangle whether it is turned, `None` if it has no outside.
+fn polygon_normals(
+    points: &[[f64; 3]],
+    geometry: &PreparedGeometry,
+    side: impl Fn(usize) -> Option<bool>,
+    mut info: OutwardInfo,
+    progress: Progress<'_>,
+) -> Result<OutwardNormals, Cancelled> {
+    let triangles = geometry.triangles();
+    // A face of n corners has n − 2 triangles, which lie in one patch.
+    let mut first = 0;
+    let mut outward = Polygons::new();
+    let mut corners = Vec::new();
+    for face in geometry.faces().iter() {
+        let own = first..first + face.len() - 2;
+        first = own.end;
+        let Some(is_turned) = side(own.clone().find(|&f| is_proper(&triangles[f])).unwrap_or(own.start))
+        else {
+            continue; // without an outside, so without a say
+        };
+        corners.clear();
+        corners.extend(face);
+        if is_turned {
+            corners.reverse();
+        }
+        outward.push(&corners);
+    }
+    let sums = FaceIncidence::new(points.len(), &outward, progress)?.normal_sums(points, progress)?;
+    let areas = geometry.incidence(progress)?.areas(points, MeshArea::Barycentric, progress)?;
+    let (mut total, mut without) = (0.0, 0.0);
+    let mut normals = Vec::with_capacity(sums.len());
+    for (sum, area) in sums.iter().zip(&areas) {
+        let is_known = norm(sum) > CANCELLED * 6.0 * area;
+        normals.push(unit(sum).filter(|_| is_known).unwrap_or_default());
+        total += area;
+        without += if is_known { 0.0 } else { *area };
     }
     info.without = if total > 0.0 { without / total } else { 1.0 };
     Ok(OutwardNormals { normals, info })

@@ -408,6 +408,15 @@ pub(crate) fn restricted(operator: &LocalOperator, is_masked: &[bool]) -> LocalO
     LocalOperator { t, is_neighbor, is_next, areas, mean_length: operator.mean_length, length }
 }
 
+/// Flags of the vertices that are masked or that no face of a mesh uses: they count in no mean.
+pub(crate) fn without_unused(case: &Case, is_masked: &[bool]) -> Vec<bool> {
+    let Parts::Mesh { triangles, .. } = &case.parts else { return is_masked.to_vec() };
+    let class = weld(&case.parts).class;
+    let mut is_out = vec![true; is_masked.len()];
+    triangles.as_flattened().iter().for_each(|&v| is_out[class[v as usize]] = false);
+    is_out.iter().zip(is_masked).map(|(a, b)| *a || *b).collect()
+}
+
 /// Rows of `matrix` times the channels of a signal, n × n_channels.
 pub(crate) fn apply(matrix: &Matrix, signal: &[f64], n_channels: usize) -> Vec<f64> {
     let mut out = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::reference::dense::{
     Matrix, Mutant, apply, local_operator, mean_of_welded, minus, norms, restricted, scaling_functions,
-    stationary, step_length, weld, within,
+    stationary, step_length, weld, within, without_unused,
 };
 use crate::reference::fast::{Fast, FeatureParams, Response, ThresholdScope};
 use crate::reference::shapes::{Case, Parts, cases, signal};
@@ -104,7 +104,7 @@ impl Prepared {
             component: within(&either_way(&operator.is_next), phi[0].len()),
             first: weld(&case.parts).first,
             is_cloud: matches!(case.parts, Parts::Cloud { .. }),
-            is_masked: is_masked.to_vec(),
+            is_masked: without_unused(case, is_masked),
             phi,
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::reference::dense::{
     Mutant, Welded, local_operator, mean_of_welded, norms, restricted, scaling_functions, stationary, weld,
+    without_unused,
 };
 use crate::reference::fast::{Fast, SaliencyParams, Weighting};
 use crate::reference::shapes::{Case, cases, signal};
@@ -73,6 +74,7 @@ fn the_map_is_the_weighted_sum_of_the_bands_norms() {
     for case in cases() {
         let (fast, welded) = (Fast::new(&case), weld(&case.parts));
         let none = vec![false; welded.first.len()];
+        let out = without_unused(&case, &none);
         for n_channels in [1, 3] {
             let f = signal(case.parts.n_vertices(), n_channels, 17);
             let responses = responses(&case, &f, n_channels, &none);
@@ -82,7 +84,7 @@ fn the_map_is_the_weighted_sum_of_the_bands_norms() {
                     let (found, by_level) = fast.saliency(&f, n_channels, LEVELS, &params);
                     let maps: Vec<Vec<f64>> = responses[skip..]
                         .iter()
-                        .map(|w| scatter(&welded, &level_map(w, weighting, &none), &none))
+                        .map(|w| scatter(&welded, &level_map(w, weighting, &out), &none))
                         .collect();
                     let what = format!("{}, {weighting:?}, {n_channels} channels", case.name);
                     assert_close(&found.map, &sum(&maps), MAP, &what);
@@ -92,7 +94,8 @@ fn the_map_is_the_weighted_sum_of_the_bands_norms() {
                     let levels: Vec<usize> = found.levels.iter().map(|level| level.level).collect();
                     assert_eq!(levels, (skip + 1..=LEVELS).collect::<Vec<_>>());
                     for (level, w) in found.levels.iter().zip(&responses[skip..]) {
-                        let mean = w.iter().sum::<f64>() / w.len() as f64;
+                        let known = out.iter().filter(|out| !**out).count();
+                        let mean = w.iter().sum::<f64>() / known as f64;
                         let max = w.iter().fold(0.0_f64, |m, &v| m.max(v));
                         assert_close(&[level.mean, level.max], &[mean, max], MAP, &what);
                     }
@@ -118,6 +121,7 @@ fn masked_vertices_count_neither_in_means_nor_in_maxima_nor_in_ranks() {
         let flags: Vec<bool> = (0..n).map(|x| is_masked[welded.class[x]]).collect();
         let f = signal(n, 2, 18);
         let responses = responses(&case, &f, 2, &is_masked);
+        let out = without_unused(&case, &is_masked);
         let fast = Fast::masked(&case, &flags);
         for weighting in WEIGHTINGS {
             if weighting == Weighting::Ranks && responses.iter().any(|w| has_ties(w, &is_masked)) {
@@ -127,7 +131,7 @@ fn masked_vertices_count_neither_in_means_nor_in_maxima_nor_in_ranks() {
             let (found, _) = fast.saliency(&f, 2, LEVELS, &params);
             let maps: Vec<Vec<f64>> = responses[2..]
                 .iter()
-                .map(|w| scatter(&welded, &level_map(w, weighting, &is_masked), &is_masked))
+                .map(|w| scatter(&welded, &level_map(w, weighting, &out), &is_masked))
                 .collect();
             assert_close(&found.map, &sum(&maps), MAP, &format!("{}, {weighting:?}", case.name));
         }

@@ -1,0 +1,418 @@
+//! Vertices that take part in the analysis, and the size of what they form.
+//!
+//! A default length must not depend on what hangs together with nothing: a vertex that no face uses, a record
+//! without a position that a scanner wrote as `0 0 0`, a height of −9999, a reflection far away. Such vertices keep
+//! their place and have no neighbors. The *extent* of a shape is the diagonal of the bounding box of its largest
+//! part, so that it does not depend on the layout of the parts either.
+
+use super::{Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
+use crate::rows::Pattern;
+use crate::{Cancelled, Progress};
+
+/// Values that files write where a coordinate is unknown (raster and terrain formats).
+const PLACEHOLDER_VALUES: [f64; 5] = [-9999.0, -99_999.0, -999_999.0, -32_767.0, -32_768.0];
+
+/// Magnitude from which a coordinate is no length: ±3.4028e38, the largest 32-bit float, and 1e20 or 1e30 are
+/// written where a value is unknown.
+const NO_LENGTH: f64 = 1e19;
+
+/// Smallest number of vertices with a position beside placeholders: fewer points are too few to tell what is far from
+/// them.
+const MIN_KNOWN: usize = 16;
+
+/// Share of the values at either end of an axis that may be strays and do not decide where the shape ends.
+const TAIL: f64 = 0.01;
+
+/// Number of neighbors by which strays of a cloud are found. A group of more points has all its nearest neighbors
+/// among itself, and counts as a part of the shape.
+pub(super) const STRAY_NEIGHBORS: usize = 10;
+
+/// Distance of two points, in distances of either to its 10th neighbor, beyond which they are not connected. The
+/// kernel of the walk is below 1e-20 at half of it, so no point gives anything to another so far away; the density
+/// of scans changes by less from point to point.
+const MAX_GAP: f64 = 10.0;
+
+/// Share of the vertices of the most populous part that another part needs to decide the extent.
+const LEAST_PART: f64 = 0.1;
+
+/// Share of the positions at either end of an axis that the frame of a picture may leave out, if they are far away.
+const FRAME_TAIL: f64 = 0.005;
+
+/// Widening of the frame on each side beyond these positions, in widths between them: a normal distribution reaches
+/// 3.9 standard deviations then.
+const FRAME_MARGIN: f64 = 0.25;
+
+/// Size of everything, in frames, from which only the frame is shown: up to that size the shape still fills half of
+/// the picture.
+const FRAME_GAIN: f64 = 2.0;
+
+/// Reason why a vertex takes no part in the analysis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VertexRole {
+    /// It takes part.
+    #[default]
+    Member,
+    /// No face uses it.
+    Unused,
+    /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
+    /// `0 0 0` far from everything.
+    Placeholder,
+    /// A point of a cloud, or one of a few, far from all others.
+    Stray,
+}
+
+impl VertexRole {
+    /// All roles of vertices that take no part.
+    pub const OUTSIDE: [Self; 3] = [Self::Placeholder, Self::Stray, Self::Unused];
+
+    /// Plural of the role, as a key.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Member => "members",
+            Self::Unused => "unused",
+            Self::Placeholder => "placeholders",
+            Self::Stray => "strays",
+        }
+    }
+
+    /// Explanation of the role of `n` vertices, as part of a sentence.
+    fn explanation(self, n: usize) -> &'static str {
+        match (self, n) {
+            (Self::Member, 1) => "vertex that takes part",
+            (Self::Member, _) => "vertices that take part",
+            (Self::Unused, 1) => "vertex of no face",
+            (Self::Unused, _) => "vertices of no face",
+            (Self::Placeholder, 1) => "placeholder without a real position",
+            (Self::Placeholder, _) => "placeholders without a real position",
+            (Self::Stray, 1) => "point far from all others",
+            (Self::Stray, _) => "points far from all others",
+        }
+    }
+}
+
+/// Number of rows that a text names.
+const NAMED_ROWS: usize = 5;
+
+/// Text on the vertices of one role among `outsiders` ([`PreparedGeometry::outsiders`](super::PreparedGeometry)): how
+/// many, which rows (counted from 0), and that they take no part; `None` if there are none.
+///
+/// ```
+/// use adwave::shape::{VertexRole, describe_outsiders};
+/// let text = describe_outsiders(&[(7, VertexRole::Stray)], VertexRole::Stray);
+/// assert_eq!(text.as_deref(), Some("1 point far from all others (row 7) takes no part and keeps its values"));
+/// ```
+pub fn describe_outsiders(outsiders: &[(usize, VertexRole)], role: VertexRole) -> Option<String> {
+    let rows: Vec<usize> = outsiders.iter().filter(|(_, own)| *own == role).map(|(row, _)| *row).collect();
+    let n = rows.len();
+    if n == 0 {
+        return None;
+    }
+    let mut named = rows.iter().take(NAMED_ROWS).map(usize::to_string).collect::<Vec<_>>().join(", ");
+    if n > NAMED_ROWS {
+        named += ", …";
+    }
+    let (row, end) = if n == 1 {
+        ("row", "takes no part and keeps its values")
+    } else {
+        ("rows", "take no part and keep their values")
+    };
+    Some(format!("{n} {} ({row} {named}) {end}", role.explanation(n)))
+}
+
+/// Roles and parts of the welded vertices of a shape.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Participation {
+    /// Roles; empty if all vertices take part.
+    pub(super) roles: Vec<VertexRole>,
+    /// Connected part of each vertex.
+    parts: Vec<u32>,
+    n_parts: usize,
+}
+
+impl Participation {
+    /// Roles in a mesh, whose `faces` lose those with a placeholder as corner.
+    pub(super) fn of_mesh(points: &[[f64; 3]], faces: &mut Polygons) -> Self {
+        let n = points.len();
+        let mut roles = vec![VertexRole::Unused; n];
+        faces.corners().iter().for_each(|&c| roles[c as usize] = VertexRole::Member);
+        if faces.is_empty() {
+            return Self { roles: Vec::new(), parts: vec![0; n], n_parts: 1 };
+        }
+        // A vertex at the origin that faces use may be the tip of a shape.
+        if mark_placeholders(points, &mut roles, OriginRule::Ordinary) {
+            let is_known = |face: &&[u32]| face.iter().all(|&c| roles[c as usize] == VertexRole::Member);
+            *faces = faces.iter().filter(is_known).collect();
+            let mut is_used = vec![false; n];
+            faces.corners().iter().for_each(|&c| is_used[c as usize] = true);
+            for (role, used) in roles.iter_mut().zip(is_used) {
+                if *role == VertexRole::Member && !used {
+                    *role = VertexRole::Unused;
+                }
+            }
+        }
+        let mut sets = DisjointSets::new(n);
+        for face in faces.iter() {
+            face.iter().for_each(|&c| sets.join(face[0], c));
+        }
+        Self::new(roles, sets)
+    }
+
+    /// Roles in a cloud of different `points`, with the nearest neighbors of those that take part.
+    pub(super) fn of_cloud(
+        points: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<(Self, Neighborhoods), Cancelled> {
+        let mut roles = vec![VertexRole::Member; points.len()];
+        mark_placeholders(points, &mut roles, OriginRule::Placeholder);
+        let found = Self { roles: roles.clone(), parts: Vec::new(), n_parts: 0 };
+        let near = found.nearest(points, STRAY_NEIGHBORS, progress)?;
+        let mut sets = DisjointSets::new(points.len());
+        for x in 0..points.len() {
+            for &y in near.adjacency.row(x) {
+                let reach = MAX_GAP * near.radius[x].min(near.radius[y as usize]);
+                if distance(&points[x], &points[y as usize]) <= reach {
+                    sets.join(x as u32, y);
+                }
+            }
+        }
+        let sizes = sets.sizes();
+        let has_part = sizes.iter().any(|&size| size as usize > STRAY_NEIGHBORS);
+        let mut n_strays = 0;
+        for x in (0..points.len()).filter(|_| has_part) {
+            let size = sizes[sets.root(x as u32) as usize] as usize;
+            if roles[x] == VertexRole::Member && size <= STRAY_NEIGHBORS {
+                roles[x] = VertexRole::Stray;
+                n_strays += 1;
+            }
+        }
+        let this = Self::new(roles, sets);
+        let near = if n_strays == 0 { near } else { this.nearest(points, STRAY_NEIGHBORS, progress)? };
+        Ok((this, near))
+    }
+
+    fn new(roles: Vec<VertexRole>, mut sets: DisjointSets) -> Self {
+        let mut number = vec![u32::MAX; roles.len()];
+        let mut n_parts = 0;
+        let parts = (0..roles.len())
+            .map(|x| {
+                let root = sets.root(x as u32) as usize;
+                if number[root] == u32::MAX {
+                    number[root] = n_parts;
+                    n_parts += 1;
+                }
+                number[root]
+            })
+            .collect();
+        let takes_part = roles.iter().all(|role| *role == VertexRole::Member);
+        Self { roles: if takes_part { Vec::new() } else { roles }, parts, n_parts: n_parts as usize }
+    }
+
+    /// True if a vertex takes part.
+    pub(crate) fn is_member(&self, x: usize) -> bool {
+        self.roles.is_empty() || self.roles[x] == VertexRole::Member
+    }
+
+    /// Flags of the vertices that take no part; `None` if all do.
+    pub(crate) fn outsiders(&self) -> Option<Vec<bool>> {
+        let is_out = |role: &VertexRole| *role != VertexRole::Member;
+        self.roles.iter().any(is_out).then(|| self.roles.iter().map(is_out).collect())
+    }
+
+    /// The `k` nearest neighbors among the vertices that take part; none and radius 0 for the others.
+    pub(crate) fn nearest(
+        &self,
+        points: &[[f64; 3]],
+        k: usize,
+        progress: Progress<'_>,
+    ) -> Result<Neighborhoods, Cancelled> {
+        if self.outsiders().is_none() {
+            return try_nearest_neighbors(points, k, progress);
+        }
+        let members: Vec<u32> = (0..points.len() as u32).filter(|&x| self.is_member(x as usize)).collect();
+        let own: Vec<[f64; 3]> = members.iter().map(|&x| points[x as usize]).collect();
+        let near = try_nearest_neighbors(&own, k, progress)?;
+        let (mut offsets, mut columns) = (vec![0_usize; points.len() + 1], Vec::new());
+        let mut radius = vec![0.0; points.len()];
+        let mut next = 0;
+        for x in 0..points.len() {
+            if members.get(next) == Some(&(x as u32)) {
+                columns.extend(near.adjacency.row(next).iter().map(|&y| members[y as usize]));
+                radius[x] = near.radius[next];
+                next += 1;
+            }
+            offsets[x + 1] = columns.len();
+        }
+        let adjacency = Pattern::new(offsets, columns, points.len()).unwrap_or_else(|e| unreachable!("{e}"));
+        Ok(Neighborhoods { adjacency, radius, k: near.k })
+    }
+
+    /// Diagonal of the bounding box of all vertices that take part.
+    pub(super) fn members_diagonal(&self, points: &[[f64; 3]]) -> f64 {
+        if self.roles.is_empty() {
+            return super::diagonal(points);
+        }
+        let members: Vec<[f64; 3]> =
+            (0..points.len()).filter(|&x| self.is_member(x)).map(|x| points[x]).collect();
+        super::diagonal(&members)
+    }
+
+    /// Diagonal of the bounding box of the largest part among those with a tenth of the vertices of the most populous
+    /// part, without vertices that take no part or are `masked`; 0 if there are none.
+    pub(crate) fn extent(&self, points: &[[f64; 3]], masked: Option<&[bool]>) -> f64 {
+        if self.parts.len() != points.len() {
+            return super::diagonal(points);
+        }
+        let mut boxes: Vec<Option<([f64; 3], [f64; 3])>> = vec![None; self.n_parts];
+        let mut counts = vec![0_usize; self.n_parts];
+        for (x, p) in points.iter().enumerate() {
+            if !self.is_member(x) || masked.is_some_and(|masked| masked[x]) {
+                continue;
+            }
+            let part = self.parts[x] as usize;
+            counts[part] += 1;
+            let (lo, hi) = boxes[part].get_or_insert((*p, *p));
+            for c in 0..3 {
+                lo[c] = lo[c].min(p[c]);
+                hi[c] = hi[c].max(p[c]);
+            }
+        }
+        let least = LEAST_PART * counts.iter().copied().max().unwrap_or(0) as f64;
+        let large = boxes.iter().zip(&counts).filter(|(_, count)| **count as f64 >= least);
+        large.filter_map(|(bounds, _)| bounds.as_ref()).map(box_diagonal).fold(0.0, f64::max)
+    }
+
+    /// Bounding box of the vertices that a picture should show: all that take part, without the few that are so far
+    /// away that the others would fill less than half of it; `None` without vertices.
+    pub(crate) fn frame(&self, points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
+        let members: Vec<[f64; 3]> =
+            (0..points.len()).filter(|&x| self.is_member(x)).map(|x| points[x]).collect();
+        let all = super::bounding_box(&members)?;
+        let mut core = all;
+        for c in 0..3 {
+            let Some([low, high]) = quantiles(members.iter().map(|p| p[c]).collect(), FRAME_TAIL) else {
+                return Some(all);
+            };
+            let margin = FRAME_MARGIN * (high - low);
+            (core.0[c], core.1[c]) = ((low - margin).max(all.0[c]), (high + margin).min(all.1[c]));
+        }
+        let is_inside = |p: &&[f64; 3]| (0..3).all(|c| (core.0[c]..=core.1[c]).contains(&p[c]));
+        let inside: Vec<[f64; 3]> = members.iter().filter(is_inside).copied().collect();
+        let Some(shown) = super::bounding_box(&inside) else { return Some(all) };
+        Some(if box_diagonal(&all) > FRAME_GAIN * box_diagonal(&shown) { shown } else { all })
+    }
+}
+
+/// Bounding box of what a picture of `points` should show, of those that are `used` (by a face) or of all: without
+/// placeholders, and without the few points that are so far away that the others would fill less than half of the
+/// picture. `None` without points. O(n).
+///
+/// ```
+/// use adwave::shape::picture_frame;
+/// let mut points: Vec<[f64; 3]> = (0..900).map(|i| [f64::from(i % 30), f64::from(i / 30), 0.0]).collect();
+/// points.push([1e6, 0.0, 0.0]);
+/// assert_eq!(picture_frame(&points, None), Some(([0.0; 3], [29.0, 29.0, 0.0])));
+/// ```
+///
+/// # Panics
+/// Unless there is one flag per point.
+pub fn picture_frame(points: &[[f64; 3]], used: Option<&[bool]>) -> Option<([f64; 3], [f64; 3])> {
+    let role =
+        |x: usize| if used.is_none_or(|used| used[x]) { VertexRole::Member } else { VertexRole::Unused };
+    let mut roles: Vec<VertexRole> = (0..points.len()).map(role).collect();
+    let origin = if used.is_some() { OriginRule::Ordinary } else { OriginRule::Placeholder };
+    mark_placeholders(points, &mut roles, origin);
+    Participation { roles, ..Participation::default() }.frame(points)
+}
+
+/// Meaning of a vertex at the origin that is far from everything.
+#[derive(Clone, Copy, PartialEq)]
+enum OriginRule {
+    Placeholder,
+    Ordinary,
+}
+
+/// Marks members whose position stands for an unknown one; returns true if there are any.
+fn mark_placeholders(points: &[[f64; 3]], roles: &mut [VertexRole], origin: OriginRule) -> bool {
+    let is_value = |c: f64| c.abs() >= NO_LENGTH || PLACEHOLDER_VALUES.contains(&c);
+    let is_suspect = |p: &[f64; 3]| *p == [0.0; 3] || p.iter().any(|&c| is_value(c));
+    let is_member = |x: &usize| roles[*x] == VertexRole::Member;
+    let suspects: Vec<usize> =
+        (0..points.len()).filter(is_member).filter(|&x| is_suspect(&points[x])).collect();
+    if suspects.is_empty() {
+        return false;
+    }
+    let known: Vec<[f64; 3]> =
+        (0..points.len()).filter(is_member).map(|x| points[x]).filter(|p| !is_suspect(p)).collect();
+    if known.len() < MIN_KNOWN {
+        return false;
+    }
+    let (mut lo, mut hi) = ([0.0; 3], [0.0; 3]);
+    for c in 0..3 {
+        let Some([low, high]) = quantiles(known.iter().map(|p| p[c]).collect(), TAIL) else { return false };
+        (lo[c], hi[c]) = (low, high);
+    }
+    let size = box_diagonal(&(lo, hi));
+    // Distance of a value outside the others, beyond their own range.
+    let is_outside = |c: usize, value: f64| {
+        let gap = (lo[c] - value).max(value - hi[c]);
+        gap > 0.0 && gap > hi[c] - lo[c]
+    };
+    let mut is_any = false;
+    for x in suspects {
+        let p = &points[x];
+        let nearest = std::array::from_fn(|c| p[c].clamp(lo[c], hi[c]));
+        let is_far_origin =
+            origin == OriginRule::Placeholder && *p == [0.0; 3] && box_diagonal(&(*p, nearest)) > size;
+        if is_far_origin || (0..3).any(|c| is_value(p[c]) && is_outside(c, p[c])) {
+            roles[x] = VertexRole::Placeholder;
+            is_any = true;
+        }
+    }
+    is_any
+}
+
+/// Values below and above which the share `tail` of them lies; `None` for no values.
+fn quantiles(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
+    let n = values.len();
+    if n == 0 {
+        return None;
+    }
+    let low = (tail * (n - 1) as f64).floor() as usize;
+    let mut at = |k: usize| *values.select_nth_unstable_by(k, f64::total_cmp).1;
+    Some([at(low), at(n - 1 - low)])
+}
+
+/// Disjoint sets of vertices; the smallest vertex of a set is its root.
+struct DisjointSets {
+    parent: Vec<u32>,
+}
+
+impl DisjointSets {
+    fn new(n: usize) -> Self {
+        Self { parent: (0..n as u32).collect() }
+    }
+
+    /// Root of the set of `x`, with path halving.
+    fn root(&mut self, mut x: u32) -> u32 {
+        while self.parent[x as usize] != x {
+            let next = self.parent[self.parent[x as usize] as usize];
+            self.parent[x as usize] = next;
+            x = next;
+        }
+        x
+    }
+
+    fn join(&mut self, x: u32, y: u32) {
+        let (a, b) = (self.root(x), self.root(y));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// Number of members of each set, at its root.
+    fn sizes(&mut self) -> Vec<u32> {
+        let mut sizes = vec![0; self.parent.len()];
+        for x in 0..self.parent.len() {
+            sizes[self.root(x as u32) as usize] += 1;
+        }
+        sizes
+    }
+}

@@ -1,0 +1,103 @@
+//! Sheets of a cloud that are closer to each other than its points, told apart by the normals of the file.
+//!
+//! A wall scanned from both sides, a leaf or a page has two surfaces whose points are each other's nearest. With
+//! normals that point away from the material, or into it, neighbors on the other surface have the opposite normal.
+
+use super::{Neighborhoods, Participation, VertexMap, distance};
+use crate::rows::Pattern;
+use crate::vector::{dot, subtract, unit};
+use crate::{Cancelled, Progress, parallel};
+
+/// Cosine of two normals below which they belong to different sheets: a turn of more than 120°, which the edges of
+/// solids do not have.
+const OPPOSITE: f64 = -0.5;
+
+/// Cosine of two normals above which they belong to one sheet.
+const ALIKE: f64 = 0.5;
+
+/// Median slope of the lines to neighbors with opposite normals, in that of the lines to neighbors with similar
+/// normals, from which opposite normals mean another sheet. Where the signs of normals are arbitrary, both are the
+/// same.
+const SLOPE_RATIO: f64 = 2.0;
+
+/// Number of neighbors to search for each that is needed, as up to half of the nearest or more lie on other sheets.
+const SEARCHED: usize = 4;
+
+/// Relative difference of distances that counts as equal, as in [`nearest_neighbors`](super::nearest_neighbors).
+const TIE: f64 = 1e-9;
+
+/// Unit normals of the welded points, zero where a point has none; `normals` are those of the points of the file.
+pub(super) fn welded_normals(normals: &[[f64; 3]], map: &VertexMap) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; map.n_welded()];
+    for (normal, &x) in normals.iter().zip(map.as_slice()) {
+        let size = normal.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        if normal.iter().all(|c| c.is_finite()) && size > 0.0 {
+            let normal = unit(&normal.map(|c| c / size)).unwrap_or_default();
+            (0..3).for_each(|c| sums[x as usize][c] += normal[c]);
+        }
+    }
+    sums.iter().map(|sum| unit(sum).unwrap_or_default()).collect()
+}
+
+/// True if neighbors with opposite normals lie on other sheets: lines to them are steeper against their planes than
+/// lines to neighbors with similar normals. False if no neighbors are opposite, or if normals have arbitrary signs.
+pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: &Neighborhoods) -> bool {
+    let (mut alike, mut opposite) = (Vec::new(), Vec::new());
+    for x in 0..points.len() {
+        for &y in near.adjacency.row(x) {
+            let y = y as usize;
+            let cosine = dot(&normals[x], &normals[y]);
+            let slopes = if cosine > ALIKE {
+                &mut alike
+            } else if cosine < OPPOSITE {
+                &mut opposite
+            } else {
+                continue;
+            };
+            let line = subtract(&points[y], &points[x]);
+            let length = distance(&points[x], &points[y]);
+            if length > 0.0 {
+                slopes.push(dot(&line, &normals[x]).abs().min(dot(&line, &normals[y]).abs()) / length);
+            }
+        }
+    }
+    let median = |slopes: &mut Vec<f64>| {
+        let middle = slopes.len() / 2;
+        *slopes.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    !opposite.is_empty() && (alike.is_empty() || median(&mut opposite) > SLOPE_RATIO * median(&mut alike))
+}
+
+/// The `k` nearest neighbors of each point among those whose normal is not opposite, of the nearest points that take
+/// part; fewer if there are not enough.
+pub(super) fn nearest_on_sheet(
+    points: &[[f64; 3]],
+    normals: &[[f64; 3]],
+    participation: &Participation,
+    k: usize,
+    progress: Progress<'_>,
+) -> Result<Neighborhoods, Cancelled> {
+    let near = participation.nearest(points, SEARCHED.saturating_mul(k), progress)?;
+    let rows: Vec<(Vec<u32>, f64)> = parallel::try_collect(points.len(), progress, |x| {
+        let own = near.adjacency.row(x).iter().copied();
+        let on_sheet = own.filter(|&y| dot(&normals[x], &normals[y as usize]) >= OPPOSITE);
+        let mut found: Vec<(f64, u32)> =
+            on_sheet.map(|y| (distance(&points[x], &points[y as usize]), y)).collect();
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let Some(&(radius, _)) = found.get(k.min(found.len()).wrapping_sub(1)) else {
+            return (Vec::new(), 0.0);
+        };
+        let n = found.partition_point(|(d, _)| *d <= radius * (1.0 + TIE));
+        let mut row: Vec<u32> = found[..n].iter().map(|(_, y)| *y).collect();
+        row.sort_unstable();
+        (row, radius)
+    })?;
+    let mut offsets = vec![0; points.len() + 1];
+    for (x, (row, _)) in rows.iter().enumerate() {
+        offsets[x + 1] = offsets[x] + row.len();
+    }
+    let columns = rows.iter().flat_map(|(row, _)| row.iter().copied()).collect();
+    let adjacency = Pattern::new(offsets, columns, points.len()).unwrap_or_else(|e| unreachable!("{e}"));
+    let radius = rows.iter().map(|(_, radius)| *radius).collect();
+    Ok(Neighborhoods { adjacency, radius, k: k.min(near.k) })
+}
