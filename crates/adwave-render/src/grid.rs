@@ -4,6 +4,7 @@ use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::{ColorScale, ValueRange};
 use crate::error::RenderError;
+use crate::framed::FramedSurface;
 use crate::layout::{Layout, MARGIN, bar, caption_height, letter_size};
 use crate::params::{ColorBar, RenderParams, check_size};
 use crate::picture::Picture;
@@ -78,9 +79,13 @@ pub fn grid(
     check_size(sheet_width, sheet_rows)?;
     let mut sheet = Picture::blank(sheet_width, sheet_rows, params.background.pixel())?;
     let own = if common.is_some() { params.clone().with_color_bar(ColorBar::Hidden) } else { params.clone() };
+    let framed: Vec<FramedSurface> =
+        panels.iter().map(|p| FramedSurface::new(&p.surface, params.frame)).collect();
+    let surfaces: Vec<Surface> = framed.iter().map(FramedSurface::surface).collect();
     let subjects: Vec<PreparedSurface> = panels
         .iter()
-        .map(|p| PreparedSurface::new(&p.surface, &p.balls, progress))
+        .zip(&surfaces)
+        .map(|(p, surface)| PreparedSurface::new(surface, &p.balls, progress))
         .collect::<Result<_, _>>()?;
     let layouts: Vec<Layout> = panels
         .iter()

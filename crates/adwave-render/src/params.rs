@@ -58,6 +58,22 @@ impl Default for Framing {
     }
 }
 
+/// Vertices that a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// All but placeholders and a few that are so far away that the rest would fill less than half of the picture
+    /// ([`adwave::shape::picture_frame`]).
+    #[default]
+    Main,
+    /// All.
+    All,
+}
+
+adwave::named_values!(Frame, "frame", {
+    Main => "main", "Leave out the few vertices that are far from all others";
+    All => "all", "Show all vertices, however far away";
+});
+
 /// Largest distance between the focus and the middle of the shape, in diagonals of the shape.
 pub(crate) const FARTHEST_FOCUS: f64 = 10.0;
 
@@ -91,6 +107,8 @@ pub struct RenderParams {
     pub projection: Projection,
     /// Part of the shape that fills the picture.
     pub framing: Framing,
+    /// Vertices that the picture shows.
+    pub frame: Frame,
     /// Background behind the shape.
     pub background: Background,
     /// Visibility of a field's color bar.
@@ -111,6 +129,7 @@ impl Default for RenderParams {
             up: Up::Y,
             projection: Projection::Perspective { field_of_view: 20.0 },
             framing: Framing::default(),
+            frame: Frame::default(),
             background: Background::Color([255; 3]),
             color_bar: ColorBar::Shown,
             crease_angle: 50.0,
@@ -148,6 +167,12 @@ impl RenderParams {
     #[must_use]
     pub fn with_framing(self, framing: Framing) -> Self {
         Self { framing, ..self }
+    }
+
+    /// Sets the vertices that the picture shows.
+    #[must_use]
+    pub fn with_frame(self, frame: Frame) -> Self {
+        Self { frame, ..self }
     }
 
     /// Sets the background.

@@ -4,6 +4,7 @@ use crate::camera::Camera;
 use crate::color_bar;
 use crate::color_range::ColorScale;
 use crate::error::RenderError;
+use crate::framed::FramedSurface;
 use crate::layout::Layout;
 use crate::occlusion::DepthBuffer;
 use crate::params::{Background, Framing, RenderParams};
@@ -51,6 +52,8 @@ pub fn render(
     params.check()?;
     surface.check()?;
     check_balls(balls)?;
+    let framed = FramedSurface::new(surface, params.frame);
+    let surface = &framed.surface();
     let subject = PreparedSurface::new(surface, balls, progress)?;
     let scale = subject.scale();
     let layout = Layout::new(params, scale.as_ref().zip(subject.label()), None);

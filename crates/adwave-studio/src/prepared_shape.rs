@@ -9,7 +9,7 @@ use adwave::filter::{FilterError, WeightedLayer, displacement};
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::constrain_positions;
 use adwave::region::{Length, Region, RegionWeights};
-use adwave::shape::{Health, Shape, enclosed_volume};
+use adwave::shape::{Health, Shape};
 use adwave::signal::{OutwardNormals, outward_normals};
 use adwave::{Decomposer, Editor, Progress};
 use adwave_io::{ShapeFile, file_normals, region_field};
@@ -274,9 +274,9 @@ impl PreparedShape {
     /// Returns the volume before and after the edit; `None` for a surface that encloses none.
     fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
         let geometry = self.decomposer.geometry();
-        self.health().volume.map(|before| {
-            [before, enclosed_volume(&geometry.vertex_map().positions(points), geometry.triangles())]
-        })
+        self.health()
+            .volume
+            .map(|before| [before, geometry.volume_of(&geometry.vertex_map().positions(points))])
     }
 
     /// Encodes W_j at all vertices as a scale and integers `i16 × 4 × n`, of which every fourth is 0.

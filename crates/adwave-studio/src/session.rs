@@ -166,7 +166,7 @@ impl Session {
             "n_vertices": input.shape.n_vertices(),
             "n_triangles": self.triangles.len(),
             "center": self.center,
-            "diagonal": prepared.decomposer.diagonal(),
+            "diagonal": prepared.decomposer.extent(),
             "mean_length": prepared.decomposer.mean_length(),
             "closed": health.is_closed(),
             "volume": health.volume,

@@ -10,7 +10,7 @@ use clap::Args;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Levels")]
 pub(crate) struct LevelArgs {
-    /// Number of levels, each with twice as many diffusion steps as the one before: 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency and diff 16 %; 4 to 16]
+    /// Number of levels, each with twice as many diffusion steps as the one before: 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency and diff 16 %; 4 to 16, fewer where that would remove half of the shape]
     #[arg(long, short = 'j', value_name = "J", value_parser = count, allow_negative_numbers = true)]
     pub(crate) levels: Option<usize>,
     /// Levels for each doubling of the steps instead of one: 2^(k/V) steps

@@ -210,7 +210,7 @@ impl Analysis {
 
     /// A width in % of the diagonal; 0 on a graph.
     pub(crate) fn percent(&self, sigma: f64) -> f64 {
-        let diagonal = self.decomposer.diagonal();
+        let diagonal = self.decomposer.extent();
         if diagonal > 0.0 { 100.0 * sigma / diagonal } else { 0.0 }
     }
 

@@ -80,7 +80,7 @@ pub(crate) fn run(args: &DemoArgs, global: &Global<'_>) -> Result<(), CliError> 
             name,
             words: if name == LOCAL_EDIT { "is `suppress` on one half only, with a soft seam" } else { "" },
             points,
-            rms_percent: 100.0 * moved.rms / decomposer.diagonal(),
+            rms_percent: 100.0 * moved.rms / decomposer.extent(),
         });
     }
     let subject = Subject {
@@ -181,7 +181,7 @@ fn report(
     why: &str,
     edits: &[(&str, f64, f64, f64, f64)],
 ) -> String {
-    let diagonal = decomposer.diagonal();
+    let diagonal = decomposer.extent();
     let mut text = format!(
         "A creature of {} vertices and {} faces, its diffusion operator built in {diffusion_ms:.1} ms, split into {} bands\n({why}):\n\n",
         file.n_vertices(),
@@ -250,7 +250,7 @@ fn page_text(
     bands: &Bands,
     edits: &[(&str, f64, f64, f64, f64)],
 ) -> DemoText {
-    let diagonal = decomposer.diagonal();
+    let diagonal = decomposer.extent();
     let energy = bands.energy(&decomposer.areas()).expect("one area per vertex");
     let mut levels = Table::new(
         "bands.csv",

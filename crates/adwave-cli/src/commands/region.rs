@@ -60,7 +60,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
         note(global, "no vertex is in the region; try a larger radius or another place");
     }
     let mut text = format!("{}: {}\n", input.name, count(weights.len(), "vertex", "vertices"));
-    coverage.describe(&mut text, decomposer.diagonal());
+    coverage.describe(&mut text, decomposer.extent());
     let json = json!({
         "shape": input.name,
         "output": args.output.as_ref().map(|path| path.display().to_string()),

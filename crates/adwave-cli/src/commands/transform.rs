@@ -140,7 +140,7 @@ fn report(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let energy = bands.energy(&job.decomposer.areas())?;
-    let diagonal = job.decomposer.diagonal();
+    let diagonal = job.decomposer.extent();
     let name = args.signal.name();
     let mut text = format!(
         "{}: {}, {} of {name}\n{}\n\n",

@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
-use adwave::shape::{PreparedGeometry, enclosed_volume, health, one_ring, surface_area};
+use adwave::shape::{PreparedGeometry, health};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -48,8 +48,8 @@ impl Movement {
     /// # Errors
     /// A vertex moved so far that no number says how far.
     pub(crate) fn measure(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Result<Self, CliError> {
-        let (triangles, shape) = (geometry.triangles(), geometry.shape());
-        let diagonal = shape.diagonal();
+        let shape = geometry.shape();
+        let diagonal = geometry.extent();
         // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two rounds nothing.
         let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
         let in_units =
@@ -63,16 +63,16 @@ impl Movement {
             )));
         }
         let mut this = Self { moved, diagonal, areas: None, volumes: None };
-        if triangles.is_empty() {
+        if geometry.faces().is_empty() {
             return Ok(this);
         }
         let (before, after) =
             (in_units(geometry.points()), in_units(&geometry.vertex_map().positions(points)));
-        let area = |points: &[[f64; 3]]| surface_area(points, triangles);
+        let area = |points: &[[f64; 3]]| geometry.area_of(points);
         this.areas = Some(MeasureChange::new(area(&before), area(&after), unit.powi(2)));
-        let counted = health(geometry, &one_ring(geometry.n_vertices(), triangles), Progress::none());
+        let counted = health(geometry, &geometry.one_ring(), Progress::none());
         if counted.is_ok_and(|health| health.volume.is_some()) {
-            let volume = |points: &[[f64; 3]]| enclosed_volume(points, triangles);
+            let volume = |points: &[[f64; 3]]| geometry.volume_of(points);
             this.volumes = Some(MeasureChange::new(volume(&before), volume(&after), unit.powi(3)));
         }
         Ok(this)

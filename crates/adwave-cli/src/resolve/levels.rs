@@ -67,7 +67,7 @@ pub(crate) fn resolve_spec(
 }
 
 fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Global<'_>) {
-    let diagonal = decomposer.diagonal();
+    let diagonal = decomposer.extent();
     if diagonal <= 0.0 {
         return;
     }

@@ -8,7 +8,7 @@ use crate::output::note;
 use crate::output::progress::with_progress;
 use adwave::mask::missing;
 use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
-use adwave::shape::Shape;
+use adwave::shape::{Shape, VertexRole, describe_outsiders};
 use adwave::{Decomposer, LevelSpec, Progress};
 
 /// How the diffusion operator is built for a task.
@@ -60,7 +60,14 @@ pub(crate) fn prepare(
     params: &OperatorParams,
 ) -> Result<Decomposer, CliError> {
     check_operator(shape, params)?;
-    with_progress(global, "preparing", |progress| build_operator(shape, params, progress))
+    let decomposer = with_progress(global, "preparing", |progress| build_operator(shape, params, progress))?;
+    let outsiders = decomposer.geometry().outsiders();
+    for role in [VertexRole::Placeholder, VertexRole::Stray] {
+        if let Some(text) = describe_outsiders(&outsiders, role) {
+            note(global, &text);
+        }
+    }
+    Ok(decomposer)
 }
 
 /// A shape with its diffusion operator, for a signal: vertices where the signal is NaN are masked.

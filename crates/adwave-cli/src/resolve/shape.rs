@@ -6,7 +6,7 @@ use crate::global::Global;
 use crate::output::note;
 use crate::output::progress::with_spinner;
 use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::{Shape, triangulate, vertex_normals};
+use adwave::shape::{Shape, face_vertex_normals};
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{CloudPart, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with};
 use std::io::Read;
@@ -172,8 +172,7 @@ pub(crate) fn move_points(
         note(global, "the normals are those of the input; --update-normals recomputes them");
         return Ok(());
     }
-    let triangles = triangulate(input.file.points(), mesh.faces());
-    let values = vertex_normals(input.file.points(), &triangles);
+    let values = face_vertex_normals(input.file.points(), mesh.faces());
     let field = field.with_values_rounded(values.as_flattened());
     Ok(input.file.add_vertex_field(field)?)
 }

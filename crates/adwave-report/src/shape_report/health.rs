@@ -223,9 +223,9 @@ fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
             &format!("From ({from}) to ({to})."),
         ));
         list.push(fact(
-            "Diagonal",
-            format!("{} model units", digits(subject.decomposer.diagonal())),
-            "Diagonal of the bounding box; percentages of lengths refer to it.",
+            "Extent",
+            format!("{} model units", digits(subject.decomposer.extent())),
+            "Diagonal of the bounding box of the largest part, without strays; percentages of lengths refer to it.",
         ));
     }
     list

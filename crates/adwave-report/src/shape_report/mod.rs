@@ -97,7 +97,7 @@ impl Subject<'_> {
     /// Formats a point to a ten-thousandth of the size of the shape.
     fn position(&self, point: [f64; 3]) -> String {
         // For a shape without extent this is infinite; the cast saturates.
-        let decimals = 4_i32.saturating_sub(self.decomposer.diagonal().log10().floor() as i32);
+        let decimals = 4_i32.saturating_sub(self.decomposer.extent().log10().floor() as i32);
         let far = point.iter().any(|c| c.abs() >= 1e9);
         let cell = |c: f64| match decimals {
             0..=9 if !far => format!("{c:.*}", decimals as usize).replace('-', "−"),
@@ -109,7 +109,7 @@ impl Subject<'_> {
 
     /// A width in % of the diagonal; NaN if the diagonal is 0.
     fn percent(&self, width: f64) -> f64 {
-        let diagonal = self.decomposer.diagonal();
+        let diagonal = self.decomposer.extent();
         if diagonal > 0.0 { 100.0 * width / diagonal } else { f64::NAN }
     }
 

@@ -5,7 +5,7 @@ use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::page::{Block, Figure, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
-use adwave::shape::{Shape, enclosed_volume};
+use adwave::shape::Shape;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -111,7 +111,7 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> O
     let before = volume.filter(|v| *v != 0.0)?;
     let geometry = subject.decomposer.geometry();
     let points = geometry.vertex_map().positions(values.as_chunks().0);
-    Some(enclosed_volume(&points, geometry.triangles()) / before)
+    Some(geometry.volume_of(&points) / before)
 }
 
 fn pictures(

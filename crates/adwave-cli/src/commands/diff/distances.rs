@@ -137,7 +137,7 @@ fn closest_differences(
     let normals = file_normals(&first.file);
     let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
         .map_err(|e| CliError::classify(&e))?;
-    let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
+    let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
     let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
         with_progress(global, "measuring", |progress| {
             signed_distances(points, normals, surface, limit, progress)
@@ -242,7 +242,7 @@ fn fit(
     };
     let direct = from(Motion::default())?;
     let is_poor = |info: &AlignInfo| {
-        info.median.is_nan() || info.median > POOR * decomposer.diagonal() || info.overlap < LEAST_OVERLAP
+        info.median.is_nan() || info.median > POOR * decomposer.extent() || info.overlap < LEAST_OVERLAP
     };
     if !is_poor(&direct.1) {
         return Ok(direct);

@@ -121,7 +121,7 @@ impl VersionComparison<'_> {
         for fact in &self.found.facts {
             let _ = writeln!(text, "  {:<12} {}{}", fact.name, fact.value, meaning(fact));
         }
-        let diagonal = self.decomposer.diagonal();
+        let diagonal = self.decomposer.extent();
         let _ = writeln!(text, "\n{} (rms by area, model units)\n", self.levels_reason);
         text += &table(
             ["level", "sigma", "FWHM", "% of diagonal", "rms of W", "largest |W|", "% of the bands"],
@@ -172,7 +172,7 @@ impl VersionComparison<'_> {
                 "rms": b.rms, "max": b.max,
                 "share": if b.detail_share.is_finite() { Some(b.detail_share) } else { None },
             })).collect::<Vec<_>>(),
-            "fwhm": fwhm_json(&sigma, self.decomposer.diagonal()),
+            "fwhm": fwhm_json(&sigma, self.decomposer.extent()),
             "rest_rms": self.rest(),
         })
     }

@@ -15,7 +15,7 @@ use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
     change, n_right, repeatability, share_by_chance,
 };
-use adwave::shape::{Shape, surface_area};
+use adwave::shape::Shape;
 use adwave_io::ShapeFile;
 use adwave_simplify::resample_mesh;
 pub(crate) use args::EvaluateArgs;
@@ -98,9 +98,10 @@ fn evaluate_repeatability(
 ) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
     let geometry = analysis.decomposer.geometry();
-    let area = match geometry.triangles() {
-        [] => analysis.decomposer.areas().iter().sum(),
-        triangles => surface_area(geometry.points(), triangles),
+    let area = if geometry.faces().is_empty() {
+        analysis.decomposer.areas().iter().sum()
+    } else {
+        geometry.area_of(geometry.points())
     };
     let mut rows: Vec<Repetition> = Vec::new();
     let percents = args.percents.iter().map(|p| (format!("noise {p} %"), Some(p / 100.0)));

@@ -70,7 +70,7 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
             ["level", "sigma", "% of diagonal", "features"],
             count_by_level(features).into_iter().map(|(level, n)| {
                 let sigma = analysis.sigma()[level];
-                let percent = percent_of(sigma, analysis.decomposer.diagonal());
+                let percent = percent_of(sigma, analysis.decomposer.extent());
                 [level.to_string(), number(sigma), percent, n.to_string()]
             }),
         );

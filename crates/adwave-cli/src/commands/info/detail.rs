@@ -62,7 +62,7 @@ pub(super) fn measure(
         decomposer.request(points.as_flattened(), 3, schedule).params(params).progress(progress).bands()
     })?;
     let losses = detail_loss(&bands, &decomposer.areas());
-    Ok(Detail { losses, diagonal: decomposer.diagonal(), question: None })
+    Ok(Detail { losses, diagonal: decomposer.extent(), question: None })
 }
 
 /// A length as it is typed.

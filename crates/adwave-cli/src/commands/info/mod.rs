@@ -16,7 +16,7 @@ use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
 use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
-use adwave::shape::{Health, Shape, bounding_box};
+use adwave::shape::{Health, Shape, VertexRole, bounding_box};
 use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Format, ReadError, cloud_levels};
 pub(crate) use args::InfoArgs;
@@ -76,14 +76,16 @@ impl ShapeFacts {
 
     fn text(&self) -> String {
         let Self { input, decomposer, health, .. } = self;
-        let diagonal = decomposer.diagonal();
+        let diagonal = decomposer.extent();
         let mut text = format!("{}: {}, {}\n", input.name, kind_name(&input.shape), self.format_name());
         health_lines(&mut text, &input.shape, health);
         if let Some(bounds) = input.shape.points().and_then(bounding_box) {
             let _ = writeln!(text, "  bounding box  {}", bounds_text(&bounds, diagonal));
         }
         if diagonal > 0.0 {
-            let _ = writeln!(text, "  diagonal      {}", number(diagonal));
+            let _ = writeln!(text, "  diagonal      {}", number(decomposer.diagonal()));
+            let what = "the diagonal of the largest part, without strays; default levels and % refer to it";
+            let _ = writeln!(text, "  extent        {}, {what}", number(diagonal));
         }
         if let Some(octree) = &self.octree {
             let _ = writeln!(text, "  octree        {}", octree_text(octree));
@@ -106,7 +108,7 @@ impl ShapeFacts {
     }
 
     fn level_table(&self) -> String {
-        let (schedule, sigma, diagonal) = (&self.levels.schedule, self.sigma(), self.decomposer.diagonal());
+        let (schedule, sigma, diagonal) = (&self.levels.schedule, self.sigma(), self.decomposer.extent());
         table(
             ["level", "steps", "sigma", "FWHM", "% of diagonal"],
             (1..=schedule.n_levels()).map(|j| {
@@ -123,7 +125,7 @@ impl ShapeFacts {
 
     fn json(&self) -> Value {
         let Self { input, decomposer, health, .. } = self;
-        let (sigma, diagonal) = (self.sigma(), decomposer.diagonal());
+        let (sigma, diagonal) = (self.sigma(), decomposer.extent());
         let fields = input.file.vertex_fields();
         json!({
             "shape": input.name,
@@ -132,7 +134,9 @@ impl ShapeFacts {
             "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "provenance": input.file.provenance().map(provenance_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
-            "diagonal": diagonal,
+            "diagonal": decomposer.diagonal(),
+            "extent": diagonal,
+            "outsiders": outsiders_json(&decomposer.geometry().outsiders()),
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
             })),
@@ -147,6 +151,21 @@ impl ShapeFacts {
             "detail": self.detail.as_ref().map(Detail::json),
         })
     }
+}
+
+/// Number of rows of each role that take no part, and the first of these rows.
+fn outsiders_json(outsiders: &[(usize, VertexRole)]) -> Value {
+    const MOST_ROWS: usize = 100;
+    let of_role = |role: VertexRole| {
+        let rows: Vec<usize> =
+            outsiders.iter().filter(|(_, own)| *own == role).map(|(row, _)| *row).collect();
+        json!({"count": rows.len(), "first_rows": rows.iter().take(MOST_ROWS).collect::<Vec<_>>()})
+    };
+    json!({
+        "placeholders": of_role(VertexRole::Placeholder),
+        "strays": of_role(VertexRole::Stray),
+        "unused": of_role(VertexRole::Unused),
+    })
 }
 
 /// Lines on the diffusion operator.

@@ -16,7 +16,6 @@ use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::features::match_features;
 use adwave::operator::OperatorTask;
-use adwave::shape::surface_area;
 use adwave_register::{
     AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
     align, common_lengths, consensus, describe_shape, pairs_under,
@@ -168,9 +167,11 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         )
     })
     .map_err(|_| CliError::Cancelled)?;
-    let area = match second.decomposer.geometry().triangles() {
-        [] => second.decomposer.areas().iter().sum(),
-        triangles => surface_area(second.decomposer.geometry().points(), triangles),
+    let geometry = second.decomposer.geometry();
+    let area = if geometry.faces().is_empty() {
+        second.decomposer.areas().iter().sum()
+    } else {
+        geometry.area_of(geometry.points())
     };
     let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams { sigmas: args.within });
     let fitted = FittedMotion { motion, consensus: found, fit: info };

@@ -3,7 +3,7 @@
 use crate::args::number;
 use crate::error::CliError;
 use crate::resolve::shape::Input;
-use adwave_render::Framing;
+use adwave_render::{Frame, Framing};
 use clap::Args;
 use std::str::FromStr;
 
@@ -16,6 +16,9 @@ pub(crate) struct FramingArgs {
     /// Magnification, relative to the view that fits the whole shape [default: 1, with --focus 4]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, help_heading = "Picture")]
     pub(crate) zoom: Option<f64>,
+    /// Vertices that are shown: main, without the few that are far from all others, or all
+    #[arg(long, value_name = "WHICH", default_value = "main", help_heading = "Picture")]
+    pub(crate) frame: Frame,
     /// Point in the middle of the picture: X,Y,Z in model units, or vertex=N of the first shape
     #[arg(long, value_name = "PLACE", allow_hyphen_values = true, help_heading = "Picture")]
     pub(crate) focus: Option<FocusArg>,

@@ -7,7 +7,7 @@ mod framing;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
-use crate::output::{check_writable, count, has_extension, print, write_file};
+use crate::output::{check_writable, count, has_extension, note, print, write_file};
 use crate::resolve::region::{WEIGHT, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
 use crate::resolve::signal::{COORDS, Signal, load_signal};
@@ -18,7 +18,7 @@ use adwave::signal::SurfaceSignal;
 use adwave::{Decomposer, Progress};
 use adwave_io::FieldValues;
 use adwave_render::{
-    Background, Ball, ColorBar, ColorMap, FieldPaint, Paint, Panel, Picture, Projection, RenderParams,
+    Background, Ball, ColorBar, ColorMap, FieldPaint, Frame, Paint, Panel, Picture, Projection, RenderParams,
     SharedCamera, Surface, ValueRange, grid, render,
 };
 pub(crate) use args::RenderArgs;
@@ -39,6 +39,7 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     let params = params.with_up(up.up).with_framing(args.framing.resolve_for_shape(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
+    let n_outside = note_outside(&shapes, params.frame, global);
     let picture =
         with_spinner(global, "drawing", || draw(args, &params, &shapes, &balls, global.progress()))?;
     let drawn = start.elapsed().as_secs_f64();
@@ -63,12 +64,31 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
         })).collect::<Vec<_>>(),
         "features": balls.len(),
         "up": up.to_json(),
+        "frame": params.frame.name(),
+        "vertices_outside": n_outside,
         "zoom": params.framing.zoom,
         "focus": params.framing.focus,
         "projection": if args.orthographic { "orthographic" } else { "perspective" },
         "seconds": {"read": read, "draw": drawn},
     });
     print(global, &text, &json)
+}
+
+/// Number of vertices that the pictures leave out, with a note.
+fn note_outside(shapes: &[ShownShape], frame: Frame, global: &Global<'_>) -> usize {
+    let outside = |shape: &ShownShape| {
+        let points = shape.input.shape.points().unwrap_or_default();
+        Surface { points, triangles: &shape.triangles, paint: Paint::CLAY }.n_outside(frame)
+    };
+    let n_outside: usize = shapes.iter().map(outside).sum();
+    if n_outside > 0 {
+        let vertices = count(n_outside, "vertex", "vertices");
+        note(
+            global,
+            &format!("the picture leaves out {vertices} far from all others; --frame all shows them"),
+        );
+    }
+    n_outside
 }
 
 /// The parameters of the picture. Refuses what can be refused before anything is read.
@@ -93,6 +113,7 @@ fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
         .with_view(args.view)
         .with_projection(projection)
         .with_framing(args.framing.without_vertex())
+        .with_frame(args.framing.frame)
         .with_background(background)
         .with_color_bar(if args.no_bar { ColorBar::Hidden } else { ColorBar::Shown })
         .with_crease_angle(args.crease);

@@ -79,7 +79,7 @@ fn simplify_mesh_file(
     global: &Global<'_>,
 ) -> Result<Simplified, CliError> {
     let target = match (args.error, args.vertices, args.ratio) {
-        (Some(error), ..) => MeshTarget::Error(error.to_model_units(input.shape.diagonal())),
+        (Some(error), ..) => MeshTarget::Error(error.to_model_units(input.shape.extent())),
         (_, Some(n), _) => MeshTarget::Vertices(n),
         (.., ratio) => MeshTarget::Ratio(ratio.unwrap_or(1.0)),
     };
@@ -147,7 +147,7 @@ fn simplify_cloud_file(
         ));
     }
     let target = match (args.error, args.vertices, args.ratio) {
-        (Some(error), ..) => CloudTarget::Spacing(error.to_model_units(input.shape.diagonal())),
+        (Some(error), ..) => CloudTarget::Spacing(error.to_model_units(input.shape.extent())),
         (_, Some(n), _) => CloudTarget::Points(n),
         (.., ratio) => CloudTarget::Ratio(ratio.unwrap_or(1.0)),
     };
@@ -160,7 +160,7 @@ fn simplify_cloud_file(
     } else {
         input.file.clone()
     };
-    let diagonal = input.shape.diagonal();
+    let diagonal = input.shape.extent();
     let line = if is_changed {
         format!(
             "spacing    {}, {} % of the diagonal: no two points are nearer, and every dropped point is that near to one that stays",
@@ -218,7 +218,7 @@ fn report(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let (before, after) = (input.shape.n_vertices(), simplified_shape.file.n_vertices());
-    let diagonal = input.shape.diagonal();
+    let diagonal = input.shape.extent();
     let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
     let bytes = std::fs::metadata(&args.output).map_or(0, |m| m.len());
     let by = if let Shape::Mesh(_) = input.shape { "rms by area" } else { "rms" };
