@@ -8,8 +8,8 @@ use crate::region::region_weights;
 use crate::shape::ShapeData;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule, Transform};
 use adwave::positions::constrain_positions;
-use adwave::shape::{Shape, bounding_box};
-use adwave::{BandsRequest, Cancelled, Decomposer, Progress};
+use adwave::shape::{Shape, VertexRole, bounding_box};
+use adwave::{BandsRequest, Cancelled, Decomposer, LevelSpec, Progress};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -137,12 +137,24 @@ impl Prepared {
         facts.set_item("euler_characteristic", health.euler_characteristic)?;
         facts.set_item("bounding_box", d.geometry().shape().points().and_then(bounding_box))?;
         facts.set_item("diagonal", d.diagonal())?;
+        facts.set_item("extent", d.extent())?;
+        let outsiders = d.geometry().outsiders();
+        for role in VertexRole::OUTSIDE {
+            let rows: Vec<usize> =
+                outsiders.iter().filter(|(_, own)| *own == role).map(|(row, _)| *row).collect();
+            facts.set_item(role.plural(), rows)?;
+        }
         facts.set_item("operator", d.operator_kind().name())?;
         facts.set_item("entries", d.diffusion().nnz())?;
         facts.set_item("mean_length", d.mean_length())?;
         facts.set_item("step_length", d.diffusion().step_length())?;
         facts.set_item("reversible", d.diffusion().is_reversible())?;
         Ok(facts)
+    }
+
+    /// Size of the largest part without strays, in model units.
+    fn extent(&self) -> f64 {
+        self.decomposer.extent()
     }
 
     /// Diagonal, mean length and step length, in model units.
@@ -174,13 +186,14 @@ impl Prepared {
         (arrays::vector(py, map.as_slice().to_vec()).into_any(), arrays::vector(py, shares).into_any())
     }
 
-    /// Steps of each level; without levels, of dyadic levels up to a share of the diagonal.
+    /// Steps of each level; without levels, of the default ones, up to a share of the extent.
     #[pyo3(signature = (levels=None, extent=None))]
     fn schedule(&self, levels: Option<LevelOptions<'_>>, extent: Option<f64>) -> PyResult<Vec<f64>> {
-        let (step, diagonal) = (self.decomposer.diffusion().step_length(), self.decomposer.diagonal());
-        let levels = levels.unwrap_or_else(|| {
-            LevelOptions::Count(self.decomposer.levels_reaching(extent.unwrap_or(DEFAULT_EXTENT)).0)
-        });
+        let (step, diagonal) = (self.decomposer.diffusion().step_length(), self.decomposer.extent());
+        let Some(levels) = levels else {
+            let spec = LevelSpec::Default.resolve(&self.decomposer, extent.unwrap_or(DEFAULT_EXTENT));
+            return Ok(spec.map_err(|e| error::to_exception(&e))?.schedule.steps().to_vec());
+        };
         Ok(levels.schedule(step, diagonal)?.steps().to_vec())
     }
 

@@ -48,7 +48,7 @@ fn simplify<'py>(
     let content = shape.get();
     let own = content.shape(py)?;
     let error =
-        options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.diagonal()));
+        options.error.as_ref().map(length).transpose()?.map(|error| error.to_model_units(own.extent()));
     let (file, kept, deviation) = match own {
         Shape::Mesh(mesh) => {
             let target = match (error, options.vertices) {
@@ -194,7 +194,7 @@ fn distances<'py>(
     let (a, b) = (first.get(), second.get());
     let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
-    let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.diagonal()));
+    let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
     let (Some(own), Some(surface)) =
         (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
     else {

@@ -64,6 +64,15 @@ class PreparedShape:
         return self._data.lengths()[0]
 
     @property
+    def extent(self) -> float:
+        """Size of the shape, in model units, to which default levels and lengths in % refer; 0 for a graph.
+
+        The diagonal of the bounding box of the largest connected part, without vertices of no face, placeholders and
+        strays. It does not depend on the layout of the parts.
+        """
+        return self._data.extent()
+
+    @property
     def mean_length(self) -> float:
         """Mean length of the edges, or mean distance of nearest neighbors, in model units."""
         return self._data.lengths()[1]

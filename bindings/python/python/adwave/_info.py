@@ -57,6 +57,8 @@ def _plain(value: Any) -> str:
         return f"{value:.4g}"
     if isinstance(value, tuple):
         return " to ".join(" ".join(f"{c:.4g}" for c in corner) for corner in value)
+    if isinstance(value, list) and len(value) > 5:
+        return f"{len(value)}: {', '.join(map(str, value[:5]))}, …"
     return str(value)
 
 
