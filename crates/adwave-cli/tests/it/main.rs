@@ -15,6 +15,7 @@ mod render;
 mod report;
 mod reproduce;
 mod simplify;
+mod strays;
 mod studio;
 mod tiles;
 mod two_shapes;

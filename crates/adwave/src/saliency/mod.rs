@@ -211,7 +211,7 @@ fn parts<'a>(
             Weighting::Ranks | Weighting::Uniform => 1.0,
         };
         if params.weighting == Weighting::Ranks {
-            ranks(norms.to_mut(), left.as_deref(), progress)?;
+            ranks(&population, norms.to_mut(), left.as_deref(), progress)?;
         }
         Ok(LevelPart { level: SaliencyLevel { level, sigma, mean, max, alpha }, norms, sign: params.sign })
     };
@@ -272,8 +272,13 @@ impl BorderDistance {
 
 /// Replaces each value by the share of the others that are smaller in magnitude, equal ones counting half, with the
 /// sign of the value. NaN stays; values that are faded out completely become 0 and do not count as others.
-fn ranks(values: &mut [f64], left: Option<&[f64]>, progress: Progress<'_>) -> Result<(), Cancelled> {
-    let gone = |x: usize| left.is_some_and(|left| left[x] == 0.0);
+fn ranks(
+    population: &Population<'_>,
+    values: &mut [f64],
+    left: Option<&[f64]>,
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
+    let gone = |x: usize| population.is_masked(x) || left.is_some_and(|left| left[x] == 0.0);
     let ranked = |x: &u32| !values[*x as usize].is_nan() && !gone(*x as usize);
     let mut order: Vec<u32> = (0..values.len() as u32).filter(ranked).collect();
     parallel::sort_unstable_by(&mut order, progress, |&a, &b| {

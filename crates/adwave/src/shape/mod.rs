@@ -197,11 +197,11 @@ pub fn bounding_box(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
 
 /// Length of the bounding box's diagonal in model units; 0 without points or if all coincide.
 pub fn diagonal(points: &[[f64; 3]]) -> f64 {
-    bounding_box(points).as_ref().map_or(0.0, box_diagonal)
+    bounding_box(points).map_or(0.0, |(lo, hi)| box_diagonal(&lo, &hi))
 }
 
 /// Length of the diagonal between two opposite corners of a box.
-pub(crate) fn box_diagonal((lo, hi): &([f64; 3], [f64; 3])) -> f64 {
+pub(crate) fn box_diagonal(lo: &[f64; 3], hi: &[f64; 3]) -> f64 {
     let sides = subtract(hi, lo).map(f64::abs);
     let longest = sides.into_iter().fold(0.0, f64::max);
     if longest == 0.0 {

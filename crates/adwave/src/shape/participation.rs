@@ -278,7 +278,7 @@ impl Participation {
         }
         let least = LEAST_PART * counts.iter().copied().max().unwrap_or(0) as f64;
         let large = boxes.iter().zip(&counts).filter(|(_, count)| **count as f64 >= least);
-        large.filter_map(|(bounds, _)| bounds.as_ref()).map(box_diagonal).fold(0.0, f64::max)
+        large.filter_map(|(bounds, _)| *bounds).map(|(lo, hi)| box_diagonal(&lo, &hi)).fold(0.0, f64::max)
     }
 
     /// Bounding box of the vertices that a picture should show: all that take part, without the few that are so far
@@ -298,7 +298,11 @@ impl Participation {
         let is_inside = |p: &&[f64; 3]| (0..3).all(|c| (core.0[c]..=core.1[c]).contains(&p[c]));
         let inside: Vec<[f64; 3]> = members.iter().filter(is_inside).copied().collect();
         let Some(shown) = super::bounding_box(&inside) else { return Some(all) };
-        Some(if box_diagonal(&all) > FRAME_GAIN * box_diagonal(&shown) { shown } else { all })
+        Some(if box_diagonal(&all.0, &all.1) > FRAME_GAIN * box_diagonal(&shown.0, &shown.1) {
+            shown
+        } else {
+            all
+        })
     }
 }
 
@@ -351,7 +355,7 @@ fn mark_placeholders(points: &[[f64; 3]], roles: &mut [VertexRole], origin: Orig
         let Some([low, high]) = quantiles(known.iter().map(|p| p[c]).collect(), TAIL) else { return false };
         (lo[c], hi[c]) = (low, high);
     }
-    let size = box_diagonal(&(lo, hi));
+    let size = box_diagonal(&lo, &hi);
     // Distance of a value outside the others, beyond their own range.
     let is_outside = |c: usize, value: f64| {
         let gap = (lo[c] - value).max(value - hi[c]);
@@ -362,7 +366,7 @@ fn mark_placeholders(points: &[[f64; 3]], roles: &mut [VertexRole], origin: Orig
         let p = &points[x];
         let nearest = std::array::from_fn(|c| p[c].clamp(lo[c], hi[c]));
         let is_far_origin =
-            origin == OriginRule::Placeholder && *p == [0.0; 3] && box_diagonal(&(*p, nearest)) > size;
+            origin == OriginRule::Placeholder && *p == [0.0; 3] && box_diagonal(p, &nearest) > size;
         if is_far_origin || (0..3).any(|c| is_value(p[c]) && is_outside(c, p[c])) {
             roles[x] = VertexRole::Placeholder;
             is_any = true;
