@@ -5,7 +5,7 @@ mod args;
 use super::result_file::{EditedSignal, ResultFile};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::denoising::{SamplingUnit, describe_denoising};
+use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_fit};
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
@@ -35,6 +35,9 @@ fn denoise_positions(
     args: &DenoiseArgs,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
+    if args.fit.local_fit.is_some() {
+        return Err(CliError::Input("--local-fit is for a field (--field); leave it out".to_owned()));
+    }
     let weld = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?.weld;
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
@@ -84,6 +87,8 @@ fn denoise_field(
 
     let n_vertices = input.shape.n_vertices();
     let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));
+    let fit = decomposer.applied_local_fit(args.to_params().local_fit);
+    describe_local_fit(&mut text, fit);
     denoised.info.iter().for_each(|info| describe_channel(&mut text, info));
     let _ = writeln!(text, "{}", args.output.display());
     let report = json!({
@@ -91,6 +96,7 @@ fn denoise_field(
         "output": args.output.display().to_string(),
         "field": name,
         "vertices": n_vertices,
+        "local_fit": fit,
         "denoise": denoised.info,
     });
     print(global, &text, &report)
@@ -98,7 +104,7 @@ fn denoise_field(
 
 /// Adds a line on the noise of a channel and on how it was smoothed.
 fn describe_channel(text: &mut String, info: &SignalNoise) {
-    let percent = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();
+    let percent = |weights: &[f64]| 100.0 * weights.iter().fold(0.0, |sum, w| sum + w);
     let _ = writeln!(
         text,
         "noise {}: {:.0} % unchanged, {:.0} % smoothed, {:.0} % smoothed with steps kept; expected error {} → {} (rms)",

@@ -1,6 +1,8 @@
 //! The arguments of `adwave filter`.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help};
+use crate::args::{
+    LevelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help,
+};
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
@@ -30,6 +32,8 @@ pub(crate) struct FilterArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) fit: LocalFitArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     #[command(flatten)]

@@ -10,10 +10,11 @@ use crate::resolve::operator::{build_operator, mask_missing};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{Edit, Layer};
+use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
-use adwave::positions::constrain_positions;
+use adwave::positions::{MoveDirection, constrain_positions};
 use adwave::{Decomposer, Progress};
-use adwave_io::region_field;
+use adwave_io::{region_field, with_axis};
 
 /// A filtered signal, and the levels and layers that it was filtered by.
 pub(super) struct Filtered {
@@ -88,10 +89,22 @@ fn edited_values(
 ) -> Result<Vec<f64>, CliError> {
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
-    let request = decomposer.request(&job.signal.values, job.signal.n_channels, schedule);
-    let mut editor = request.params(&job.bands).progress(progress).editor()?;
-    editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
-    Ok(editor.into_edited())
+    let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
+    let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
+        let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
+        let request = request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress);
+        let mut editor = request.editor()?;
+        editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
+        Ok(editor.into_edited())
+    };
+    match axis {
+        Some(axis) => {
+            let points = job.signal.values.as_chunks().0;
+            let heights: Vec<f64> = points.iter().map(|p: &[f64; 3]| p[axis]).collect();
+            Ok(with_axis(points, axis, &edited(&heights, 1)?).into_flattened())
+        }
+        None => edited(&job.signal.values, job.signal.n_channels),
+    }
 }
 
 /// New positions under the constraints on directions, borders and volume.

@@ -2,6 +2,7 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
+use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
 use crate::global::Global;
@@ -14,8 +15,9 @@ use crate::resolve::signal::{COORDS, Signal, load_signal};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
+use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorParams;
-use adwave::positions::{PositionParams, Volume};
+use adwave::positions::{MoveDirection, PositionParams, Volume};
 use adwave_io::{Recipe, read_recipe};
 use std::path::Path;
 
@@ -29,6 +31,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) levels: FilterLevels,
     pub(super) layers: Vec<Layer>,
     pub(super) keep_volume: Option<KeepVolume>,
+    /// Local fit of a field or of one coordinate; `None` for coordinates that move in other directions.
+    pub(super) local_fit: Option<LocalFit>,
     pub(super) positions: PositionParams,
     pub(super) bands: BandsParams,
     pub(super) normals: Normals,
@@ -74,6 +78,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let input = load_shape(&args.shape, global)?;
     let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
     check_operator(&input.shape, &operator)?;
+    let positions = positions(edit, recipe);
+    let fit = resolve_local_fit(&args.fit, recipe, &signal_name, positions)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
     Ok(FilterJob {
@@ -84,7 +90,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         levels,
         layers,
         keep_volume: edit.keep_volume,
-        positions: positions(edit, recipe),
+        local_fit: fit,
+        positions,
         bands,
         normals: args.update_normals.into(),
         result,
@@ -137,6 +144,25 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
         Some(kind) => operator_with_default(&flags, kind),
         None => operator_for_spec(&flags, &levels(args, recipe).spec),
     }
+}
+
+/// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several directions.
+fn resolve_local_fit(
+    args: &LocalFitArgs,
+    recipe: Option<&Recipe>,
+    signal: &str,
+    positions: PositionParams,
+) -> Result<Option<LocalFit>, CliError> {
+    if signal == COORDS && positions.along.and_then(MoveDirection::axis).is_none() {
+        return match args.local_fit {
+            Some(_) => Err(CliError::Input(
+                "--local-fit is for a field (--field) or for heights (--along z); leave it out".to_owned(),
+            )),
+            None => Ok(None),
+        };
+    }
+    let in_recipe = recipe.and_then(|recipe| recipe.local_fit);
+    Ok(Some(args.local_fit.or(in_recipe).unwrap_or(LocalFit::Linear)))
 }
 
 /// Options of new positions: those of the flags, else those of the recipe.

@@ -5,6 +5,7 @@ use super::resolve::{FilterJob, SavedLevels};
 use crate::commands::result_file::EditedSignal;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::denoising::describe_local_fit;
 use crate::output::movement::Movement;
 use crate::output::{count, number, print, steps_json, write_file_with};
 use crate::resolve::signal::COORDS;
@@ -37,6 +38,11 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         "sigma": sigma,
         "layers": layers,
     });
+    if let Some(fit) = job.local_fit {
+        let fit = decomposer.applied_local_fit(fit);
+        describe_local_fit(&mut text, fit);
+        report["local_fit"] = json!(fit);
+    }
     if let EditedSignal::Points(points) = &edited {
         let movement = Movement::measure(decomposer.geometry(), points)?;
         movement.describe(&mut text);
@@ -57,6 +63,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
             operator: Some(job.operator.kind),
             density_invariant: job.operator.density_invariant,
             keep_creases: job.operator.keep_creases,
+            local_fit: job.local_fit,
             positions: job.positions,
             levels,
             layers,
