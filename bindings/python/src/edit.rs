@@ -155,8 +155,10 @@ impl EditorData {
         let own = prepared.get();
         let signal = own.signal(request.signal.as_ref())?;
         let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
-        let editor =
-            run(py, n, progress.as_ref(), |p| own.request(signal, &schedule, request.accuracy, p).editor())?;
+        let fit = options::word("local_fit", &request.local_fit, options::LOCAL_FITS)?;
+        let editor = run(py, n, progress.as_ref(), |p| {
+            own.request(signal, &schedule, request.accuracy, p).local_fit(fit).editor()
+        })?;
         Ok(Self { editor: Mutex::new(editor), n_channels: signal.n_channels, shape: own.shape.clone_ref(py) })
     }
 

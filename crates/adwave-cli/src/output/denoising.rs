@@ -52,7 +52,7 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
 pub(crate) fn describe_local_fit(text: &mut String, fit: LocalFit) {
     let line = match fit {
         LocalFit::Linear => "slopes are kept (local fit: linear)",
-        LocalFit::Constant => "about the mean of the neighbors (local fit: constant)",
+        _ => "about the mean of the neighbors (local fit: constant)",
     };
     let _ = writeln!(text, "{line}");
 }

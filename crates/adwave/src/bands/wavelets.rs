@@ -142,8 +142,8 @@ impl Wavelets {
     pub(crate) fn to_bands(&self, vertex_map: &VertexMap, signal: &[f64]) -> Bands {
         let mut coefficients = zeros((self.n_levels() + 1) * signal.len());
         let info = self.write_bands(vertex_map, signal, &mut coefficients);
-        let size = (vertex_map.n_vertices(), self.n_channels);
-        Bands::new(size, (self.steps.clone(), self.sigma.clone()), coefficients, info)
+        let (steps, sigma) = (self.steps.clone(), self.sigma.clone());
+        Bands::new(vertex_map.n_vertices(), self.n_channels, steps, sigma, coefficients, info)
     }
 
     /// Writes [`to_bands`](Self::to_bands) into a buffer of (J + 1)·n_vertices·n_channels values.

@@ -43,6 +43,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum LocalFit {
     /// Linear fields: a slope keeps its values however irregular the samples are. On a shape without positions this
     /// is [`Constant`](Self::Constant).
