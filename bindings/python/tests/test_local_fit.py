@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import adwave as aw
 import numpy as np
 import pytest
-
-import adwave as aw
 
 
 def slope(seed: int = 5, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

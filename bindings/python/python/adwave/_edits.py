@@ -219,6 +219,7 @@ def edit_shape(
     """The shape with one of its signals edited."""
     signal, shape = settings.signal, decomposer.shape
     owner, values, _ = decomposer._resolve_signal(signal)
+    _refuse_labels(signal, values)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
     if heights:
@@ -242,6 +243,68 @@ def edit_shape(
         points[:, axis] = edited[:, 0]
         return shape.with_points(points)
     return Shape._from_data(shape._data.with_signal(signal, edited))
+
+
+def _refuse_labels(signal: SignalLike, values: NDArray[np.float64] | None) -> None:
+    if isinstance(signal, str) and values is not None and _native.labels_of_signal(signal, values):
+        raise ValueError(
+            f"signal: {signal!r} has labels, and a mean of labels is none: use filter_labels, or give the values as an"
+            " array to take them for numbers"
+        )
+
+
+def filter_labels(
+    shape: object,
+    labels: SignalLike,
+    gains: GainsLike,
+    *,
+    where: Where = None,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = _native.ACCURACY,
+    progress: ProgressLike = None,
+) -> NDArray[np.float64]:
+    """Change labels by filtering the share of each label.
+
+    The share of a label is 1 where a vertex has it and 0 elsewhere. Each share is filtered, and a vertex gets the label
+    with the largest one; on a tie it keeps its own, or else takes the smallest.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    labels : str or (n,) array_like
+        A field of the shape, or a label for each vertex; NaN where there is none.
+    gains, where, levels, operator, accuracy, progress
+        As in `filter`.
+
+    Returns
+    -------
+    (n,) array of float
+        The new labels.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; the message is one line.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("sphere", vertices=500)
+    >>> classes = (shape.points[:, 2] > 0).astype(float)
+    >>> classes[7] = 5  # a vertex with a wrong label
+    >>> bool((aw.filter_labels(shape, classes, [0, 0, 0]) == 5).any())
+    False
+    """
+    decomposer = prepare_decomposer(shape, operator, levels)
+    layers = edit_layers(gains, where, decomposer.n_vertices)
+    if levels is None and not isinstance(gains, str) and not _has_layers(gains):
+        levels = len(gains)  # type: ignore[arg-type]
+    owner, values, _ = decomposer._resolve_signal(labels)
+    request = BandsRequest(values, decomposer.schedule(levels), accuracy)
+    with report_progress(progress, "filtering") as report:
+        return _native.filter_labels(owner._data, request, layers, report)[:, 0]
 
 
 def _has_layers(gains: Any) -> bool:
@@ -351,6 +414,7 @@ def denoise(
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
     decomposer = prepare_decomposer(shape, operator)
     owner, values, is_flat = decomposer._resolve_signal(signal)
+    _refuse_labels(signal, values)
     with report_progress(progress, "denoising") as report:
         denoised, found = _native.denoise_values(owner._data, values, options, report)
     info = dict(found[0]) if len(found) == 1 else {"groups": found}

@@ -3,6 +3,7 @@
 mod analysis;
 mod cloud_part;
 mod global;
+mod labels;
 mod levels;
 mod local_fit;
 mod operator;
@@ -14,6 +15,7 @@ mod signal;
 pub(crate) use analysis::{BorderMaskArgs, DetectArgs, MapArgs};
 pub(crate) use cloud_part::CloudPartArgs;
 pub(crate) use global::GlobalArgs;
+pub(crate) use labels::LabelArgs;
 pub(crate) use levels::LevelArgs;
 pub(crate) use local_fit::LocalFitArgs;
 pub(crate) use operator::OperatorArgs;

@@ -2,6 +2,7 @@
 
 mod border;
 mod creases;
+mod labels;
 mod level_spec;
 mod request;
 

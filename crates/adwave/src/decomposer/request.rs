@@ -77,6 +77,14 @@ impl<'a> BandsRequest<'a> {
         Self { progress, ..self }
     }
 
+    /// The same request for another signal, smoothed about its mean.
+    pub(super) fn with_mean_of<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
+    where
+        'a: 's,
+    {
+        BandsRequest { signal, n_channels, local_fit: LocalFit::Constant, ..*self }
+    }
+
     fn transform(&self) -> Result<Transform, BandsError> {
         self.decomposer.transform.with_params(&self.params)
     }

@@ -8,7 +8,7 @@ use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::shape::{Graph, PointCloud, Shape};
 use adwave::{Decomposer, Progress};
 use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::{RngCore, SeedableRng};
+use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// Sums of some hundred products, relative to the extent.
 const EXACT: f64 = 1e-9;

@@ -1,6 +1,6 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named};
+use crate::args::{LabelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named};
 use adwave::denoise::{Creases, DenoiseParams};
 use clap::Args;
 use std::path::PathBuf;
@@ -33,6 +33,8 @@ pub(crate) struct DenoiseArgs {
     pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) fit: LocalFitArgs,
+    #[command(flatten)]
+    pub(crate) labels: LabelArgs,
     /// Factor on the noise level: 0 changes nothing, 2 removes noise twice as strong as estimated
     #[arg(long, value_name = "S", value_parser = number, default_value_t = DenoiseParams::default().strength, help_heading = "Noise")]
     pub(crate) strength: f64,

@@ -11,7 +11,7 @@ use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
 use crate::resolve::operator::{operator_for_task, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
-use crate::resolve::signal::{COORDS, load_signal};
+use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::shape::{PreparedGeometry, Shape};
@@ -76,6 +76,7 @@ fn denoise_field(
 ) -> Result<(), CliError> {
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
     let denoised = with_progress(global, "denoising", |progress| {

@@ -33,6 +33,8 @@ pub(super) struct SignalChange {
     pub(super) rms: f64,
     /// Largest difference of a value.
     pub(super) max: f64,
+    /// Number of values that differ.
+    pub(super) n_changed: usize,
 }
 
 /// Filters the signal of a job.
@@ -89,6 +91,12 @@ fn edited_values(
 ) -> Result<Vec<f64>, CliError> {
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
+    if let Some(labels) = &job.labels {
+        let edit = Edit::new(layers).with_fields(&lookup, &names);
+        let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
+        let request = decomposer.request(&job.signal.values, 1, schedule).params(&job.bands);
+        return Ok(request.progress(progress).filter_labels(labels, &layers)?);
+    }
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
     let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
         let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
@@ -124,6 +132,7 @@ fn constrained_points(
 impl SignalChange {
     fn new(before: &[f64], after: &[f64]) -> Self {
         let max = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        Self { rms: rms(before, after, 1), max }
+        let n_changed = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && a != b).count();
+        Self { rms: rms(before, after, 1), max, n_changed }
     }
 }

@@ -11,7 +11,7 @@ use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::region::union_of_regions;
 use crate::resolve::shape::{Input, Normals, load_shape};
-use crate::resolve::signal::{COORDS, Signal, load_signal};
+use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
@@ -33,6 +33,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) keep_volume: Option<KeepVolume>,
     /// Local fit of a field or of one coordinate; `None` for coordinates that move in other directions.
     pub(super) local_fit: Option<LocalFit>,
+    /// Labels of the signal, if each is filtered by its share.
+    pub(super) labels: Option<Vec<f64>>,
     pub(super) positions: PositionParams,
     pub(super) bands: BandsParams,
     pub(super) normals: Normals,
@@ -77,6 +79,12 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
     let input = load_shape(&args.shape, global)?;
     let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
+    let labels = if args.as_labels {
+        Some(load_labels(&signal_name, &signal)?)
+    } else {
+        refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
+        None
+    };
     check_operator(&input.shape, &operator)?;
     let positions = positions(edit, recipe);
     let fit = resolve_local_fit(&args.fit, recipe, &signal_name, positions)?;
@@ -90,7 +98,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         levels,
         layers,
         keep_volume: edit.keep_volume,
-        local_fit: fit,
+        local_fit: fit.filter(|_| labels.is_none()),
+        labels,
         positions,
         bands,
         normals: args.update_normals.into(),

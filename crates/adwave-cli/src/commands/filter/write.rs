@@ -50,6 +50,16 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {
             movement.note_unusual(*widest, global);
         }
+    } else if let Some(labels) = &job.labels {
+        let n_labels = labels.len();
+        let _ = writeln!(
+            text,
+            "{signal}: {}, changed at {} of {}",
+            count(n_labels, "label", "labels"),
+            change.n_changed,
+            count(n_vertices, "vertex", "vertices")
+        );
+        report["labels"] = json!({"different": n_labels, "changed": change.n_changed});
     } else {
         let (rms, max) = (number(change.rms), number(change.max));
         let _ = writeln!(text, "{signal} changed by {rms} (rms over the vertices), {max} at most");
