@@ -70,7 +70,7 @@ const LAYERS: [&[&str]; 17] = [
     &["operator"],
     &["sparse"],
     &["bands"],
-    &["mask", "sample", "signal", "basis"],
+    &["mask", "sample", "signal", "basis", "local_fit"],
     &["region"],
     &["filter"],
     &["decomposer"],

@@ -11,6 +11,7 @@ use crate::shape::ShapeData;
 use adwave::filter::{BandsView, Edit, FilterError, Gains, WeightedLayer, filter_bands};
 use adwave::region::RegionWeights;
 use adwave::{Decomposer, Editor};
+use adwave_io::{distinct_labels, labels_of_field};
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray2,
     PyUntypedArrayMethods,
@@ -21,6 +22,8 @@ use std::sync::{Mutex, PoisonError};
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<EditorData>()?;
+    module.add_function(wrap_pyfunction!(labels_of_signal, module)?)?;
+    module.add_function(wrap_pyfunction!(filter_labels, module)?)?;
     module.add_function(wrap_pyfunction!(apply_bands, module)?)
 }
 
@@ -81,6 +84,36 @@ fn writable<'py>(
         return Err(value_error(format!("out: shape {:?}; {told}", given.shape())));
     }
     Ok(given)
+}
+
+/// Labels of a signal of that name, in ascending order; `None` if it has numbers.
+#[pyfunction]
+fn labels_of_signal(name: &str, values: PyReadonlyArray2<'_, f64>) -> PyResult<Option<Vec<f64>>> {
+    let n_channels = values.shape()[1];
+    Ok(labels_of_field(name, n_channels, arrays::rows(&values, "signal")?))
+}
+
+/// Labels after layers that change the share of each label.
+#[pyfunction]
+#[pyo3(signature = (prepared, request, layers, progress=None))]
+fn filter_labels<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    request: BandsOptions<'py>,
+    layers: Vec<PlainLayer<'py>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let own = prepared.get();
+    let signal = own.signal(request.signal.as_ref())?;
+    let labels = if signal.n_channels == 1 { distinct_labels(signal.values) } else { None };
+    let labels = labels
+        .ok_or_else(|| value_error("labels: give one label for each vertex, at most 65536 different ones"))?;
+    let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
+    let layers = weighted_layers(py, &layers, schedule.n_levels(), &own.decomposer, own.shape.get())?;
+    let filtered = run(py, n, progress.as_ref(), |p| {
+        own.request(signal, &schedule, request.accuracy, p).filter_labels(&labels, &layers)
+    })?;
+    Ok(arrays::matrix(py, filtered, 1)?.into_any())
 }
 
 /// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written to `out`,
@@ -155,8 +188,10 @@ impl EditorData {
         let own = prepared.get();
         let signal = own.signal(request.signal.as_ref())?;
         let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
-        let editor =
-            run(py, n, progress.as_ref(), |p| own.request(signal, &schedule, request.accuracy, p).editor())?;
+        let fit = options::word("local_fit", &request.local_fit, options::LOCAL_FITS)?;
+        let editor = run(py, n, progress.as_ref(), |p| {
+            own.request(signal, &schedule, request.accuracy, p).local_fit(fit).editor()
+        })?;
         Ok(Self { editor: Mutex::new(editor), n_channels: signal.n_channels, shape: own.shape.clone_ref(py) })
     }
 

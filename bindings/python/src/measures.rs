@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{BandsOptions, CREASES, RESPONSES, WEIGHTINGS, word};
+use crate::options::{BandsOptions, CREASES, LOCAL_FITS, RESPONSES, WEIGHTINGS, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
@@ -213,12 +213,15 @@ struct DenoiseOptions {
     strength: f64,
     creases: String,
     noise: Option<f64>,
+    local_fit: String,
 }
 
 impl DenoiseOptions {
     fn params(&self) -> PyResult<DenoiseParams> {
         let creases = word("creases", &self.creases, CREASES)?;
+        let fit = word("local_fit", &self.local_fit, LOCAL_FITS)?;
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
+        let params = params.with_local_fit(fit);
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),
             None => params,

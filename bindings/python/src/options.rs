@@ -5,6 +5,7 @@ use adwave::bands::{FWHM, Schedule};
 use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::filter::Preset;
+use adwave::local_fit::LocalFit;
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
@@ -35,6 +36,8 @@ pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
 pub(crate) const BORDERS: &[(&str, Borders)] =
     &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];
 pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
+pub(crate) const LOCAL_FITS: &[(&str, LocalFit)] =
+    &[("linear", LocalFit::Linear), ("constant", LocalFit::Constant)];
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
 pub(crate) const RESPONSES: &[(&str, Response)] = &[
@@ -137,6 +140,7 @@ pub(crate) struct BandsOptions<'py> {
     pub(crate) signal: Option<PyReadonlyArray2<'py, f64>>,
     pub(crate) steps: Vec<f64>,
     pub(crate) accuracy: f64,
+    pub(crate) local_fit: String,
 }
 
 /// Levels: widths, dyadic levels with voices, or a number of dyadic levels.

@@ -2,7 +2,7 @@
 
 use crate::call::run;
 use crate::error;
-use crate::options::{ALONG, BORDERS, VOLUME};
+use crate::options::{ALONG, BORDERS, LOCAL_FITS, VOLUME};
 use adwave::LevelSpec;
 use adwave::region::Length;
 use adwave_io::{Recipe, parse_recipe, recipe_to_text, write_recipe};
@@ -46,6 +46,7 @@ impl RecipeData {
         found.set_item("operator", recipe.operator.map(adwave::operator::OperatorKind::name))?;
         found.set_item("density_invariant", recipe.density_invariant)?;
         found.set_item("keep_creases", recipe.keep_creases)?;
+        found.set_item("local_fit", recipe.local_fit.map(|fit| name_of(fit, LOCAL_FITS)))?;
         let positions = &recipe.positions;
         found.set_item("along", positions.along.map(|along| name_of(along, ALONG)))?;
         found.set_item("border", name_of(positions.borders, BORDERS))?;

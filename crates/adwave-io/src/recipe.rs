@@ -6,6 +6,7 @@
 //! density_invariant = true       # left out: false; and so keep_creases
 //! field = "coords"               # left out: the coordinates
 //! along = "normal"               # of coordinates: or "free", "surface", "x", "y", "z"; left out: normal for clouds, else free
+//! local_fit = "linear"           # of a field, or along x, y or z: or "constant"; left out: linear
 //! border = "natural"             # of coordinates: or "keep", "free"; left out: natural
 //! volume = "keep"                # of coordinates: by an offset; left out: free
 //!
@@ -22,6 +23,7 @@ use crate::{ReadError, WriteError, atomic_write};
 use adwave::LevelSpec;
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
+use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorKind;
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
@@ -40,6 +42,8 @@ pub struct Recipe {
     pub density_invariant: bool,
     /// True if steps prefer vertices with similar normals.
     pub keep_creases: bool,
+    /// Fields that smoothing leaves unchanged, where a field or one coordinate changes; `None` means linear ones.
+    pub local_fit: Option<LocalFit>,
     /// Constraints on new positions.
     pub positions: PositionParams,
     /// Levels of the gains.
@@ -56,6 +60,7 @@ impl Default for Recipe {
             operator: None,
             density_invariant: false,
             keep_creases: false,
+            local_fit: None,
             positions: PositionParams::default(),
             levels: LevelSpec::Default,
             layers: Vec::new(),
@@ -75,6 +80,8 @@ struct RecipeTable {
     density_invariant: bool,
     #[serde(default, skip_serializing_if = "is_default")]
     keep_creases: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    local_fit: Option<LocalFit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     along: Option<MoveDirection>,
     #[serde(default, skip_serializing_if = "is_default")]
@@ -153,6 +160,7 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         operator: table.operator,
         density_invariant: table.density_invariant,
         keep_creases: table.keep_creases,
+        local_fit: table.local_fit,
         positions: PositionParams { along: table.along, borders: table.border, volume: table.volume },
         levels,
         layers: table.layers,
@@ -186,6 +194,7 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         operator: recipe.operator,
         density_invariant: recipe.density_invariant,
         keep_creases: recipe.keep_creases,
+        local_fit: recipe.local_fit,
         along: recipe.positions.along,
         border: recipe.positions.borders,
         volume: recipe.positions.volume,
@@ -250,6 +259,7 @@ mod tests {
             operator: Some(OperatorKind::Surface),
             density_invariant: false,
             keep_creases: true,
+            local_fit: Some(LocalFit::Constant),
             positions: PositionParams {
                 along: Some(MoveDirection::Surface),
                 borders: Borders::Keep,

@@ -180,6 +180,14 @@ pub fn named_signal(
         }
         return Ok(field.into());
     }
+    if let Some(field) = file.face_fields().iter().find(|field| field.name == name) {
+        return Err(NamedSignalError::Unknown(format!(
+            "{name} is a field of faces ({} values for {} faces), and signals have one row per vertex; \
+             convert it to a field of vertices first",
+            field.len(),
+            file.faces().len()
+        )));
+    }
     let is_mesh = !file.faces().is_empty();
     let own = SurfaceSignal::ALL.iter().filter(|&&kind| !(is_mesh && kind == SurfaceSignal::Density));
     let own = own.map(|kind| kind.name().to_owned());

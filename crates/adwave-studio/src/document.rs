@@ -3,6 +3,7 @@
 use crate::response::ApiError;
 use adwave::LevelSpec;
 use adwave::filter::{Gains, Layer};
+use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorKind;
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
@@ -106,6 +107,8 @@ impl Document {
         Recipe {
             levels: levels.clone(),
             operator: Some(operator),
+            // The studio sums bands of the coordinates, which are about their mean.
+            local_fit: self.along.and_then(MoveDirection::axis).map(|_| LocalFit::Constant),
             positions: self.position_params(),
             layers: self.active_layers(),
             ..Recipe::default()
@@ -124,6 +127,12 @@ impl Document {
         if recipe.density_invariant || recipe.keep_creases {
             let message = "the studio does not support density_invariant and keep_creases; \
                            apply the recipe with `adwave filter --recipe`";
+            return Err(ApiError::bad_request(message));
+        }
+        let moves_along_axis = recipe.positions.along.and_then(MoveDirection::axis).is_some();
+        if moves_along_axis && recipe.local_fit != Some(LocalFit::Constant) {
+            let message = "the studio smooths heights about their mean, which drags slopes to where the samples lie; \
+                           write local_fit = \"constant\" into the recipe, or apply it with `adwave filter --recipe`";
             return Err(ApiError::bad_request(message));
         }
         let layer = |(k, layer): (usize, &Layer)| {

@@ -18,6 +18,7 @@
 //! | bands of a signal, W_f(j) = S_f(j−1) − S_f(j), and reconstruction | [`bands`], [`BandsRequest`] | (eq. 11)
 //! (eq. 15) |
 //! | filters: gains per band and region | [`filter`], [`region`], [`Editor`] | (eq. 18) |
+//! | slopes kept: bands of a field about a local linear fit | [`local_fit`] | |
 //! | positions after a filter: borders and volume kept | [`positions`] | |
 //! | denoising of a shape or a signal by the least estimated risk | [`denoise`](mod@denoise) | |
 //! | saliency maps, and features with sizes | [`saliency`](mod@saliency), [`features`] | (eq. 17), Algorithm 2 |
@@ -60,6 +61,7 @@ mod error;
 pub mod features;
 pub mod filter;
 pub mod laplacian;
+pub mod local_fit;
 pub mod mask;
 pub mod measure;
 mod named;

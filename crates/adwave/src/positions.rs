@@ -56,6 +56,18 @@ named_values!(MoveDirection, "direction", {
     Free => "free", "In all directions, as in the paper: points of a cloud slide together where they are dense";
 });
 
+impl MoveDirection {
+    /// Index of the coordinate along which vertices move; `None` if it is not a single one.
+    pub fn axis(self) -> Option<usize> {
+        match self {
+            Self::X => Some(0),
+            Self::Y => Some(1),
+            Self::Z => Some(2),
+            Self::Free | Self::Normal | Self::Surface => None,
+        }
+    }
+}
+
 /// Treatment of the volume of a closed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

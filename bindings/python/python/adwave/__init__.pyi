@@ -21,6 +21,7 @@ from adwave._edits import DenoiseResult as DenoiseResult
 from adwave._edits import decompose as decompose
 from adwave._edits import denoise as denoise
 from adwave._edits import filter as filter
+from adwave._edits import filter_labels as filter_labels
 from adwave._measures import FeatureOptions as FeatureOptions
 from adwave._measures import Features as Features
 from adwave._measures import Saliency as Saliency
@@ -93,6 +94,7 @@ __all__ = [
     "distances",
     "features",
     "filter",
+    "filter_labels",
     "gaze_scores",
     "graph",
     "info",

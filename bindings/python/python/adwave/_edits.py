@@ -83,6 +83,9 @@ def decompose(
     return decomposer.decompose(signal, levels=levels, accuracy=accuracy, progress=progress)
 
 
+LocalFit = Literal["linear", "constant"]
+
+
 @overload
 def filter(
     shape: object,
@@ -93,6 +96,7 @@ def filter(
     levels: LevelsLike = ...,
     operator: OperatorLike = ...,
     constraints: Constraints | None = ...,
+    local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
 ) -> Shape: ...
@@ -108,6 +112,7 @@ def filter(
     levels: LevelsLike = ...,
     operator: OperatorLike = ...,
     constraints: Constraints | None = ...,
+    local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
 ) -> NDArray[np.float64]: ...
@@ -122,6 +127,7 @@ def filter(
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
+    local_fit: LocalFit = "linear",
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
 ) -> Shape | NDArray[np.float64]:
@@ -149,6 +155,9 @@ def filter(
         As in `decompose`.
     constraints : Constraints, optional
         How vertices may move if the coordinates are changed.
+    local_fit : {'linear', 'constant'}
+        What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
+        ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself.
     accuracy : float
         As in `decompose`.
     progress : bool or callable, optional
@@ -183,9 +192,10 @@ def filter(
     if signal is not None and not isinstance(signal, str):
         owner, values, is_flat = decomposer._resolve_signal(signal)
         with report_progress(progress, "filtering") as report:
-            edited = edit(_native.EditorData(owner._data, BandsRequest(values, steps, accuracy), report))
+            request = BandsRequest(values, steps, accuracy, local_fit)
+            edited = edit(_native.EditorData(owner._data, request, report))
         return edited[:, 0] if is_flat else edited
-    settings = EditSettings(signal or "coords", steps, constraints or Constraints(), accuracy)
+    settings = EditSettings(signal or "coords", steps, constraints or Constraints(), local_fit, accuracy)
     return edit_shape(decomposer, settings, edit, progress)
 
 
@@ -196,6 +206,7 @@ class EditSettings:
     signal: str
     steps: Sequence[float]
     constraints: Constraints
+    local_fit: str = "linear"
     accuracy: float = _native.ACCURACY
 
 
@@ -208,10 +219,22 @@ def edit_shape(
     """The shape with one of its signals edited."""
     signal, shape = settings.signal, decomposer.shape
     owner, values, _ = decomposer._resolve_signal(signal)
-    request = BandsRequest(values, settings.steps, settings.accuracy)
+    _refuse_labels(signal, values)
+    is_linear = settings.local_fit != "constant"
+    heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
+    if heights:
+        along = "xyz".index(str(settings.constraints.along))
+        values = np.ascontiguousarray(shape.points[:, along : along + 1])
+    # Coordinates that move in several directions are smoothed about their mean; borders have rules of their own.
+    fit = settings.local_fit if values is not None else "constant"
+    request = BandsRequest(values, settings.steps, settings.accuracy, fit)
     with report_progress(progress, "filtering") as report:
         edited = edit(_native.EditorData(owner._data, request, report))
-        if values is None:
+        if heights:
+            points = np.array(shape.points)
+            points[:, along] = edited[:, 0]
+            edited = points
+        if values is None or heights:
             moved = decomposer._data.constrain_positions(edited, settings.constraints, report)
             return shape._with_positions(moved)
     axis = "xyz".find(signal) if len(signal) == 1 and signal not in shape.fields else -1
@@ -220,6 +243,68 @@ def edit_shape(
         points[:, axis] = edited[:, 0]
         return shape.with_points(points)
     return Shape._from_data(shape._data.with_signal(signal, edited))
+
+
+def _refuse_labels(signal: SignalLike, values: NDArray[np.float64] | None) -> None:
+    if isinstance(signal, str) and values is not None and _native.labels_of_signal(signal, values):
+        raise ValueError(
+            f"signal: {signal!r} has labels, and a mean of labels is none: use filter_labels, or give the values as an"
+            " array to take them for numbers"
+        )
+
+
+def filter_labels(
+    shape: object,
+    labels: SignalLike,
+    gains: GainsLike,
+    *,
+    where: Where = None,
+    levels: LevelsLike = None,
+    operator: OperatorLike = None,
+    accuracy: float = _native.ACCURACY,
+    progress: ProgressLike = None,
+) -> NDArray[np.float64]:
+    """Change labels by filtering the share of each label.
+
+    The share of a label is 1 where a vertex has it and 0 elsewhere. Each share is filtered, and a vertex gets the label
+    with the largest one; on a tie it keeps its own, or else takes the smallest.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    labels : str or (n,) array_like
+        A field of the shape, or a label for each vertex; NaN where there is none.
+    gains, where, levels, operator, accuracy, progress
+        As in `filter`.
+
+    Returns
+    -------
+    (n,) array of float
+        The new labels.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; the message is one line.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("sphere", vertices=500)
+    >>> classes = (shape.points[:, 2] > 0).astype(float)
+    >>> classes[7] = 5  # a vertex with a wrong label
+    >>> bool((aw.filter_labels(shape, classes, [0, 0, 0]) == 5).any())
+    False
+    """
+    decomposer = prepare_decomposer(shape, operator, levels)
+    layers = edit_layers(gains, where, decomposer.n_vertices)
+    if levels is None and not isinstance(gains, str) and not _has_layers(gains):
+        levels = len(gains)  # type: ignore[arg-type]
+    owner, values, _ = decomposer._resolve_signal(labels)
+    request = BandsRequest(values, decomposer.schedule(levels), accuracy)
+    with report_progress(progress, "filtering") as report:
+        return _native.filter_labels(owner._data, request, layers, report)[:, 0]
 
 
 def _has_layers(gains: Any) -> bool:
@@ -260,6 +345,7 @@ class DenoiseOptions:
     strength: float = 1.0
     creases: str = "auto"
     noise: Union[float, None] = None
+    local_fit: str = "linear"
 
 
 def denoise(
@@ -269,6 +355,7 @@ def denoise(
     strength: float = 1.0,
     creases: Literal["auto", "keep", "none"] = "auto",
     noise: float | None = None,
+    local_fit: LocalFit = "linear",
     operator: OperatorLike = None,
     progress: ProgressLike = None,
 ) -> DenoiseResult:
@@ -289,6 +376,8 @@ def denoise(
         Whether sharp edges are preserved: as the estimated risk prefers, always, or never.
     noise : float, optional
         Standard deviation of the noise along the normals in model units, if it is known.
+    local_fit : {'linear', 'constant'}
+        What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
     operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
@@ -312,7 +401,7 @@ def denoise(
     >>> 0.1 < info["noise_in_edges"] < 0.5
     True
     """
-    options = DenoiseOptions(strength, creases, noise)
+    options = DenoiseOptions(strength, creases, noise, local_fit)
     if signal is None:
         own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
         given = as_operator(operator)
@@ -325,6 +414,7 @@ def denoise(
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
     decomposer = prepare_decomposer(shape, operator)
     owner, values, is_flat = decomposer._resolve_signal(signal)
+    _refuse_labels(signal, values)
     with report_progress(progress, "denoising") as report:
         denoised, found = _native.denoise_values(owner._data, values, options, report)
     info = dict(found[0]) if len(found) == 1 else {"groups": found}

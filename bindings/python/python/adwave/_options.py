@@ -237,11 +237,12 @@ class Constraints:
 
 @dataclass(frozen=True)
 class BandsRequest:
-    """A signal, the levels and the accuracy of its bands, as the extension takes them."""
+    """A signal, the levels, the accuracy and the local fit of its bands, as the extension takes them."""
 
     signal: Union[NDArray[np.float64], None]
     steps: Sequence[float]
     accuracy: float
+    local_fit: str = "constant"
 
 
 def _lengths(widths: Any) -> list[Length]:

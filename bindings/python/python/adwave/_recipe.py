@@ -88,7 +88,8 @@ class Recipe:
         def edit(editor: _native.EditorData) -> NDArray[np.float64]:
             return editor.apply_recipe(self._data)
 
-        settings = EditSettings(self.signal, decomposer.schedule(levels), constraints)
+        fit = content["local_fit"] or "linear"
+        settings = EditSettings(self.signal, decomposer.schedule(levels), constraints, fit)
         return edit_shape(decomposer, settings, edit, progress)
 
     def write(self, path: Path) -> None:

@@ -1,6 +1,6 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs};
+use crate::args::{LabelArgs, LevelArgs, ShapeArgs, SignalArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -14,7 +14,7 @@ use crate::output::{
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
-use crate::resolve::signal::{Signal, load_signal};
+use crate::resolve::signal::{Signal, load_signal, refuse_labels};
 use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
@@ -42,6 +42,8 @@ pub(crate) struct TransformArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) labels: LabelArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
 }
@@ -100,6 +102,7 @@ fn resolve(
     let input = load_shape(&args.shape, global)?;
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;

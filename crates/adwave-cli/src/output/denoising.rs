@@ -2,6 +2,7 @@
 
 use super::{count, number};
 use adwave::denoise::DenoiseInfo;
+use adwave::local_fit::LocalFit;
 use std::fmt::Write;
 
 /// Unit of lengths relative to the sampling of a shape.
@@ -45,4 +46,13 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         let vertices = count(info.n_far, "vertex", "vertices");
         let _ = writeln!(text, "{vertices} moved farther than 3 times the noise");
     }
+}
+
+/// Adds a line on what smoothing left unchanged in a field.
+pub(crate) fn describe_local_fit(text: &mut String, fit: LocalFit) {
+    let line = match fit {
+        LocalFit::Linear => "slopes are kept (local fit: linear)",
+        _ => "about the mean of the neighbors (local fit: constant)",
+    };
+    let _ = writeln!(text, "{line}");
 }

@@ -1,11 +1,12 @@
 //! From the name of a signal to its values.
 
 use super::shape::Input;
+use crate::args::LabelArgs;
 use crate::error::CliError;
 use crate::global::Global;
 use adwave::{ClassifiedError, ErrorKind};
 pub(crate) use adwave_io::{COORDS, NamedSignal as Signal, SignalValues, default_signal, file_normals};
-use adwave_io::{ShapeFile, SignalSource, named_signal};
+use adwave_io::{ShapeFile, SignalSource, distinct_labels, labels_of_field, named_signal};
 use std::path::Path;
 
 /// The signal of that name.
@@ -21,6 +22,37 @@ pub(crate) fn load_signal(
     named_signal(source, name, texture).map_err(|e| match e.kind() {
         ErrorKind::Cancelled => CliError::Cancelled,
         _ => CliError::input(e),
+    })
+}
+
+/// Refuses a signal that has labels; `hint` says how to smooth it anyway.
+pub(crate) fn refuse_labels(
+    name: &str,
+    signal: &Signal,
+    args: LabelArgs,
+    hint: &str,
+) -> Result<(), CliError> {
+    if args.as_numbers {
+        return Ok(());
+    }
+    let Some(labels) = labels_of_field(name, signal.n_channels, &signal.values) else { return Ok(()) };
+    let first: Vec<String> = labels.iter().take(3).map(f64::to_string).collect();
+    let dots = if labels.len() > first.len() { ", …" } else { "" };
+    Err(CliError::Input(format!(
+        "{name} has labels ({}{dots}; {} of them), and a mean of labels is none; {hint}; --as-numbers takes them for numbers",
+        first.join(", "),
+        labels.len()
+    )))
+}
+
+/// All labels of a signal, in ascending order.
+pub(crate) fn load_labels(name: &str, signal: &Signal) -> Result<Vec<f64>, CliError> {
+    let labels = if signal.n_channels == 1 { distinct_labels(&signal.values) } else { None };
+    labels.filter(|labels| !labels.is_empty()).ok_or_else(|| {
+        CliError::Input(format!(
+            "--as-labels needs one label per vertex, at most 65536 different ones; {name} has {} numbers per vertex",
+            signal.n_channels
+        ))
     })
 }
 

@@ -145,7 +145,7 @@ pub(crate) fn check_buffer(n_values: usize, expected: usize) -> Result<(), Bands
 }
 
 /// Checks that there is one finite factor per level.
-pub(super) fn check_factors(factors: &[f64], schedule: &Schedule) -> Result<(), BandsError> {
+pub(crate) fn check_factors(factors: &[f64], schedule: &Schedule) -> Result<(), BandsError> {
     let (n_given, expected) = (factors.len(), schedule.n_levels());
     if n_given != expected {
         return Err(BandsError::WrongNumber { what: "factors of the bands", n_given, expected });

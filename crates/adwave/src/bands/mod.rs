@@ -22,7 +22,7 @@ mod wavelets;
 
 pub use bands::Bands;
 pub use error::BandsError;
-pub(crate) use error::{check_buffer, check_signal};
+pub(crate) use error::{check_buffer, check_factors, check_signal};
 pub use fixed_series::FixedSeries;
 pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
 pub use powers::smooth;

@@ -99,3 +99,17 @@ pub struct BandsInfo {
     /// Bytes of memory used beyond the signal and the bands, including prepared data.
     pub bytes: u64,
 }
+
+impl BandsInfo {
+    /// Cost and error of two computations together.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            engine: self.engine,
+            degree: self.degree.max(other.degree),
+            products: self.products + other.products,
+            terms: self.terms + other.terms,
+            error_bound: self.error_bound.max(other.error_bound),
+            bytes: self.bytes.max(other.bytes),
+        }
+    }
+}

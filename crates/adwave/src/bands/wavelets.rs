@@ -69,7 +69,7 @@ impl Wavelets {
     /// its sign. The memory of each level is freed as soon as it is reduced. O(n × levels × channels).
     #[must_use]
     pub fn into_norms(self) -> Self {
-        self.into_one_channel(RowMeasure::Norm)
+        self.into_measure(RowMeasure::Norm)
     }
 
     /// Normal components `W_f(j,x)·n(x)` for unit normals n at the welded vertices (analysis order), as wavelets of
@@ -85,10 +85,11 @@ impl Wavelets {
             (3, normals.len()),
             "a vector and a normal at each vertex"
         );
-        self.into_one_channel(RowMeasure::Along(normals))
+        self.into_measure(RowMeasure::Along(normals))
     }
 
-    fn into_one_channel(mut self, measure: RowMeasure<'_>) -> Self {
+    /// A scalar of each row, as wavelets of one channel; those of one channel stay.
+    pub(crate) fn into_measure(mut self, measure: RowMeasure<'_>) -> Self {
         let d = std::mem::replace(&mut self.n_channels, 1);
         if d != 1 {
             for level in &mut self.levels {
@@ -133,6 +134,48 @@ fn norms(rows: &[f64], d: usize) -> Vec<f64> {
         }
     });
     norms
+}
+
+impl Wavelets {
+    /// Bands of `signal`, whose mean at the welded vertices has these wavelets, in the order of the shape. The
+    /// difference from the mean is part of W_f(1). O(n × levels × channels).
+    pub(crate) fn to_bands(&self, vertex_map: &VertexMap, signal: &[f64]) -> Bands {
+        let mut coefficients = zeros((self.n_levels() + 1) * signal.len());
+        let info = self.write_bands(vertex_map, signal, &mut coefficients);
+        let (steps, sigma) = (self.steps.clone(), self.sigma.clone());
+        Bands::new(vertex_map.n_vertices(), self.n_channels, steps, sigma, coefficients, info)
+    }
+
+    /// Writes [`to_bands`](Self::to_bands) into a buffer of (J + 1)·n_vertices·n_channels values.
+    pub(crate) fn write_bands(
+        &self,
+        vertex_map: &VertexMap,
+        signal: &[f64],
+        buffer: &mut [f64],
+    ) -> BandsInfo {
+        let d = self.n_channels;
+        let mut mean = vertex_map.mean(signal, d);
+        let differences: Vec<f64> = parallel::collect(signal.len(), |i| {
+            signal[i] - mean[vertex_map.welded(i / d) * d + i % d] // 0 where nothing is welded
+        });
+        let mut places = buffer.chunks_exact_mut(signal.len());
+        for (level, place) in self.levels.iter().zip(&mut places) {
+            place.copy_from_slice(&vertex_map.scatter(level, d));
+            parallel::visit_rows(&mut mean, 1, VERTICES_AT_A_TIME, |first, mean| {
+                for (s, w) in mean.iter_mut().zip(&level[first..]) {
+                    *s -= w; // S_f(j) = S_f(j−1) − W_f(j) (eq. 11)
+                }
+            });
+        }
+        if let Some(place) = places.next() {
+            place.copy_from_slice(&vertex_map.scatter(&mean, d));
+        }
+        if vertex_map.n_welded() < vertex_map.n_vertices() {
+            let finest = &mut buffer[..signal.len()];
+            finest.iter_mut().zip(&differences).for_each(|(w, difference)| *w += difference);
+        }
+        self.info.clone()
+    }
 }
 
 impl Bands {

@@ -3,6 +3,7 @@
 mod border;
 mod creases;
 mod default_schedule;
+mod labels;
 mod level_spec;
 mod request;
 
@@ -11,6 +12,7 @@ pub use request::BandsRequest;
 
 use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
+use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
     Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator,
@@ -196,6 +198,32 @@ impl Decomposer {
     /// True if the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
         !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
+    }
+
+    /// True if the vertices have positions.
+    pub(crate) fn has_positions(&self) -> bool {
+        !self.geometry.points().is_empty()
+    }
+
+    /// The local fit that smoothing a field about `fit` has on this shape: a constant one without positions.
+    pub fn applied_local_fit(&self, fit: LocalFit) -> LocalFit {
+        if self.has_positions() { fit } else { LocalFit::Constant }
+    }
+
+    /// Domain over which a field with a value at each welded vertex is fitted.
+    pub(crate) fn fit_domain(&self, field: &[f64]) -> FitDomain {
+        FitDomain::of_field(field, self.geometry.points(), self.mask_flags())
+    }
+
+    /// A transform of this shape's welded vertices prepared for bands about a local linear fit.
+    pub(crate) fn linear_transform<'t>(
+        &self,
+        transform: &'t Transform,
+        domain: FitDomain,
+        progress: Progress<'_>,
+    ) -> Result<LinearTransform<'t>, Cancelled> {
+        let (points, _) = self.geometry.unit_points(progress)?;
+        LinearTransform::new(transform, &points, domain, !self.is_cloud(), progress)
     }
 
     /// One-ring of a mesh without the masked vertices; for a cloud or graph, the neighbors of one step.

@@ -3,10 +3,13 @@
 use super::Decomposer;
 use crate::Progress;
 use crate::bands::{
-    Bands, BandsError, BandsInfo, BandsParams, RowMeasure, Schedule, Transform, Wavelets, check_signal,
+    Bands, BandsError, BandsInfo, BandsParams, RowMeasure, Schedule, Transform, Wavelets, check_buffer,
+    check_factors, check_signal,
 };
 use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer};
+use crate::local_fit::{LinearTransform, LocalFit};
 use crate::mask::Mask;
+use crate::pages::zeros;
 use crate::parallel;
 use crate::region::RegionWeights;
 use std::borrow::Cow;
@@ -31,6 +34,7 @@ pub struct BandsRequest<'a> {
     n_channels: usize,
     schedule: &'a Schedule,
     params: BandsParams,
+    local_fit: LocalFit,
     progress: Progress<'a>,
 }
 
@@ -41,8 +45,8 @@ impl<'a> BandsRequest<'a> {
         n_channels: usize,
         schedule: &'a Schedule,
     ) -> Self {
-        let (params, progress) = (BandsParams::default(), Progress::none());
-        Self { decomposer, signal, n_channels, schedule, params, progress }
+        let (params, local_fit, progress) = (BandsParams::default(), LocalFit::Constant, Progress::none());
+        Self { decomposer, signal, n_channels, schedule, params, local_fit, progress }
     }
 
     /// Sets the accuracy, the method and the memory limit.
@@ -57,10 +61,28 @@ impl<'a> BandsRequest<'a> {
         Self { params: self.params.with_accuracy(accuracy), ..self }
     }
 
+    /// Sets the fields that smoothing leaves unchanged: [`LocalFit::Linear`] keeps slopes. Each channel is treated by
+    /// itself, as a field over the surface, or over the plane of the two other coordinates if it is a coordinate of
+    /// the shape. It takes two to four times the products. On a shape without positions nothing changes.
+    ///
+    /// The default is [`LocalFit::Constant`], the bands of the diffusion operator itself (eq. 11).
+    #[must_use]
+    pub fn local_fit(self, local_fit: LocalFit) -> Self {
+        Self { local_fit, ..self }
+    }
+
     /// Sets the progress report and the cancellation.
     #[must_use]
     pub fn progress(self, progress: Progress<'a>) -> Self {
         Self { progress, ..self }
+    }
+
+    /// The same request for another signal, smoothed about its mean.
+    pub(super) fn with_mean_of<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
+    where
+        'a: 's,
+    {
+        BandsRequest { signal, n_channels, local_fit: LocalFit::Constant, ..*self }
     }
 
     fn transform(&self) -> Result<Transform, BandsError> {
@@ -101,13 +123,12 @@ impl<'a> BandsRequest<'a> {
     /// As for [`Transform::bands`].
     pub fn bands(&self) -> Result<Bands, BandsError> {
         let filled = self.filled()?;
-        let mut bands = self.transform()?.bands(
-            self.vertex_map(),
-            &filled,
-            self.n_channels,
-            self.schedule,
-            self.progress,
-        )?;
+        let (d, schedule) = (self.n_channels, self.schedule);
+        let mut bands = if self.is_linear() {
+            self.unmasked_wavelets(&filled)?.to_bands(self.vertex_map(), &filled)
+        } else {
+            self.transform()?.bands(self.vertex_map(), &filled, d, schedule, self.progress)?
+        };
         if let Some(mask) = &self.decomposer.mask {
             bands.visit_levels(|level| mask.clear(level, self.n_channels));
         }
@@ -120,9 +141,13 @@ impl<'a> BandsRequest<'a> {
     /// As for [`Transform::bands_into`].
     pub fn bands_into(&self, buffer: &mut [f64]) -> Result<BandsInfo, BandsError> {
         let (filled, d) = (self.filled()?, self.n_channels);
-        let transform = self.transform()?;
-        let info =
-            transform.bands_into(self.vertex_map(), &filled, d, self.schedule, buffer, self.progress)?;
+        let info = if self.is_linear() {
+            check_buffer(buffer.len(), (self.schedule.n_levels() + 1) * filled.len())?;
+            self.unmasked_wavelets(&filled)?.write_bands(self.vertex_map(), &filled, buffer)
+        } else {
+            let (vertex_map, schedule) = (self.vertex_map(), self.schedule);
+            self.transform()?.bands_into(vertex_map, &filled, d, schedule, buffer, self.progress)?
+        };
         if let Some(mask) = &self.decomposer.mask {
             buffer.chunks_exact_mut(filled.len()).for_each(|level| mask.clear(level, d));
         }
@@ -157,7 +182,57 @@ impl<'a> BandsRequest<'a> {
     /// Wavelet coefficients that are 0 at masked vertices.
     pub(crate) fn unmasked_wavelets(&self, filled: &[f64]) -> Result<Wavelets, BandsError> {
         let (transform, mean) = (self.transform()?, self.mean(filled)?);
+        if self.is_linear() {
+            return self.linear_wavelets(&transform, &mean);
+        }
         transform.decompose_mean(&mean, self.n_channels, self.schedule, self.progress)
+    }
+
+    /// True if the bands are about a local linear fit.
+    fn is_linear(&self) -> bool {
+        self.decomposer.applied_local_fit(self.local_fit) == LocalFit::Linear
+    }
+
+    /// Wavelet coefficients about a local linear fit of each channel of `mean`.
+    fn linear_wavelets(&self, transform: &Transform, mean: &[f64]) -> Result<Wavelets, BandsError> {
+        let (d, schedule) = (self.n_channels, self.schedule);
+        let n = mean.len() / d;
+        let mut levels = vec![Vec::new(); schedule.n_levels()];
+        if d > 1 {
+            levels.iter_mut().for_each(|level| *level = zeros(mean.len()));
+        }
+        let mut info: Option<BandsInfo> = None;
+        let mut prepared: Option<LinearTransform<'_>> = None;
+        for c in 0..d {
+            let field: Vec<f64> = parallel::try_collect(n, self.progress, |x| mean[x * d + c])?;
+            let domain = self.decomposer.fit_domain(&field);
+            let linear = match prepared.take().filter(|prepared| prepared.domain() == domain) {
+                Some(prepared) => prepared,
+                None => self.decomposer.linear_transform(transform, domain, self.progress)?,
+            };
+            let (found, cost) = linear.wavelets(&field, schedule, self.progress)?;
+            for (level, found) in levels.iter_mut().zip(found) {
+                if d == 1 {
+                    *level = found;
+                } else {
+                    parallel::visit_rows(level, d, 1 << 12, |first, rows| {
+                        rows.chunks_exact_mut(d).zip(&found[first..]).for_each(|(row, w)| row[c] = *w);
+                    });
+                }
+            }
+            info = Some(match info {
+                Some(sum) => sum.plus(&cost),
+                None => cost,
+            });
+            prepared = Some(linear);
+        }
+        Ok(Wavelets {
+            n_channels: d,
+            steps: schedule.steps_from_zero(),
+            sigma: schedule.sigma(transform.diffusion().step_length()),
+            levels,
+            info: info.expect("a signal has a channel"),
+        })
     }
 
     /// Mean of the signal at each welded vertex.
@@ -208,6 +283,9 @@ impl<'a> BandsRequest<'a> {
     pub fn normal_components_in_one_pass(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
         let n_welded = self.decomposer.geometry().n_vertices();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
+        if self.is_linear() {
+            return self.normal_components(normals);
+        }
         let (filled, transform) = (self.filled()?, self.transform()?);
         let found = transform.normal_components_in_one_pass(
             &self.mean(&filled)?,
@@ -222,6 +300,11 @@ impl<'a> BandsRequest<'a> {
 
     fn one_channel(&self, measure: RowMeasure<'_>) -> Result<Wavelets, BandsError> {
         let (filled, transform) = (self.filled()?, self.transform()?);
+        if self.is_linear() {
+            let mut found = self.unmasked_wavelets(&filled)?.into_measure(measure);
+            self.clear_masked(&mut found);
+            return Ok(found);
+        }
         let mean = self.mean(&filled)?;
         let (schedule, progress) = (self.schedule, self.progress);
         let mut found = transform.measure_mean(&mean, self.n_channels, measure, schedule, progress)?;
@@ -247,6 +330,17 @@ impl<'a> BandsRequest<'a> {
         filled: &[f64],
         factors: &[f64],
     ) -> Result<(Vec<f64>, BandsInfo), BandsError> {
+        if self.is_linear() {
+            check_factors(factors, self.schedule)?;
+            let bands = self.unmasked_wavelets(filled)?.to_bands(self.vertex_map(), filled);
+            let mut sum = zeros(filled.len());
+            for (factor, band) in factors.iter().zip(bands.wavelets()) {
+                parallel::visit_rows(&mut sum, 1, 1 << 12, |first, rows| {
+                    rows.iter_mut().zip(&band[first..]).for_each(|(s, w)| *s += factor * w);
+                });
+            }
+            return Ok((sum, bands.info));
+        }
         let transform = self.transform()?;
         transform.weighted(self.vertex_map(), filled, self.n_channels, self.schedule, factors, self.progress)
     }
@@ -273,7 +367,9 @@ impl<'a> BandsRequest<'a> {
         self.check(layers)?;
         let filled = self.filled()?;
         check_signal(&filled, self.decomposer.n_vertices(), self.n_channels)?;
-        if let [layer] = layers {
+        if let [layer] = layers
+            && !self.is_linear()
+        {
             // Γ − 1 = r·(g − 1): the weight is a factor of the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = layer.gains.iter().map(|g| g - 1.0).collect();
             let (change, _) = self.unmasked_weighted(&filled, &factors)?;

@@ -1,6 +1,7 @@
 //! Parameters of the denoiser, and information about its result.
 
 use super::DenoiseError;
+use crate::local_fit::LocalFit;
 use crate::named_values;
 use serde::{Deserialize, Serialize};
 
@@ -39,11 +40,19 @@ pub struct DenoiseParams {
     pub creases: Creases,
     /// Standard deviation of the noise along the normals in model units; estimated if `None`.
     pub noise: Option<f64>,
+    /// Fields that smoothing leaves unchanged; for [`denoise_signal`](super::denoise_signal) only.
+    #[serde(default = "default_local_fit")]
+    pub local_fit: LocalFit,
+}
+
+/// Local fit of a field to be denoised: slopes are not noise.
+fn default_local_fit() -> LocalFit {
+    LocalFit::Linear
 }
 
 impl Default for DenoiseParams {
     fn default() -> Self {
-        Self { strength: 1.0, creases: Creases::Auto, noise: None }
+        Self { strength: 1.0, creases: Creases::Auto, noise: None, local_fit: default_local_fit() }
     }
 }
 
@@ -64,6 +73,12 @@ impl DenoiseParams {
     #[must_use]
     pub fn with_noise(self, noise: f64) -> Self {
         Self { noise: Some(noise), ..self }
+    }
+
+    /// Sets the fields that smoothing leaves unchanged.
+    #[must_use]
+    pub fn with_local_fit(self, local_fit: LocalFit) -> Self {
+        Self { local_fit, ..self }
     }
 
     /// Checks that every parameter is in its range.

@@ -5,8 +5,9 @@ use super::risk::Risk;
 use super::scaling::{scaling_functions, transform};
 use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
 use crate::bands::{Schedule, Transform};
+use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::operator::Diffusion;
-use crate::{Decomposer, Progress, parallel};
+use crate::{Cancelled, Decomposer, Progress, parallel};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -17,6 +18,13 @@ use serde::Serialize;
 const PLAIN_STEPS: [f64; 18] = [
     1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 16.0, 23.0, 32.0, 45.0, 64.0, 91.0, 128.0, 181.0, 256.0, 362.0, 512.0,
 ];
+
+/// First level of [`PLAIN_STEPS`], from 0, that also smooths a signal without regard to its slopes. At borders a local
+/// linear fit over many steps leaves more noise than a mean, and a signal without slopes does not need it.
+const FIRST_MEAN_LEVEL: usize = 7;
+
+/// Noise relative to the largest value below which the difference from a linear fit is rounding.
+const ROUNDING: f64 = 1e-13;
 
 /// Number of levels by guided walks: 1, 2, 4, … 128 steps.
 const LED_LEVELS: usize = 8;
@@ -88,7 +96,8 @@ pub struct DenoisedSignal {
 /// values, so that jumps stay. The weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate
 /// for Gaussian noise that is independent between vertices, with the standard deviation estimated from the signal
 /// (or given, in its unit). Guided walks are used only if they promise an improvement of more than two standard
-/// errors. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
+/// errors. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear fit, so that slopes
+/// are neither noise nor bias, and those from 16 steps on enter about the local mean too. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
 /// channel is treated separately.
 ///
 /// ```
@@ -142,7 +151,12 @@ pub fn denoise_signal(
         progress.step(k as u64, groups.len() as u64)?;
         let data: Vec<f64> =
             welded.chunks_exact(n_channels).flat_map(|row| channels.iter().map(|&c| row[c])).collect();
-        let group = ChannelGroup { decomposer, d: channels.len(), is_known: &is_known };
+        let n_together = channels.len();
+        let domains =
+            (0..n_together).map(|c| decomposer.fit_domain(&channel(&data, c, n_together))).collect();
+        let is_linear = decomposer.applied_local_fit(params.local_fit) == LocalFit::Linear;
+        let domains = Some(domains).filter(|_| is_linear);
+        let group = ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains };
         let (found, mut report) = group.denoised(&data, params, progress)?;
         for (v, row) in values.chunks_exact_mut(n_channels).enumerate() {
             let x = map.welded(v);
@@ -164,6 +178,20 @@ struct ChannelGroup<'a> {
     d: usize,
     /// Returns true if a welded vertex has a value.
     is_known: &'a (dyn Fn(usize) -> bool + Sync),
+    /// Domain over which each channel is fitted, if smoothing is about a local linear fit.
+    domains: Option<Vec<FitDomain>>,
+}
+
+/// Channel `c` of `data`, n × d.
+fn channel(data: &[f64], c: usize, d: usize) -> Vec<f64> {
+    data[c.min(data.len())..].iter().step_by(d).copied().collect()
+}
+
+/// The walk of the shape, prepared for a group of channels.
+struct ShapeWalk<'a> {
+    transform: &'a Transform,
+    /// Fit of each channel; empty if smoothing is about the local mean.
+    fits: Vec<LinearTransform<'a>>,
 }
 
 impl ChannelGroup<'_> {
@@ -173,15 +201,18 @@ impl ChannelGroup<'_> {
         params: &DenoiseParams,
         progress: Progress<'_>,
     ) -> Result<(Vec<f64>, SignalNoise), DenoiseError> {
+        let walk = transform(Diffusion::clone(self.decomposer.diffusion()), ACCURACY)?;
+        let walk = ShapeWalk { fits: self.fits(&walk, progress)?, transform: &walk };
         let noise = match params.noise {
             Some(noise) => noise,
-            None => self.noise_level(data, progress)?,
+            None if walk.fits.is_empty() => self.noise_level(data, progress)?,
+            None => self.noise_about_fits(data, &walk.fits, progress)?,
         };
         let mut info = SignalNoise { noise, kept: 1.0, ..SignalNoise::default() };
         if noise * params.strength == 0.0 {
             return Ok((data.to_vec(), info));
         }
-        let candidates = self.candidates(data, progress)?;
+        let candidates = self.candidates(data, &walk, progress)?;
         // All vertices have the same weight, as their noise is the same; those without a value have weight 0.
         let counts = parallel::try_collect(data.len() / self.d, progress, |x| {
             f64::from(u8::from((self.is_known)(x)))
@@ -194,49 +225,133 @@ impl ChannelGroup<'_> {
                 v + SHAKE * noise * deviate
             };
             let data: Vec<f64> = data.iter().map(&mut shaken).collect();
-            self.candidates(&data, progress)
+            self.candidates(&data, &walk, progress)
         });
         let shaken = shaken.collect::<Result<Vec<_>, DenoiseError>>()?;
         let risk = Risk::new(&candidates, &shaken, &counts, SHAKE, params.strength, progress)?;
         // With many guided walks, some promise an improvement by chance.
         let n_known = counts.iter().filter(|c| **c > 0.0).count();
-        let (plain, led) = (risk.best_among(1 + PLAIN_STEPS.len()), risk.best_weights());
+        let n_means = if walk.fits.is_empty() { 0 } else { PLAIN_STEPS.len() - FIRST_MEAN_LEVEL };
+        let n_plain = 1 + PLAIN_STEPS.len() + n_means;
+        let (plain, led) = (risk.best_among(n_plain), risk.best_weights());
         let (gain, error) = risk.gain(&led, &plain, noise, n_known);
         let weights = if gain > LEAST_GAIN * error { led } else { plain };
         info.risk = risk.risks_before_and_after(&weights);
         info.kept = weights[0];
         info.plain_steps = PLAIN_STEPS.to_vec();
         info.plain_weights = weights[1..=PLAIN_STEPS.len()].to_vec();
-        info.step_weights = weights[1 + PLAIN_STEPS.len()..].to_vec();
+        let means = &weights[1 + PLAIN_STEPS.len()..n_plain];
+        info.plain_weights[PLAIN_STEPS.len() - n_means..].iter_mut().zip(means).for_each(|(w, m)| *w += m);
+        info.step_weights = weights[n_plain..].to_vec();
         let mixture = parallel::try_collect(data.len(), progress, |i| {
             weights.iter().zip(&candidates).map(|(w, candidate)| w * candidate[i]).sum()
         })?;
         Ok((mixture, info))
     }
 
+    /// Fit of each channel on a walk; none if smoothing is about the local mean.
+    fn fits<'t>(
+        &self,
+        walk: &'t Transform,
+        progress: Progress<'_>,
+    ) -> Result<Vec<LinearTransform<'t>>, DenoiseError> {
+        let mut fits: Vec<LinearTransform<'t>> = Vec::new();
+        for &domain in self.domains.iter().flatten() {
+            let fit = match fits.last().filter(|fit| fit.domain() == domain) {
+                Some(fit) => fit.clone(),
+                None => self.decomposer.linear_transform(walk, domain, progress)?,
+            };
+            fits.push(fit);
+        }
+        Ok(fits)
+    }
+
+    /// Scaling coefficients of the data by a walk, and those about the local mean from level `first_mean` on if the
+    /// others are about a linear fit.
+    fn scaling(
+        &self,
+        walk: &Transform,
+        fits: &[LinearTransform<'_>],
+        data: &[f64],
+        schedule: &Schedule,
+        first_mean: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Vec<f64>>, DenoiseError> {
+        if fits.is_empty() {
+            return scaling_functions(walk, data, self.d, schedule, progress);
+        }
+        let mut joined: Vec<Vec<f64>> = Vec::new();
+        for (c, fit) in fits.iter().enumerate() {
+            let found = fit.scaling(&channel(data, c, self.d), schedule, first_mean, progress.quiet())?;
+            let found = [found.levels, found.plain].concat();
+            if self.d == 1 {
+                return Ok(found);
+            }
+            joined.resize_with(found.len(), || vec![0.0; data.len()]);
+            for (level, found) in joined.iter_mut().zip(found) {
+                level.iter_mut().skip(c).step_by(self.d).zip(found).for_each(|(value, s)| *value = s);
+            }
+        }
+        Ok(joined)
+    }
+
     /// The data, then their scaling coefficients by the shape's walk and by walks with two guides.
-    fn candidates(&self, data: &[f64], progress: Progress<'_>) -> Result<Vec<Vec<f64>>, DenoiseError> {
-        let walk = self.decomposer.diffusion();
-        let scaling =
-            |walk: &Transform, schedule: &Schedule| scaling_functions(walk, data, self.d, schedule, progress);
+    fn candidates(
+        &self,
+        data: &[f64],
+        walk: &ShapeWalk<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Vec<f64>>, DenoiseError> {
         let led = |by: &[f64]| -> Result<Transform, DenoiseError> {
             let guide: Vec<[f64; 3]> = by
                 .chunks_exact(self.d)
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
                 .collect();
             // The lengths of steps are not needed.
-            transform(walk.weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?, ACCURACY)
+            let led = walk.transform.diffusion().weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
+            transform(led, ACCURACY)
+        };
+        let scaling_by = |led: &Transform, n_levels: usize| {
+            let schedule = Schedule::dyadic(n_levels).expect("a few levels");
+            let fits = distinct_fits(&walk.fits, |fit| fit.with_transform(led, progress))?;
+            self.scaling(led, &fits, data, &schedule, n_levels, progress)
         };
         let plain_schedule = Schedule::real(PLAIN_STEPS.to_vec()).expect("increasing numbers");
-        let plain = scaling(&transform(Diffusion::clone(walk), ACCURACY)?, &plain_schedule)?;
-        let dyadic = |n| Schedule::dyadic(n).expect("a few levels");
-        let led_levels = dyadic(LED_LEVELS);
+        let plain =
+            self.scaling(walk.transform, &walk.fits, data, &plain_schedule, FIRST_MEAN_LEVEL, progress)?;
         let first = led(&plain[FIRST_GUIDE_LEVELS - 1])?;
-        let second = led(&last(scaling(&first, &dyadic(GUIDE_LEVELS[0]))?))?;
-        let by_second = scaling(&second, &led_levels)?;
+        let second = led(&last(scaling_by(&first, GUIDE_LEVELS[0])?))?;
+        let by_second = scaling_by(&second, LED_LEVELS)?;
         let third = led(&by_second[GUIDE_LEVELS[1] - 1])?;
-        let by_third = scaling(&third, &led_levels)?;
+        let by_third = scaling_by(&third, LED_LEVELS)?;
         Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
+    }
+
+    /// Standard deviation of the noise, from the median absolute deviation of the difference between a value and the
+    /// linear fit to its k neighbors, divided by `√(1 + 1/k)`, and relative to that of noise of variance 1.
+    fn noise_about_fits(
+        &self,
+        data: &[f64],
+        fits: &[LinearTransform<'_>],
+        progress: Progress<'_>,
+    ) -> Result<f64, DenoiseError> {
+        let neighbors = self.decomposer.diffusion().neighbors();
+        let deviations = |field: &[f64], fit: &LinearTransform<'_>| -> Result<Vec<f64>, DenoiseError> {
+            let found = fit.residuals(field, progress)?;
+            let known = (0..found.len()).filter(|&x| !neighbors.row(x).is_empty() && (self.is_known)(x));
+            Ok(known.map(|x| found[x].abs() / (1.0 + 1.0 / neighbors.row(x).len() as f64).sqrt()).collect())
+        };
+        let (mut found, mut of_white) = (Vec::new(), Vec::new());
+        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        for (c, fit) in fits.iter().enumerate() {
+            let field = channel(data, c, self.d);
+            found.extend(deviations(&field, fit)?);
+            let white: Vec<f64> = field.iter().map(|_| StandardNormal.sample(&mut random)).collect();
+            of_white.extend(deviations(&white, fit)?);
+        }
+        let (found, of_white) = (median(&mut found), median(&mut of_white));
+        let largest = data.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        Ok(if of_white > 0.0 && found > ROUNDING * largest { found / of_white } else { 0.0 })
     }
 
     /// Standard deviation of the noise, from the median absolute deviation of the difference between a value and
@@ -256,6 +371,22 @@ impl ChannelGroup<'_> {
         deviations.retain(|v| v.is_finite());
         Ok(median(&mut deviations) / MEDIAN_DEVIATION)
     }
+}
+
+/// Fits made from others, one for each; equal domains that follow each other share one.
+fn distinct_fits<'t>(
+    of: &[LinearTransform<'_>],
+    make: impl Fn(&LinearTransform<'_>) -> Result<LinearTransform<'t>, Cancelled>,
+) -> Result<Vec<LinearTransform<'t>>, Cancelled> {
+    let mut fits: Vec<LinearTransform<'t>> = Vec::new();
+    for old in of {
+        let fit = match fits.last().filter(|fit| fit.domain() == old.domain()) {
+            Some(fit) => fit.clone(),
+            None => make(old)?,
+        };
+        fits.push(fit);
+    }
+    Ok(fits)
 }
 
 fn last(mut levels: Vec<Vec<f64>>) -> Vec<f64> {

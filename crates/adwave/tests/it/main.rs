@@ -11,6 +11,7 @@ mod engine;
 mod examples;
 mod filters;
 mod laws;
+mod local_fit;
 mod polygons;
 mod positions;
 mod real_steps;

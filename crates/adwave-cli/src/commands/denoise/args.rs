@@ -1,6 +1,6 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{ShapeArgs, SignalArgs, number, parse_named};
+use crate::args::{LabelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named};
 use adwave::denoise::{Creases, DenoiseParams};
 use clap::Args;
 use std::path::PathBuf;
@@ -31,6 +31,10 @@ pub(crate) struct DenoiseArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) fit: LocalFitArgs,
+    #[command(flatten)]
+    pub(crate) labels: LabelArgs,
     /// Factor on the noise level: 0 changes nothing, 2 removes noise twice as strong as estimated
     #[arg(long, value_name = "S", value_parser = number, default_value_t = DenoiseParams::default().strength, help_heading = "Noise")]
     pub(crate) strength: f64,
@@ -48,6 +52,7 @@ pub(crate) struct DenoiseArgs {
 impl DenoiseArgs {
     pub(crate) fn to_params(&self) -> DenoiseParams {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases);
+        let params = params.with_local_fit(self.fit.local_fit.unwrap_or(params.local_fit));
         self.noise_sigma.map_or(params, |noise| params.with_noise(noise))
     }
 }

@@ -5,13 +5,13 @@ mod args;
 use super::result_file::{EditedSignal, ResultFile};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::denoising::{SamplingUnit, describe_denoising};
+use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_fit};
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
 use crate::resolve::operator::{operator_for_task, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
-use crate::resolve::signal::{COORDS, load_signal};
+use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::shape::{PreparedGeometry, Shape};
@@ -35,6 +35,9 @@ fn denoise_positions(
     args: &DenoiseArgs,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
+    if args.fit.local_fit.is_some() {
+        return Err(CliError::Input("--local-fit is for a field (--field); leave it out".to_owned()));
+    }
     let weld = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?.weld;
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
@@ -73,6 +76,7 @@ fn denoise_field(
 ) -> Result<(), CliError> {
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+    refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
     let denoised = with_progress(global, "denoising", |progress| {
@@ -84,6 +88,8 @@ fn denoise_field(
 
     let n_vertices = input.shape.n_vertices();
     let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));
+    let fit = decomposer.applied_local_fit(args.to_params().local_fit);
+    describe_local_fit(&mut text, fit);
     denoised.info.iter().for_each(|info| describe_channel(&mut text, info));
     let _ = writeln!(text, "{}", args.output.display());
     let report = json!({
@@ -91,6 +97,7 @@ fn denoise_field(
         "output": args.output.display().to_string(),
         "field": name,
         "vertices": n_vertices,
+        "local_fit": fit,
         "denoise": denoised.info,
     });
     print(global, &text, &report)
@@ -98,7 +105,7 @@ fn denoise_field(
 
 /// Adds a line on the noise of a channel and on how it was smoothed.
 fn describe_channel(text: &mut String, info: &SignalNoise) {
-    let percent = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();
+    let percent = |weights: &[f64]| 100.0 * weights.iter().fold(0.0, |sum, w| sum + w);
     let _ = writeln!(
         text,
         "noise {}: {:.0} % unchanged, {:.0} % smoothed, {:.0} % smoothed with steps kept; expected error {} → {} (rms)",

@@ -1,6 +1,8 @@
 //! The arguments of `adwave filter`.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help};
+use crate::args::{
+    LabelArgs, LevelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help,
+};
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
@@ -20,6 +22,7 @@ Examples:
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
   adwave filter lidar.laz -o smooth.laz --preset smooth --along z
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress
+  adwave filter land.laz -o even.laz --field classification --as-labels --preset suppress-paper --levels 3
   adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
 pub(crate) struct FilterArgs {
@@ -30,6 +33,13 @@ pub(crate) struct FilterArgs {
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
+    #[command(flatten)]
+    pub(crate) fit: LocalFitArgs,
+    #[command(flatten)]
+    pub(crate) labels: LabelArgs,
+    /// Filter the share of each label of the field, and give each vertex the label with the largest share
+    #[arg(long, conflicts_with_all = ["as_numbers", "local_fit"], help_heading = "Signal")]
+    pub(crate) as_labels: bool,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     #[command(flatten)]

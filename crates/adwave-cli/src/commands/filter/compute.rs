@@ -10,10 +10,11 @@ use crate::resolve::operator::{build_operator, mask_missing};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{Edit, Layer};
+use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
-use adwave::positions::constrain_positions;
+use adwave::positions::{MoveDirection, constrain_positions};
 use adwave::{Decomposer, Progress};
-use adwave_io::region_field;
+use adwave_io::{region_field, with_axis};
 
 /// A filtered signal, and the levels and layers that it was filtered by.
 pub(super) struct Filtered {
@@ -32,6 +33,8 @@ pub(super) struct SignalChange {
     pub(super) rms: f64,
     /// Largest difference of a value.
     pub(super) max: f64,
+    /// Number of values that differ.
+    pub(super) n_changed: usize,
 }
 
 /// Filters the signal of a job.
@@ -88,10 +91,28 @@ fn edited_values(
 ) -> Result<Vec<f64>, CliError> {
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
-    let request = decomposer.request(&job.signal.values, job.signal.n_channels, schedule);
-    let mut editor = request.params(&job.bands).progress(progress).editor()?;
-    editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
-    Ok(editor.into_edited())
+    if let Some(labels) = &job.labels {
+        let edit = Edit::new(layers).with_fields(&lookup, &names);
+        let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
+        let request = decomposer.request(&job.signal.values, 1, schedule).params(&job.bands);
+        return Ok(request.progress(progress).filter_labels(labels, &layers)?);
+    }
+    let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
+    let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
+        let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
+        let request = request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress);
+        let mut editor = request.editor()?;
+        editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
+        Ok(editor.into_edited())
+    };
+    match axis {
+        Some(axis) => {
+            let points = job.signal.values.as_chunks().0;
+            let heights: Vec<f64> = points.iter().map(|p: &[f64; 3]| p[axis]).collect();
+            Ok(with_axis(points, axis, &edited(&heights, 1)?).into_flattened())
+        }
+        None => edited(&job.signal.values, job.signal.n_channels),
+    }
 }
 
 /// New positions under the constraints on directions, borders and volume.
@@ -111,6 +132,7 @@ fn constrained_points(
 impl SignalChange {
     fn new(before: &[f64], after: &[f64]) -> Self {
         let max = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        Self { rms: rms(before, after, 1), max }
+        let n_changed = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && a != b).count();
+        Self { rms: rms(before, after, 1), max, n_changed }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
+use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
 use crate::global::Global;
@@ -10,12 +11,13 @@ use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::region::union_of_regions;
 use crate::resolve::shape::{Input, Normals, load_shape};
-use crate::resolve::signal::{COORDS, Signal, load_signal};
+use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
+use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorParams;
-use adwave::positions::{PositionParams, Volume};
+use adwave::positions::{MoveDirection, PositionParams, Volume};
 use adwave_io::{Recipe, read_recipe};
 use std::path::Path;
 
@@ -29,6 +31,10 @@ pub(super) struct FilterJob<'a> {
     pub(super) levels: FilterLevels,
     pub(super) layers: Vec<Layer>,
     pub(super) keep_volume: Option<KeepVolume>,
+    /// Local fit of a field or of one coordinate; `None` for coordinates that move in other directions.
+    pub(super) local_fit: Option<LocalFit>,
+    /// Labels of the signal, if each is filtered by its share.
+    pub(super) labels: Option<Vec<f64>>,
     pub(super) positions: PositionParams,
     pub(super) bands: BandsParams,
     pub(super) normals: Normals,
@@ -73,7 +79,15 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
     let input = load_shape(&args.shape, global)?;
     let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
+    let labels = if args.as_labels {
+        Some(load_labels(&signal_name, &signal)?)
+    } else {
+        refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
+        None
+    };
     check_operator(&input.shape, &operator)?;
+    let positions = positions(edit, recipe);
+    let fit = resolve_local_fit(&args.fit, recipe, &signal_name, positions)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
     Ok(FilterJob {
@@ -84,7 +98,9 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         levels,
         layers,
         keep_volume: edit.keep_volume,
-        positions: positions(edit, recipe),
+        local_fit: fit.filter(|_| labels.is_none()),
+        labels,
+        positions,
         bands,
         normals: args.update_normals.into(),
         result,
@@ -137,6 +153,25 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
         Some(kind) => operator_with_default(&flags, kind),
         None => operator_for_spec(&flags, &levels(args, recipe).spec),
     }
+}
+
+/// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several directions.
+fn resolve_local_fit(
+    args: &LocalFitArgs,
+    recipe: Option<&Recipe>,
+    signal: &str,
+    positions: PositionParams,
+) -> Result<Option<LocalFit>, CliError> {
+    if signal == COORDS && positions.along.and_then(MoveDirection::axis).is_none() {
+        return match args.local_fit {
+            Some(_) => Err(CliError::Input(
+                "--local-fit is for a field (--field) or for heights (--along z); leave it out".to_owned(),
+            )),
+            None => Ok(None),
+        };
+    }
+    let in_recipe = recipe.and_then(|recipe| recipe.local_fit);
+    Ok(Some(args.local_fit.or(in_recipe).unwrap_or(LocalFit::Linear)))
 }
 
 /// Options of new positions: those of the flags, else those of the recipe.

@@ -5,6 +5,7 @@ use super::resolve::{FilterJob, SavedLevels};
 use crate::commands::result_file::EditedSignal;
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::denoising::describe_local_fit;
 use crate::output::movement::Movement;
 use crate::output::{count, number, print, steps_json, write_file_with};
 use crate::resolve::signal::COORDS;
@@ -37,6 +38,11 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         "sigma": sigma,
         "layers": layers,
     });
+    if let Some(fit) = job.local_fit {
+        let fit = decomposer.applied_local_fit(fit);
+        describe_local_fit(&mut text, fit);
+        report["local_fit"] = json!(fit);
+    }
     if let EditedSignal::Points(points) = &edited {
         let movement = Movement::measure(decomposer.geometry(), points)?;
         movement.describe(&mut text);
@@ -44,6 +50,16 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {
             movement.note_unusual(*widest, global);
         }
+    } else if let Some(labels) = &job.labels {
+        let n_labels = labels.len();
+        let _ = writeln!(
+            text,
+            "{signal}: {}, changed at {} of {}",
+            count(n_labels, "label", "labels"),
+            change.n_changed,
+            count(n_vertices, "vertex", "vertices")
+        );
+        report["labels"] = json!({"different": n_labels, "changed": change.n_changed});
     } else {
         let (rms, max) = (number(change.rms), number(change.max));
         let _ = writeln!(text, "{signal} changed by {rms} (rms over the vertices), {max} at most");
@@ -57,6 +73,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
             operator: Some(job.operator.kind),
             density_invariant: job.operator.density_invariant,
             keep_creases: job.operator.keep_creases,
+            local_fit: job.local_fit,
             positions: job.positions,
             levels,
             layers,

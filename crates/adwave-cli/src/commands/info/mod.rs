@@ -18,7 +18,7 @@ use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, VertexRole, bounding_box};
 use adwave::{Decomposer, ResolvedLevels};
-use adwave_io::{CloudLevels, Format, ReadError, cloud_levels};
+use adwave_io::{CloudLevels, Field, Format, ReadError, cloud_levels};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
 use health::{health_lines, health_notes};
@@ -95,9 +95,15 @@ impl ShapeFacts {
             text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
         }
         text += &input.file.provenance().map_or_else(String::new, provenance_text);
+        let describe = |f: &Field| format!("{} ({})", f.name, f.n_channels);
+        let face_fields = input.file.face_fields();
+        if !face_fields.is_empty() {
+            let names = face_fields.iter().map(describe).collect::<Vec<_>>();
+            let _ = writeln!(text, "  face fields   {}", names.join(", "));
+        }
         let fields = input.file.vertex_fields();
         if !fields.is_empty() {
-            let names = fields.iter().map(|f| format!("{} ({})", f.name, f.n_channels)).collect::<Vec<_>>();
+            let names = fields.iter().map(describe).collect::<Vec<_>>();
             let _ = writeln!(text, "  fields        {}", names.join(", "));
         }
         text += &diffusion_text(decomposer, &input.shape);
@@ -132,6 +138,7 @@ impl ShapeFacts {
             "kind": kind_name(&input.shape),
             "format": self.format_name(),
             "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+            "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "provenance": input.file.provenance().map(provenance_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),

@@ -7,6 +7,7 @@ use adwave::basis::{BasisParams, basis, basis_by_squaring};
 use adwave::features::{Feature, features};
 use adwave::filter::{Edit, Gains, Layer, Preset};
 use adwave::laplacian::Laplacian;
+use adwave::local_fit::LocalFit;
 use adwave::operator::{Semigroup, local_operator};
 use adwave::region::Region;
 use adwave::saliency::{Saliency, saliency, saliency_per_level};
@@ -177,6 +178,15 @@ impl<'a> Fast<'a> {
             wavelet: bands.wavelets().map(<[f64]>::to_vec).collect(),
             sigma: bands.sigma,
         }
+    }
+
+    /// S_f(1..J) about a local linear fit, in the order of the file.
+    pub(crate) fn linear_scaling(&self, field: &[f64], steps: &[f64], engine: Engine) -> Vec<Vec<f64>> {
+        let schedule = Schedule::real(steps.to_vec()).unwrap();
+        let request = self.decomposer.request(field, 1, &schedule);
+        let request = request.params(&BandsParams::default().with_engine(engine));
+        let bands = request.local_fit(LocalFit::Linear).bands().unwrap();
+        (1..=steps.len()).map(|j| bands.scaling(j).into_owned()).collect()
     }
 
     fn split(

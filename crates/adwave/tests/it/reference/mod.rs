@@ -10,6 +10,7 @@ mod fast;
 mod features;
 mod filter;
 mod heat;
+mod local_fit;
 mod operator;
 mod refinement;
 mod saliency;
