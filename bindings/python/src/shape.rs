@@ -209,6 +209,20 @@ impl ShapeData {
     }
 
     #[getter]
+    fn n_file_rows(&self) -> usize {
+        self.file.n_file_rows()
+    }
+
+    /// Row of the file of each vertex.
+    fn file_rows<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        let rows = match self.file.file_rows() {
+            Some(rows) => rows.kept().to_vec(),
+            None => (0..self.file.n_vertices() as u32).collect(),
+        };
+        arrays::vector(py, rows).into_any()
+    }
+
+    #[getter]
     fn n_faces(&self) -> usize {
         self.file.faces().len()
     }

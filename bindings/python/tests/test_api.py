@@ -416,3 +416,12 @@ def test_part_of_a_cloud(tmp_path: Path) -> None:
         aw.read(path, box=(90, 90, 99, 99))
     with pytest.raises(ValueError, match="resolution"):
         aw.read(path, resolution=-1)
+
+
+def test_rows_without_a_position_keep_their_numbers() -> None:
+    cloud = aw.read_bytes(b"0 0 1\nnan nan nan\n2 0 3\n", "a.xyz")
+    assert (cloud.n_vertices, cloud.file_rows.tolist()) == (2, [0, 2])
+    heights = cloud.in_file_rows(cloud.points[:, 2])
+    assert heights[[0, 2]].tolist() == [1.0, 3.0] and np.isnan(heights[1])
+    with pytest.raises(ValueError, match="must have 2 rows"):
+        cloud.in_file_rows([1.0, 2.0, 3.0])

@@ -170,7 +170,10 @@ pub fn named_signal(
         _ => {}
     }
     let n_vertices = shape.n_vertices();
-    if let Some(field) = from_file(name, file.structure(), n_vertices)? {
+    if let Some(field) = from_file(name, file.structure(), file.n_file_rows())? {
+        if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
+            return Ok(rows.select(&field).into());
+        }
         if field.len() != n_vertices {
             return Err(NamedSignalError::Unknown(format!(
                 "{name} needs one row per vertex: it has {} rows, but {} has {n_vertices} vertices",

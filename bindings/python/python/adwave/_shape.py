@@ -129,6 +129,43 @@ class Shape:
         return self._data.n_vertices
 
     @property
+    def file_rows(self) -> NDArray[np.uint32]:
+        """Row of the file of each vertex, from 0.
+
+        Points without a position, as written by depth cameras, are rows of the file and no vertices.
+        """
+        return self._data.file_rows()
+
+    def in_file_rows(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Values with a row for each row of the file, NaN where the row is no vertex.
+
+        Parameters
+        ----------
+        values : array_like
+            Values with a row for each vertex.
+
+        Returns
+        -------
+        numpy.ndarray
+            As many rows as the file has points.
+
+        Examples
+        --------
+        >>> import adwave
+        >>> cloud = adwave.read_bytes(b"0 0 1\\nnan nan nan\\n2 0 3\\n", "a.xyz")
+        >>> cloud.file_rows.tolist()
+        [0, 2]
+        >>> cloud.in_file_rows([7, 9]).tolist()
+        [7.0, nan, 9.0]
+        """
+        rows = np.asarray(values, dtype=np.float64)
+        if not rows.ndim or len(rows) != self.n_vertices:
+            raise ValueError(f"values must have {self.n_vertices} rows, one per vertex; got shape {rows.shape}")
+        everywhere = np.full((self._data.n_file_rows, *rows.shape[1:]), np.nan)
+        everywhere[self.file_rows] = rows
+        return everywhere
+
+    @property
     def n_faces(self) -> int:
         """Number of faces."""
         return self._data.n_faces

@@ -9,7 +9,7 @@ use crate::output::{
     check_writable, clone_for_output, count, number, print, table, write_file_with, write_shape,
 };
 use crate::resolve::operator::{operator_for_task, prepare};
-use crate::resolve::shape::load_shape;
+use crate::resolve::shape::{load_shape, vertex_in_row};
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave::operator::OperatorTask;
@@ -72,6 +72,7 @@ fn write_functions_of_vertex(
     let schedule = Schedule::dyadic(level)?;
     let input = load_shape(&args.shape, global)?;
     let n_vertices = input.shape.n_vertices();
+    let (row, vertex) = (vertex, vertex_in_row(&input, vertex)?);
     let decomposer =
         prepare(global, &input.shape, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let start = Instant::now();
@@ -88,7 +89,7 @@ fn write_functions_of_vertex(
     let sigma = schedule.sigma(decomposer.diffusion().step_length())[level];
     let steps = 1_u64 << (level - 1);
     let text = format!(
-        "vertex {vertex} of {}, level {level}: {}, sigma {}\n\
+        "vertex {row} of {}, level {level}: {}, sigma {}\n\
          phi is nonzero at {} of {n_vertices} vertices, and {} hold 99.9 % of it; phi is {} and psi {} at the vertex itself; {:.1} ms\n{}\n",
         input.name,
         count(steps, "step", "steps"),
@@ -104,7 +105,7 @@ fn write_functions_of_vertex(
         "shape": input.name,
         "output": args.output.display().to_string(),
         "operator": decomposer.operator_kind().name(),
-        "vertex": vertex,
+        "vertex": row,
         "level": level,
         "steps": steps,
         "sigma": sigma,

@@ -118,8 +118,9 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
         }),
     );
     let known = || saliency.map.iter().enumerate().filter(|(_, v)| !v.is_nan());
-    let most = known().max_by(|a, b| a.1.total_cmp(b.1));
-    let least = known().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| map.is_signed);
+    let in_file = |(vertex, value)| (analysis.input.file.file_row(vertex), value);
+    let most = known().max_by(|a, b| a.1.total_cmp(b.1)).map(in_file);
+    let least = known().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| map.is_signed).map(in_file);
     if let Some((vertex, value)) = most {
         text += &format!("\nlargest at vertex {vertex}: {}\n", number(*value));
     }

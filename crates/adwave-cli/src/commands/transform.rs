@@ -196,9 +196,17 @@ fn report(
 /// Writes the arrays points, scaling, wavelet, steps and sigma.
 fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands) -> Result<(), CliError> {
     let provenance = provenance(global)?.to_json();
-    let (n, d, levels) = (bands.n_vertices, bands.n_channels, bands.n_levels());
-    let scaling = all_scaling(&job.signal, bands);
-    let wavelet = &bands.as_slice()[..levels * n * d];
+    let (d, levels) = (bands.n_channels, bands.n_levels());
+    let file = &job.input.file;
+    let n = file.n_file_rows();
+    let in_rows = |values: Vec<f64>, n_channels: usize| match file.file_rows() {
+        Some(rows) => rows.spread_values(&values, n_channels),
+        None => values,
+    };
+    let scaling = in_rows(all_scaling(&job.signal, bands), d);
+    let all_wavelets = &bands.as_slice()[..levels * bands.n_vertices * d];
+    let spread = file.file_rows().map(|rows| rows.spread_values(all_wavelets, d));
+    let wavelet = spread.as_deref().unwrap_or(all_wavelets);
     let (scaling_shape, wavelet_shape) = ([levels + 1, n, d], [levels, n, d]);
     let (points_shape, levels_shape) = ([n, 3], [levels + 1]);
     let mut arrays: Vec<(&str, &[usize], ArrayValues<'_>)> = vec![
@@ -207,8 +215,9 @@ fn write_npz(global: &Global<'_>, path: &Path, job: &TransformJob, bands: &Bands
         ("steps", &levels_shape, ArrayValues::F64(&bands.steps)),
         ("sigma", &levels_shape, ArrayValues::F64(&bands.sigma)),
     ];
-    if let Some(points) = job.input.shape.points() {
-        arrays.push(("points", &points_shape, ArrayValues::F64(points.as_flattened())));
+    let points = job.input.shape.points().map(|points| in_rows(points.as_flattened().to_vec(), 3));
+    if let Some(points) = &points {
+        arrays.push(("points", &points_shape, ArrayValues::F64(points)));
     }
     arrays.push(("provenance", &[], ArrayValues::Text(&provenance)));
     write_file_with(global, path, |path| adwave_io::write_npz(path, &arrays, Compression::Stored))

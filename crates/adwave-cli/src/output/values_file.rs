@@ -46,7 +46,8 @@ impl ValuesFile {
         (!goes_back).then_some(kind)
     }
 
-    /// Writes fields with the same number of rows. A GIFTI gets the anatomical structure of `file` too.
+    /// Writes fields with the same number of rows, in the rows of the file. A GIFTI gets the anatomical structure of
+    /// `file` too.
     pub(crate) fn write(
         self,
         global: &Global<'_>,
@@ -54,10 +55,11 @@ impl ValuesFile {
         fields: &[Field],
         file: &ShapeFile,
     ) -> Result<(), CliError> {
+        let fields: Vec<Field> = fields.iter().map(|field| file.in_file_rows(field.clone())).collect();
         write_file_with(global, path, |path| match self {
-            Self::Npy => write_array(path, fields),
-            Self::Csv => write_csv_fields(path, fields),
-            Self::Gifti => write_gifti_fields(path, fields, file.structure()),
+            Self::Npy => write_array(path, &fields),
+            Self::Csv => write_csv_fields(path, &fields),
+            Self::Gifti => write_gifti_fields(path, &fields, file.structure()),
         })
     }
 }

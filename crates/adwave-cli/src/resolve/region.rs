@@ -1,6 +1,6 @@
 //! From region flags to weights on a shape.
 
-use super::shape::Input;
+use super::shape::{Input, vertex_in_row};
 use super::signal::field_names;
 use crate::error::CliError;
 use adwave::region::Region;
@@ -19,6 +19,15 @@ pub(crate) fn union_of_regions(regions: &[Region]) -> Region {
     }
 }
 
+/// The region with vertices of the shape, where `region` names rows of the file.
+pub(crate) fn region_in_shape(region: &Region, input: &Input) -> Result<Region, CliError> {
+    let mut region = region.clone();
+    if input.file.file_rows().is_some() {
+        region.try_map_vertices(&mut |row| vertex_in_row(input, row as usize).map(|vertex| vertex as u32))?;
+    }
+    Ok(region)
+}
+
 /// The weights of a region in [0, 1], one for each vertex of the shape, as a filter uses them.
 pub(crate) fn region_weights(
     region: &Region,
@@ -26,6 +35,7 @@ pub(crate) fn region_weights(
     decomposer: &Decomposer,
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, CliError> {
+    let region = &region_in_shape(region, input)?;
     let names = field_names(&input.file);
     let lookup = |name: &str| region_field(&input.file, decomposer, name);
     let weights = region.weights(decomposer.metric(), &lookup, &names, progress);

@@ -75,10 +75,23 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         } else {
             read(source.shape, &source.part, global)?
         };
+        note_left_out(&file, &name, global);
         let kind = source.kind.map_or_else(|| file.kind(), Into::into);
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         Ok(Input { file, shape, name })
     })
+}
+
+/// Says that rows of the file are not part of the shape.
+fn note_left_out(file: &ShapeFile, name: &str, global: &Global<'_>) {
+    let (n_rows, n_left) = (file.n_file_rows(), file.n_file_rows() - file.n_vertices());
+    if n_left > 0 {
+        let text = format!(
+            "{n_left} of {n_rows} points of {name} have no position and are left out; vertices are numbered by the rows of \
+             the file"
+        );
+        note(global, &text);
+    }
 }
 
 /// Refuses options that do not go with the kind of source.
@@ -142,6 +155,14 @@ fn read(source: &str, part: &CloudPart, global: &Global<'_>) -> Result<ShapeFile
 /// The error without the name of the file.
 fn innermost_error(error: &ReadError) -> &ReadError {
     if let ReadError::InFile { source, .. } = error { innermost_error(source) } else { error }
+}
+
+/// The vertex in a row of the file. A row beyond the file stays as it is, so that the error of the caller names it.
+pub(crate) fn vertex_in_row(input: &Input, row: usize) -> Result<usize, CliError> {
+    let Some(rows) = input.file.file_rows().filter(|rows| row < rows.n_rows()) else { return Ok(row) };
+    rows.vertex(row).ok_or_else(|| {
+        CliError::Input(format!("vertex {row} of {} is left out; name one that takes part", input.name))
+    })
 }
 
 /// Whether the normals in a file are computed again after its points have moved.

@@ -15,6 +15,7 @@ mod region;
 mod render;
 mod report;
 mod reproduce;
+mod row_numbers;
 mod simplify;
 mod slopes;
 mod strays;

@@ -107,6 +107,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) loses: &'static str,
     /// A file has a shape together with any fields of its vertices, by their names.
     pub(crate) holds_fields: bool,
+    /// Points without a position are written, as NaN, so that rows keep their numbers.
+    pub(crate) holds_missing: bool,
     /// Coordinates are always written as 32-bit floats.
     pub(crate) is_single_precision: bool,
     /// Axis that points up in all files of the format, if they agree.
@@ -142,6 +144,7 @@ impl FormatDescriptor {
         keeps: "",
         loses: "",
         holds_fields: false,
+        holds_missing: false,
         is_single_precision: false,
         up_axis: None,
         provenance: ProvenanceRoom::None,

@@ -12,6 +12,7 @@ pub(crate) mod grouping;
 #[cfg(feature = "print3d")]
 pub(crate) mod instances;
 pub(crate) mod numbers;
+pub(crate) mod partial;
 pub(crate) mod report;
 pub(crate) mod shape;
 pub(crate) mod shape_file;

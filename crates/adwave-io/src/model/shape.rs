@@ -68,6 +68,9 @@ pub enum ShapeFileError {
         /// Fault of the subset.
         what: &'static str,
     },
+    /// A selection keeps no vertex.
+    #[error("the selection has no vertex; widen it")]
+    EmptySelection,
     /// A mesh was requested, but there are no faces.
     #[error("the file has no faces, so it cannot be used as a mesh")]
     NoFaces,

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use adwave::shape::Polygons;
 
+use crate::model::partial::{FileRows, WholeFile};
 use crate::model::source_document::SourceDocument;
 use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError};
@@ -82,6 +83,10 @@ pub struct ShapeFile {
     pub(crate) provenance: Option<Arc<Provenance>>,
     /// True if the provenance describes this shape instead of its file.
     pub(crate) is_new_provenance: bool,
+    /// Rows of the file that are the vertices; `None` if all are.
+    pub(crate) rows: Option<Arc<FileRows>>,
+    /// File with the vertices that were left out.
+    pub(crate) whole: Option<Arc<WholeFile>>,
 }
 
 /// Content of a shape file in separate parts; see [`ShapeFile::into_parts`].
@@ -124,6 +129,8 @@ impl ShapeFile {
             moved: false,
             provenance: None,
             is_new_provenance: false,
+            rows: None,
+            whole: None,
         }
     }
 
@@ -319,6 +326,7 @@ impl ShapeFile {
     /// Drops the original bytes: frees their memory, and writing creates a plain new file.
     pub fn forget_original(&mut self) {
         self.original = None;
+        self.forget_original_of_whole();
     }
 }
 

@@ -4,8 +4,6 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use adwave::Progress;
-
 use crate::model::context::WriteContext;
 use crate::model::subset::Subset;
 use crate::{Format, ShapeFile, WriteError};
@@ -40,16 +38,6 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     /// Tells if files of that format keep the extras of the shape, because they are written from this document.
     fn keeps_extras(&self, _: Format) -> bool {
         false
-    }
-
-    /// Shape with the vertices that reading left out, for a file of that format; `None` if there are none.
-    fn with_all_vertices(
-        &self,
-        _: &ShapeFile,
-        _: Format,
-        _: Progress<'_>,
-    ) -> Result<Option<ShapeFile>, WriteError> {
-        Ok(None)
     }
 
     /// Document of some of the vertices (indices of the shape, increasing), as far as it is independent of the others.

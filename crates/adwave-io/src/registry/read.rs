@@ -36,7 +36,7 @@ pub fn read_path_with(
     let context = ReadContext { limits, progress, name: None, folder: None };
     let mut folder_readers = TABLE.iter().filter_map(|format| format.read_folder);
     if let Some(shape) = folder_readers.find_map(|read| read(path, &context)) {
-        return Ok(shape?.with_original_fields());
+        return shape?.with_original_fields().without_missing(progress);
     }
     read_file(path, limits, progress)
         .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
@@ -91,7 +91,7 @@ fn read_named(
         return Err(unknown_content(format!("{format} is write-only")));
     };
     let context = ReadContext { limits, progress, name: name_hint, folder };
-    read(bytes, &context).map(ShapeFile::with_original_fields)
+    read(bytes, &context)?.with_original_fields().without_missing(progress)
 }
 
 /// Replaces line ends that are a carriage return alone (Macintosh before 2001) by line feeds; returns true if there

@@ -108,10 +108,10 @@ fn write_shape(
         return Err(WriteError::CannotHold { format, what });
     }
     let mut context = WriteContext { format, out, report: WriteReport::default(), progress };
+    if let Some(whole) = shape.with_left_out(format.descriptor().holds_missing, progress)? {
+        return write_shape(&whole, format, context.out, progress);
+    }
     if let Some(source) = shape.original.as_deref() {
-        if let Some(whole) = source.with_all_vertices(shape, format, progress)? {
-            return write_shape(&whole, format, context.out, progress);
-        }
         if shape.format.is_some_and(|read| source.can_update(read, format)) {
             if source.update(shape, &mut context)? == Update::Written {
                 return Ok(context.report);

@@ -16,5 +16,6 @@ mod models;
 mod oddities;
 mod replacing;
 mod round_trip;
+mod row_numbers;
 mod subset;
 mod vtk;

@@ -231,6 +231,50 @@ pub enum BrushStroke {
     },
 }
 
+impl Region {
+    /// Replaces the numbers of all vertices that the region names, such as rows of a file by vertices of a shape.
+    ///
+    /// # Errors
+    /// The first error of `map`; the region is changed up to there.
+    pub fn try_map_vertices<E>(&mut self, map: &mut dyn FnMut(u32) -> Result<u32, E>) -> Result<(), E> {
+        let mut replace = |location: &mut Location| {
+            if let Location::Vertex(vertex) = location {
+                *vertex = map(*vertex)?;
+            }
+            Ok(())
+        };
+        match self {
+            Self::Ball { center, .. } => replace(center),
+            Self::Stroke { path, .. } => path.iter_mut().try_for_each(replace),
+            Self::Vertices { indices, .. } => indices.iter_mut().try_for_each(|vertex| {
+                *vertex = map(*vertex)?;
+                Ok(())
+            }),
+            Self::Component { vertex } => {
+                *vertex = map(*vertex)?;
+                Ok(())
+            }
+            Self::Grown { region, .. }
+            | Self::Blurred { region, .. }
+            | Self::Faded { region, .. }
+            | Self::Not(region) => region.try_map_vertices(map),
+            Self::Painted(strokes) => strokes.iter_mut().try_for_each(|stroke| match stroke {
+                BrushStroke::Add(region)
+                | BrushStroke::Subtract(region)
+                | BrushStroke::Smooth { region, .. } => region.try_map_vertices(map),
+            }),
+            Self::Any(regions) | Self::All(regions) => {
+                regions.iter_mut().try_for_each(|region| region.try_map_vertices(map))
+            }
+            Self::Everywhere {}
+            | Self::Box { .. }
+            | Self::HalfSpace { .. }
+            | Self::Field { .. }
+            | Self::Facing { .. } => Ok(()),
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
 }

@@ -51,11 +51,14 @@ fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliErro
     analysis.input.file.forget_original();
     let wavelets = analysis.wavelets(global, Some(params.response))?;
     let start = Instant::now();
-    let features = features(&analysis.decomposer, &wavelets, &params, global.progress())
+    let mut features = features(&analysis.decomposer, &wavelets, &params, global.progress())
         .map_err(|e| CliError::classify(&e))?;
     let seconds = start.elapsed().as_secs_f64();
     let descriptors =
         if args.descriptors { describe(&analysis.decomposer, &wavelets, &features) } else { Vec::new() };
+    for feature in &mut features {
+        feature.vertex = analysis.input.file.file_row(feature.vertex);
+    }
     Ok(Detection { analysis, features, descriptors, seconds })
 }
 

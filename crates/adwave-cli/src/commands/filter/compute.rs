@@ -7,6 +7,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{build_operator, mask_missing};
+use crate::resolve::region::region_in_shape;
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{Edit, Layer};
@@ -91,6 +92,10 @@ fn edited_values(
 ) -> Result<Vec<f64>, CliError> {
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
+    let layers = &layers
+        .iter()
+        .map(|layer| Ok(Layer { region: region_in_shape(&layer.region, &job.input)?, ..layer.clone() }))
+        .collect::<Result<Vec<Layer>, CliError>>()?;
     if let Some(labels) = &job.labels {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
         let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;

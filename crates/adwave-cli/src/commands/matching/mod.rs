@@ -56,8 +56,13 @@ struct FittedMotion {
 
 pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     check(args)?;
-    let [first, second] = sides(args, global)?;
+    let [mut first, mut second] = sides(args, global)?;
     let found = find(args, &first, &second, global)?;
+    for side in [&mut first, &mut second] {
+        for feature in &mut side.described.features {
+            feature.vertex = side.input.file.file_row(feature.vertex);
+        }
+    }
     let mut text = describe(&first, &second, &found);
     if let Some(path) = &args.output {
         write_pairs(path, &first, &second, &found, global)?;

@@ -2,7 +2,7 @@
 
 use crate::args::number;
 use crate::error::CliError;
-use crate::resolve::shape::Input;
+use crate::resolve::shape::{Input, vertex_in_row};
 use adwave_render::{Frame, Framing};
 use clap::Args;
 use std::str::FromStr;
@@ -65,7 +65,7 @@ impl FramingArgs {
         let framing = self.without_vertex();
         let Some(FocusArg::Vertex(vertex)) = self.focus else { return Ok(framing) };
         let points = input.shape.points().unwrap_or_default();
-        let point = points.get(vertex).ok_or_else(|| {
+        let point = points.get(vertex_in_row(input, vertex)?).ok_or_else(|| {
             CliError::Input(format!(
                 "--focus vertex={vertex} must be below the number of vertices, but {} has {}",
                 input.name,

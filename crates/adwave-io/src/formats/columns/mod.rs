@@ -42,6 +42,7 @@ pub(crate) static XYZ: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    holds_missing: true,
     recognize: |file| {
         let is_named = file.is_named(&XYZ) && file.is_text();
         is_named.then_some(Evidence::Name).or_else(|| meaning::recognize_numbers(file))

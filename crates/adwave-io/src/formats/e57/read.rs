@@ -10,7 +10,7 @@ use e57::{E57Reader, PointCloud, Quaternion};
 use super::record::{RecordLayout, ScanColumns};
 use crate::progress::report_row;
 use crate::text::one_line;
-use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{Field, FieldValues, FileRows, Format, Precision, ReadError, ReadLimits, ShapeFile};
 
 /// Bytes that may be read ahead of their points: packets have up to 64 KiB.
 const AHEAD: u64 = 1 << 22;
@@ -61,6 +61,7 @@ pub(crate) fn read_e57(
     shape.format = Some(Format::E57);
     shape.precision = Precision::F32;
     let (mut points, mut columns, mut of_scan) = (Vec::new(), ScanColumns::default(), Vec::new());
+    let (mut kept, mut n_before) = (Vec::new(), 0_u64);
     for (k, scan) in scans.iter().enumerate() {
         let layout = RecordLayout::new(scan, k)?;
         limits.check_points((points.len() as u64).saturating_add(scan.records))?;
@@ -83,18 +84,23 @@ pub(crate) fn read_e57(
                 points.push(pose.as_ref().map_or(point, |pose| pose.place(point)));
                 columns.push(&layout, &places, &record);
                 of_scan.push(k as u32);
+                kept.push((n_before + row as u64) as u32);
                 if points.len() % (1 << 16) == 0 {
                     limits.check_bytes(points.len() as u64 * (24 + columns.bytes_of_a_row()))?;
                 }
             }
         }
         columns.end_scan(points.len());
+        n_before = n_before.saturating_add(scan.records);
         let n_left = scan.records.saturating_sub((points.len() - first) as u64);
         if n_left > 0 {
             shape.extras.push(format!("{n_left} records without a position in scan {k}"));
         }
     }
     shape.n_vertices = points.len();
+    if n_before > kept.len() as u64 && n_before <= u64::from(u32::MAX) {
+        shape.rows = Some(std::sync::Arc::new(FileRows::new(n_before as usize, kept)));
+    }
     shape.points = points.into();
     shape.vertex_fields = columns.into_fields(shape.n_vertices);
     if scans.len() > 1 {

@@ -3,7 +3,6 @@
 //! Library: none. A text is written again byte for byte.
 
 mod lzf;
-pub(crate) mod missing;
 pub(crate) mod read;
 pub(crate) mod write;
 
@@ -32,6 +31,7 @@ pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    holds_missing: true,
     recognize: |file| {
         let begins = file.head.trim_ascii_start().starts_with(b"# .PCD");
         let is_header = |word: &[u8]| HEADER_WORDS.iter().any(|k| word.eq_ignore_ascii_case(k));

@@ -8,7 +8,6 @@ use crate::model::source_document::Update;
 use adwave::Progress;
 use std::sync::Arc;
 
-use crate::formats::pcd::missing::{OrganizedCloud, without_missing};
 use crate::model::field::ByteOrder;
 use crate::model::grouping::group;
 use crate::model::text_rows::{Separator, TextRows};
@@ -23,10 +22,33 @@ pub(crate) struct PcdSource {
     pub(crate) viewpoint: String,
     pub(crate) width: u64,
     pub(crate) height: u64,
+    /// Fields in the order of the file.
+    pub(crate) layout: Vec<PcdField>,
     /// Rows of a text PCD.
     pub(crate) rows: Option<CoordinateRows>,
-    /// Whole cloud, if it has points without a position.
-    pub(crate) whole: Option<Box<OrganizedCloud>>,
+}
+
+/// Field of a file, to write it again in its place.
+#[derive(Clone, Debug)]
+pub(crate) struct PcdField {
+    pub(crate) name: String,
+    /// Type as in the header: `F`, `I` or `U`.
+    pub(crate) kind: char,
+    pub(crate) value_type: ValueType,
+    pub(crate) cells: Vec<PcdCell>,
+}
+
+/// Content of one number of a row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum PcdCell {
+    /// Coordinate 0, 1 or 2.
+    Axis(usize),
+    /// Color in one number.
+    PackedColor,
+    /// Channel of the field of that name.
+    Channel(String, usize),
+    /// Bytes without a meaning.
+    Padding,
 }
 
 impl SourceDocument for PcdSource {
@@ -37,24 +59,11 @@ impl SourceDocument for PcdSource {
         }
     }
 
-    /// The points without a place come back in a PCD.
-    fn with_all_vertices(
-        &self,
-        shape: &ShapeFile,
-        format: Format,
-        progress: Progress<'_>,
-    ) -> Result<Option<ShapeFile>, WriteError> {
-        let whole = self
-            .whole
-            .as_ref()
-            .filter(|_| matches!(format, Format::PCD | Format::PCD_ASCII | Format::PCD_COMPRESSED));
-        Ok(whole.map(|whole| whole.with(shape, progress)).transpose()?)
-    }
-
     /// The view point; the points are one row and no longer an image.
     fn subset(&self, vertices: &[u32]) -> Option<Arc<dyn SourceDocument>> {
         let (viewpoint, width) = (self.viewpoint.clone(), vertices.len() as u64);
-        Some(Arc::new(Self { viewpoint, width, height: 1, rows: None, whole: None }))
+        let layout = self.layout.clone();
+        Some(Arc::new(Self { viewpoint, width, height: 1, layout, rows: None }))
     }
 }
 
@@ -70,6 +79,8 @@ struct PcdHeader {
     columns: Vec<PcdColumn>,
     /// `(offset, bytes, count)` of each field in a row.
     fields: Vec<(usize, usize)>,
+    /// Fields as they are written again; the cells are filled when the columns are grouped.
+    layout: Vec<PcdField>,
     row_bytes: usize,
     n_points: u64,
     width: u64,
@@ -111,7 +122,8 @@ pub(crate) fn read_pcd(
             return Err(ReadError::line_error(&bytes, header.body.saturating_sub(1), message));
         }
     }
-    let mut shape = to_shape(&header, values, progress)?;
+    let mut header = header;
+    let mut shape = to_shape(&mut header, values, progress)?;
     shape.format = Some(match header.kind.as_slice() {
         b"ascii" => Format::PCD_ASCII,
         b"binary" => Format::PCD,
@@ -122,10 +134,10 @@ pub(crate) fn read_pcd(
         let columns = [axis("x"), axis("y"), axis("z")];
         CoordinateRows::Text(TextRows { bytes, rows, columns, separator: Separator::Blanks, names: None })
     });
-    let PcdHeader { viewpoint, width, height, .. } = header;
-    let original = PcdSource { viewpoint, width, height, rows, whole: None };
+    let PcdHeader { viewpoint, width, height, layout, .. } = header;
+    let original = PcdSource { viewpoint, width, height, layout, rows };
     shape.set_source(original);
-    without_missing(shape, progress)
+    Ok(shape)
 }
 
 fn parse_header(bytes: &[u8]) -> Result<PcdHeader, ReadError> {
@@ -176,6 +188,7 @@ fn parse_header(bytes: &[u8]) -> Result<PcdHeader, ReadError> {
     let mut header = PcdHeader {
         columns: Vec::new(),
         fields: Vec::new(),
+        layout: Vec::new(),
         row_bytes: 0,
         n_points: 0,
         width: 0,
@@ -233,6 +246,9 @@ fn columns(
         }
         let n_bytes = value_type.n_bytes();
         header.fields.push((header.row_bytes, n_bytes * count));
+        let kind = kind.chars().next().map_or('F', |c| c.to_ascii_uppercase());
+        let cells = vec![PcdCell::Padding; count];
+        header.layout.push(PcdField { name: name.clone(), kind, value_type, cells });
         for c in 0..count {
             let name = if count == 1 { name.clone() } else { format!("{name}_{c}") };
             header.columns.push(PcdColumn { name, value_type, offset: header.row_bytes + c * n_bytes });
@@ -361,7 +377,7 @@ fn read_field_by_field(
 }
 
 fn to_shape(
-    header: &PcdHeader,
+    header: &mut PcdHeader,
     values: Vec<FieldValues>,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
@@ -369,17 +385,26 @@ fn to_shape(
     let mut xyz: [Option<FieldValues>; 3] = [const { None }; 3];
     let mut columns = Vec::new();
     let mut colors = None;
-    for (column, list) in header.columns.iter().zip(values) {
+    let mut cells = vec![PcdCell::Padding; header.columns.len()];
+    // Positions in the header of the columns that are grouped.
+    let mut places = Vec::new();
+    for (k, (column, list)) in header.columns.iter().zip(values).enumerate() {
         match column.name.as_str() {
-            "x" => xyz[0] = Some(list),
-            "y" => xyz[1] = Some(list),
-            "z" => xyz[2] = Some(list),
+            axis @ ("x" | "y" | "z") => {
+                let axis = usize::from(axis.as_bytes()[0] - b'x');
+                xyz[axis] = Some(list);
+                cells[k] = PcdCell::Axis(axis);
+            }
             // Only padding between fields.
             "_" => {}
             name @ ("rgb" | "rgba") if column.value_type.n_bytes() == 4 => {
                 colors = Some(unpack_color(&list, if name == "rgb" { 3 } else { 4 }, progress)?);
+                cells[k] = PcdCell::PackedColor;
             }
-            name => columns.push((name.to_string(), list)),
+            name => {
+                columns.push((name.to_string(), list));
+                places.push(k);
+            }
         }
     }
     let [Some(x), Some(y), Some(z)] = xyz else {
@@ -388,7 +413,17 @@ fn to_shape(
     let mut shape = ShapeFile::from_cloud(collect(n, progress, |i| [x.get(i), y.get(i), z.get(i)])?);
     let single = [&x, &y, &z].iter().all(|c| c.value_type() == ValueType::F32);
     shape.precision = if single { Precision::F32 } else { Precision::F64 };
-    shape.vertex_fields = group(columns, progress)?.0;
+    let (fields, members) = group(columns, progress)?;
+    for (name, positions) in members {
+        for (channel, position) in positions.into_iter().enumerate() {
+            cells[places[position]] = PcdCell::Channel(name.clone(), channel);
+        }
+    }
+    let mut cells = cells.into_iter();
+    for field in &mut header.layout {
+        field.cells = cells.by_ref().take(field.cells.len()).collect();
+    }
+    shape.vertex_fields = fields;
     shape.vertex_fields.extend(colors);
     Ok(shape)
 }

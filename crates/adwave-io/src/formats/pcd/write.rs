@@ -1,6 +1,6 @@
 //! Writer of Point Cloud Library files, binary or text.
 
-use crate::formats::pcd::read::PcdSource;
+use crate::formats::pcd::read::{PcdCell, PcdField, PcdSource};
 use std::io::Write;
 
 use adwave::Progress;
@@ -21,20 +21,120 @@ fn pack_color(field: &Field, i: usize) -> u32 {
     u32::from_le_bytes([byte(2), byte(1), byte(0), byte(3)])
 }
 
-/// Columns of a field: name, type and count of each.
-fn columns(field: &Field) -> Vec<(String, ValueType, usize)> {
+/// Numbers beside each other in a row that have one name.
+struct Column {
+    name: String,
+    kind: char,
+    value_type: ValueType,
+    cells: Vec<Cell>,
+}
+
+/// Content of one number of a row.
+#[derive(Clone, Copy)]
+enum Cell {
+    Axis(usize),
+    /// Color in one number: the place of the field.
+    Packed(usize),
+    /// Place of the field, and the channel.
+    Channel(usize, usize),
+    Padding,
+}
+
+fn kind_letter(value_type: ValueType) -> char {
+    match value_type {
+        ValueType::F32 | ValueType::F64 => 'F',
+        ValueType::I8 | ValueType::I16 | ValueType::I32 | ValueType::I64 => 'I',
+        _ => 'U',
+    }
+}
+
+/// Columns of a field that the original file does not have.
+fn new_columns(place: usize, field: &Field) -> Vec<Column> {
     let value_type = field.values.value_type();
-    let three = |names: [&str; 3]| names.map(|n| (n.to_string(), value_type, 1)).to_vec();
+    let kind = kind_letter(value_type);
+    let three = |names: [&str; 3]| {
+        let column = |(c, name): (usize, &str)| Column {
+            name: name.to_owned(),
+            kind,
+            value_type,
+            cells: vec![Cell::Channel(place, c)],
+        };
+        names.into_iter().enumerate().map(column).collect()
+    };
     match (field.name.as_str(), field.n_channels) {
         _ if is_packed(field) => {
             let name = if field.n_channels == 3 { "rgb" } else { "rgba" };
             // An integer in both forms: as a float some bit patterns would be NaN, which text cannot represent.
-            vec![(name.into(), ValueType::U32, 1)]
+            let cells = vec![Cell::Packed(place)];
+            vec![Column { name: name.into(), kind: 'U', value_type: ValueType::U32, cells }]
         }
         ("normal", 3) => three(["normal_x", "normal_y", "normal_z"]),
         ("color", 3) => three(["red", "green", "blue"]),
-        (name, n) => vec![(one_word(name), value_type, n)],
+        (name, n) => {
+            let cells = (0..n).map(|c| Cell::Channel(place, c)).collect();
+            vec![Column { name: one_word(name), kind, value_type, cells }]
+        }
     }
+}
+
+/// Column of the original file, if the shape still has its fields with the types that they had.
+fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text: bool) -> Option<Column> {
+    let mut value_type = old.value_type;
+    let mut kind = old.kind;
+    let mut cells = Vec::with_capacity(old.cells.len());
+    for cell in &old.cells {
+        cells.push(match cell {
+            PcdCell::Axis(axis) => {
+                (value_type, kind) = (coordinate, 'F');
+                Cell::Axis(*axis)
+            }
+            PcdCell::PackedColor => {
+                let place = shape.vertex_fields.iter().position(is_packed)?;
+                // As a float a color with its fourth byte may be NaN, which text cannot represent.
+                if is_text && shape.vertex_fields[place].n_channels == 4 {
+                    (value_type, kind) = (ValueType::U32, 'U');
+                }
+                Cell::Packed(place)
+            }
+            PcdCell::Channel(name, channel) => {
+                let is_same = |field: &Field| {
+                    field.name == *name
+                        && *channel < field.n_channels
+                        && field.values.value_type() == old.value_type
+                };
+                Cell::Channel(shape.vertex_fields.iter().position(is_same)?, *channel)
+            }
+            PcdCell::Padding => Cell::Padding,
+        });
+    }
+    Some(Column { name: old.name.clone(), kind, value_type, cells })
+}
+
+/// Columns of the file: those of the original in their order, then those of new fields.
+fn columns(shape: &ShapeFile, is_text: bool) -> Vec<Column> {
+    let coordinate = if shape.precision == Precision::F32 { ValueType::F32 } else { ValueType::F64 };
+    let layout = shape.source::<PcdSource>().map(|source| source.layout.as_slice()).unwrap_or_default();
+    let mut all: Vec<Column> =
+        layout.iter().filter_map(|old| kept_column(shape, old, coordinate, is_text)).collect();
+    if all.is_empty() {
+        all.extend(["x", "y", "z"].into_iter().enumerate().map(|(axis, name)| Column {
+            name: name.to_owned(),
+            kind: 'F',
+            value_type: coordinate,
+            cells: vec![Cell::Axis(axis)],
+        }));
+    }
+    for (place, field) in shape.vertex_fields.iter().enumerate() {
+        let is_written = |cell: &Cell| match *cell {
+            Cell::Packed(at) => at == place,
+            Cell::Channel(at, channel) => at == place && channel + 1 == field.n_channels,
+            Cell::Axis(_) | Cell::Padding => false,
+        };
+        if !all.iter().flat_map(|column| &column.cells).any(is_written) {
+            all.extend(new_columns(place, field));
+        }
+    }
+    all
 }
 
 /// Writes points and all vertex fields, with the sensor pose and the image size of the original PCD.
@@ -52,17 +152,9 @@ pub(crate) fn write_pcd(
     if !shape.edges.pairs.is_empty() {
         report.report_dropped("edges");
     }
-    let coordinate = if shape.precision == Precision::F32 { ValueType::F32 } else { ValueType::F64 };
-    let mut all: Vec<_> = ["x", "y", "z"].map(|n| (n.to_string(), coordinate, 1)).to_vec();
-    all.extend(shape.vertex_fields.iter().flat_map(columns));
-    let list = |part: &dyn Fn(&(String, ValueType, usize)) -> String| {
-        all.iter().map(|c| format!(" {}", part(c))).collect::<String>()
-    };
-    let kind = |t: ValueType| match t {
-        ValueType::F32 | ValueType::F64 => "F",
-        ValueType::I8 | ValueType::I16 | ValueType::I32 | ValueType::I64 => "I",
-        _ => "U",
-    };
+    let all = columns(shape, format == Format::PCD_ASCII);
+    let list =
+        |part: &dyn Fn(&Column) -> String| all.iter().map(|c| format!(" {}", part(c))).collect::<String>();
     let n = shape.points.len() as u64;
     let (viewpoint, width, height) = match shape.source::<PcdSource>() {
         Some(pcd) => (pcd.viewpoint.as_str(), pcd.width, pcd.height),
@@ -74,8 +166,13 @@ pub(crate) fn write_pcd(
         _ => "ascii",
     };
     writeln!(out, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7")?;
-    writeln!(out, "FIELDS{}\nSIZE{}", list(&|c| c.0.clone()), list(&|c| c.1.n_bytes().to_string()))?;
-    writeln!(out, "TYPE{}\nCOUNT{}", list(&|c| kind(c.1).into()), list(&|c| c.2.to_string()))?;
+    writeln!(
+        out,
+        "FIELDS{}\nSIZE{}",
+        list(&|c| c.name.clone()),
+        list(&|c| c.value_type.n_bytes().to_string())
+    )?;
+    writeln!(out, "TYPE{}\nCOUNT{}", list(&|c| c.kind.into()), list(&|c| c.cells.len().to_string()))?;
     writeln!(out, "WIDTH {width}\nHEIGHT {height}\nVIEWPOINT {viewpoint}\nPOINTS {n}\nDATA {encoding}")?;
     if format == Format::PCD_COMPRESSED {
         return write_compressed(shape, &all, out, progress);
@@ -85,9 +182,9 @@ pub(crate) fn write_pcd(
         report_row(progress, i as u64, n)?;
         row.clear();
         if format == Format::PCD {
-            binary_row(shape, i, &mut row);
+            binary_row(shape, &all, i, &mut row);
         } else {
-            text_row(shape, i, &mut row);
+            text_row(shape, &all, i, &mut row);
         }
         out.write_all(&row)?;
     }
@@ -97,20 +194,20 @@ pub(crate) fn write_pcd(
 /// Writes compressed points field by field: all of the first field, all of the second, …
 fn write_compressed(
     shape: &ShapeFile,
-    columns: &[(String, ValueType, usize)],
+    columns: &[Column],
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let (n, mut rows) = (shape.points.len(), Vec::new());
     for i in 0..n {
         report_row(progress, i as u64, n as u64)?;
-        binary_row(shape, i, &mut rows);
+        binary_row(shape, columns, i, &mut rows);
     }
-    let stride: usize = columns.iter().map(|(_, kind, count)| kind.n_bytes() * count).sum();
+    let stride: usize = columns.iter().map(Column::n_bytes).sum();
     let mut plain = Vec::with_capacity(rows.len());
     let mut start = 0;
-    for (_, kind, count) in columns {
-        let size = kind.n_bytes() * count;
+    for column in columns {
+        let size = column.n_bytes();
         for i in 0..n {
             report_row(progress, i as u64, n as u64)?;
             plain.extend_from_slice(&rows[i * stride + start..][..size]);
@@ -128,42 +225,60 @@ fn write_compressed(
     Ok(out.write_all(&packed)?)
 }
 
-fn binary_row(shape: &ShapeFile, i: usize, row: &mut Vec<u8>) {
-    for x in shape.points[i] {
-        match shape.precision {
-            Precision::F32 => row.extend_from_slice(&(x as f32).to_le_bytes()),
-            Precision::F64 => row.extend_from_slice(&x.to_le_bytes()),
-        }
+impl Column {
+    /// Bytes in a row.
+    fn n_bytes(&self) -> usize {
+        self.value_type.n_bytes() * self.cells.len()
     }
-    for field in &shape.vertex_fields {
-        if is_packed(field) {
-            row.extend_from_slice(&pack_color(field, i).to_le_bytes());
-            continue;
-        }
-        for c in 0..field.n_channels {
-            field.values.write_bytes(i * field.n_channels + c, ByteOrder::Little, row);
+}
+
+fn binary_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>) {
+    for column in columns {
+        for cell in &column.cells {
+            match *cell {
+                Cell::Axis(axis) => match shape.precision {
+                    Precision::F32 => row.extend_from_slice(&(shape.points[i][axis] as f32).to_le_bytes()),
+                    Precision::F64 => row.extend_from_slice(&shape.points[i][axis].to_le_bytes()),
+                },
+                Cell::Packed(place) => {
+                    row.extend_from_slice(&pack_color(&shape.vertex_fields[place], i).to_le_bytes());
+                }
+                Cell::Channel(place, channel) => {
+                    let field = &shape.vertex_fields[place];
+                    field.values.write_bytes(i * field.n_channels + channel, ByteOrder::Little, row);
+                }
+                Cell::Padding => row.resize(row.len() + column.value_type.n_bytes(), 0),
+            }
         }
     }
 }
 
-fn text_row(shape: &ShapeFile, i: usize, row: &mut Vec<u8>) {
-    for (axis, x) in shape.points[i].into_iter().enumerate() {
-        if axis > 0 {
-            row.push(b' ');
-        }
-        match shape.precision {
-            Precision::F32 => push_f32(row, x as f32),
-            Precision::F64 => push_f64(row, x),
-        }
-    }
-    for field in &shape.vertex_fields {
-        if is_packed(field) {
-            row.extend_from_slice(format!(" {}", pack_color(field, i)).as_bytes());
-            continue;
-        }
-        for c in 0..field.n_channels {
-            row.push(b' ');
-            field.values.write_text(i * field.n_channels + c, row);
+fn text_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>) {
+    let start = row.len();
+    for column in columns {
+        for cell in &column.cells {
+            if row.len() > start {
+                row.push(b' ');
+            }
+            match *cell {
+                Cell::Axis(axis) => match shape.precision {
+                    Precision::F32 => push_f32(row, shape.points[i][axis] as f32),
+                    Precision::F64 => push_f64(row, shape.points[i][axis]),
+                },
+                Cell::Packed(place) => {
+                    let bits = pack_color(&shape.vertex_fields[place], i);
+                    if column.value_type == ValueType::F32 {
+                        push_f32(row, f32::from_bits(bits));
+                    } else {
+                        row.extend_from_slice(bits.to_string().as_bytes());
+                    }
+                }
+                Cell::Channel(place, channel) => {
+                    let field = &shape.vertex_fields[place];
+                    field.values.write_text(i * field.n_channels + channel, row);
+                }
+                Cell::Padding => row.push(b'0'),
+            }
         }
     }
     row.push(b'\n');
