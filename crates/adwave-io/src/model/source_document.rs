@@ -7,6 +7,7 @@ use std::sync::Arc;
 use adwave::Progress;
 
 use crate::model::context::WriteContext;
+use crate::model::moved_attributes::DocumentNormals;
 use crate::model::subset::Subset;
 use crate::{Format, ShapeFile, WriteError};
 
@@ -61,6 +62,26 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     /// own arrays hold all of it.
     fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {
         None
+    }
+
+    /// Normals of face corners, if the document has any that are no vertex field.
+    fn corner_normals(&self, _: &ShapeFile) -> Option<DocumentNormals> {
+        None
+    }
+
+    /// Tells if the document is written with normals of faces that are computed from the points.
+    fn computes_face_normals(&self) -> bool {
+        false
+    }
+
+    /// Names of content that depends on positions and stays as it is when these change.
+    fn stale_attributes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Names of other files that the written document refers to, such as libraries of materials.
+    fn references(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// One label per corner of the faces, equal where texture coordinate, material and group are; `None` if nothing
