@@ -5,6 +5,7 @@ use std::sync::Arc;
 use adwave::Progress;
 use adwave::signal::{MovedPoints, StoredNormals, moved_cloud_normals, moved_corner_normals, moved_tangent};
 
+use crate::model::source_document::DocumentNormals;
 use crate::{Field, ShapeFile, ShapeFileError};
 
 /// Treatment of normals and tangents in a file whose vertices move.
@@ -46,15 +47,6 @@ impl MovedAttributes {
             (false, false) => Some(format!("{}; {}", followed(), stale())),
         }
     }
-}
-
-/// Normals of face corners that only the kept document holds.
-pub(crate) struct DocumentNormals {
-    pub(crate) normals: Vec<[f64; 3]>,
-    /// Index of the normal of each corner, or a larger number.
-    pub(crate) of_corner: Vec<u32>,
-    /// Faces that are shaded flat; empty if there are none.
-    pub(crate) is_flat: Vec<bool>,
 }
 
 /// True if a field holds normals as floating-point numbers.
@@ -131,6 +123,8 @@ impl ShapeFile {
         let corners = self.document_normals();
         // A curve has no normals that follow from its points.
         let has_surface = !self.faces.is_empty() || self.edges.pairs.is_empty();
+        // A shape without a file may name vertices that it does not have, which only writing refuses.
+        let has_surface = has_surface && self.faces.corners().iter().all(|&v| (v as usize) < self.n_vertices);
         let follows = rule == MovedNormals::Follow && has_surface;
         let list = if follows { &mut attributes.followed } else { &mut attributes.stale };
         if normal.is_some() {

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use adwave::Progress;
 
 use crate::model::context::WriteContext;
-use crate::model::moved_attributes::DocumentNormals;
 use crate::model::subset::Subset;
 use crate::{Format, ShapeFile, WriteError};
 
@@ -18,6 +17,15 @@ pub(crate) enum Update {
     Written,
     /// The document cannot hold the changes and nothing was written: a plain new file is needed.
     DoesNotFit,
+}
+
+/// Normals of face corners that only the kept document holds.
+pub(crate) struct DocumentNormals {
+    pub(crate) normals: Vec<[f64; 3]>,
+    /// Index of the normal of each corner, or a larger number.
+    pub(crate) of_corner: Vec<u32>,
+    /// Faces that are shaded flat; empty if there are none.
+    pub(crate) is_flat: Vec<bool>,
 }
 
 /// A file that was read, as far as its format needs it to write the same file again.

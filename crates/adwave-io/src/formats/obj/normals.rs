@@ -6,7 +6,7 @@ use super::line::words;
 use super::read::{NONE, logical_end};
 use super::subset::ObjContent;
 use crate::ShapeFile;
-use crate::model::moved_attributes::DocumentNormals;
+use crate::model::source_document::DocumentNormals;
 use crate::text::{parse_f64, push_f32};
 
 /// Normals of the face corners of a text; `None` if it has none.
