@@ -4,13 +4,13 @@ use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
 use crate::options::{KINDS, word};
-use adwave::Decomposer;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
+use adwave::{Decomposer, Progress};
 use adwave_io::{
-    CloudPart, Direction, Edges, Format, ReadLimits, ShapeFile, ShapeFileError, ShapeKind, SignalSource,
-    named_signal, read_bytes_with, read_cloud_part_with, region_field, write_bytes_with, write_path_with,
-    written_signal,
+    CloudPart, Direction, Edges, Format, MovedNormals, ReadLimits, ShapeFile, ShapeFileError, ShapeKind,
+    SignalSource, named_signal, read_bytes_with, read_cloud_part_with, region_field, write_bytes_with,
+    write_path_with, written_signal,
 };
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -277,9 +277,13 @@ impl ShapeData {
         field.map(|field| arrays::field(py, field)).transpose()
     }
 
-    fn with_points(&self, points: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+    /// New positions; normals and tangents follow them, or stay as they are.
+    #[pyo3(signature = (points, keep_normals=false))]
+    fn with_points(&self, points: PyReadonlyArray2<'_, f64>, keep_normals: bool) -> PyResult<Self> {
         let mut file = self.file.clone();
-        file.set_points(arrays::points(&points, "points")?.to_vec()).map_err(file_error)?;
+        let normals = if keep_normals { MovedNormals::Keep } else { MovedNormals::Follow };
+        let points = arrays::points(&points, "points")?.to_vec();
+        file.move_points(points, normals, Progress::none()).map_err(file_error)?;
         Ok(self.with_file(file))
     }
 

@@ -86,6 +86,7 @@ pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
 pub use model::field::{Field, FieldValues, ValueType};
+pub use model::moved_attributes::{MovedAttributes, MovedNormals};
 pub use model::partial::FileRows;
 pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};

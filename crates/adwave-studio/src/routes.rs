@@ -13,7 +13,7 @@ use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
 use adwave::shape::PreparedGeometry;
-use adwave_io::{Format, ReadError, ReadLimits, parse_recipe, read_bytes, recipe_to_text};
+use adwave_io::{Format, MovedNormals, ReadError, ReadLimits, parse_recipe, read_bytes, recipe_to_text};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
@@ -400,7 +400,8 @@ async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64>, body: By
         let clean =
             denoise(&geometry, &params, session.progress()).map_err(|e| ApiError::from_classified(&e))?;
         let mut file = file;
-        file.set_points(clean.points).map_err(|e| ApiError::bad_request(e.to_string()))?;
+        file.move_points(clean.points, MovedNormals::Follow, session.progress())
+            .map_err(|e| ApiError::from_classified(&e))?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let (stem, extension) = session.input.name.rsplit_once('.').unwrap_or((&session.input.name, "ply"));
         let name = format!("{stem}-denoised.{extension}");

@@ -7,7 +7,7 @@ use crate::response::ApiError;
 use adwave::operator::OperatorKind;
 use adwave::shape::{Shape, bounding_box, triangulate};
 use adwave::{Decomposer, Progress};
-use adwave_io::{Format, ShapeFile, write_bytes};
+use adwave_io::{Format, MovedNormals, ShapeFile, write_bytes};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -143,7 +143,8 @@ impl Session {
     /// Returns the content of the file with the edited positions.
     pub(crate) fn edited_file(&self, prepared: &PreparedShape) -> Result<ShapeFile, ApiError> {
         let mut file = self.input.file.clone();
-        file.set_points(prepared.points.to_vec()).map_err(|e| ApiError::bad_request(e.to_string()))?;
+        file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
+            .map_err(|e| ApiError::from_classified(&e))?;
         Ok(file)
     }
 

@@ -182,6 +182,30 @@ pub fn constrain_positions(
     }
 }
 
+/// Values between `before` (weight 0) and `after` (weight 1), with one weight per vertex; at weights 0 and 1 they are those
+/// values bit for bit. Both have one row per vertex. O(n).
+///
+/// ```
+/// let blended = adwave::positions::blend_by_weights(&[0.0, 0.0, 4.0], &[1.0, 1.0, 8.0], &[0.0, 1.0, 0.25]);
+/// assert_eq!(blended, [0.0, 1.0, 5.0]);
+/// ```
+///
+/// # Panics
+/// If the values do not form complete rows, or their numbers differ.
+pub fn blend_by_weights(before: &[f64], after: &[f64], weights: &[f64]) -> Vec<f64> {
+    assert!(
+        before.len() == after.len() && before.len().is_multiple_of(weights.len().max(1)),
+        "a row for each weight"
+    );
+    let n_channels = before.len() / weights.len().max(1);
+    let blend = |k: usize| match weights[k / n_channels] {
+        0.0 => before[k],
+        1.0 => after[k],
+        weight => before[k] + weight * (after[k] - before[k]),
+    };
+    (0..before.len()).map(blend).collect()
+}
+
 /// New positions with displacements in the allowed directions, and with borders treated.
 fn directed(
     decomposer: &Decomposer,

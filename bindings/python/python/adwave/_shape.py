@@ -232,13 +232,18 @@ class Shape:
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.fields[name]
 
-    def with_points(self, points: ArrayLike) -> Shape:
+    def with_points(self, points: ArrayLike, *, keep_normals: bool = False) -> Shape:
         """Shape with the same faces and fields at other positions.
+
+        Normals (the field ``normal``, or those of the face corners of a file) and tangents follow the positions: they
+        are recomputed where the shape moved.
 
         Parameters
         ----------
         points : (n, 3) array_like
             One row for each vertex, in the same order, in model units.
+        keep_normals : bool
+            Keep the old normals and tangents.
 
         Examples
         --------
@@ -247,7 +252,7 @@ class Shape:
         >>> float(shape.with_points(2 * shape.points).points.max() / shape.points.max())
         2.0
         """
-        return Shape._from_data(self._data.with_points(_adapt.points_array(points)))
+        return Shape._from_data(self._data.with_points(_adapt.points_array(points), keep_normals))
 
     def _with_positions(self, points: NDArray[np.float64]) -> Shape:
         return Shape._from_data(self._data.with_points(points))

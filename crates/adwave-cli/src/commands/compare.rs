@@ -7,10 +7,10 @@ use crate::output::progress::with_progress;
 use crate::output::{clone_for_output, count, make_folder, number, print, table, write_file, write_shape};
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{Input, load_shape, move_points};
 use crate::resolve::signal::{COORDS, load_signal};
 use adwave_baselines::compare::{Comparison, ComparisonInput, Method, Outcome, compare};
-use adwave_io::{Field, FieldValues};
+use adwave_io::{Field, FieldValues, MovedNormals};
 use clap::Args;
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
@@ -132,7 +132,8 @@ fn write(
     for outcome in outcomes {
         let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
         if is_shape && !file.points().is_empty() {
-            file.set_points(outcome.values.as_chunks().0.to_vec())?;
+            let points = outcome.values.as_chunks().0.to_vec();
+            move_points(&mut file, points, MovedNormals::Follow, global)?;
         } else {
             let values = FieldValues::F64(outcome.values.clone());
             file.add_vertex_field(Field::new(outcome.name.as_str(), outcome.n_channels, values))?;

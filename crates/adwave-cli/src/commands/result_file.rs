@@ -4,8 +4,8 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::values_file::{ValuesFile, write_field};
 use crate::output::{check_writable, output_format, write_shape};
-use crate::resolve::shape::{Input, Normals, move_points};
-use adwave_io::{COORDS, Field, FieldValues, ShapeFile, named_axis, with_axis, written_signal};
+use crate::resolve::shape::{Input, move_points};
+use adwave_io::{COORDS, Field, FieldValues, MovedNormals, ShapeFile, named_axis, with_axis, written_signal};
 use std::path::Path;
 
 /// The file that the result of an edit goes to.
@@ -58,13 +58,13 @@ impl<'a> ResultFile<'a> {
         input: &mut Input,
         signal: &str,
         edited: EditedSignal,
-        normals: Normals,
+        normals: MovedNormals,
         global: &Global<'_>,
     ) -> Result<(), CliError> {
         let alone = ValuesFile::choose_for_edited_signal(self.path, signal, &input.file);
         let field = match edited {
             EditedSignal::Points(points) => {
-                move_points(input, points, normals, global)?;
+                move_points(&mut input.file, points, normals, global)?;
                 let Some(_) = alone else { return write_shape(global, &input.file, self.path).map(|_| ()) };
                 let values = FieldValues::F64(input.file.points().as_flattened().to_vec());
                 Field::new(COORDS, 3, values)

@@ -103,6 +103,15 @@ pub(crate) fn write_shape(
                 adwave_io::write_path_with(file, path, None, global.progress())
             })?
         };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let missing = Format::from_path(path).map(|format| file.missing_references(format, folder));
+        if let Some(missing) = missing.filter(|missing| !missing.is_empty()) {
+            let names = missing.join(", ");
+            note(
+                global,
+                &format!("{} refers to {names}, which is not in its folder; copy it there", path.display()),
+            );
+        }
         if !report.not_written.is_empty() {
             note(global, &format!("{} cannot store {}", path.display(), report.not_written.join(", ")));
         }

@@ -6,9 +6,11 @@ use crate::global::Global;
 use crate::output::note;
 use crate::output::progress::with_spinner;
 use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::{Shape, face_vertex_normals};
+use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
-use adwave_io::{CloudPart, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with};
+use adwave_io::{
+    CloudPart, MovedNormals, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with,
+};
 use std::io::Read;
 use std::path::Path;
 
@@ -76,6 +78,9 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             read(source.shape, &source.part, global)?
         };
         note_left_out(&file, &name, global);
+        for text in file.notes() {
+            note(global, text);
+        }
         let kind = source.kind.map_or_else(|| file.kind(), Into::into);
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         Ok(Input { file, shape, name })
@@ -165,35 +170,16 @@ pub(crate) fn vertex_in_row(input: &Input, row: usize) -> Result<usize, CliError
     })
 }
 
-/// Whether the normals in a file are computed again after its points have moved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Normals {
-    /// They stay as they are.
-    Keep,
-    /// They are computed again.
-    Recompute,
-}
-
-impl From<bool> for Normals {
-    fn from(recompute: bool) -> Self {
-        if recompute { Self::Recompute } else { Self::Keep }
-    }
-}
-
-/// Moves the points of a file. Normals of a mesh are computed again if that is asked for, else a note says that they are the old ones.
+/// Moves the points of a file with the normals that depend on them, and prints a note on these.
 pub(crate) fn move_points(
-    input: &mut Input,
+    file: &mut ShapeFile,
     points: Vec<[f64; 3]>,
-    normals: Normals,
+    normals: MovedNormals,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    input.file.set_points(points)?;
-    let (Some(field), Shape::Mesh(mesh)) = (input.file.field("normal"), &input.shape) else { return Ok(()) };
-    if normals == Normals::Keep {
-        note(global, "the normals are those of the input; --update-normals recomputes them");
-        return Ok(());
+    let attributes = file.move_points(points, normals, global.progress())?;
+    if let Some(text) = attributes.note() {
+        note(global, &text);
     }
-    let values = face_vertex_normals(input.file.points(), mesh.faces());
-    let field = field.with_values_rounded(values.as_flattened());
-    Ok(input.file.add_vertex_field(field)?)
+    Ok(())
 }

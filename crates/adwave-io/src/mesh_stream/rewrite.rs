@@ -11,7 +11,7 @@ use super::obj::ObjStream;
 use super::ply::PlyStream;
 use crate::formats::ply::header::Element;
 use crate::formats::ply::update::{RowWriter, write_header};
-use crate::model::text_rows::{RowEdit, Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, RowEdit, Separator, TextRows};
 use crate::{Field, FieldValues, Format, ReadError, ShapeFile, WriteError};
 
 /// Callback of [`rewrite_mesh`]: sets the new coordinates of the next vertices, and their values of each new field.
@@ -149,6 +149,7 @@ impl Rewriter<'_> {
             n += points.len() as u64;
             let is_flat = statements.chunks.iter().any(|chunk| chunk.n_flat > 0);
             let rows = TextRows {
+                decimal: DecimalMark::Point,
                 bytes: obj.window.to_vec(statements.n_bytes),
                 rows: statements.chunks.iter().flat_map(|chunk| chunk.rows.iter().copied()).collect(),
                 columns: [0, 1, if is_flat { usize::MAX } else { 2 }],

@@ -11,6 +11,7 @@ pub(crate) mod format_descriptor;
 pub(crate) mod grouping;
 #[cfg(feature = "print3d")]
 pub(crate) mod instances;
+pub(crate) mod moved_attributes;
 pub(crate) mod numbers;
 pub(crate) mod partial;
 pub(crate) mod report;

@@ -1,7 +1,7 @@
 //! Conversion of a file's content to a shape of the library.
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
-use adwave::{ClassifiedError, ErrorKind};
+use adwave::{Cancelled, ClassifiedError, ErrorKind};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -83,12 +83,17 @@ pub enum ShapeFileError {
     /// The edges do not form a graph.
     #[error(transparent)]
     Graph(#[from] GraphError),
+    /// The call was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl ClassifiedError for ShapeFileError {
-    /// Always an input error.
     fn kind(&self) -> ErrorKind {
-        ErrorKind::Input
+        match self {
+            Self::Cancelled(_) => ErrorKind::Cancelled,
+            _ => ErrorKind::Input,
+        }
     }
 }
 

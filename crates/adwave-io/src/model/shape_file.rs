@@ -1,5 +1,6 @@
 //! Content of a shape file, the central type of this crate.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use adwave::shape::Polygons;
@@ -73,6 +74,8 @@ pub struct ShapeFile {
     pub(crate) structure: Option<String>,
     /// Content that only the original bytes have, named in the report of losses in other formats.
     pub(crate) extras: Vec<String>,
+    /// Assumptions that reading made, one line each.
+    pub(crate) notes: Vec<String>,
     pub(crate) original: Option<Arc<dyn SourceDocument>>,
     /// Number of vertex fields of the original.
     pub(crate) n_original_fields: usize,
@@ -80,6 +83,9 @@ pub struct ShapeFile {
     pub(crate) edited: Vec<String>,
     /// True if the points differ from the original.
     pub(crate) moved: bool,
+    /// Normals of the corners of all faces that differ from the original, NaN at corners without; `None` if they are
+    /// those of the original.
+    pub(crate) corner_normals: Option<Arc<Vec<[f64; 3]>>>,
     pub(crate) provenance: Option<Arc<Provenance>>,
     /// True if the provenance describes this shape instead of its file.
     pub(crate) is_new_provenance: bool,
@@ -123,10 +129,12 @@ impl ShapeFile {
             precision: Precision::F64,
             structure: None,
             extras: Vec::new(),
+            notes: Vec::new(),
             original: None,
             n_original_fields: 0,
             edited: Vec::new(),
             moved: false,
+            corner_normals: None,
             provenance: None,
             is_new_provenance: false,
             rows: None,
@@ -223,6 +231,11 @@ impl ShapeFile {
         &self.extras
     }
 
+    /// Assumptions that reading made about the file, one line each, such as the columns of a table that are coordinates.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Replaces the coordinates of all vertices.
     ///
     /// # Errors
@@ -252,6 +265,9 @@ impl ShapeFile {
         if !self.edited.contains(&field.name) {
             self.edited.push(field.name.clone());
         }
+        if field.name == "normal" {
+            self.corner_normals = None;
+        }
         match self.vertex_fields.iter_mut().find(|f| f.name == field.name) {
             Some(old) => *old = field,
             None => self.vertex_fields.push(field),
@@ -272,6 +288,15 @@ impl ShapeFile {
             None => self.face_fields.push(field),
         }
         Ok(())
+    }
+
+    /// Names of files that a copy of this shape in the same format refers to and that do not exist in a folder, such as
+    /// libraries of materials.
+    pub fn missing_references(&self, format: Format, folder: &Path) -> Vec<String> {
+        let Some(source) = self.original.as_deref().filter(|_| self.format == Some(format)) else {
+            return Vec::new();
+        };
+        source.references().into_iter().filter(|name| !folder.join(name).exists()).collect()
     }
 
     /// Converts to separate parts; the original bytes are dropped. Points and faces are copied only if a shape or

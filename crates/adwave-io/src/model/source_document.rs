@@ -17,6 +17,15 @@ pub(crate) enum Update {
     DoesNotFit,
 }
 
+/// Normals of face corners that only the kept document holds.
+pub(crate) struct DocumentNormals {
+    pub(crate) normals: Vec<[f64; 3]>,
+    /// Index of the normal of each corner, or a larger number.
+    pub(crate) of_corner: Vec<u32>,
+    /// Faces that are shaded flat; empty if there are none.
+    pub(crate) is_flat: Vec<bool>,
+}
+
 /// A file that was read, as far as its format needs it to write the same file again.
 ///
 /// Each format implements it for its own type and finds that type again with [`ShapeFile::source`]; other modules use
@@ -49,6 +58,26 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     /// own arrays hold all of it.
     fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {
         None
+    }
+
+    /// Normals of face corners, if the document has any that are no vertex field.
+    fn corner_normals(&self, _: &ShapeFile) -> Option<DocumentNormals> {
+        None
+    }
+
+    /// Tells if the document is written with normals of faces that are computed from the points.
+    fn computes_face_normals(&self) -> bool {
+        false
+    }
+
+    /// Names of content that depends on positions and stays as it is when these change.
+    fn stale_attributes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Names of other files that the written document refers to, such as libraries of materials.
+    fn references(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// One label per corner of the faces, equal where texture coordinate, material and group are; `None` if nothing

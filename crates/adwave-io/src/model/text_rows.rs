@@ -22,6 +22,16 @@ pub(crate) enum Separator {
     OverLines,
 }
 
+/// Character between the integer and the fraction of a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum DecimalMark {
+    /// `1.5`.
+    #[default]
+    Point,
+    /// `1,5`, as many European programs write.
+    Comma,
+}
+
 /// Text with a row of values for every vertex.
 #[derive(Debug)]
 pub(crate) struct TextRows {
@@ -31,6 +41,8 @@ pub(crate) struct TextRows {
     /// Positions of x, y and z in the row.
     pub(crate) columns: [usize; 3],
     pub(crate) separator: Separator,
+    /// Decimal mark of the values.
+    pub(crate) decimal: DecimalMark,
     /// Range of the line of names without the line end, if new columns need a name there.
     pub(crate) names: Option<(usize, usize)>,
 }
@@ -64,6 +76,31 @@ fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
 }
 
 impl TextRows {
+    /// True if a word of the text is this number.
+    fn is_same(&self, word: &[u8], x: f64, precision: Precision) -> bool {
+        if is_same(word, x, precision) {
+            return true;
+        }
+        let inner = word.trim_ascii();
+        let inner = inner.strip_prefix(b"\"").and_then(|word| word.strip_suffix(b"\"")).unwrap_or(inner);
+        match self.decimal {
+            DecimalMark::Point => is_same(inner, x, precision),
+            DecimalMark::Comma => {
+                let with_point: Vec<u8> = inner.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
+                is_same(&with_point, x, precision)
+            }
+        }
+    }
+
+    /// Writes a number with the decimal mark of the text.
+    pub(crate) fn push_number(&self, out: &mut Vec<u8>, x: f64, precision: Precision) {
+        let start = out.len();
+        push_coordinate(out, x, precision);
+        if self.decimal == DecimalMark::Comma {
+            out[start..].iter_mut().filter(|b| **b == b'.').for_each(|b| *b = b',');
+        }
+    }
+
     /// Writes the whole original with changed rows.
     pub(crate) fn write_all(
         &self,
@@ -136,10 +173,10 @@ impl TextRows {
             if let Some(axis) = self.columns.iter().position(|&c| c == column) {
                 let x = shape.points[i][axis];
                 out.extend_from_slice(&self.bytes[copied..begin]);
-                if is_same(&self.bytes[begin..end], x, shape.precision) {
+                if self.is_same(&self.bytes[begin..end], x, shape.precision) {
                     out.extend_from_slice(&self.bytes[begin..end]);
                 } else {
-                    push_coordinate(out, x, shape.precision);
+                    self.push_number(out, x, shape.precision);
                 }
             } else if !edit.dropped.contains(&column) {
                 out.extend_from_slice(&self.bytes[copied..end]);
@@ -176,10 +213,12 @@ impl TextRows {
                 while bytes.get(begin).is_some_and(|&b| is_blank(b) && b != separator) {
                     begin += 1;
                 }
-                let end = bytes[begin..]
-                    .iter()
-                    .position(|&b| b == separator || b == b'\n' || b == b'\r')
-                    .map_or(bytes.len(), |n| begin + n);
+                let mut is_quoted = false;
+                let is_end = |&b: &u8| {
+                    is_quoted ^= b == b'"';
+                    (b == separator && !is_quoted) || b == b'\n' || b == b'\r'
+                };
+                let end = bytes[begin..].iter().position(is_end).map_or(bytes.len(), |n| begin + n);
                 if column > 0 || end > begin { Some((begin, end)) } else { None }
             }
             Separator::Blanks | Separator::BlanksUntilRemark => {

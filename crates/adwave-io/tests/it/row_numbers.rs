@@ -1,7 +1,8 @@
 //! Clouds with rows that have no position: results are numbered by the rows of the file.
 
 use adwave_io::{
-    Field, FieldValues, Format, ReadLimits, ShapeFile, SignalSource, named_signal, read_bytes, write_bytes, write_npy,
+    Field, FieldValues, Format, ReadLimits, ShapeFile, SignalSource, named_signal, read_bytes, write_bytes,
+    write_npy,
 };
 
 const POINTS: [[f64; 3]; 5] =
@@ -43,7 +44,8 @@ fn organized_clouds_are_read_from_every_format_that_holds_them() {
         Format::XYZ,
         Format::CSV,
     ] {
-        let file = read(&written(&pcd, format), &format!("a.{}", format.extensions().first().unwrap_or(&"pcd")));
+        let file =
+            read(&written(&pcd, format), &format!("a.{}", format.extensions().first().unwrap_or(&"pcd")));
         assert_eq!((file.n_vertices(), file.n_file_rows()), (3, 5), "{format}");
         assert_eq!(file.file_rows().unwrap().kept(), [0, 2, 4], "{format}");
         assert_eq!((file.points()[1], file.file_row(1)), (POINTS[2], 2), "{format}");

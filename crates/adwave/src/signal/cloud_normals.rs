@@ -109,7 +109,7 @@ fn each_plane_normal(
 pub(super) const POINTS_AT_A_TIME: usize = 1 << 10;
 
 /// Direction in which a point and its neighbors spread least.
-fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
+pub(super) fn plane_normal(points: &[[f64; 3]], near: &[u32], x: usize) -> Vector3<f64> {
     let origin = Vector3::from(points[x]);
     let offsets = near.iter().map(|&y| Vector3::from(points[y as usize]) - origin);
     let size = offsets.clone().map(|d| d.amax()).fold(0.0, f64::max);

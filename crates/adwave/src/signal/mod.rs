@@ -9,6 +9,7 @@ mod curvature;
 mod degree;
 mod luminance;
 mod mesh_curvature;
+mod moved_normals;
 mod orientation;
 mod outward;
 mod quadric;
@@ -21,6 +22,9 @@ pub use degree::degree;
 pub use luminance::{lightness, luminance};
 pub use mesh_curvature::mesh_curvature;
 use mesh_curvature::try_mesh_curvature;
+pub use moved_normals::{
+    MovedPoints, StoredNormals, moved_cloud_normals, moved_corner_normals, moved_tangent,
+};
 pub use orientation::{PointWithNormal, SideStep, side_step};
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;

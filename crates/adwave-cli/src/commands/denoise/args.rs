@@ -1,7 +1,9 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{LabelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named};
+use crate::args::{LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region};
 use adwave::denoise::{Creases, DenoiseParams};
+use adwave::positions::Borders;
+use adwave::region::Region;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -17,8 +19,13 @@ Output by extension:
   .npy                 the result alone, one row per vertex
   .csv .gii            a denoised field alone (a field of the shape's own file goes back into a file of that format)
 
+--border keep leaves the outline of an open shape where it is, so that neighboring tiles of a terrain still fit. --region limits
+the change to soft regions, in the words of 'adwave filter'; the noise is estimated from the whole shape.
+
 Examples:
   adwave denoise scan.obj -o clean.obj
+  adwave denoise tile.obj -o clean.obj --border keep
+  adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --signal thickness
   adwave denoise white.gii -o even.shape.gii --signal thickness.gii
@@ -44,9 +51,14 @@ pub(crate) struct DenoiseArgs {
     /// Standard deviation of the noise along the normals in model units, or in the unit of the field [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
     pub(crate) noise_sigma: Option<f64>,
-    /// Recompute the normals in the file; without this they are kept as they are
-    #[arg(long)]
-    pub(crate) update_normals: bool,
+    /// Region in which noise is removed; several are joined by "or" ('adwave region' shows them) [default: everywhere]
+    #[arg(long, value_name = "REGION", value_parser = region)]
+    pub(crate) region: Vec<Region>,
+    /// Treatment of the borders of an open shape [default: they are denoised like the rest]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Borders>())]
+    pub(crate) border: Option<Borders>,
+    #[command(flatten)]
+    pub(crate) normals: NormalArgs,
 }
 
 impl DenoiseArgs {

@@ -9,11 +9,13 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
-use crate::resolve::operator::{operator_for_task, prepare_for_signal};
+use crate::resolve::operator::{operator_for_task, prepare, prepare_for_signal};
+use crate::resolve::region::{region_weights, union_of_regions};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
+use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::shape::{PreparedGeometry, Shape};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
@@ -45,9 +47,10 @@ fn denoise_positions(
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
-    let movement = Movement::measure(&geometry, &denoised.points)?;
-    let points = EditedSignal::Points(denoised.points);
-    result.write(&mut input, COORDS, points, args.update_normals.into(), global)?;
+    let moved = limit_positions(&input, denoised.points, args, global)?;
+    let movement = Movement::measure(&geometry, &moved)?;
+    let points = EditedSignal::Points(moved);
+    result.write(&mut input, COORDS, points, args.normals.to_rule(), global)?;
 
     let n_vertices = input.shape.n_vertices();
     let mut text = format!("{}: {}\n", input.name, count(n_vertices, "vertex", "vertices"));
@@ -68,6 +71,33 @@ fn denoise_positions(
     print(global, &text, &report)
 }
 
+/// New positions under the constraints on borders and regions that are asked for.
+fn limit_positions(
+    input: &Input,
+    points: Vec<[f64; 3]>,
+    args: &DenoiseArgs,
+    global: &Global<'_>,
+) -> Result<Vec<[f64; 3]>, CliError> {
+    if args.border.is_none() && args.region.is_empty() {
+        return Ok(points);
+    }
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
+    let decomposer = prepare(global, &input.shape, &operator)?;
+    let before = input.file.points();
+    with_progress(global, "limiting", |progress| {
+        let points = match args.border {
+            Some(borders) => {
+                let params = PositionParams { borders, ..PositionParams::default() };
+                constrain_positions(&decomposer, before, points, &params, progress)?
+            }
+            None => points,
+        };
+        let weights = region_weights(&union_of_regions(&args.region), input, &decomposer, progress)?;
+        let after = blend_by_weights(before.as_flattened(), points.as_flattened(), &weights);
+        Ok(after.as_chunks().0.to_vec())
+    })
+}
+
 fn denoise_field(
     mut input: Input,
     result: ResultFile<'_>,
@@ -75,6 +105,11 @@ fn denoise_field(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let name = args.signal.name();
+    if args.border.is_some() {
+        return Err(CliError::Input(format!(
+            "--border applies to coordinates, and --signal is {name}; leave it out"
+        )));
+    }
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
@@ -83,8 +118,16 @@ fn denoise_field(
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.to_params(), progress)
     })
     .map_err(|e| CliError::classify(&e))?;
-    let edited = result.place_values(&input.file, name, signal.n_channels, denoised.values);
-    result.write(&mut input, name, edited, args.update_normals.into(), global)?;
+    let mut values = denoised.values;
+    if !args.region.is_empty() {
+        let region = union_of_regions(&args.region);
+        let weights = with_progress(global, "measuring", |progress| {
+            region_weights(&region, &input, &decomposer, progress)
+        })?;
+        values = blend_by_weights(&signal.values, &values, &weights);
+    }
+    let edited = result.place_values(&input.file, name, signal.n_channels, values);
+    result.write(&mut input, name, edited, args.normals.to_rule(), global)?;
 
     let n_vertices = input.shape.n_vertices();
     let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));

@@ -1,7 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    LabelArgs, LevelArgs, LocalFitArgs, ShapeArgs, SignalArgs, number, parse_named, region, regions_help,
+    LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
+    regions_help,
 };
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
@@ -44,9 +45,8 @@ pub(crate) struct FilterArgs {
     pub(crate) levels: LevelArgs,
     #[command(flatten)]
     pub(crate) edit: EditArgs,
-    /// Recompute the normals in the file; without this they are kept as they are
-    #[arg(long)]
-    pub(crate) update_normals: bool,
+    #[command(flatten)]
+    pub(crate) normals: NormalArgs,
 }
 
 /// The edit: what changes, where, and how positions follow.

@@ -10,7 +10,7 @@ use crate::output::note;
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::region::union_of_regions;
-use crate::resolve::shape::{Input, Normals, load_shape};
+use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
@@ -18,7 +18,7 @@ use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorParams;
 use adwave::positions::{MoveDirection, PositionParams, Volume};
-use adwave_io::{Recipe, read_recipe};
+use adwave_io::{MovedNormals, Recipe, read_recipe};
 use std::path::Path;
 
 /// A filter and what it is applied to.
@@ -37,7 +37,7 @@ pub(super) struct FilterJob<'a> {
     pub(super) labels: Option<Vec<f64>>,
     pub(super) positions: PositionParams,
     pub(super) bands: BandsParams,
-    pub(super) normals: Normals,
+    pub(super) normals: MovedNormals,
     pub(super) result: ResultFile<'a>,
     pub(super) save_recipe: Option<SaveRecipe<'a>>,
 }
@@ -102,7 +102,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         labels,
         positions,
         bands,
-        normals: args.update_normals.into(),
+        normals: args.normals.to_rule(),
         result,
         save_recipe,
     })

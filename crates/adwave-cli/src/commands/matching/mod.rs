@@ -11,11 +11,12 @@ use crate::output::{
     check_writable, count, has_extension, number, output_format, print, table, write_file, write_shape,
 };
 use crate::resolve::operator::{operator_for_task, prepare};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{Input, load_shape, move_points};
 use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::features::match_features;
 use adwave::operator::OperatorTask;
+use adwave_io::MovedNormals;
 use adwave_register::{
     AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
     align, common_lengths, consensus, describe_shape, pairs_under,
@@ -73,7 +74,8 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
             return Err(CliError::Input("no motion was found that --moved could apply to SHAPE".to_owned()));
         };
         let mut file = first.input.file.clone();
-        file.set_points(file.points().iter().map(|p| motion.apply(p)).collect())?;
+        let points = file.points().iter().map(|p| motion.apply(p)).collect();
+        move_points(&mut file, points, MovedNormals::Follow, global)?;
         write_shape(global, &file, path)?;
         let _ = writeln!(text, "{}", path.display());
     }

@@ -1,33 +1,171 @@
 //! Meaning of the columns of a row.
 
+use crate::ReadError;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
 use crate::text::is_blank;
 use crate::text::parse_f64;
-use adwave::{Cancelled, Progress};
+use adwave::Progress;
 
 use crate::progress::all;
 
-/// Names the columns. Names in the file are kept, with `x`, `y`, `z` for the coordinates. Columns without names are
-/// named by their values: unit vectors are normals, and groups of three integers up to 255 are colors.
+/// Columns of a table: their names, and those of x, y and z.
+#[derive(Debug)]
+pub(crate) struct ColumnMeanings {
+    /// Name of each column; `x`, `y` and `z` are the coordinates.
+    pub(crate) names: Vec<String>,
+    pub(crate) axes: [usize; 3],
+    /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without names.
+    pub(crate) note: Option<String>,
+}
+
+/// Names of the three coordinates that belong together, in the order in which they are looked for.
+const AXIS_NAMES: [[&[&str]; 2]; 3] = [
+    [
+        &["x", "xcoord", "coordx", "xcoordinate", "posx", "xpos", "pointx", "px"],
+        &["y", "ycoord", "coordy", "ycoordinate", "posy", "ypos", "pointy", "py"],
+    ],
+    [
+        &["easting", "east", "e", "utmx", "utme", "xutm", "rechtswert", "ost"],
+        &["northing", "north", "n", "utmy", "utmn", "yutm", "hochwert", "nord"],
+    ],
+    [&["lon", "long", "lng", "longitude", "laenge", "länge"], &["lat", "latitude", "breite"]],
+];
+
+/// Names of the third coordinate.
+const HEIGHT_NAMES: [&str; 16] = [
+    "z",
+    "zcoord",
+    "coordz",
+    "zcoordinate",
+    "posz",
+    "zpos",
+    "pointz",
+    "pz",
+    "elev",
+    "elevation",
+    "height",
+    "alt",
+    "altitude",
+    "h",
+    "hoehe",
+    "höhe",
+];
+
+/// Names of columns that number the rows.
+const INDEX_NAMES: [&str; 16] = [
+    "",
+    "id",
+    "fid",
+    "gid",
+    "oid",
+    "pid",
+    "objectid",
+    "pointid",
+    "index",
+    "idx",
+    "no",
+    "nr",
+    "row",
+    "rowid",
+    "unnamed:0",
+    "number",
+];
+
+/// Name in the form in which names are compared: lower case, without units in brackets, blanks, `_`, `-` and `.`.
+fn comparable(name: &str) -> String {
+    let bare = name.split(['[', '(']).next().unwrap_or_default();
+    let kept = bare.chars().filter(|c| !c.is_whitespace() && !matches!(c, '_' | '-' | '.' | '/' | '#'));
+    kept.flat_map(char::to_lowercase).collect()
+}
+
+/// Finds the columns of the coordinates by name; columns of words and of row numbers are none.
+///
+/// # Errors
+/// One line, if x and y are named and several columns could be z.
+fn find_axes(names: &[String], has_words: &[bool]) -> Result<[usize; 3], String> {
+    let compared: Vec<String> = names.iter().map(|name| comparable(name)).collect();
+    let find = |list: &[&str]| {
+        let position = |wanted: &&str| compared.iter().position(|name| name == *wanted);
+        list.iter().find_map(position)
+    };
+    let is_number = |c: &usize| !has_words[*c] && !INDEX_NAMES.contains(&compared[*c].as_str());
+    let pair = AXIS_NAMES.iter().find_map(|[x, y]| Some((find(x)?, find(y)?)));
+    let Some((x, y)) = pair else {
+        let mut free = (0..names.len()).filter(is_number);
+        let axes = [free.next(), free.next(), free.next()];
+        return match axes {
+            [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
+            _ => Err("three columns must be coordinates; name them x, y and z".to_owned()),
+        };
+    };
+    if let Some(z) = find(&HEIGHT_NAMES) {
+        return Ok([x, y, z]);
+    }
+    let others: Vec<usize> = (0..names.len()).filter(|c| is_number(c) && *c != x && *c != y).collect();
+    match others[..] {
+        [z] => Ok([x, y, z]),
+        _ => Err(format!(
+            "the columns `{}` and `{}` are coordinates, and no column is named z; name the third one z",
+            names[x], names[y]
+        )),
+    }
+}
+
+/// Note on the columns that are the coordinates and on those that are left out; `None` if nothing was assumed.
+fn describe(names: &[String], axes: [usize; 3], words: &[Option<String>]) -> Option<String> {
+    let is_plain = axes.iter().zip(["x", "y", "z"]).all(|(&c, axis)| names[c].eq_ignore_ascii_case(axis));
+    let mut parts = Vec::new();
+    if !is_plain {
+        let [x, y, z] = axes.map(|c| &names[c]);
+        parts.push(format!("the columns `{x}`, `{y}` and `{z}` are x, y and z"));
+    }
+    let left: Vec<String> = words
+        .iter()
+        .enumerate()
+        .filter_map(|(c, word)| Some(format!("`{}` ({})", names[c], word.as_ref()?)))
+        .collect();
+    if !left.is_empty() {
+        let noun = if left.len() == 1 { "column of text is" } else { "columns of text are" };
+        parts.push(format!("the {noun} left out: {}", left.join(", ")));
+    }
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+/// Values of a table, row by row.
+#[derive(Clone, Copy)]
+pub(crate) struct TableValues<'a> {
+    pub(crate) values: &'a [f64],
+    pub(crate) n_columns: usize,
+    pub(crate) n_rows: usize,
+    /// First word in each column of text.
+    pub(crate) words: &'a [Option<String>],
+}
+
+/// Names the columns. Names in the file are kept and decide which columns are the coordinates. Columns without names
+/// are named by their values: unit vectors are normals, and groups of three integers up to 255 are colors.
 pub(crate) fn name_columns(
     names: &[String],
-    values: &[f64],
-    n_columns: usize,
-    n_rows: usize,
+    table: &TableValues<'_>,
     progress: Progress<'_>,
-) -> Result<Vec<String>, Cancelled> {
-    if names.len() == n_columns && n_columns >= 3 {
-        let lower = |axis: &str| names.iter().position(|n| n.eq_ignore_ascii_case(axis));
-        let mut named = names.to_vec();
-        let axes = match (lower("x"), lower("y"), lower("z")) {
-            (Some(x), Some(y), Some(z)) => [x, y, z],
-            _ => [0, 1, 2],
+) -> Result<ColumnMeanings, ReadError> {
+    let TableValues { values, n_columns, n_rows, words } = *table;
+    let has_words: Vec<bool> = (0..n_columns).map(|c| words.get(c).is_some_and(Option::is_some)).collect();
+    if (names.len() == n_columns || has_words.contains(&true)) && n_columns >= 3 {
+        let mut named: Vec<String> = if names.len() == n_columns {
+            names.to_vec()
+        } else {
+            (1..=n_columns).map(|c| format!("column_{c}")).collect()
         };
+        let axes = find_axes(&named, &has_words).map_err(ReadError::Whole)?;
+        let note = describe(&named, axes, words);
+        if let Some(first) = named.iter_mut().find(|name| name.is_empty()) {
+            *first = "index".to_owned();
+        }
         for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
             named[at] = axis.into();
         }
-        return Ok(named);
+        return Ok(ColumnMeanings { names: named, axes, note });
     }
     let mut named: Vec<String> = ["x", "y", "z"].map(String::from).to_vec();
     let at = |row: usize, column: usize| values[row * n_columns + column];
@@ -52,7 +190,7 @@ pub(crate) fn name_columns(
         }
     }
     named.truncate(n_columns);
-    Ok(named)
+    Ok(ColumnMeanings { names: named, axes: [0, 1, 2], note: None })
 }
 
 /// Deviation from a unit vector that a few digits of text allow.

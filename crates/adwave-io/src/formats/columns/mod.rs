@@ -3,6 +3,7 @@
 //! Library: none. Rows may be separated by any number of blanks and have remarks and counts between them, and the file
 //! is written again byte for byte.
 
+pub(crate) mod cells;
 pub(crate) mod meaning;
 pub(crate) mod read;
 pub(crate) mod write;

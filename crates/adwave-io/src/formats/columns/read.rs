@@ -6,17 +6,20 @@
 
 use adwave::{Cancelled, Progress};
 
-use crate::formats::columns::meaning::{is_color_byte, name_columns};
+use crate::formats::columns::cells::{RowStyle, cells, number, unquoted};
+use crate::formats::columns::meaning::{TableValues, is_color_byte, name_columns};
 use crate::formats::columns::{CSV, ColumnsSource};
 use crate::model::grouping::group;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::{BYTES_PER_STEP, all, collect};
-use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
+use crate::text::{line_end, parse_f64, parse_u64, show};
 use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Numbers of a file before their meaning is known.
 struct NumberTable {
-    separator: Separator,
+    style: RowStyle,
+    /// First word in each column of text, and the position of its row.
+    words: Vec<Option<(String, usize)>>,
     names: Vec<String>,
     /// Position of the line of names.
     names_line: Option<(usize, usize)>,
@@ -39,9 +42,16 @@ pub(crate) fn read_columns(
     limits.check_points(table.rows.len() as u64)?;
     let normals = check_count(&bytes, &mut table)?;
     let (n, k) = (table.rows.len(), table.n_columns);
-    let names = name_columns(&table.names, &table.values, k, n, progress)?;
-    let position = |axis: &str| names.iter().position(|name| name == axis).unwrap_or(0);
-    let columns = [position("x"), position("y"), position("z")];
+    let words: Vec<Option<String>> =
+        table.words.iter().map(|word| word.as_ref().map(|(text, _)| text.clone())).collect();
+    let values = TableValues { values: &table.values, n_columns: k, n_rows: n, words: &words };
+    let meanings = name_columns(&table.names, &values, progress)?;
+    let (names, columns) = (meanings.names, meanings.axes);
+    for c in columns {
+        if let Some((word, start)) = table.words.get(c).and_then(Option::as_ref) {
+            return Err(word_error(&bytes, *start, word));
+        }
+    }
     let points = collect(n, progress, |i| columns.map(|c| table.values[i * k + c]))?;
     let mut shape = ShapeFile::from_cloud(points);
     let is_color = |c: &usize| {
@@ -63,13 +73,18 @@ pub(crate) fn read_columns(
             FieldValues::F64(collect(n, progress, value)?)
         })
     };
-    let others = (0..k).filter(|c| !columns.contains(c)).map(|c| Ok((names[c].clone(), column(c)?)));
+    let is_field = |c: &usize| !columns.contains(c) && words.get(*c).is_none_or(Option::is_none);
+    let others = (0..k).filter(is_field).map(|c| Ok((names[c].clone(), column(c)?)));
     shape.vertex_fields = group(others.collect::<Result<_, Cancelled>>()?, progress)?.0;
     shape.vertex_fields.extend(normals);
+    shape.notes.extend(meanings.note);
+    if words.iter().any(Option::is_some) {
+        shape.extras.push("columns of text".into());
+    }
     let is_csv = name.is_some_and(|name| CSV.matches_name(std::path::Path::new(name)));
     shape.format = Some(if table.count.is_some() {
         Format::PTS
-    } else if is_csv || table.separator == Separator::Byte(b',') {
+    } else if is_csv || table.style.separator == Separator::Byte(b',') {
         Format::CSV
     } else {
         Format::XYZ
@@ -77,27 +92,28 @@ pub(crate) fn read_columns(
     shape.set_source(ColumnsSource(TextRows {
         rows: table.rows,
         columns,
-        separator: table.separator,
+        separator: table.style.separator,
+        decimal: table.style.decimal,
         names: table.names_line,
         bytes,
     }));
     Ok(shape)
 }
 
-/// Splits a row into its values.
-fn cells(line: &[u8], separator: Separator) -> impl Iterator<Item = &[u8]> {
-    line.split(move |&b| match separator {
-        Separator::Blanks | Separator::BlanksUntilRemark => is_blank(b),
-        Separator::Byte(s) => b == s,
-        Separator::OverLines => crate::text::is_space(b),
-    })
-    .map(<[u8]>::trim_ascii)
-    .filter(move |cell| separator != Separator::Blanks || !cell.is_empty())
+/// Error for a word where a coordinate belongs.
+fn word_error(bytes: &[u8], start: usize, word: &str) -> ReadError {
+    let comma = if word.contains(',') {
+        "; a decimal comma needs rows separated by semicolons, tabs or blanks"
+    } else {
+        "; correct it"
+    };
+    ReadError::line_error(bytes, start, format!("expected a number, got {word}{comma}"))
 }
 
 fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError> {
     let mut table = NumberTable {
-        separator: Separator::Blanks,
+        style: RowStyle { separator: Separator::Blanks, decimal: DecimalMark::Point },
+        words: Vec::new(),
         names: Vec::new(),
         names_line: None,
         n_columns: 0,
@@ -106,7 +122,7 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError>
         count: None,
     };
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-    let mut separator = None;
+    let mut style = None;
     let mut asked = 0;
     while position < bytes.len() {
         if position >= asked {
@@ -127,10 +143,18 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError>
             continue;
         }
         // A count before the rows does not reveal the separator.
-        if separator.is_none() && parse_u64(line).is_none() {
-            separator = Some(find_separator(line));
+        if style.is_none() && parse_u64(line).is_none() {
+            style = Some(RowStyle::of_line(line));
         }
-        table.separator = separator.unwrap_or(Separator::Blanks);
+        table.style = style.unwrap_or(table.style);
+        // A row of names shows the separator, not the decimal mark.
+        if table.rows.is_empty() {
+            let own = RowStyle::of_line(line);
+            if own.decimal == DecimalMark::Comma && table.style.separator != Separator::Byte(b',') {
+                table.style = RowStyle { separator: table.style.separator, ..own };
+                style = Some(table.style);
+            }
+        }
         row(bytes, &mut table, line, start)?;
     }
     if table.rows.is_empty() {
@@ -143,16 +167,11 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError>
     Ok(table)
 }
 
-fn find_separator(line: &[u8]) -> Separator {
-    let present = [b';', b','].into_iter().find(|b| line.contains(b));
-    present.map_or(Separator::Blanks, Separator::Byte)
-}
-
 /// Takes the words of a line as names of columns, unless they are numbers.
 fn note_names(table: &mut NumberTable, line: &[u8], start: usize, length: usize) {
-    let separator = find_separator(line);
-    let names: Vec<String> = cells(line, separator)
-        .map(|cell| String::from_utf8_lossy(cell).trim_matches(['"', '\'']).trim().to_string())
+    let names: Vec<String> = cells(line, RowStyle::of_line(line).separator)
+        .into_iter()
+        .map(|cell| String::from_utf8_lossy(unquoted(cell)).trim().to_string())
         .collect();
     if names.len() >= 3 && names.iter().all(|n| parse_f64(n.as_bytes()).is_none()) {
         table.names = names;
@@ -162,29 +181,34 @@ fn note_names(table: &mut NumberTable, line: &[u8], start: usize, length: usize)
 
 fn row(bytes: &[u8], table: &mut NumberTable, line: &[u8], start: usize) -> Result<(), ReadError> {
     let first = table.values.len();
-    let mut n = 0;
-    let mut bad = None;
-    for cell in cells(line, table.separator) {
-        n += 1;
-        match parse_f64(cell) {
-            Some(x) => table.values.push(x),
-            None if cell.is_empty() => table.values.push(f64::NAN),
-            None => {
-                bad = Some(cell);
-                break;
-            }
+    let row_cells = cells(line, table.style.separator);
+    let n = row_cells.len();
+    let mut word = None;
+    for (c, cell) in row_cells.iter().enumerate() {
+        let value = number(cell, table.style.decimal);
+        table.values.push(value.unwrap_or(f64::NAN));
+        if value.is_none() {
+            word.get_or_insert(c);
         }
     }
-    if let Some(cell) = bad {
-        table.values.truncate(first);
+    if let Some(c) = word {
+        let decimal = table.style.decimal;
+        let is_word = |cell: &[u8]| number(cell, decimal).is_none();
+        let n_words = row_cells.iter().filter(|cell| is_word(cell)).count();
         if table.rows.is_empty() && table.count.is_none() && table.names.is_empty() {
             note_names(table, line, start, line.len());
             if !table.names.is_empty() {
+                table.values.truncate(first);
                 return Ok(());
             }
         }
-        let message = format!("expected a number, got {}; correct it", show(cell));
-        return Err(ReadError::line_error(bytes, start, message));
+        if n - n_words < 3 {
+            return Err(word_error(bytes, start, &show(row_cells[c])));
+        }
+        table.words.resize(n.max(table.words.len()), None);
+        for (c, cell) in row_cells.iter().enumerate().filter(|(_, cell)| is_word(cell)) {
+            table.words[c].get_or_insert_with(|| (show(unquoted(cell)), start));
+        }
     }
     if n == 1
         && let Some(count) = parse_u64(line)

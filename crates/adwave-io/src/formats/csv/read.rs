@@ -10,10 +10,11 @@ use crate::text::{parse_f64, show};
 use crate::{Field, FieldValues, ReadError, ReadLimits};
 
 /// Reads the columns of a table with cells separated by commas, semicolons or tabs. A first row that contains a word
-/// names the columns; otherwise the names are `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN.
+/// names the columns; otherwise the names are `1`, `2` and so on. An empty cell, `NA` and `nan` are NaN. Columns with
+/// words are left out. Numbers may have decimal commas unless these separate the cells.
 ///
 /// # Errors
-/// The file cannot be read, a cell is not a number, or rows differ in length. The message is one line with the file's
+/// The file cannot be read, no column has numbers alone, or rows differ in length. The message is one line with the file's
 /// name.
 pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
     read_csv_fields_with(path, limits, Progress::none())
@@ -56,6 +57,7 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
         .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
     let mut names: Vec<String> = Vec::new();
     let mut columns: Vec<Vec<f64>> = Vec::new();
+    let mut words: Vec<Option<(u64, String)>> = Vec::new();
     let mut record = csv::ByteRecord::new();
     for row in 0.. {
         report_row(progress, row, 0)?;
@@ -71,18 +73,18 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
         let cells: Vec<Option<f64>> = record.iter().map(number).collect();
         if columns.is_empty() {
             columns = vec![Vec::new(); cells.len()];
+            words = vec![None; cells.len()];
             if cells.contains(&None) {
                 names = record.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect();
                 continue;
             }
         }
         for (c, cell) in cells.into_iter().enumerate() {
-            let Some(value) = cell else {
-                let word = show(record.get(c).unwrap_or_default());
-                let message = format!("column {} must have a number, got {word}; correct it", c + 1);
-                return Err(ReadError::Line { line, message });
-            };
-            columns[c].push(value);
+            let value = cell.or_else(|| with_comma(record.get(c)?, delimiter));
+            if value.is_none() && words[c].is_none() {
+                words[c] = Some((line, show(record.get(c).unwrap_or_default())));
+            }
+            columns[c].push(value.unwrap_or(f64::NAN));
         }
         limits.check_points(columns[0].len() as u64)?;
     }
@@ -91,7 +93,24 @@ fn parse(bytes: &[u8], limits: &ReadLimits, progress: Progress<'_>) -> Result<Ve
     }
     let name =
         |c: usize| names.get(c).filter(|n| !n.is_empty()).cloned().unwrap_or_else(|| (c + 1).to_string());
-    Ok(columns.into_iter().enumerate().map(|(c, v)| Field::new(name(c), 1, FieldValues::F64(v))).collect())
+    if let Some((c, Some((line, word)))) =
+        words.iter().enumerate().find(|_| words.iter().all(Option::is_some))
+    {
+        let message = format!("column {} must have a number, got {word}; correct it", c + 1);
+        return Err(ReadError::Line { line: *line, message });
+    }
+    // Columns of text have no numbers.
+    let of_numbers = columns.into_iter().enumerate().filter(|(c, _)| words[*c].is_none());
+    Ok(of_numbers.map(|(c, v)| Field::new(name(c), 1, FieldValues::F64(v))).collect())
+}
+
+/// Number with a decimal comma, in a table that is not separated by commas.
+fn with_comma(cell: &[u8], delimiter: u8) -> Option<f64> {
+    if delimiter == b',' || cell.contains(&b'.') {
+        return None;
+    }
+    let with_point: Vec<u8> = cell.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
+    parse_f64(&with_point)
 }
 
 pub(super) fn number(cell: &[u8]) -> Option<f64> {

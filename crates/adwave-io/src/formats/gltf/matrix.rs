@@ -63,6 +63,13 @@ pub(crate) fn normal(m: &AffineMatrix, n: [f64; 3]) -> [f64; 3] {
     if length > 0.0 && length.is_finite() { turned.map(|x| x / length) } else { n }
 }
 
+/// Transforms a direction on the surface by the linear part and scales it to length 1.
+pub(crate) fn direction(m: &AffineMatrix, d: [f64; 3]) -> [f64; 3] {
+    let turned: [f64; 3] = std::array::from_fn(|i| m[i][0] * d[0] + m[i][1] * d[1] + m[i][2] * d[2]);
+    let length = turned.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() { turned.map(|x| x / length) } else { d }
+}
+
 /// True if the matrix is more than a translation.
 pub(crate) fn turns(m: &AffineMatrix) -> bool {
     (0..3).any(|i| (0..3).any(|j| m[i][j] != IDENTITY[i][j]))

@@ -9,7 +9,7 @@ use adwave::shape::Polygons;
 use super::accessor::Accessor;
 use super::document::Document;
 use super::json::Json;
-use super::matrix::{AffineMatrix, IDENTITY, determinant, normal, point, turns};
+use super::matrix::{AffineMatrix, IDENTITY, determinant, direction, normal, point, turns};
 use super::scene::{Instance, instances};
 use super::update::GltfSource;
 use crate::provenance::{NAME, Provenance};
@@ -229,7 +229,19 @@ fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &
             list.as_chunks_mut::<3>().0.iter_mut().for_each(|row| *row = turned(row));
         }
     }
+    if attribute == "TANGENT" && accessor.n_channels == 4 && turns(matrix) {
+        if let FieldValues::F32(list) = &mut values {
+            list.as_chunks_mut::<4>().0.iter_mut().for_each(|row| turn_direction(row, matrix));
+        }
+    }
     values
+}
+
+/// Turns the first three numbers of a row by the linear part of a matrix and scales them to length 1.
+pub(crate) fn turn_direction(row: &mut [f32], matrix: &AffineMatrix) {
+    if let [x, y, z, ..] = row {
+        [*x, *y, *z] = direction(matrix, [(*x).into(), (*y).into(), (*z).into()]).map(|x| x as f32);
+    }
 }
 
 /// v ↦ 1 − v.

@@ -14,7 +14,7 @@ use super::accessor::Accessor;
 use super::document::Document;
 use super::json::{Json, object};
 use super::matrix::{IDENTITY, inverse, normal, point, turns};
-use super::read::{VertexGroup, field_name};
+use super::read::{VertexGroup, field_name, turn_direction};
 use super::write::{
     Attribute, EncodedRows, NumberBuffer, VERTICES, attributes, finish, positions, range, report_field, rows,
     set_provenance,
@@ -41,6 +41,13 @@ struct RewrittenFile<'a> {
 impl SourceDocument for GltfSource {
     fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
         update_gltf(self, shape, context)
+    }
+
+    fn stale_attributes(&self) -> Vec<String> {
+        let has_targets =
+            |mesh: &Json| mesh.list_of("primitives").iter().any(|p| !p.list_of("targets").is_empty());
+        let has_any = self.document.json.list_of("meshes").iter().any(has_targets);
+        if has_any { vec!["offsets of morph targets".to_owned()] } else { Vec::new() }
     }
 
     /// Text and binary glTF hold the same.
@@ -162,9 +169,16 @@ impl RewrittenFile<'_> {
         let original = self.original;
         let part = &original.parts[k];
         let back = inverse(&part.instance.matrix).unwrap_or(IDENTITY);
+        // A part without the attribute has NaN in the field.
+        let of_part = part.first * field.n_channels..(part.first + part.positions.count) * field.n_channels;
+        let has_values = of_part.clone().any(|k| !field.values.get(k).is_nan()) || of_part.is_empty();
         for attribute in attributes(field) {
             let turn = attribute.name == "NORMAL" && turns(&part.instance.matrix);
+            let is_tangent = field.name == "tangent" && field.n_channels == 4 && turns(&part.instance.matrix);
             let turned = |row: &mut [f32]| {
+                if is_tangent {
+                    turn_direction(row, &back);
+                }
                 if turn && let [x, y, z] = row {
                     [*x, *y, *z] = normal(&back, [(*x).into(), (*y).into(), (*z).into()]).map(|x| x as f32);
                 }
@@ -183,10 +197,11 @@ impl RewrittenFile<'_> {
                     let index = self.added.add(&rows, VERTICES, None);
                     self.point_to(k, name, index);
                 }
-                None => {
+                None if has_values => {
                     let index = self.added.add(&rows, VERTICES, None);
                     self.point_to(k, &attribute.name, index);
                 }
+                None => {}
             }
         }
         Ok(())

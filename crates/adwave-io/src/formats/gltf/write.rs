@@ -142,6 +142,7 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     };
     match (field.name.as_str(), n) {
         ("normal", 3) => one("NORMAL", ValueType::F32, false),
+        ("tangent", 4) => one("TANGENT", ValueType::F32, false),
         ("color", 3 | 4) if is_color => one("COLOR_0", own, true),
         ("color", 3 | 4) => one("COLOR_0", ValueType::F32, false),
         ("texcoord", 2) => one("TEXCOORD_0", ValueType::F32, false),

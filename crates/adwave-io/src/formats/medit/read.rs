@@ -5,7 +5,7 @@ use adwave::shape::Polygons;
 
 use crate::formats::medit::write::MeditSource;
 use crate::model::binary_rows::CoordinateRows;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::model::volume::{Cell, Cells};
 use crate::progress::{all, collect, report_row};
 use crate::text::tokens::Tokens;
@@ -195,7 +195,14 @@ pub(crate) fn read_medit(
     let mut shape = found.into_shape(Format::MEDIT, progress)?;
     let columns = if dimension == 3 { [0, 1, 2] } else { [0, 1, usize::MAX] };
     let separator = Separator::OverLines;
-    let rows = CoordinateRows::Text(TextRows { bytes, rows, columns, separator, names: None });
+    let rows = CoordinateRows::Text(TextRows {
+        decimal: DecimalMark::Point,
+        bytes,
+        rows,
+        columns,
+        separator,
+        names: None,
+    });
     shape.set_source(MeditSource { rows, is_flat: dimension == 2 });
     Ok(shape)
 }

@@ -12,7 +12,7 @@ use crate::formats::msh::write::MshSource;
 use crate::model::binary_rows::BinaryRows;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::unique;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::{collect, report_row};
 use crate::text::line_end;
 use crate::{Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -68,7 +68,14 @@ pub(crate) fn read_msh(
         CoordinateRows::Binary(BinaryRows { bytes, runs: nodes.runs, is_double: true, n_axes: 3, order })
     } else {
         let (columns, separator) = ([0, 1, 2], Separator::OverLines);
-        CoordinateRows::Text(TextRows { bytes, rows: nodes.rows, columns, separator, names: None })
+        CoordinateRows::Text(TextRows {
+            decimal: DecimalMark::Point,
+            bytes,
+            rows: nodes.rows,
+            columns,
+            separator,
+            names: None,
+        })
     };
     let tags = if matches!(tags, NodeTags::Run(1, _)) { Vec::new() } else { nodes.tags };
     let original = MshSource { rows, tags, sections: found.sections };

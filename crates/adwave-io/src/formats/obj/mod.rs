@@ -6,6 +6,7 @@ pub(crate) mod attributes;
 pub(crate) mod line;
 #[cfg(feature = "texture")]
 mod materials;
+mod normals;
 pub(crate) mod read;
 mod source;
 mod subset;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::formats::obj::attributes::{CornerIndices, attach};
 use crate::formats::obj::line::{Line, parse_line};
 use crate::formats::obj::source::ObjSource;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::all;
 use crate::provenance::in_comments;
 use crate::text::{is_blank, line_of};
@@ -191,6 +191,7 @@ fn join(
         }
     }
     shape.set_source(ObjSource(TextRows {
+        decimal: DecimalMark::Point,
         bytes,
         rows,
         columns: [0, 1, if n_flat > 0 { usize::MAX } else { 2 }],

@@ -3,9 +3,9 @@
 use adwave::Progress;
 
 use super::read::read_obj;
-use super::{subset, write};
+use super::{normals, subset, write};
 use crate::model::context::WriteContext;
-use crate::model::source_document::{SourceDocument, Update};
+use crate::model::source_document::{DocumentNormals, SourceDocument, Update};
 use crate::model::subset::Subset;
 use crate::model::text_rows::TextRows;
 use crate::{ReadLimits, ShapeFile, WriteError};
@@ -26,6 +26,23 @@ impl SourceDocument for ObjSource {
         }
         let text = subset::text(&self.0.bytes, &self.0.rows, shape.faces.corners().len(), part);
         read_obj(text, &ReadLimits::default(), Progress::none()).ok().map(ShapeFile::with_original_fields)
+    }
+
+    fn corner_normals(&self, shape: &ShapeFile) -> Option<DocumentNormals> {
+        normals::corner_normals(&self.0.bytes, shape)
+    }
+
+    /// Libraries of materials.
+    fn references(&self) -> Vec<String> {
+        let statements = self.0.bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+        let names = statements.filter_map(|line| line.strip_prefix(b"mtllib")).map(<[u8]>::trim_ascii);
+        let mut names: Vec<String> = names
+            .filter(|name| !name.is_empty())
+            .map(|name| String::from_utf8_lossy(name).into_owned())
+            .collect();
+        names.sort_unstable();
+        names.dedup();
+        names
     }
 
     fn corner_labels(&self, shape: &ShapeFile) -> Option<Vec<u32>> {

@@ -7,15 +7,15 @@ use crate::text::parse_f64;
 
 /// Content that the faces of an OBJ refer to.
 #[derive(Default)]
-struct ObjContent<'a> {
+pub(super) struct ObjContent<'a> {
     /// Lines before the first vertex, and the libraries of materials.
     head: Vec<&'a [u8]>,
     texcoords: Vec<&'a [u8]>,
-    normals: Vec<&'a [u8]>,
+    pub(super) normals: Vec<&'a [u8]>,
     /// Texture coordinate and normal of each corner.
-    corners: Vec<[u32; 2]>,
+    pub(super) corners: Vec<[u32; 2]>,
     /// Index of the state of each corner's face.
-    state: Vec<u32>,
+    pub(super) state: Vec<u32>,
     /// Object, group, smoothing group and material lines that apply to a face.
     states: Vec<[&'a [u8]; 4]>,
     /// Vertices of each line element.
@@ -23,7 +23,7 @@ struct ObjContent<'a> {
 }
 
 impl<'a> ObjContent<'a> {
-    fn parse(bytes: &'a [u8]) -> Self {
+    pub(super) fn parse(bytes: &'a [u8]) -> Self {
         let mut content = ObjContent::default();
         let mut now: [&[u8]; 4] = [b""; 4];
         let mut known = std::collections::HashMap::new();
@@ -60,6 +60,13 @@ impl<'a> ObjContent<'a> {
             }
         }
         content
+    }
+
+    /// True if the faces of a state have no smoothing group: `s off` or `s 0`.
+    pub(super) fn is_flat(&self, state: u32) -> bool {
+        self.states.get(state as usize).is_some_and(|lines| {
+            matches!(words(lines[2]).nth(1), Some(word) if word == b"0" || word.eq_ignore_ascii_case(b"off"))
+        })
     }
 
     /// Texture coordinate and normal of a corner, or [`NONE`].

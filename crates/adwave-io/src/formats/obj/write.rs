@@ -1,9 +1,11 @@
 //! Wavefront OBJ writer.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use adwave::Progress;
 
+use super::normals::{NewNormals, with_normals};
 use crate::model::context::WriteContext;
 use crate::model::source_document::Update;
 use crate::model::text_rows::{RowEdit, TextRows};
@@ -21,10 +23,12 @@ pub(crate) fn update_obj(
     if rows.columns[2] == usize::MAX && shape.points.iter().any(|p| p[2] != 0.0) {
         return Ok(Update::DoesNotFit);
     }
+    let normals = new_normals(shape);
     let report = &mut context.report;
     for name in &shape.edited {
         match name.as_str() {
             "color" => {}
+            "normal" if normals.is_some() => {}
             "normal" | "texcoord" => {
                 report.report_dropped(format!("the new `{name}` (the original values are kept)"));
             }
@@ -39,8 +43,38 @@ pub(crate) fn update_obj(
     };
     // The color replaces any content after z.
     let dropped: &[usize] = if color.is_some() { &[3, 4, 5, 6, 7] } else { &[] };
-    rows.write_all(shape, &RowEdit { dropped, append: Some(&append) }, context.out, context.progress)?;
+    let edit = RowEdit { dropped, append: Some(&append) };
+    let Some(list) = normals else {
+        rows.write_all(shape, &edit, context.out, context.progress)?;
+        return Ok(Update::Written);
+    };
+    let normals =
+        if shape.faces.is_empty() { NewNormals::OfStatements(&list) } else { NewNormals::OfCorners(&list) };
+    let mut text = Vec::with_capacity(rows.bytes.len());
+    rows.write_all(shape, &edit, &mut text, context.progress)?;
+    for part in with_normals(&text, &normals).chunks(crate::progress::BYTES_PER_STEP) {
+        context.progress.step(0, 1)?;
+        context.out.write_all(part)?;
+    }
     Ok(Update::Written)
+}
+
+/// Normals that replace those of the text: one per corner of the faces, or per vertex of a cloud.
+fn new_normals(shape: &ShapeFile) -> Option<Cow<'_, [[f64; 3]]>> {
+    if let Some(normals) = &shape.corner_normals {
+        return Some(Cow::Borrowed(normals));
+    }
+    let is_edited = shape.edited.iter().any(|name| name == "normal");
+    let n_original = shape.n_original_fields;
+    let is_own = shape.vertex_fields.iter().take(n_original).any(|field| field.name == "normal");
+    let field = shape.field("normal").filter(|field| field.n_channels == 3 && is_edited && is_own)?;
+    let values = field.to_f64();
+    let of_vertex = values.as_chunks::<3>().0;
+    Some(Cow::Owned(if shape.faces.is_empty() {
+        of_vertex.to_vec()
+    } else {
+        shape.faces.corners().iter().map(|&v| of_vertex[v as usize]).collect()
+    }))
 }
 
 fn is_color(field: &Field) -> bool {

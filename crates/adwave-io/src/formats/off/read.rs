@@ -8,7 +8,7 @@ use adwave::{Cancelled, Progress};
 use crate::formats::off::OffSource;
 use crate::formats::off::split_keyword;
 use crate::model::binary_rows::CoordinateRows;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::report_row;
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, parse_u64, show, words};
@@ -128,7 +128,8 @@ pub(crate) fn finish(
     }
     if !divide(&mut shape) {
         let names = None;
-        let rows = TextRows { bytes, rows, columns: [0, 1, 2], separator, names };
+        let rows =
+            TextRows { decimal: DecimalMark::Point, bytes, rows, columns: [0, 1, 2], separator, names };
         shape.set_source(OffSource(CoordinateRows::Text(rows)));
     }
     Ok(shape)

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::model::field::ByteOrder;
 use crate::model::grouping::group;
-use crate::model::text_rows::{Separator, TextRows};
+use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::{collect, report_row};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
@@ -132,7 +132,14 @@ pub(crate) fn read_pcd(
     let axis = |name: &str| header.columns.iter().position(|c| c.name == name).unwrap_or(usize::MAX);
     let rows = rows.map(|rows| {
         let columns = [axis("x"), axis("y"), axis("z")];
-        CoordinateRows::Text(TextRows { bytes, rows, columns, separator: Separator::Blanks, names: None })
+        CoordinateRows::Text(TextRows {
+            decimal: DecimalMark::Point,
+            bytes,
+            rows,
+            columns,
+            separator: Separator::Blanks,
+            names: None,
+        })
     });
     let PcdHeader { viewpoint, width, height, layout, .. } = header;
     let original = PcdSource { viewpoint, width, height, layout, rows };

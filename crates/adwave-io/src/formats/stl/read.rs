@@ -26,6 +26,10 @@ pub(crate) struct StlSource {
 
 impl SourceDocument for StlSource {
     /// The header and the solids; the normals of triangles are those of other vertices.
+    fn computes_face_normals(&self) -> bool {
+        true
+    }
+
     fn subset(&self, _: &[u32]) -> Option<Arc<dyn SourceDocument>> {
         let (header, solids) = (self.header.clone(), self.solids.clone());
         Some(Arc::new(Self { header, solids, points: Arc::default() }))

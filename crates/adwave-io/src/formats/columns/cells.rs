@@ -1,0 +1,134 @@
+//! Cells of a row of a table: numbers as different programs write them, and words.
+
+use crate::model::text_rows::{DecimalMark, Separator};
+use crate::text::{is_blank, parse_f64};
+
+/// Separator and decimal mark of a table, by its first row of values or names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RowStyle {
+    pub(crate) separator: Separator,
+    pub(crate) decimal: DecimalMark,
+}
+
+impl RowStyle {
+    /// Style of a line: semicolons separate before tabs and blanks, and those before commas if every value between
+    /// them has one comma between digits at most.
+    pub(crate) fn of_line(line: &[u8]) -> Self {
+        let plain = |separator| Self { separator, decimal: DecimalMark::Point };
+        if line.contains(&b';') {
+            let with_comma =
+                line.split(|&b| b == b';').any(|cell| is_decimal_comma(unquoted(cell.trim_ascii())));
+            let decimal = if with_comma { DecimalMark::Comma } else { DecimalMark::Point };
+            return Self { separator: Separator::Byte(b';'), decimal };
+        }
+        if !line.contains(&b',') {
+            return plain(Separator::Blanks);
+        }
+        let mut words = line.split(|&b| is_blank(b)).filter(|word| !word.is_empty());
+        let n_words = words.clone().count();
+        let is_value = |word: &[u8]| {
+            let word = unquoted(word);
+            is_decimal_comma(word) || parse_f64(word).is_some() || !word.contains(&b',')
+        };
+        let has_comma = words.clone().any(|word| is_decimal_comma(unquoted(word)));
+        if n_words >= 3 && has_comma && words.all(is_value) {
+            return Self { separator: Separator::Blanks, decimal: DecimalMark::Comma };
+        }
+        plain(Separator::Byte(b','))
+    }
+}
+
+/// True for a number with one comma, and no point, between digits.
+fn is_decimal_comma(cell: &[u8]) -> bool {
+    let commas = cell.iter().filter(|&&b| b == b',').count();
+    commas == 1 && !cell.contains(&b'.') && parse_with_comma(cell).is_some()
+}
+
+fn parse_with_comma(cell: &[u8]) -> Option<f64> {
+    let with_point: Vec<u8> = cell.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
+    parse_f64(&with_point)
+}
+
+/// Content of a quoted cell, or the cell.
+pub(crate) fn unquoted(cell: &[u8]) -> &[u8] {
+    for quote in *b"\"'" {
+        if let [first, inner @ .., last] = cell
+            && *first == quote
+            && *last == quote
+        {
+            return inner.trim_ascii();
+        }
+    }
+    cell
+}
+
+/// Splits a row into its cells without blanks around them; quotes protect a separator.
+pub(crate) fn cells(line: &[u8], separator: Separator) -> Vec<&[u8]> {
+    let is_separator = |b: u8| match separator {
+        Separator::Blanks | Separator::BlanksUntilRemark => is_blank(b),
+        Separator::Byte(s) => b == s,
+        Separator::OverLines => crate::text::is_space(b),
+    };
+    let (mut cells, mut start, mut is_quoted) = (Vec::new(), 0, false);
+    for (k, &b) in line.iter().enumerate() {
+        is_quoted ^= b == b'"';
+        if is_separator(b) && !is_quoted {
+            cells.push(&line[start..k]);
+            start = k + 1;
+        }
+    }
+    cells.push(&line[start..]);
+    let mut cells: Vec<&[u8]> = cells.into_iter().map(<[u8]>::trim_ascii).collect();
+    if !matches!(separator, Separator::Byte(_)) {
+        cells.retain(|cell| !cell.is_empty());
+    }
+    cells
+}
+
+/// Words for a missing number, in any case.
+const MISSING: [&str; 6] = ["", "na", "n/a", "null", "none", "nan"];
+
+/// Number of a cell: NaN if it is missing, `None` if it is a word.
+pub(crate) fn number(cell: &[u8], decimal: DecimalMark) -> Option<f64> {
+    let cell = unquoted(cell);
+    if let Some(x) = parse_f64(cell) {
+        return Some(x);
+    }
+    if MISSING.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes())) {
+        return Some(f64::NAN);
+    }
+    if decimal == DecimalMark::Comma && is_decimal_comma(cell) { parse_with_comma(cell) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn styles_of_lines() {
+        let style = |line: &str| {
+            let style = RowStyle::of_line(line.as_bytes());
+            (style.separator, style.decimal)
+        };
+        use DecimalMark::{Comma, Point};
+        assert_eq!(style("1.5 2 3"), (Separator::Blanks, Point));
+        assert_eq!(style("1,5 2 -3,25e1"), (Separator::Blanks, Comma));
+        assert_eq!(style("1,5\t2,0\t3"), (Separator::Blanks, Comma));
+        assert_eq!(style("1, 2, 3"), (Separator::Byte(b','), Point));
+        assert_eq!(style("1,2,3"), (Separator::Byte(b','), Point));
+        assert_eq!(style("1,5;2;3"), (Separator::Byte(b';'), Comma));
+        assert_eq!(style("\"1,5\";2;3"), (Separator::Byte(b';'), Comma));
+    }
+
+    #[test]
+    fn numbers_of_cells() {
+        assert_eq!(number(b"\"1.5\"", DecimalMark::Point), Some(1.5));
+        assert_eq!(number(b"-1,5", DecimalMark::Comma), Some(-1.5));
+        assert_eq!(number(b"1,5", DecimalMark::Point), None);
+        assert_eq!(number(b"1,5,2", DecimalMark::Comma), None);
+        assert!(number(b"NA", DecimalMark::Point).is_some_and(f64::is_nan));
+        assert!(number(b"\"\"", DecimalMark::Point).is_some_and(f64::is_nan));
+        assert_eq!(number(b"tree", DecimalMark::Point), None);
+        assert_eq!(cells(b"1,\"oak, red\",2", Separator::Byte(b',')), [&b"1"[..], b"\"oak, red\"", b"2"]);
+    }
+}
