@@ -159,7 +159,6 @@ def filter_labels(
     layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]],
     progress: _Report = None,
 ) -> _Floats: ...
-
 @final
 class RecipeData:
     def __new__(cls, text: str) -> RecipeData: ...
