@@ -222,8 +222,8 @@ def edit_shape(
     _refuse_labels(signal, values)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
+    along = "xyz".index(str(settings.constraints.along)) if heights else 0
     if heights:
-        along = "xyz".index(str(settings.constraints.along))
         values = np.ascontiguousarray(shape.points[:, along : along + 1])
     # Coordinates that move in several directions are smoothed about their mean; borders have rules of their own.
     fit = settings.local_fit if values is not None else "constant"
