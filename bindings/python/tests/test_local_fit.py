@@ -8,9 +8,9 @@ import pytest
 
 
 def slope(seed: int = 5, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Points on z = x/2 at random places of a square of side 60, and their true heights."""
+    """Points on z = x/2 at random places of a square of side 100, and their true heights."""
     random = np.random.default_rng(seed)
-    places = random.uniform(0, 60, (2200, 2))
+    places = random.uniform(0, 100, (6000, 2))
     truth = places[:, 0] / 2
     return np.c_[places, truth + random.normal(0, 1, len(truth)) * noise], truth
 
@@ -23,7 +23,7 @@ def test_heights_on_a_plane_stay_and_the_plain_operator_moves_them() -> None:
         aw.filter(points, "smooth", levels=4, signal=truth),
         aw.denoise(points, signal=truth).result,
     ]:
-        assert np.abs(moved - truth).max() < 1e-9 * 60
+        assert np.abs(moved - truth).max() < 1e-9 * 100
     plain = aw.filter(points, "smooth", levels=4, signal=truth, local_fit="constant")
     assert np.abs(plain - truth).max() > 0.1
 
@@ -31,8 +31,7 @@ def test_heights_on_a_plane_stay_and_the_plain_operator_moves_them() -> None:
 def test_a_noisy_slope_is_smoothed_to_a_third_of_the_noise() -> None:
     points, truth = slope(noise=0.05)
     smooth = aw.filter(points, "smooth", levels=4, constraints=aw.Constraints(along="z"))
-    # About 0.35 of the noise; the share depends on the samples of this seed, a tenth of which lie at the border.
-    assert np.std(smooth.points[:, 2] - truth) < 0.37 * 0.05
+    assert np.std(smooth.points[:, 2] - truth) < 0.35 * 0.05
     assert (smooth.points[:, :2] == points[:, :2]).all()
     values, info = aw.denoise(points, signal="z")
     assert np.std(values - truth) < 0.35 * 0.05

@@ -157,7 +157,8 @@ def filter(
         How vertices may move if the coordinates are changed.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
-        ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself.
+        ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
+        as in `decompose` and `Bands.apply`.
     accuracy : float
         As in `decompose`.
     progress : bool or callable, optional

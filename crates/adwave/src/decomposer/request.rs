@@ -77,7 +77,7 @@ impl<'a> BandsRequest<'a> {
         Self { progress, ..self }
     }
 
-    /// The same request for another signal, smoothed about its mean.
+    /// Copies the request for another signal, smoothed about its mean.
     pub(super) fn with_mean_of<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
     where
         'a: 's,
