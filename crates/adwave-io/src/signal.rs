@@ -127,7 +127,7 @@ pub fn named_signal(
     let SignalSource { file, shape, name: of } = source;
     if texture.is_some() && !name.starts_with("texture") {
         return Err(NamedSignalError::Unknown(format!(
-            "--texture needs --field texture, texture-luminance or texture-lightness, got {name}"
+            "a picture of a texture needs the signal texture, texture-luminance or texture-lightness, got {name}"
         )));
     }
     if name == COORDS {

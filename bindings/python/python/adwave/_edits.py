@@ -157,7 +157,8 @@ def filter(
         How vertices may move if the coordinates are changed.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
-        ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself.
+        ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
+        as in `decompose` and `Bands.apply`.
     accuracy : float
         As in `decompose`.
     progress : bool or callable, optional
@@ -222,8 +223,8 @@ def edit_shape(
     _refuse_labels(signal, values)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
+    along = "xyz".index(str(settings.constraints.along)) if heights else 0
     if heights:
-        along = "xyz".index(str(settings.constraints.along))
         values = np.ascontiguousarray(shape.points[:, along : along + 1])
     # Coordinates that move in several directions are smoothed about their mean; borders have rules of their own.
     fit = settings.local_fit if values is not None else "constant"

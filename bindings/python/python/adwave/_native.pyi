@@ -36,10 +36,12 @@ __all__ = [
     "distances",
     "encode_png",
     "feature_map",
+    "filter_labels",
     "find_features",
     "from_differential",
     "gaze_scores",
     "harmonics",
+    "labels_of_signal",
     "lee",
     "match_shapes",
     "preset_gains",
@@ -163,7 +165,6 @@ def filter_labels(
     layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]],
     progress: _Report = None,
 ) -> _Floats: ...
-
 @final
 class RecipeData:
     def __new__(cls, text: str) -> RecipeData: ...

@@ -7,7 +7,7 @@ use clap::Args;
 /// The local fit of a smoothed field.
 #[derive(Clone, Copy, Debug, Args)]
 pub(crate) struct LocalFitArgs {
-    /// What smoothing leaves unchanged in a field, and in heights that move along x, y or z [default: linear]
+    /// Fit by which fields, and heights that move along x, y or z, are smoothed [default: linear]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<LocalFit>(), help_heading = "Signal")]
     pub(crate) local_fit: Option<LocalFit>,
 }

@@ -78,5 +78,5 @@ fn coordinates_in_several_directions_take_no_fit() {
     let error = refused(folder.path(), "filter plane.xyz -o o.xyz --preset smooth --local-fit linear");
     assert!(error.contains("--along z"), "{error}");
     let error = refused(folder.path(), "denoise plane.xyz -o o.xyz --local-fit linear");
-    assert!(error.contains("--field"), "{error}");
+    assert!(error.contains("--signal"), "{error}");
 }

@@ -212,7 +212,7 @@ impl Decomposer {
 
     /// Domain over which a field with a value at each welded vertex is fitted.
     pub(crate) fn fit_domain(&self, field: &[f64]) -> FitDomain {
-        FitDomain::of_field(field, self.geometry.points(), self.mask_flags())
+        FitDomain::from_field(field, self.geometry.points(), self.mask_flags())
     }
 
     /// A transform of this shape's welded vertices prepared for bands about a local linear fit.

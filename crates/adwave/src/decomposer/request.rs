@@ -77,7 +77,7 @@ impl<'a> BandsRequest<'a> {
         Self { progress, ..self }
     }
 
-    /// The same request for another signal, smoothed about its mean.
+    /// Copies the request for another signal, smoothed about its mean.
     pub(super) fn with_mean_of<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
     where
         'a: 's,
@@ -199,7 +199,7 @@ impl<'a> BandsRequest<'a> {
         let n = mean.len() / d;
         let mut levels = vec![Vec::new(); schedule.n_levels()];
         if d > 1 {
-            levels.iter_mut().for_each(|level| *level = zeros(mean.len()));
+            levels.fill_with(|| zeros(mean.len()));
         }
         let mut info: Option<BandsInfo> = None;
         let mut prepared: Option<LinearTransform<'_>> = None;

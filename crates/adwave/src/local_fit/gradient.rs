@@ -61,11 +61,11 @@ impl GradientFit {
         let moments = Moments::new(diffusion, &positions, domain, progress)?;
         let solved = match domain {
             FitDomain::Plane { .. } => {
-                let frame = PlaneFrame::of_axes(domain.axes());
-                parallel::try_collect(n, progress, |x| frame.solve(&moments.at(x)))?
+                let frame = PlaneFrame::from_axes(domain.axes());
+                parallel::try_collect(n, progress, |x| frame.solve(&moments.matrix(x)))?
             }
             FitDomain::Surface => {
-                let eigen = |x: usize| Spread::new(&moments.at(x));
+                let eigen = |x: usize| Spread::new(&moments.matrix(x));
                 let dimension = if !is_surface && fills_volume(n, eigen) { 3 } else { 2 };
                 parallel::try_collect(n, progress, |x| eigen(x).solve(dimension))?
             }
@@ -74,7 +74,7 @@ impl GradientFit {
     }
 
     /// The fit for another operator on the same vertices, with the same normals. O(entries).
-    pub(super) fn for_operator(
+    pub(super) fn refit(
         &self,
         diffusion: &Diffusion,
         domain: FitDomain,
@@ -84,13 +84,13 @@ impl GradientFit {
         let has_normal = |x: usize| self.normals[x] != [0.0; 3];
         let moments = Moments::new(diffusion, &positions, domain, progress)?;
         let frame = match domain {
-            FitDomain::Plane { .. } => Some(PlaneFrame::of_axes(domain.axes())),
+            FitDomain::Plane { .. } => Some(PlaneFrame::from_axes(domain.axes())),
             FitDomain::Surface => None,
         };
         let solved = parallel::try_collect(positions.len(), progress, |x| match &frame {
-            Some(frame) => frame.solve(&moments.at(x)),
-            None if has_normal(x) => PlaneFrame::of_normal(&self.normals[x]).solve(&moments.at(x)),
-            None => Spread::new(&moments.at(x)).solve(3),
+            Some(frame) => frame.solve(&moments.matrix(x)),
+            None if has_normal(x) => PlaneFrame::from_normal(&self.normals[x]).solve(&moments.matrix(x)),
+            None => Spread::new(&moments.matrix(x)).solve(3),
         })?;
         let drift_square = mean_square_drift(diffusion, &positions, progress)?;
         Self::from_solved(positions, &solved, drift_square, progress)
@@ -200,7 +200,7 @@ impl Moments {
         Ok(Self { domain, squares, products })
     }
 
-    fn at(&self, x: usize) -> Matrix3<f64> {
+    fn matrix(&self, x: usize) -> Matrix3<f64> {
         let [a, b, c] = self.squares[x];
         if let [i, j] = *self.domain.axes() {
             let mut m = Matrix3::zeros();
@@ -255,12 +255,12 @@ struct PlaneFrame {
 
 impl PlaneFrame {
     /// The plane of the first two of some coordinates.
-    fn of_axes(axes: &[usize]) -> Self {
+    fn from_axes(axes: &[usize]) -> Self {
         Self { along: Vector3::ith(axes[0], 1.0), across: Vector3::ith(axes[1], 1.0) }
     }
 
     /// The plane across a unit vector.
-    fn of_normal(normal: &[f64; 3]) -> Self {
+    fn from_normal(normal: &[f64; 3]) -> Self {
         let normal = Vector3::from(*normal);
         let along = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
         Self { along, across: normal.cross(&along) }

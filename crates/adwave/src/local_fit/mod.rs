@@ -74,7 +74,7 @@ impl FitDomain {
     /// positions at all vertices that are not masked.
     ///
     /// Fitting heights over positions that contain them would explain their noise by itself.
-    pub(crate) fn of_field(field: &[f64], points: &[[f64; 3]], masked: Option<&[bool]>) -> Self {
+    pub(crate) fn from_field(field: &[f64], points: &[[f64; 3]], masked: Option<&[bool]>) -> Self {
         let is_height = |axis: &usize| {
             let values = field.iter().zip(points).enumerate();
             let mut known = values.filter(|(x, _)| masked.is_none_or(|masked| !masked[*x]));

@@ -49,7 +49,7 @@ impl<'a> LinearTransform<'a> {
         transform: &'t Transform,
         progress: Progress<'_>,
     ) -> Result<LinearTransform<'t>, Cancelled> {
-        let fit = self.fit.for_operator(transform.diffusion(), self.domain, progress)?;
+        let fit = self.fit.refit(transform.diffusion(), self.domain, progress)?;
         Ok(LinearTransform { transform, domain: self.domain, fit })
     }
 
@@ -257,7 +257,7 @@ impl SmoothedGradients {
     }
 
     /// Gradient of the current level at vertex `x`, by axis.
-    fn at(&self, x: usize, axis: usize) -> f64 {
+    fn component(&self, x: usize, axis: usize) -> f64 {
         let width = self.n_axes + 1;
         let row = &self.rows[x * width..][..width];
         let row = if row[self.n_axes] > self.least { row } else { &self.first[x * width..][..width] };
@@ -301,7 +301,7 @@ impl DriftSums {
                 }
                 let drift = of.fit.tangential(x, drift);
                 let product: f64 =
-                    axes.iter().enumerate().map(|(k, &axis)| gradients.at(x, k) * drift[axis]).sum();
+                    axes.iter().enumerate().map(|(k, &axis)| gradients.component(x, k) * drift[axis]).sum();
                 row[width] = (band[0] + row[0] - product) * unit;
                 row[0] = product;
             }

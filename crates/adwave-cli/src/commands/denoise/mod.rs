@@ -38,7 +38,7 @@ fn denoise_positions(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     if args.fit.local_fit.is_some() {
-        return Err(CliError::Input("--local-fit is for a field (--field); leave it out".to_owned()));
+        return Err(CliError::Input("--local-fit is for a field (--signal); leave it out".to_owned()));
     }
     let weld = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?.weld;
     let geometry =

@@ -87,7 +87,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     };
     check_operator(&input.shape, &operator)?;
     let positions = positions(edit, recipe);
-    let fit = resolve_local_fit(&args.fit, recipe, &signal_name, positions)?;
+    let fit = resolve_local_fit(args.fit, recipe, &signal_name, positions)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
     Ok(FilterJob {
@@ -157,7 +157,7 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
 
 /// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several directions.
 fn resolve_local_fit(
-    args: &LocalFitArgs,
+    args: LocalFitArgs,
     recipe: Option<&Recipe>,
     signal: &str,
     positions: PositionParams,
@@ -165,7 +165,7 @@ fn resolve_local_fit(
     if signal == COORDS && positions.along.and_then(MoveDirection::axis).is_none() {
         return match args.local_fit {
             Some(_) => Err(CliError::Input(
-                "--local-fit is for a field (--field) or for heights (--along z); leave it out".to_owned(),
+                "--local-fit is for a field (--signal) or for heights (--along z); leave it out".to_owned(),
             )),
             None => Ok(None),
         };

@@ -19,7 +19,7 @@ pub(crate) static DMAT: FormatDescriptor = FormatDescriptor {
     format: Format::DMAT,
     title: "DMAT of libigl, text",
     extensions: &["dmat"],
-    reads: "matrices of three columns as points, others with `--field`",
+    reads: "matrices of three columns as points, others as signals",
     writes: "points",
     loses: "faces, fields",
     content: ContentKind::Cloud,

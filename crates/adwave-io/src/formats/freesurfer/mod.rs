@@ -24,7 +24,7 @@ pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
     format: Format::FREESURFER,
     title: "FreeSurfer surface",
     extensions: &["white", "pial", "inflated", "sphere", "orig", "smoothwm"],
-    reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) with `--field`",
+    reads: "triangles and both forms of quadrangles; values alone (curv, annot, MGH, MGZ) as signals",
     writes: "triangles in 32-bit floats",
     keeps: "creator, volume information",
     loses: "fields, faces of more than three corners",

@@ -22,7 +22,7 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
     format: Format::GIFTI,
     title: "GIFTI",
     extensions: &["gii"],
-    reads: "surfaces with their fields; fields alone with `--field`",
+    reads: "surfaces with their fields; fields alone as signals",
     writes: "surfaces and fields in 32-bit floats",
     keeps: "metadata, encodings, all other text",
     loses: "faces of more than three corners",

@@ -48,7 +48,7 @@ pub(crate) fn read_gifti(
     let is_whole = arrays.iter().all(|array| array.place.is_some());
     let Some(at) = arrays.iter().position(|a| a.intent == "pointset") else {
         return Err(ReadError::Whole(
-            "this GIFTI has values but no points; use it as a field of a surface (--field FILE.gii)".into(),
+            "this GIFTI has values but no points; use it as a signal of a surface".into(),
         ));
     };
     let points = arrays.remove(at);
