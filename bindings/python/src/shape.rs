@@ -216,7 +216,7 @@ impl ShapeData {
     /// Row of the file of each vertex.
     fn file_rows<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         let rows = match self.file.file_rows() {
-            Some(rows) => rows.kept().to_vec(),
+            Some(rows) => rows.vertex_rows().to_vec(),
             None => (0..self.file.n_vertices() as u32).collect(),
         };
         arrays::vector(py, rows).into_any()
@@ -323,7 +323,7 @@ impl ShapeData {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Vec<String>> {
         let format = parse_format(format)?;
-        let write = |p: adwave::Progress<'_>| write_path_with(&self.file, &path, format, p);
+        let write = |p: Progress<'_>| write_path_with(&self.file, &path, format, p);
         Ok(run(py, usize::MAX, progress.as_ref(), write)?.not_written)
     }
 
@@ -331,7 +331,7 @@ impl ShapeData {
         let Some(format) = parse_format(Some(format))? else {
             return Err(value_error("format must be given"));
         };
-        let write = |p: adwave::Progress<'_>| {
+        let write = |p: Progress<'_>| {
             let mut bytes = Vec::new();
             write_bytes_with(&self.file, format, &mut bytes, p).map(|_| bytes)
         };

@@ -85,7 +85,7 @@ pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, wr
 pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
-pub use model::field::{Field, FieldValues, ValueType};
+pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::moved_attributes::{MovedAttributes, MovedNormals};
 pub use model::partial::FileRows;
 pub use model::report::WriteReport;
@@ -101,7 +101,7 @@ pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with}
 pub use registry::values::{parse_surface_values, read_surface_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
 pub use signal::{
-    COORDS, DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
+    DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
     named_axis, named_signal, with_axis, written_signal,
 };
 pub use text::csv::{csv_number, push_csv_row};

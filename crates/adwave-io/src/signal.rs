@@ -1,6 +1,7 @@
 //! Signals by name: coordinates, fields of the file, quantities computed from the shape, colors of a texture, other
 //! files.
 
+use crate::model::field::COORDS;
 use crate::model::format_descriptor::SurfaceSize;
 use crate::registry::values::read_value_file;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
@@ -45,8 +46,6 @@ impl ClassifiedError for NamedSignalError {
     }
 }
 
-/// Name of the coordinates as a signal.
-pub const COORDS: &str = "coords";
 /// Name of the signal with the sum of the weights at each node of a graph.
 pub const DEGREE: &str = "degree";
 

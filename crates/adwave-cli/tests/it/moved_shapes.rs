@@ -94,7 +94,8 @@ fn normals_of_an_obj_follow_its_points_unless_they_are_kept() {
 #[test]
 fn columns_that_are_coordinates_are_named_in_a_note() {
     let folder = tempfile::tempdir().unwrap();
-    let rows: String = (0..40).map(|k| format!("{k},{},{},tree,{k}\n", k % 7, k % 5)).collect();
+    let rows: Vec<String> = (0..40).map(|k| format!("{k},{},{},tree,{k}\n", k % 7, k % 5)).collect();
+    let rows = rows.concat();
     fs::write(folder.path().join("a.csv"), format!("id,easting,northing,kind,elev\n{rows}")).unwrap();
     adwave(folder.path())
         .args(["info", "a.csv"])

@@ -13,7 +13,9 @@ fn terrain(more: &[&str]) -> String {
         let height = 300.0 + 0.5 * f64::from(i % 40 / 4).sin();
         let _ = writeln!(text, "{} {} {height:.3}", 500_000 + i % 40, 5_400_000 + i / 40);
     }
-    more.iter().for_each(|line| text += &format!("{line}\n"));
+    for line in more {
+        let _ = writeln!(text, "{line}");
+    }
     text
 }
 

@@ -4,6 +4,9 @@ use adwave::{Cancelled, Progress};
 
 use crate::progress::report_row;
 
+/// Name of the coordinates as a signal.
+pub const COORDS: &str = "coords";
+
 /// Numbers of one type.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // the names are the types

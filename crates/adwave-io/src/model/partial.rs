@@ -6,7 +6,7 @@ use std::sync::Arc;
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
-use crate::model::field::FieldValues;
+use crate::model::field::{COORDS, FieldValues};
 use crate::model::subset::selected;
 use crate::progress::{all, report_row};
 use crate::{Field, ReadError, ShapeFile, ShapeFileError};
@@ -39,7 +39,7 @@ impl FileRows {
     }
 
     /// Row of each vertex.
-    pub fn kept(&self) -> &[u32] {
+    pub fn vertex_rows(&self) -> &[u32] {
         &self.kept
     }
 
@@ -167,7 +167,7 @@ impl ShapeFile {
         let axis = ["x", "y", "z"].iter().position(|axis| *axis == field.name);
         let old = match (axis, field.name.as_str()) {
             (Some(axis), _) => whole.points.iter().map(|p| p[axis]).collect(),
-            (None, crate::COORDS) => whole.points.as_flattened().to_vec(),
+            (None, COORDS) => whole.points.as_flattened().to_vec(),
             (None, _) => return rows.spread(&field, None),
         };
         let old = Field {
@@ -322,14 +322,15 @@ impl WholeFile {
                     && old.n_channels == field.n_channels
                     && old.values.value_type() == value_type
             };
-            let values = old.iter().find(is_same).map(|old| old.values.clone()).unwrap_or_else(|| {
+            let empty_rows = || {
                 let mut values = value_type.empty();
                 let nothing = if value_type.is_integer() { 0.0 } else { f64::NAN };
                 for _ in 0..n * field.n_channels {
                     values.push_f64(nothing);
                 }
                 values
-            });
+            };
+            let values = old.iter().find(is_same).map_or_else(empty_rows, |old| old.values.clone());
             scattered(field, rows, values)
         };
         file.vertex_fields = (part.vertex_fields.iter())

@@ -111,13 +111,13 @@ fn write_shape(
     if let Some(whole) = shape.with_left_out(format.descriptor().holds_missing, progress)? {
         return write_shape(&whole, format, context.out, progress);
     }
-    if let Some(source) = shape.original.as_deref() {
-        if shape.format.is_some_and(|read| source.can_update(read, format)) {
-            if source.update(shape, &mut context)? == Update::Written {
-                return Ok(context.report);
-            }
-            context.report = WriteReport::default();
+    if let Some(source) = shape.original.as_deref()
+        && shape.format.is_some_and(|read| source.can_update(read, format))
+    {
+        if source.update(shape, &mut context)? == Update::Written {
+            return Ok(context.report);
         }
+        context.report = WriteReport::default();
     }
     if !shape.original.as_deref().is_some_and(|source| source.keeps_extras(format)) {
         for extra in &shape.extras {

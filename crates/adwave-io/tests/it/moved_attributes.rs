@@ -146,10 +146,10 @@ fn creases_of_an_obj_stay_and_shared_normals_are_split_where_corners_differ() {
         let p: Vec<[f64; 3]> = face.iter().map(|&v| written.points()[v as usize]).collect();
         let (a, b): ([f64; 3], [f64; 3]) =
             (std::array::from_fn(|c| p[2][c] - p[0][c]), std::array::from_fn(|c| p[3][c] - p[1][c]));
+        let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
         for &v in face {
-            for c in 0..3 {
-                let (d, e) = ((c + 1) % 3, (c + 2) % 3);
-                sums[v as usize][c] += a[d] * b[e] - a[e] * b[d];
+            for (sum, x) in sums[v as usize].iter_mut().zip(cross) {
+                *sum += x;
             }
         }
     }

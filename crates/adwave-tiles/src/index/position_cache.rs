@@ -31,6 +31,14 @@ impl BlockPositions {
         Self { positions, group_bounds }
     }
 
+    /// All points; `first_vertex` is the index of the first vertex of the block.
+    pub(crate) fn points(&self, first_vertex: usize) -> impl Iterator<Item = IndexedPoint> + '_ {
+        let vertices = first_vertex..;
+        vertices
+            .zip(&self.positions)
+            .map(|(vertex, &position)| IndexedPoint { vertex: vertex as u32, position })
+    }
+
     /// The points in groups whose boxes intersect `bounds`; `first_vertex` is the index of the first vertex of the block.
     pub(crate) fn points_near<'a>(
         &'a self,

@@ -20,7 +20,7 @@ use crate::stages::bands::compute_bands;
 use crate::stages::denoise::{Denoiser, TileSurface, choose_weights, denoise_tile};
 use crate::stages::features::find_features;
 use crate::stages::maps::{BandNorms, BandResults, write_saliency};
-use crate::stages::neighbors::by_faces::{Neighborhood, write_one_rings};
+use crate::stages::neighbors::by_faces::{RingRule, write_one_rings};
 use crate::stages::neighbors::nearest::write_nearest_neighbors;
 use crate::stages::orientation::{NormalOrientation, write_pieces};
 use crate::stages::sort::faces::{FaceDistributor, vertices_per_pass};
@@ -111,9 +111,9 @@ impl TilingJob {
         let Some(file) = faces.files.get(tile) else {
             return Err(TilesError::broken(&self.folder.face_file_lengths(), "it has too few tiles"));
         };
-        let neighborhood =
-            if self.plan.params.denoise.is_some() { Neighborhood::Triangles } else { Neighborhood::Sides };
-        write_one_rings(blocks, interior, file, neighborhood, &path, progress)
+        let ring_rule =
+            if self.plan.params.denoise.is_some() { RingRule::Triangles } else { RingRule::Sides };
+        write_one_rings(blocks, interior, file, ring_rule, &path, progress)
     }
 
     pub(crate) fn orient_normals(

@@ -43,13 +43,15 @@ fn tile_bands(
     let TileWithHalo { points, neighbors, areas, interior_range, .. } = tile;
     // The search that collected the tile has freed its blocks.
     release_freed();
+    let first = interior.start;
+    let block_range = |block| block_range_in_tile(blocks, &interior_range, first, block);
+    let n_members = |block| block_range(block).filter(|&x| !neighbors.row(x).is_empty()).count() as u64;
+    let members: Vec<u64> = interior.clone().map(n_members).collect();
     let operator =
         local_operator_of_neighbors(&points, neighbors, areas, neighbor_index.mean_length, progress)?;
-    let first = interior.start;
-    let block_step_sums = |block| {
-        StepSums::from_operator(&operator, block_range_in_tile(blocks, &interior_range, first, block))
-    };
-    let step_sums: Vec<StepSums> = interior.into_par_iter().map(block_step_sums).collect();
+    let block_step_sums =
+        |(block, n_members)| StepSums::from_operator(&operator, block_range(block), n_members);
+    let step_sums: Vec<StepSums> = interior.into_par_iter().zip(members).map(block_step_sums).collect();
     let diffusion = Arc::new(Diffusion::new(operator, progress)?);
     let transform = Transform::new(diffusion, &BandsParams::default())?;
     let mut series_values: Vec<Vec<f64>> = series.iter().map(|_| zeros(3 * points.len())).collect();

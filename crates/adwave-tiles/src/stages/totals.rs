@@ -67,9 +67,12 @@ impl NormSums {
     }
 }
 
-/// Sums over the mean squared step lengths of vertices, weighted by the stationary distribution of the walk (eq. 10).
+/// Number of vertices with neighbors, and sums over their mean squared step lengths, weighted by the stationary distribution of the walk (eq. 10).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepSums {
+    /// Number of vertices with neighbors: the others take no part in statistics of bands.
+    #[serde(default)]
+    pub(crate) n_members: u64,
     /// The largest ln π, a logarithm that both sums are divided by; `None` if no step leaves any vertex.
     factor: Option<f64>,
     /// Σ π, over the factor.
@@ -80,7 +83,7 @@ pub(crate) struct StepSums {
 
 impl StepSums {
     /// Sums over vertices of T whose rows are complete.
-    pub(crate) fn from_operator(operator: &LocalOperator, vertices: Range<usize>) -> Self {
+    pub(crate) fn from_operator(operator: &LocalOperator, vertices: Range<usize>, n_members: u64) -> Self {
         let log_weight = |x: usize| {
             let row_sum: f64 = operator.rows().row(x).1.iter().sum();
             // π(x) ∝ A(x)·Σ_z T(x,z), T by its rows and the factors that these were divided by (eq. 10).
@@ -89,9 +92,9 @@ impl StepSums {
         let log_weights: Vec<f64> = vertices.clone().map(log_weight).collect();
         let factor = log_weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if !factor.is_finite() {
-            return Self::default();
+            return Self { n_members, ..Self::default() };
         }
-        let mut sums = Self { factor: Some(factor), ..Self::default() };
+        let mut sums = Self { n_members, factor: Some(factor), ..Self::default() };
         for (x, log_weight) in vertices.zip(log_weights) {
             let weight = (log_weight - factor).exp();
             sums.weights += weight;
@@ -101,6 +104,7 @@ impl StepSums {
     }
 
     fn add(&mut self, other: &Self) {
+        self.n_members += other.n_members;
         let Some(theirs) = other.factor else { return };
         let ours = self.factor.unwrap_or(f64::NEG_INFINITY);
         let factor = ours.max(theirs);
@@ -173,14 +177,14 @@ impl Totals {
             }
             steps.add(&block.steps);
         }
-        let n = n_vertices.max(1) as f64;
-        let rms = |sums: &NormSums| (sums.squares / n).sqrt() * unit;
+        let rms = |sums: &NormSums, n: u64| (sums.squares / n.max(1) as f64).sqrt() * unit;
+        let n = steps.n_members.max(1) as f64;
         let sigma = Schedule::dyadic(params.levels)?.sigma(steps.step_length() * unit);
         let level = |(&level, sums): (&usize, &NormSums)| LevelSummary {
             level,
             sigma: sigma[level],
             mean: sums.sum / n * unit,
-            rms: rms(sums),
+            rms: rms(sums, steps.n_members),
             most: sums.max * unit,
             alpha: params.saliency.map_or(0.0, |weights| match weights.kind {
                 _ if level <= weights.skip => 0.0,
@@ -194,7 +198,7 @@ impl Totals {
             }),
         };
         Ok(Self {
-            moved: [rms(&moved), moved.max * unit],
+            moved: [rms(&moved, n_vertices), moved.max * unit],
             n_far,
             levels: computed.iter().zip(&bands).map(level).collect(),
         })

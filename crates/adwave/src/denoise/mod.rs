@@ -141,13 +141,11 @@ fn build_surface(
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<NoisySurface, Cancelled> {
-    match geometry.shape() {
-        Shape::Mesh(_) => NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress),
-        _ => {
-            let near = geometry.nearest(points, surface::NEIGHBORS, progress)?;
-            NoisySurface::cloud_of_nearest(points, near, progress)
-        }
+    if let Shape::Mesh(_) = geometry.shape() {
+        return NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress);
     }
+    let near = geometry.nearest(points, surface::NEIGHBORS, progress)?;
+    NoisySurface::cloud_of_nearest(points, &near, progress)
 }
 
 /// Noise of a surface in model units, estimated or given; `unit` is the unit of the points.

@@ -62,16 +62,16 @@ impl NoisySurface {
 
     /// A cloud with its nearest neighbors.
     pub(super) fn cloud(points: &[[f64; 3]], progress: Progress<'_>) -> Result<Self, Cancelled> {
-        Self::cloud_of_nearest(points, try_nearest_neighbors(points, NEIGHBORS, progress)?, progress)
+        Self::cloud_of_nearest(points, &try_nearest_neighbors(points, NEIGHBORS, progress)?, progress)
     }
 
     /// A cloud with its nearest neighbors, if they are known.
     pub(super) fn cloud_of_nearest(
         points: &[[f64; 3]],
-        near: Neighborhoods,
+        near: &Neighborhoods,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let normals = try_cloud_normals(points, &near, progress)?;
+        let normals = try_cloud_normals(points, near, progress)?;
         let ring = near.adjacency.union_with_transpose(progress)?;
         Ok(Self::cloud_of_neighbors(ring, normals))
     }

@@ -77,21 +77,11 @@ impl Laplacian {
             return graph_laplacian(graph, geometry.vertex_map(), progress);
         }
         let (points, unit) = geometry.unit_points(progress)?;
-        let mut laplacian = match geometry.shape() {
-            Shape::Cloud(_) => {
-                let near = geometry.nearest(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
-                cloud::laplacian(&points, &near, progress)?
-            }
-            _ => {
-                let are_triangles = geometry.faces().triangles().is_some();
-                let cells = if are_triangles { MassCells::Thirds } else { MassCells::Voronoi };
-                let mut laplacian = mesh_laplacian(&points, geometry.triangles(), cells, progress)?;
-                if !are_triangles {
-                    let ring = geometry.incidence(progress)?.ring(progress)?;
-                    laplacian.mean_length = mean_edge_length(&points, &ring, progress)?;
-                }
-                laplacian
-            }
+        let mut laplacian = if let Shape::Cloud(_) = geometry.shape() {
+            let near = geometry.nearest(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
+            cloud::laplacian(&points, &near, progress)?
+        } else {
+            polygon_laplacian(geometry, &points, progress)?
         };
         laplacian.unit = unit;
         laplacian.info.lengthened *= unit;
@@ -141,6 +131,21 @@ fn graph_laplacian(
     };
     let weights = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
     Ok(Laplacian { weights, mass: vec![1.0; n], unit: 1.0, mean_length: 1.0, info: LaplacianInfo::default() })
+}
+
+/// Laplacian of a mesh of triangles or polygons with the welded vertices at `points`.
+fn polygon_laplacian(
+    geometry: &PreparedGeometry,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<Laplacian, Cancelled> {
+    if geometry.faces().triangles().is_some() {
+        return mesh_laplacian(points, geometry.triangles(), MassCells::Thirds, progress);
+    }
+    let mut laplacian = mesh_laplacian(points, geometry.triangles(), MassCells::Voronoi, progress)?;
+    let ring = geometry.incidence(progress)?.ring(progress)?;
+    laplacian.mean_length = mean_edge_length(points, &ring, progress)?;
+    Ok(laplacian)
 }
 
 /// Cells whose areas are the masses of a mesh.

@@ -36,7 +36,7 @@ pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
-pub use participation::{VertexRole, describe_outsiders, picture_frame};
+pub use participation::{STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to, picture_frame};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;

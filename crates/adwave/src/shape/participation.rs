@@ -7,7 +7,8 @@
 
 use super::{Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
 use crate::rows::Pattern;
-use crate::{Cancelled, Progress};
+use crate::{Cancelled, Progress, parallel};
+use std::convert::Infallible;
 
 /// Values that files write where a coordinate is unknown (raster and terrain formats).
 const PLACEHOLDER_VALUES: [f64; 5] = [-9999.0, -99_999.0, -999_999.0, -32_767.0, -32_768.0];
@@ -25,11 +26,11 @@ const TAIL: f64 = 0.01;
 
 /// Number of neighbors by which strays of a cloud are found. A group of more points has all its nearest neighbors
 /// among itself, and counts as a part of the shape.
-pub(super) const STRAY_NEIGHBORS: usize = 10;
+pub const STRAY_NEIGHBORS: usize = 10;
 
-/// Distance of two points, in distances of either to its 10th neighbor, beyond which they are not connected. The
-/// kernel of the walk is below 1e-20 at half of it, so no point gives anything to another so far away; the density
-/// of scans changes by less from point to point.
+/// Distance from a point to another, in distances of the other to its 10th neighbor, beyond which it does not lead
+/// there. The kernel of the walk is below 1e-20 at half of it, so no point gives anything to another so far away; the
+/// density of scans changes by less from point to point.
 const MAX_GAP: f64 = 10.0;
 
 /// Share of the vertices of the most populous part that another part needs to decide the extent.
@@ -52,7 +53,7 @@ pub enum VertexRole {
     /// It takes part.
     #[default]
     Member,
-    /// No face uses it.
+    /// No face connects it to another vertex.
     Unused,
     /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
     /// `0 0 0` far from everything.
@@ -119,6 +120,41 @@ pub fn describe_outsiders(outsiders: &[(usize, VertexRole)], role: VertexRole) -
     Some(format!("{n} {} ({row} {named}) {end}", role.explanation(n)))
 }
 
+/// True if a point leads to one of its [`STRAY_NEIGHBORS`] nearest neighbors at `distance`, whose own last such
+/// neighbor is `radius` away.
+pub fn leads_to(distance: f64, radius: f64) -> bool {
+    distance <= MAX_GAP * radius
+}
+
+/// True if a point of a cloud leads to at most [`STRAY_NEIGHBORS`] points, itself counted, step by step from neighbor
+/// to neighbor. `reach(x, found)` appends the neighbors that `x` [`leads_to`]. In a cloud of more points some point
+/// always leads farther: the one whose last neighbor is closest.
+///
+/// # Errors
+/// The first error of `reach`.
+pub fn is_stray<E>(
+    point: u32,
+    reach: &mut impl FnMut(u32, &mut Vec<u32>) -> Result<(), E>,
+) -> Result<bool, E> {
+    let mut group = vec![point];
+    let mut found = Vec::new();
+    let mut next = 0;
+    while next < group.len() {
+        found.clear();
+        reach(group[next], &mut found)?;
+        for &y in &found {
+            if !group.contains(&y) {
+                group.push(y);
+            }
+        }
+        if group.len() > STRAY_NEIGHBORS {
+            return Ok(false);
+        }
+        next += 1;
+    }
+    Ok(true)
+}
+
 /// Roles and parts of the welded vertices of a shape.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Participation {
@@ -131,10 +167,14 @@ pub(crate) struct Participation {
 
 impl Participation {
     /// Roles in a mesh, whose `faces` lose those with a placeholder as corner.
-    pub(super) fn of_mesh(points: &[[f64; 3]], faces: &mut Polygons) -> Self {
+    pub(super) fn from_mesh(points: &[[f64; 3]], faces: &mut Polygons) -> Self {
         let n = points.len();
         let mut roles = vec![VertexRole::Unused; n];
-        faces.corners().iter().for_each(|&c| roles[c as usize] = VertexRole::Member);
+        for face in faces.iter().filter(|face| has_side(face)) {
+            for &c in face {
+                roles[c as usize] = VertexRole::Member;
+            }
+        }
         if faces.is_empty() {
             return Self { roles: Vec::new(), parts: vec![0; n], n_parts: 1 };
         }
@@ -143,7 +183,11 @@ impl Participation {
             let is_known = |face: &&[u32]| face.iter().all(|&c| roles[c as usize] == VertexRole::Member);
             *faces = faces.iter().filter(is_known).collect();
             let mut is_used = vec![false; n];
-            faces.corners().iter().for_each(|&c| is_used[c as usize] = true);
+            for face in faces.iter().filter(|face| has_side(face)) {
+                for &c in face {
+                    is_used[c as usize] = true;
+                }
+            }
             for (role, used) in roles.iter_mut().zip(is_used) {
                 if *role == VertexRole::Member && !used {
                     *role = VertexRole::Unused;
@@ -152,13 +196,15 @@ impl Participation {
         }
         let mut sets = DisjointSets::new(n);
         for face in faces.iter() {
-            face.iter().for_each(|&c| sets.join(face[0], c));
+            for &c in face {
+                sets.join(face[0], c);
+            }
         }
         Self::new(roles, sets)
     }
 
     /// Roles in a cloud of different `points`, with the nearest neighbors of those that take part.
-    pub(super) fn of_cloud(
+    pub(super) fn from_cloud(
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<(Self, Neighborhoods), Cancelled> {
@@ -166,23 +212,33 @@ impl Participation {
         mark_placeholders(points, &mut roles, OriginRule::Placeholder);
         let found = Self { roles: roles.clone(), parts: Vec::new(), n_parts: 0 };
         let near = found.nearest(points, STRAY_NEIGHBORS, progress)?;
-        let mut sets = DisjointSets::new(points.len());
-        for x in 0..points.len() {
-            for &y in near.adjacency.row(x) {
-                let reach = MAX_GAP * near.radius[x].min(near.radius[y as usize]);
-                if distance(&points[x], &points[y as usize]) <= reach {
-                    sets.join(x as u32, y);
+        let reach = |x: u32, found: &mut Vec<u32>| {
+            let gap = |y: u32| distance(&points[x as usize], &points[y as usize]);
+            let row = near.adjacency.row(x as usize).iter();
+            found.extend(row.filter(|&&y| leads_to(gap(y), near.radius[y as usize])));
+            Ok::<(), Infallible>(())
+        };
+        let n_known = roles.iter().filter(|role| **role == VertexRole::Member).count();
+        let mut n_strays = 0;
+        if n_known > STRAY_NEIGHBORS {
+            let is_stray: Vec<bool> = parallel::try_collect(points.len(), progress, |x| {
+                let Ok(is_stray) = is_stray(x as u32, &mut { reach });
+                roles[x] == VertexRole::Member && is_stray
+            })?;
+            for (role, is_stray) in roles.iter_mut().zip(is_stray) {
+                if is_stray {
+                    *role = VertexRole::Stray;
+                    n_strays += 1;
                 }
             }
         }
-        let sizes = sets.sizes();
-        let has_part = sizes.iter().any(|&size| size as usize > STRAY_NEIGHBORS);
-        let mut n_strays = 0;
-        for x in (0..points.len()).filter(|_| has_part) {
-            let size = sizes[sets.root(x as u32) as usize] as usize;
-            if roles[x] == VertexRole::Member && size <= STRAY_NEIGHBORS {
-                roles[x] = VertexRole::Stray;
-                n_strays += 1;
+        let mut sets = DisjointSets::new(points.len());
+        let mut reached = Vec::new();
+        for x in 0..points.len() as u32 {
+            reached.clear();
+            let Ok(()) = reach(x, &mut reached);
+            for &y in &reached {
+                sets.join(x, y);
             }
         }
         let this = Self::new(roles, sets);
@@ -328,6 +384,11 @@ pub fn picture_frame(points: &[[f64; 3]], used: Option<&[bool]>) -> Option<([f64
     Participation { roles, ..Participation::default() }.frame(points)
 }
 
+/// True if a face connects two different vertices.
+fn has_side(face: &[u32]) -> bool {
+    face.iter().any(|&c| c != face[0])
+}
+
 /// Meaning of a vertex at the origin that is far from everything.
 #[derive(Clone, Copy, PartialEq)]
 enum OriginRule {
@@ -409,14 +470,5 @@ impl DisjointSets {
     fn join(&mut self, x: u32, y: u32) {
         let (a, b) = (self.root(x), self.root(y));
         self.parent[a.max(b) as usize] = a.min(b);
-    }
-
-    /// Number of members of each set, at its root.
-    fn sizes(&mut self) -> Vec<u32> {
-        let mut sizes = vec![0; self.parent.len()];
-        for x in 0..self.parent.len() {
-            sizes[self.root(x as u32) as usize] += 1;
-        }
-        sizes
     }
 }

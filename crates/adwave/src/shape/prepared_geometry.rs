@@ -98,9 +98,9 @@ impl PreparedGeometry {
         }
         .with_canonical_starts(&positions);
         let (participation, near) = if is_mesh {
-            (Participation::of_mesh(&positions, &mut faces), None)
+            (Participation::from_mesh(&positions, &mut faces), None)
         } else {
-            let (participation, near) = Participation::of_cloud(&positions, progress)?;
+            let (participation, near) = Participation::from_cloud(&positions, progress)?;
             (participation, Some(near))
         };
         let triangles = match faces.triangles() {
@@ -223,9 +223,13 @@ impl PreparedGeometry {
             return Ok(None);
         }
         let mut number = vec![0; points.len()];
-        outsiders.iter().for_each(|(x, _)| number[*x] = u32::MAX);
+        for (x, _) in &outsiders {
+            number[*x] = u32::MAX;
+        }
         let vertices: Vec<u32> = (0..points.len() as u32).filter(|&x| number[x as usize] == 0).collect();
-        (0..).zip(&vertices).for_each(|(k, &x)| number[x as usize] = k);
+        for (k, &x) in (0..).zip(&vertices) {
+            number[x as usize] = k;
+        }
         let pick = |values: &[[f64; 3]]| vertices.iter().map(|&x| values[x as usize]).collect::<Vec<_>>();
         let shape = match &self.shape {
             Shape::Mesh(mesh) => {

@@ -13,7 +13,7 @@ pub(crate) struct RowStyle {
 impl RowStyle {
     /// Style of a line: semicolons separate before tabs and blanks, and those before commas if every value between
     /// them has one comma between digits at most.
-    pub(crate) fn of_line(line: &[u8]) -> Self {
+    pub(crate) fn from_line(line: &[u8]) -> Self {
         let plain = |separator| Self { separator, decimal: DecimalMark::Point };
         if line.contains(&b';') {
             let with_comma =
@@ -40,8 +40,11 @@ impl RowStyle {
 
 /// True for a number with one comma, and no point, between digits.
 fn is_decimal_comma(cell: &[u8]) -> bool {
-    let commas = cell.iter().filter(|&&b| b == b',').count();
-    commas == 1 && !cell.contains(&b'.') && parse_with_comma(cell).is_some()
+    let mut commas = (0..cell.len()).filter(|&k| cell[k] == b',');
+    let (Some(comma), None) = (commas.next(), commas.next()) else { return false };
+    let is_digit = |k: usize| cell.get(k).is_some_and(u8::is_ascii_digit);
+    let is_between_digits = is_digit(comma.wrapping_sub(1)) && is_digit(comma + 1);
+    is_between_digits && !cell.contains(&b'.') && parse_with_comma(cell).is_some()
 }
 
 fn parse_with_comma(cell: &[u8]) -> Option<f64> {
@@ -102,15 +105,15 @@ pub(crate) fn number(cell: &[u8], decimal: DecimalMark) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::DecimalMark::{Comma, Point};
     use super::*;
 
     #[test]
     fn styles_of_lines() {
         let style = |line: &str| {
-            let style = RowStyle::of_line(line.as_bytes());
+            let style = RowStyle::from_line(line.as_bytes());
             (style.separator, style.decimal)
         };
-        use DecimalMark::{Comma, Point};
         assert_eq!(style("1.5 2 3"), (Separator::Blanks, Point));
         assert_eq!(style("1,5 2 -3,25e1"), (Separator::Blanks, Comma));
         assert_eq!(style("1,5\t2,0\t3"), (Separator::Blanks, Comma));
@@ -122,13 +125,13 @@ mod tests {
 
     #[test]
     fn numbers_of_cells() {
-        assert_eq!(number(b"\"1.5\"", DecimalMark::Point), Some(1.5));
-        assert_eq!(number(b"-1,5", DecimalMark::Comma), Some(-1.5));
-        assert_eq!(number(b"1,5", DecimalMark::Point), None);
-        assert_eq!(number(b"1,5,2", DecimalMark::Comma), None);
-        assert!(number(b"NA", DecimalMark::Point).is_some_and(f64::is_nan));
-        assert!(number(b"\"\"", DecimalMark::Point).is_some_and(f64::is_nan));
-        assert_eq!(number(b"tree", DecimalMark::Point), None);
+        assert_eq!(number(b"\"1.5\"", Point), Some(1.5));
+        assert_eq!(number(b"-1,5", Comma), Some(-1.5));
+        assert_eq!(number(b"1,5", Point), None);
+        assert_eq!(number(b"1,5,2", Comma), None);
+        assert!(number(b"NA", Point).is_some_and(f64::is_nan));
+        assert!(number(b"\"\"", Point).is_some_and(f64::is_nan));
+        assert_eq!(number(b"tree", Point), None);
         assert_eq!(cells(b"1,\"oak, red\",2", Separator::Byte(b',')), [&b"1"[..], b"\"oak, red\"", b"2"]);
     }
 }

@@ -160,7 +160,7 @@ pub(crate) fn name_columns(
         let axes = find_axes(&named, &has_words).map_err(ReadError::Whole)?;
         let note = describe(&named, axes, words);
         if let Some(first) = named.iter_mut().find(|name| name.is_empty()) {
-            *first = "index".to_owned();
+            "index".clone_into(first);
         }
         for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
             named[at] = axis.into();

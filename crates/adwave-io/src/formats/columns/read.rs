@@ -144,12 +144,12 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError>
         }
         // A count before the rows does not reveal the separator.
         if style.is_none() && parse_u64(line).is_none() {
-            style = Some(RowStyle::of_line(line));
+            style = Some(RowStyle::from_line(line));
         }
         table.style = style.unwrap_or(table.style);
         // A row of names shows the separator, not the decimal mark.
         if table.rows.is_empty() {
-            let own = RowStyle::of_line(line);
+            let own = RowStyle::from_line(line);
             if own.decimal == DecimalMark::Comma && table.style.separator != Separator::Byte(b',') {
                 table.style = RowStyle { separator: table.style.separator, ..own };
                 style = Some(table.style);
@@ -169,7 +169,7 @@ fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NumberTable, ReadError>
 
 /// Takes the words of a line as names of columns, unless they are numbers.
 fn note_names(table: &mut NumberTable, line: &[u8], start: usize, length: usize) {
-    let names: Vec<String> = cells(line, RowStyle::of_line(line).separator)
+    let names: Vec<String> = cells(line, RowStyle::from_line(line).separator)
         .into_iter()
         .map(|cell| String::from_utf8_lossy(unquoted(cell)).trim().to_string())
         .collect();

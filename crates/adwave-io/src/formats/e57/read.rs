@@ -98,7 +98,7 @@ pub(crate) fn read_e57(
         }
     }
     shape.n_vertices = points.len();
-    if n_before > kept.len() as u64 && n_before <= u64::from(u32::MAX) {
+    if n_before > kept.len() as u64 && u32::try_from(n_before).is_ok() {
         shape.rows = Some(std::sync::Arc::new(FileRows::new(n_before as usize, kept)));
     }
     shape.points = points.into();

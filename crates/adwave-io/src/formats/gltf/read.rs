@@ -229,10 +229,12 @@ fn in_scene(attribute: &str, accessor: &Accessor, values: FieldValues, matrix: &
             list.as_chunks_mut::<3>().0.iter_mut().for_each(|row| *row = turned(row));
         }
     }
-    if attribute == "TANGENT" && accessor.n_channels == 4 && turns(matrix) {
-        if let FieldValues::F32(list) = &mut values {
-            list.as_chunks_mut::<4>().0.iter_mut().for_each(|row| turn_direction(row, matrix));
-        }
+    if attribute == "TANGENT"
+        && accessor.n_channels == 4
+        && turns(matrix)
+        && let FieldValues::F32(list) = &mut values
+    {
+        list.as_chunks_mut::<4>().0.iter_mut().for_each(|row| turn_direction(row, matrix));
     }
     values
 }

@@ -26,12 +26,12 @@ struct Column {
     name: String,
     kind: char,
     value_type: ValueType,
-    cells: Vec<Cell>,
+    cells: Vec<WrittenCell>,
 }
 
 /// Content of one number of a row.
 #[derive(Clone, Copy)]
-enum Cell {
+enum WrittenCell {
     Axis(usize),
     /// Color in one number: the place of the field.
     Packed(usize),
@@ -57,7 +57,7 @@ fn new_columns(place: usize, field: &Field) -> Vec<Column> {
             name: name.to_owned(),
             kind,
             value_type,
-            cells: vec![Cell::Channel(place, c)],
+            cells: vec![WrittenCell::Channel(place, c)],
         };
         names.into_iter().enumerate().map(column).collect()
     };
@@ -65,13 +65,13 @@ fn new_columns(place: usize, field: &Field) -> Vec<Column> {
         _ if is_packed(field) => {
             let name = if field.n_channels == 3 { "rgb" } else { "rgba" };
             // An integer in both forms: as a float some bit patterns would be NaN, which text cannot represent.
-            let cells = vec![Cell::Packed(place)];
+            let cells = vec![WrittenCell::Packed(place)];
             vec![Column { name: name.into(), kind: 'U', value_type: ValueType::U32, cells }]
         }
         ("normal", 3) => three(["normal_x", "normal_y", "normal_z"]),
         ("color", 3) => three(["red", "green", "blue"]),
         (name, n) => {
-            let cells = (0..n).map(|c| Cell::Channel(place, c)).collect();
+            let cells = (0..n).map(|c| WrittenCell::Channel(place, c)).collect();
             vec![Column { name: one_word(name), kind, value_type, cells }]
         }
     }
@@ -86,7 +86,7 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
         cells.push(match cell {
             PcdCell::Axis(axis) => {
                 (value_type, kind) = (coordinate, 'F');
-                Cell::Axis(*axis)
+                WrittenCell::Axis(*axis)
             }
             PcdCell::PackedColor => {
                 let place = shape.vertex_fields.iter().position(is_packed)?;
@@ -94,7 +94,7 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
                 if is_text && shape.vertex_fields[place].n_channels == 4 {
                     (value_type, kind) = (ValueType::U32, 'U');
                 }
-                Cell::Packed(place)
+                WrittenCell::Packed(place)
             }
             PcdCell::Channel(name, channel) => {
                 let is_same = |field: &Field| {
@@ -102,9 +102,9 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
                         && *channel < field.n_channels
                         && field.values.value_type() == old.value_type
                 };
-                Cell::Channel(shape.vertex_fields.iter().position(is_same)?, *channel)
+                WrittenCell::Channel(shape.vertex_fields.iter().position(is_same)?, *channel)
             }
-            PcdCell::Padding => Cell::Padding,
+            PcdCell::Padding => WrittenCell::Padding,
         });
     }
     Some(Column { name: old.name.clone(), kind, value_type, cells })
@@ -121,14 +121,14 @@ fn columns(shape: &ShapeFile, is_text: bool) -> Vec<Column> {
             name: name.to_owned(),
             kind: 'F',
             value_type: coordinate,
-            cells: vec![Cell::Axis(axis)],
+            cells: vec![WrittenCell::Axis(axis)],
         }));
     }
     for (place, field) in shape.vertex_fields.iter().enumerate() {
-        let is_written = |cell: &Cell| match *cell {
-            Cell::Packed(at) => at == place,
-            Cell::Channel(at, channel) => at == place && channel + 1 == field.n_channels,
-            Cell::Axis(_) | Cell::Padding => false,
+        let is_written = |cell: &WrittenCell| match *cell {
+            WrittenCell::Packed(at) => at == place,
+            WrittenCell::Channel(at, channel) => at == place && channel + 1 == field.n_channels,
+            WrittenCell::Axis(_) | WrittenCell::Padding => false,
         };
         if !all.iter().flat_map(|column| &column.cells).any(is_written) {
             all.extend(new_columns(place, field));
@@ -236,18 +236,18 @@ fn binary_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>
     for column in columns {
         for cell in &column.cells {
             match *cell {
-                Cell::Axis(axis) => match shape.precision {
+                WrittenCell::Axis(axis) => match shape.precision {
                     Precision::F32 => row.extend_from_slice(&(shape.points[i][axis] as f32).to_le_bytes()),
                     Precision::F64 => row.extend_from_slice(&shape.points[i][axis].to_le_bytes()),
                 },
-                Cell::Packed(place) => {
+                WrittenCell::Packed(place) => {
                     row.extend_from_slice(&pack_color(&shape.vertex_fields[place], i).to_le_bytes());
                 }
-                Cell::Channel(place, channel) => {
+                WrittenCell::Channel(place, channel) => {
                     let field = &shape.vertex_fields[place];
                     field.values.write_bytes(i * field.n_channels + channel, ByteOrder::Little, row);
                 }
-                Cell::Padding => row.resize(row.len() + column.value_type.n_bytes(), 0),
+                WrittenCell::Padding => row.resize(row.len() + column.value_type.n_bytes(), 0),
             }
         }
     }
@@ -261,11 +261,11 @@ fn text_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>) 
                 row.push(b' ');
             }
             match *cell {
-                Cell::Axis(axis) => match shape.precision {
+                WrittenCell::Axis(axis) => match shape.precision {
                     Precision::F32 => push_f32(row, shape.points[i][axis] as f32),
                     Precision::F64 => push_f64(row, shape.points[i][axis]),
                 },
-                Cell::Packed(place) => {
+                WrittenCell::Packed(place) => {
                     let bits = pack_color(&shape.vertex_fields[place], i);
                     if column.value_type == ValueType::F32 {
                         push_f32(row, f32::from_bits(bits));
@@ -273,11 +273,11 @@ fn text_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>) 
                         row.extend_from_slice(bits.to_string().as_bytes());
                     }
                 }
-                Cell::Channel(place, channel) => {
+                WrittenCell::Channel(place, channel) => {
                     let field = &shape.vertex_fields[place];
                     field.values.write_text(i * field.n_channels + channel, row);
                 }
-                Cell::Padding => row.push(b'0'),
+                WrittenCell::Padding => row.push(b'0'),
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::vector::length;
 
 /// Neighbors of a vertex by the faces around it.
 #[derive(Clone, Copy)]
-pub(crate) enum Neighborhood {
+pub(crate) enum RingRule {
     /// Vertices that share a side of a face: the steps of the walk.
     Sides,
     /// Vertices that share a side of a triangle into which faces are cut: what the denoiser sees.
@@ -29,16 +29,16 @@ pub(crate) fn write_one_rings(
     blocks: &Blocks,
     interior: Range<usize>,
     face_file: &FaceFile,
-    neighborhood: Neighborhood,
+    ring_rule: RingRule,
     path: &Path,
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
     release_freed();
     let surroundings = TileFaces::read(blocks, &interior, face_file)?;
     progress.check()?;
-    let ring = match neighborhood {
-        Neighborhood::Sides => face_ring(surroundings.points.len(), &surroundings.faces),
-        Neighborhood::Triangles => {
+    let ring = match ring_rule {
+        RingRule::Sides => face_ring(surroundings.points.len(), &surroundings.faces),
+        RingRule::Triangles => {
             one_ring(surroundings.points.len(), &triangulate(&surroundings.points, &surroundings.faces))
         }
     };

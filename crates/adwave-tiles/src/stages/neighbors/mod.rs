@@ -2,3 +2,4 @@
 
 pub(crate) mod by_faces;
 pub(crate) mod nearest;
+mod strays;
