@@ -49,6 +49,75 @@ pub fn missing(signal: &[f64], n_channels: usize) -> Option<Vec<bool>> {
         .then(|| signal.chunks(n_channels).map(|row| row.iter().any(|v| v.is_nan())).collect())
 }
 
+/// Channels of a signal that are NaN at the same vertices.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaskedChannels {
+    /// Indices of the channels, ascending.
+    pub channels: Vec<usize>,
+    /// Flags of the vertices where they are NaN; `None` if there are none.
+    pub missing: Option<Vec<bool>>,
+}
+
+/// Groups the channels of a signal (n_vertices × n_channels, row-major) by the vertices where they are NaN, in the
+/// order of their first channels. O(n_vertices × n_channels), and once more for each group.
+///
+/// ```
+/// use adwave::mask::channels_by_mask;
+/// let groups = channels_by_mask(&[0.0, f64::NAN, 2.0, 1.0, 4.0, 3.0], 3);
+/// assert_eq!((&groups[0].channels[..], &groups[0].missing), (&[0, 2][..], &None));
+/// assert_eq!((&groups[1].channels[..], &groups[1].missing), (&[1][..], &Some(vec![true, false])));
+/// ```
+///
+/// # Panics
+/// If `n_channels` is 0.
+pub fn channels_by_mask(signal: &[f64], n_channels: usize) -> Vec<MaskedChannels> {
+    if !signal.iter().any(|v| v.is_nan()) {
+        return vec![MaskedChannels { channels: (0..n_channels).collect(), missing: None }];
+    }
+    let mut groups: Vec<MaskedChannels> = Vec::new();
+    for channel in 0..n_channels {
+        let values = || signal.iter().skip(channel).step_by(n_channels);
+        let is_same = |missing: &[bool]| values().map(|v| v.is_nan()).eq(missing.iter().copied());
+        let has_missing = values().any(|v| v.is_nan());
+        let fits = |group: &&mut MaskedChannels| match &group.missing {
+            Some(missing) => has_missing && is_same(missing),
+            None => !has_missing,
+        };
+        match groups.iter_mut().find(fits) {
+            Some(group) => group.channels.push(channel),
+            None => groups.push(MaskedChannels {
+                channels: vec![channel],
+                missing: has_missing.then(|| values().map(|v| v.is_nan()).collect()),
+            }),
+        }
+    }
+    groups
+}
+
+impl MaskedChannels {
+    /// True if the channels have no value at all.
+    pub fn is_empty(&self) -> bool {
+        self.missing.as_ref().is_some_and(|missing| missing.iter().all(|&is_missing| is_missing))
+    }
+
+    /// The channels of a signal of `n_channels`, row-major.
+    pub fn select(&self, signal: &[f64], n_channels: usize) -> Vec<f64> {
+        signal.chunks_exact(n_channels).flat_map(|row| self.channels.iter().map(|&c| row[c])).collect()
+    }
+
+    /// Puts new values of the channels into a signal of `n_channels`.
+    ///
+    /// # Panics
+    /// If there are fewer values than vertices × channels.
+    pub fn place(&self, values: &[f64], signal: &mut [f64], n_channels: usize) {
+        for (row, new) in signal.chunks_exact_mut(n_channels).zip(values.chunks_exact(self.channels.len())) {
+            for (&c, value) in self.channels.iter().zip(new) {
+                row[c] = *value;
+            }
+        }
+    }
+}
+
 /// Mask in the order of the shape and in the analysis order.
 #[derive(Clone, Debug)]
 pub(crate) struct Mask {

@@ -366,18 +366,23 @@ class PreparedShape:
 
     def _resolve_signal(self: _Prepared, signal: SignalLike) -> tuple[_Prepared, NDArray[np.float64] | None, bool]:
         """Owner of the signal (masked where it is NaN), its n × channels values (None: coordinates), whether it was 1-D."""
+        values, is_flat = self._signal_values(signal)
+        if values is None:
+            return self, None, is_flat
+        return self._masked_where(np.isnan(values).any(axis=1)), values, is_flat
+
+    def _signal_values(self, signal: SignalLike) -> tuple[NDArray[np.float64] | None, bool]:
+        """The n × channels values of a signal (None: coordinates), and whether it was 1-D."""
         if signal is None or (isinstance(signal, str) and signal == "coords"):
-            return self, None, False
+            return None, False
         if isinstance(signal, str):
             values = self.shape._data.signal(signal)
-            is_flat = values.shape[1] == 1
-        else:
-            is_flat = np.ndim(signal) == 1
-            values = _adapt.values_array(signal, self.n_vertices)
-        missing = np.isnan(values).any(axis=1)
-        if missing.any() and self._mask is None:
-            return self.with_mask(missing), values, is_flat
-        return self, values, is_flat
+            return values, values.shape[1] == 1
+        return _adapt.values_array(signal, self.n_vertices), np.ndim(signal) == 1
+
+    def _masked_where(self: _Prepared, missing: NDArray[np.bool_]) -> _Prepared:
+        """The same without the vertices where a signal is missing, unless it has a mask already."""
+        return self.with_mask(missing) if missing.any() and self._mask is None else self
 
     def __repr__(self) -> str:
         return f"<adwave.{type(self).__name__}: {self.operator} on {self.shape!r}>"

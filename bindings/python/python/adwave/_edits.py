@@ -148,7 +148,8 @@ def filter(
         A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), or a weight for each
         vertex; everywhere by default.
     signal : str or array_like
-        What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the vertices.
+        What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the vertices. Each
+        channel is masked where it is NaN, and stays NaN there.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default one level for each gain.
     operator : str or Operator, optional
@@ -191,10 +192,14 @@ def filter(
         return editor.apply(layers)
 
     if signal is not None and not isinstance(signal, str):
-        owner, values, is_flat = decomposer._resolve_signal(signal)
+        values, is_flat = decomposer._signal_values(signal)
+        assert values is not None
         with report_progress(progress, "filtering") as report:
-            request = BandsRequest(values, steps, accuracy, local_fit)
-            edited = edit(_native.EditorData(owner._data, request, report))
+
+            def filtered(owner: Decomposer, values: NDArray[np.float64], _: list[int]) -> NDArray[np.float64]:
+                return edit(_native.EditorData(owner._data, BandsRequest(values, steps, accuracy, local_fit), report))
+
+            edited = _map_channels(decomposer, values, filtered)
         return edited[:, 0] if is_flat else edited
     settings = EditSettings(signal or "coords", steps, constraints or Constraints(), local_fit, accuracy)
     return edit_shape(decomposer, settings, edit, progress)
@@ -219,7 +224,7 @@ def edit_shape(
 ) -> Shape:
     """The shape with one of its signals edited."""
     signal, shape = settings.signal, decomposer.shape
-    owner, values, _ = decomposer._resolve_signal(signal)
+    values, _ = decomposer._signal_values(signal)
     _refuse_labels(signal, values)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
@@ -228,9 +233,13 @@ def edit_shape(
         values = np.ascontiguousarray(shape.points[:, along : along + 1])
     # Coordinates that move in several directions are smoothed about their mean; borders have rules of their own.
     fit = settings.local_fit if values is not None else "constant"
-    request = BandsRequest(values, settings.steps, settings.accuracy, fit)
     with report_progress(progress, "filtering") as report:
-        edited = edit(_native.EditorData(owner._data, request, report))
+
+        def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            request = BandsRequest(values, settings.steps, settings.accuracy, fit)
+            return edit(_native.EditorData(owner._data, request, report))
+
+        edited = filtered(decomposer, None, []) if values is None else _map_channels(decomposer, values, filtered)
         if heights:
             points = np.array(shape.points)
             points[:, along] = edited[:, 0]
@@ -244,6 +253,29 @@ def edit_shape(
         points[:, axis] = edited[:, 0]
         return shape.with_points(points)
     return Shape._from_data(shape._data.with_signal(signal, edited))
+
+
+def _map_channels(
+    decomposer: Decomposer,
+    values: NDArray[np.float64],
+    compute: Callable[[Decomposer, NDArray[np.float64], list[int]], NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """New n × channels values, computed together for channels that are NaN at the same vertices, which are masked.
+
+    `compute` takes the masked decomposer, the values of some channels, and their indices.
+    """
+    missing = np.isnan(values)
+    patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
+    if patterns.shape[1] <= 1:
+        return compute(decomposer._masked_where(missing.any(axis=1)), values, list(range(values.shape[1])))
+    result = np.array(values)
+    for group in range(patterns.shape[1]):
+        channels = np.flatnonzero(np.ravel(group_of_channel) == group)
+        # A channel without any value stays as it is.
+        if not patterns[:, group].all():
+            owner = decomposer._masked_where(patterns[:, group])
+            result[:, channels] = compute(owner, np.ascontiguousarray(values[:, channels]), channels.tolist())
+    return result
 
 
 def _refuse_labels(signal: SignalLike, values: NDArray[np.float64] | None) -> None:
@@ -370,7 +402,7 @@ def denoise(
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     signal : str or (n,) or (n, channels) array_like, optional
-        A signal instead of the shape.
+        A signal instead of the shape; each channel is masked where it is NaN.
     strength : float
         Factor of the noise: below 1 more careful, above 1 more thorough.
     creases : {'auto', 'keep', 'none'}
@@ -414,9 +446,22 @@ def denoise(
     if creases != "auto":
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
     decomposer = prepare_decomposer(shape, operator)
-    owner, values, is_flat = decomposer._resolve_signal(signal)
+    values, is_flat = decomposer._signal_values(signal)
     _refuse_labels(signal, values)
+    found: list[dict[str, Any]] = []
     with report_progress(progress, "denoising") as report:
-        denoised, found = _native.denoise_values(owner._data, values, options, report)
+        if values is None:
+            denoised, found = _native.denoise_values(decomposer._data, values, options, report)
+        else:
+
+            def denoise_channels(
+                owner: Decomposer, values: NDArray[np.float64], channels: list[int]
+            ) -> NDArray[np.float64]:
+                result, own = _native.denoise_values(owner._data, values, options, report)
+                found.extend({**info, "channels": [channels[c] for c in info["channels"]]} for info in own)
+                return result
+
+            denoised = _map_channels(decomposer, values, denoise_channels)
+            found.sort(key=lambda info: info["channels"])
     info = dict(found[0]) if len(found) == 1 else {"groups": found}
     return DenoiseResult(denoised[:, 0] if is_flat else denoised, info)

@@ -6,9 +6,9 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::note;
 use crate::output::progress::with_progress;
-use adwave::mask::missing;
+use adwave::mask::{MaskedChannels, channels_by_mask, missing};
 use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
-use adwave::shape::{Shape, VertexRole, describe_outsiders};
+use adwave::shape::{PreparedGeometry, Shape, VertexRole, describe_outsiders};
 use adwave::{Decomposer, LevelSpec, Progress};
 
 /// How the diffusion operator is built for a task.
@@ -61,13 +61,102 @@ pub(crate) fn prepare(
 ) -> Result<Decomposer, CliError> {
     check_operator(shape, params)?;
     let decomposer = with_progress(global, "preparing", |progress| build_operator(shape, params, progress))?;
-    let outsiders = decomposer.geometry().outsiders();
+    note_outsiders(decomposer.geometry(), global);
+    Ok(decomposer)
+}
+
+/// Names the placeholders and strays of a shape.
+pub(crate) fn note_outsiders(geometry: &PreparedGeometry, global: &Global<'_>) {
+    let outsiders = geometry.outsiders();
     for role in [VertexRole::Placeholder, VertexRole::Stray] {
         if let Some(text) = describe_outsiders(&outsiders, role) {
             note(global, &text);
         }
     }
-    Ok(decomposer)
+}
+
+/// A signal split into channels that are NaN at the same vertices, with a decomposer that masks these, so that a gap in one channel
+/// leaves the others alone.
+pub(crate) struct SignalParts {
+    parts: Vec<SignalPart>,
+    n_channels: usize,
+}
+
+/// Channels of a signal that are NaN at the same vertices.
+pub(crate) struct SignalPart {
+    channels: MaskedChannels,
+    pub(crate) decomposer: Decomposer,
+}
+
+impl SignalParts {
+    /// Splits a signal, with a note on what is masked. Channels without any value stay as they are if others have values.
+    pub(crate) fn new(
+        decomposer: Decomposer,
+        signal: &Signal,
+        name: &str,
+        global: &Global<'_>,
+    ) -> Result<Self, CliError> {
+        let n_channels = signal.n_channels;
+        let mut groups = channels_by_mask(&signal.values, n_channels);
+        if groups.iter().any(|group| !group.is_empty()) {
+            groups.retain(|group| !group.is_empty());
+        }
+        if let ([_, _, ..], n_vertices) = (&groups[..], decomposer.n_vertices()) {
+            let n_missing = |group: &MaskedChannels| {
+                group.missing.as_ref().map_or(0, |flags| flags.iter().filter(|&&is_missing| is_missing).count())
+            };
+            let most = groups.iter().map(n_missing).max().unwrap_or_default();
+            let text = format!(
+                "{name} is NaN at other vertices in each of {} groups of channels, at most {most} of {n_vertices}; each is \
+                 masked where it is NaN",
+                groups.len()
+            );
+            note(global, &text);
+        }
+        let is_single = groups.len() == 1;
+        let mut parts = Vec::with_capacity(groups.len());
+        for channels in groups {
+            let masked = match &channels.missing {
+                None => decomposer.clone(),
+                Some(_) if is_single => mask_missing(decomposer.clone(), signal, name, global)?,
+                Some(flags) => decomposer.masked(flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?,
+            };
+            parts.push(SignalPart { channels, decomposer: masked });
+        }
+        Ok(Self { parts, n_channels })
+    }
+
+    /// The part of the first channel.
+    pub(crate) fn first(&self) -> &SignalPart {
+        &self.parts[0]
+    }
+
+    /// New values of a signal, computed part by part from the values of its channels and their number.
+    pub(crate) fn map(
+        &self,
+        values: &[f64],
+        mut compute: impl FnMut(&SignalPart, &[f64], usize) -> Result<Vec<f64>, CliError>,
+    ) -> Result<Vec<f64>, CliError> {
+        if let [part] = &self.parts[..]
+            && part.channels.channels.len() == self.n_channels
+        {
+            return compute(part, values, self.n_channels);
+        }
+        let mut result = values.to_vec();
+        for part in &self.parts {
+            let own = part.channels.select(values, self.n_channels);
+            let new = compute(part, &own, part.channels.channels.len())?;
+            part.channels.place(&new, &mut result, self.n_channels);
+        }
+        Ok(result)
+    }
+}
+
+impl SignalPart {
+    /// Indices of its channels in the signal.
+    pub(crate) fn channels(&self) -> &[usize] {
+        &self.channels.channels
+    }
 }
 
 /// A shape with its diffusion operator, for a signal: vertices where the signal is NaN are masked.

@@ -9,7 +9,7 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
-use crate::resolve::operator::{operator_for_task, prepare, prepare_for_signal};
+use crate::resolve::operator::{SignalParts, note_outsiders, operator_for_task, prepare};
 use crate::resolve::region::{region_weights, union_of_regions};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
@@ -44,6 +44,7 @@ fn denoise_positions(
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
+    note_outsiders(&geometry, global);
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
@@ -113,12 +114,21 @@ fn denoise_field(
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
-    let denoised = with_progress(global, "denoising", |progress| {
-        denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.to_params(), progress)
-    })
-    .map_err(|e| CliError::classify(&e))?;
-    let mut values = denoised.values;
+    let parts = SignalParts::new(prepare(global, &input.shape, &operator)?, &signal, name, global)?;
+    let decomposer = parts.first().decomposer.clone();
+    let mut infos = Vec::new();
+    let mut values = parts.map(&signal.values, |part, values, n_channels| {
+        let denoised = with_progress(global, "denoising", |progress| {
+            denoise_signal(&part.decomposer, values, n_channels, &args.to_params(), progress)
+        })
+        .map_err(|e| CliError::classify(&e))?;
+        for mut info in denoised.info {
+            info.channels = info.channels.iter().map(|&channel| part.channels()[channel]).collect();
+            infos.push(info);
+        }
+        Ok(denoised.values)
+    })?;
+    infos.sort_by_key(|info| info.channels.first().copied());
     if !args.region.is_empty() {
         let region = union_of_regions(&args.region);
         let weights = with_progress(global, "measuring", |progress| {
@@ -133,7 +143,7 @@ fn denoise_field(
     let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));
     let fit = decomposer.applied_local_fit(args.to_params().local_fit);
     describe_local_fit(&mut text, fit);
-    denoised.info.iter().for_each(|info| describe_channel(&mut text, info));
+    infos.iter().for_each(|info| describe_channel(&mut text, info));
     let _ = writeln!(text, "{}", args.output.display());
     let report = json!({
         "shape": input.name,
@@ -141,7 +151,7 @@ fn denoise_field(
         "field": name,
         "vertices": n_vertices,
         "local_fit": fit,
-        "denoise": denoised.info,
+        "denoise": infos,
     });
     print(global, &text, &report)
 }

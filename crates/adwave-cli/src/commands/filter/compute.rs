@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
-use crate::resolve::operator::{build_operator, mask_missing};
+use crate::resolve::operator::{SignalParts, build_operator, note_outsiders};
 use crate::resolve::region::region_in_shape;
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
@@ -30,7 +30,7 @@ pub(super) struct Filtered {
 /// Difference between two signals.
 #[derive(Clone, Copy)]
 pub(super) struct SignalChange {
-    /// Root mean square over the vertices.
+    /// Root mean square over the values that are known; 0 if there are none.
     pub(super) rms: f64,
     /// Largest difference of a value.
     pub(super) max: f64,
@@ -42,13 +42,20 @@ pub(super) struct SignalChange {
 pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
-        let decomposer = mask_missing(decomposer, &job.signal, &job.signal_name, global)?;
-        let schedule = schedule(job, &decomposer, global)?;
-        let (schedule, layers) = match job.keep_volume {
-            Some(how) => how.extend_levels(schedule, job.layers.clone()).map_err(with_offset_flag)?,
-            None => (schedule, job.layers.clone()),
-        };
-        let values = edited_values(job, &decomposer, &schedule, &layers, progress)?;
+        note_outsiders(decomposer.geometry(), global);
+        let parts = SignalParts::new(decomposer, &job.signal, &job.signal_name, global)?;
+        let decomposer = parts.first().decomposer.clone();
+        let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
+        let values = parts.map(&job.signal.values, |part, values, n_channels| {
+            let signal = PartOfSignal { decomposer: &part.decomposer, values, n_channels };
+            if part.channels().first() == Some(&0) {
+                return edited_values(job, signal, &schedule, &layers, progress);
+            }
+            // Widths are other numbers of steps where other vertices are masked.
+            let own = job.levels.spec.resolve(&part.decomposer, DEFAULT_EXTENT)?.schedule;
+            let (own, layers) = levels_and_layers(job, own)?;
+            edited_values(job, signal, &own, &layers, progress)
+        })?;
         let change = SignalChange::new(&job.signal.values, &values);
         let edited = if job.signal_name == COORDS {
             EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
@@ -57,6 +64,23 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         };
         Ok(Filtered { decomposer, schedule, layers, edited, change })
     })
+}
+
+/// Levels and layers with those that keep the volume.
+fn levels_and_layers(job: &FilterJob<'_>, schedule: Schedule) -> Result<(Schedule, Vec<Layer>), CliError> {
+    match job.keep_volume {
+        Some(how) => how.extend_levels(schedule, job.layers.clone()).map_err(with_offset_flag),
+        None => Ok((schedule, job.layers.clone())),
+    }
+}
+
+/// Channels of the signal with the decomposer that masks where they are NaN.
+#[derive(Clone, Copy)]
+struct PartOfSignal<'a> {
+    decomposer: &'a Decomposer,
+    /// Values by rows of `n_channels`.
+    values: &'a [f64],
+    n_channels: usize,
 }
 
 /// The schedule of the job's levels on its shape.
@@ -85,11 +109,12 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
 /// The signal after the edit. It is computed by the object that interactive edits use, so that a recipe gives the same bits everywhere.
 fn edited_values(
     job: &FilterJob<'_>,
-    decomposer: &Decomposer,
+    signal: PartOfSignal<'_>,
     schedule: &Schedule,
     layers: &[Layer],
     progress: Progress<'_>,
 ) -> Result<Vec<f64>, CliError> {
+    let PartOfSignal { decomposer, values, n_channels } = signal;
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
     let layers = &layers
@@ -99,7 +124,7 @@ fn edited_values(
     if let Some(labels) = &job.labels {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
         let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
-        let request = decomposer.request(&job.signal.values, 1, schedule).params(&job.bands);
+        let request = decomposer.request(values, 1, schedule).params(&job.bands);
         return Ok(request.progress(progress).filter_labels(labels, &layers)?);
     }
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
@@ -112,11 +137,11 @@ fn edited_values(
     };
     match axis {
         Some(axis) => {
-            let points = job.signal.values.as_chunks().0;
+            let points = values.as_chunks().0;
             let heights: Vec<f64> = points.iter().map(|p: &[f64; 3]| p[axis]).collect();
             Ok(with_axis(points, axis, &edited(&heights, 1)?).into_flattened())
         }
-        None => edited(&job.signal.values, job.signal.n_channels),
+        None => edited(values, n_channels),
     }
 }
 
@@ -136,8 +161,10 @@ fn constrained_points(
 
 impl SignalChange {
     fn new(before: &[f64], after: &[f64]) -> Self {
-        let max = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let n_changed = before.iter().zip(after).filter(|(a, b)| !a.is_nan() && a != b).count();
-        Self { rms: rms(before, after, 1), max, n_changed }
+        let known = || before.iter().zip(after).filter(|(a, b)| !(a.is_nan() || b.is_nan()));
+        let max = known().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let n_changed = known().filter(|(a, b)| a != b).count();
+        let (before, after): (Vec<f64>, Vec<f64>) = known().unzip();
+        Self { rms: if before.is_empty() { 0.0 } else { rms(&before, &after, 1) }, max, n_changed }
     }
 }
