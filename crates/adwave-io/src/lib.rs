@@ -66,6 +66,8 @@ pub use cloud_part::{read_cloud_part, read_cloud_part_with};
 pub use error::{ReadError, WriteError};
 pub use files::atomic::{atomic_write, atomic_write_with, remove_temporaries};
 pub use format::Format;
+#[cfg(feature = "neuro")]
+pub use formats::cifti::write::{CiftiColumns, write_cifti_fields};
 pub use formats::csv::read::{parse_csv_fields, read_csv_fields, read_csv_fields_with};
 pub use formats::csv::write::write_csv_fields;
 #[cfg(feature = "more")]
@@ -98,7 +100,7 @@ pub use provenance::{Provenance, ProvenanceInput};
 pub use recipe::{Recipe, parse_recipe, read_recipe, recipe_to_text, write_recipe};
 pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
-pub use registry::values::{parse_surface_values, read_surface_values};
+pub use registry::values::{parse_surface_values, read_surface_values, rewrite_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
 pub use signal::{
     DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,

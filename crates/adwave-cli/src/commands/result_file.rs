@@ -71,6 +71,9 @@ impl<'a> ResultFile<'a> {
             }
             EditedSignal::Field(field) => field,
         };
+        if let (Some(kind), None) = (alone, input.file.field(signal)) {
+            return kind.write_edited(global, self.path, signal, field, &input.file);
+        }
         write_field(global, self.path, alone, &mut input.file, field)
     }
 }

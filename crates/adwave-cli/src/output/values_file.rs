@@ -1,10 +1,11 @@
-//! Files that hold values and no shape: `.npy`, `.csv` and `.gii`.
+//! Files that hold values and no shape: `.npy`, `.csv`, `.gii`, `.dscalar.nii` and `.dtseries.nii`.
 
-use super::{has_extension, write_file_with, write_shape};
+use super::{has_extension, note, write_file, write_file_with, write_shape};
 use crate::error::CliError;
 use crate::global::Global;
 use adwave_io::{
-    ArrayValues, COORDS, Field, Format, ShapeFile, write_csv_fields, write_gifti_fields, write_npy,
+    ArrayValues, COORDS, CiftiColumns, Field, Format, ShapeFile, rewrite_values, write_cifti_fields,
+    write_csv_fields, write_gifti_fields, write_npy,
 };
 use std::path::Path;
 
@@ -17,6 +18,8 @@ pub(crate) enum ValuesFile {
     Csv,
     /// An array of 32-bit floats for each channel.
     Gifti,
+    /// Dense scalars or series of one structure.
+    Cifti(CiftiColumns),
 }
 
 impl ValuesFile {
@@ -24,6 +27,9 @@ impl ValuesFile {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         if has_extension(path, &["npy"]) {
             return Some(Self::Npy);
+        }
+        if let Some(columns) = CiftiColumns::from_path(path) {
+            return Some(Self::Cifti(columns));
         }
         match Format::from_path(path) {
             Some(Format::CSV) => Some(Self::Csv),
@@ -56,11 +62,44 @@ impl ValuesFile {
         file: &ShapeFile,
     ) -> Result<(), CliError> {
         let fields: Vec<Field> = fields.iter().map(|field| file.in_file_rows(field.clone())).collect();
+        if let Self::Cifti(columns) = self {
+            let Some(structure) = file.structure() else {
+                return Err(CliError::Input(format!(
+                    "{}: a CIFTI names the structure of its surface, and the surface does not state it; use a GIFTI that \
+                     does (AnatomicalStructurePrimary), or a file named lh. or rh.",
+                    path.display()
+                )));
+            };
+            if columns == CiftiColumns::Series {
+                note(global, &format!("{}: the samples of the series are written as 1 s apart", path.display()));
+            }
+            return write_file_with(global, path, |path| write_cifti_fields(path, &fields, structure, columns));
+        }
         write_file_with(global, path, |path| match self {
             Self::Npy => write_array(path, &fields),
             Self::Csv => write_csv_fields(path, &fields),
-            Self::Gifti => write_gifti_fields(path, &fields, file.structure()),
+            Self::Gifti | Self::Cifti(_) => write_gifti_fields(path, &fields, file.structure()),
         })
+    }
+
+    /// Writes new values of a signal that came from a file: into a copy of it if that is a GIFTI or CIFTI with these columns,
+    /// so that its names, intents and other structures stay; else into a new file.
+    pub(crate) fn write_edited(
+        self,
+        global: &Global<'_>,
+        path: &Path,
+        signal: &str,
+        field: Field,
+        file: &ShapeFile,
+    ) -> Result<(), CliError> {
+        let source = Path::new(signal);
+        if matches!(self, Self::Gifti | Self::Cifti(_)) && source.is_file() {
+            let rows = file.in_file_rows(field.clone());
+            if let Some(bytes) = rewrite_values(source, file.structure(), &rows, path)? {
+                return write_file(global, path, &bytes);
+            }
+        }
+        self.write(global, path, &[field], file)
     }
 }
 

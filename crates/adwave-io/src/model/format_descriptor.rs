@@ -85,6 +85,19 @@ pub(crate) struct SurfaceSize<'a> {
     pub(crate) n_vertices: usize,
 }
 
+/// New values for a file of values, whose other content stays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ValuesEdit<'a> {
+    pub(crate) size: SurfaceSize<'a>,
+    /// Values of all columns of the file, in its order.
+    pub(crate) field: &'a Field,
+    /// Path of the new file, whose name says what it is.
+    pub(crate) path: &'a Path,
+}
+
+/// Bytes of a file of values with new numbers; `None` if these do not fit the file.
+pub(crate) type RewriteValuesFn = fn(&[u8], &ValuesEdit<'_>) -> Result<Option<Vec<u8>>, WriteError>;
+
 /// Everything that other modules know about a format: the source of names, endings, messages, documents and dispatch.
 ///
 /// A format's folder ends in its descriptors, each of which begins with `..FormatDescriptor::NEW`.
@@ -125,6 +138,7 @@ pub(crate) struct FormatDescriptor {
     pub(crate) read_values: Option<ReadValuesFn>,
     /// Reader of the fields in a file with an ending of the format, without a shape.
     pub(crate) read_fields: Option<ReadFieldsFn>,
+    pub(crate) rewrite_values: Option<RewriteValuesFn>,
     pub(crate) write: Option<WriteFn>,
     /// Colors of the pictures that a file names, at the vertices.
     pub(crate) texture: Option<TextureFn>,
@@ -155,6 +169,7 @@ impl FormatDescriptor {
         read_folder: None,
         read_values: None,
         read_fields: None,
+        rewrite_values: None,
         write: None,
         texture: None,
         samples: &[],

@@ -1,15 +1,18 @@
 //! Files of values at the vertices of a surface, identified by their content: FreeSurfer's and CIFTI.
 
+use std::io::Write;
 use std::path::Path;
 
 use adwave::Progress;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 
 use crate::files::read::parse_file;
 use crate::formats::TABLE;
 use crate::model::context::ReadContext;
 use crate::model::file_head::FileHead;
-use crate::model::format_descriptor::SurfaceSize;
-use crate::{Field, ReadError, ReadLimits};
+use crate::model::format_descriptor::{SurfaceSize, ValuesEdit};
+use crate::{Field, ReadError, ReadLimits, WriteError};
 
 /// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
 /// label), MGH and MGZ with a channel per frame, and CIFTI-2, where `structure` (`CortexLeft`) and the number of
@@ -41,6 +44,38 @@ pub(crate) fn read_value_file(
         Some(read) => read(path, limits),
         None => read_surface_values(path, size.structure, size.n_vertices, limits),
     }
+}
+
+/// Bytes of a copy of a file of values with other numbers, for a file at `path`: a GIFTI keeps intents, names and metadata of
+/// its arrays, a CIFTI its columns and the values of other structures. `field` has a row per vertex of the surface, and
+/// all columns of the file in their order. `.gz` after the extension of `path` compresses. `None` if the file is of
+/// another kind than `path` says, or cannot hold the field.
+///
+/// # Errors
+/// [`WriteError::CannotHold`] for finite numbers beyond the range of the file's type.
+pub fn rewrite_values(
+    source: &Path,
+    structure: Option<&str>,
+    field: &Field,
+    path: &Path,
+) -> Result<Option<Vec<u8>>, WriteError> {
+    let size = SurfaceSize { structure, n_vertices: field.len() };
+    let edit = ValuesEdit { size, field, path };
+    let rewritten = parse_file(source, &ReadLimits::default(), Progress::none(), |bytes| {
+        let file = FileHead::new(&bytes, None);
+        let rewriters =
+            TABLE.iter().filter_map(|format| Some(((format.recognize)(&file)?, format.rewrite_values?)));
+        let best = rewriters.reduce(|best, other| if other.0 > best.0 { other } else { best });
+        Ok(best.map(|(_, rewrite)| rewrite(&bytes, &edit)))
+    });
+    let Ok(Some(rewritten)) = rewritten else { return Ok(None) };
+    let Some(bytes) = rewritten? else { return Ok(None) };
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz")) {
+        return Ok(Some(bytes));
+    }
+    let mut gz = GzEncoder::new(Vec::new(), Compression::default());
+    gz.write_all(&bytes)?;
+    Ok(Some(gz.finish()?))
 }
 
 /// [`read_surface_values`] from bytes that are not compressed as a whole.

@@ -4,6 +4,8 @@
 
 mod models;
 pub(crate) mod read;
+mod update;
+pub(crate) mod write;
 
 use crate::Format;
 use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
@@ -19,5 +21,6 @@ pub(crate) static CIFTI: FormatDescriptor = FormatDescriptor {
     read_values: Some(|bytes, size, c| {
         read::read_cifti(bytes, size.structure, size.n_vertices, c.limits, c.progress)
     }),
+    rewrite_values: Some(update::rewrite),
     ..FormatDescriptor::NEW
 };

@@ -9,7 +9,7 @@ use crate::progress::extend;
 use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
 /// Size of the NIfTI-2 header in bytes.
-const HEADER: usize = 540;
+pub(super) const HEADER: usize = 540;
 /// Code of the extension that contains the XML.
 const CIFTI: i32 = 32;
 
@@ -17,6 +17,24 @@ const CIFTI: i32 = 32;
 pub(crate) fn is_nifti(bytes: &[u8]) -> bool {
     let magic = |at: usize, magic: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(magic));
     magic(4, b"n+2\0") || magic(344, b"n+1\0")
+}
+
+/// Numbers of one surface in a CIFTI.
+pub(super) struct CiftiNumbers {
+    pub(super) model: BrainModel,
+    /// Names of the columns, if they have any.
+    names: Option<Vec<String>>,
+    /// Byte of the first number of the file.
+    pub(super) start: usize,
+    /// Bytes of all numbers of the file.
+    n_bytes: usize,
+    pub(super) n_columns: usize,
+    pub(super) kind: ValueType,
+    pub(super) order: ByteOrder,
+    /// Slope and intercept.
+    scale: [f64; 2],
+    /// True if the numbers are not the values themselves.
+    pub(super) is_scaled: bool,
 }
 
 /// Reads the values of the surface with `n_vertices` vertices and, if known, this structure.
@@ -27,6 +45,20 @@ pub(crate) fn read_cifti(
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
+    let found = locate_numbers(bytes, structure, n_vertices, limits, progress)?;
+    let data = &bytes[found.start..found.start + found.n_bytes];
+    let values = Numbers::Bytes { bytes: data.into(), kind: found.kind, order: found.order };
+    fields(&found, &values, n_vertices, progress)
+}
+
+/// Locates the numbers of the surface with `n_vertices` vertices and, if known, this structure.
+pub(super) fn locate_numbers(
+    bytes: &[u8],
+    structure: Option<&str>,
+    n_vertices: usize,
+    limits: &ReadLimits,
+    progress: Progress<'_>,
+) -> Result<CiftiNumbers, ReadError> {
     let cut = || ReadError::byte_error(bytes.len(), "the file ends too early; get the whole file");
     if !bytes[4..].starts_with(b"n+2") {
         let message = "this NIfTI-1 file is not a CIFTI and has no vertices; use values on a surface";
@@ -62,7 +94,8 @@ pub(crate) fn read_cifti(
         })?,
         progress,
     )?;
-    let model = select_model(&maps, structure, n_vertices)?;
+    let CiftiMaps { models, names } = maps;
+    let model = select_model(models, structure, n_vertices)?;
     let start = usize::try_from(length(168)?).map_err(|_| cut())?;
     let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
     let data = n_bytes.and_then(|n| bytes.get(start..)?.get(..usize::try_from(n).ok()?)).ok_or_else(cut)?;
@@ -76,9 +109,20 @@ pub(crate) fn read_cifti(
     // The file may have values for few of the vertices.
     limits.check_bytes((n_vertices as u64).saturating_mul(n_columns).saturating_mul(8))?;
     let scale = [176, 184].map(|at| f64::from_bytes(&bytes[at..], order));
-    let values = Numbers::Bytes { bytes: data.into(), kind, order };
-    let matrix = Matrix { values: &values, n_columns: n_columns as usize, scale };
-    fields(model, &maps, &matrix, n_vertices, progress)
+    let [slope, intercept] = scale;
+    let is_scaled = slope.is_finite() && slope != 0.0 && (slope, intercept) != (1.0, 0.0);
+    let n_bytes = data.len();
+    Ok(CiftiNumbers {
+        model,
+        names,
+        start,
+        n_bytes,
+        n_columns: n_columns as usize,
+        kind,
+        order,
+        scale,
+        is_scaled,
+    })
 }
 
 /// XML in the extensions of the header.
@@ -99,21 +143,23 @@ fn extension(bytes: &[u8], order: ByteOrder) -> Option<&[u8]> {
 }
 
 /// Selects the brain model of the surface.
-fn select_model<'a>(
-    maps: &'a CiftiMaps,
+fn select_model(
+    models: Vec<BrainModel>,
     structure: Option<&str>,
     n_vertices: usize,
-) -> Result<&'a BrainModel, ReadError> {
+) -> Result<BrainModel, ReadError> {
     let plain = |name: &str| name.replace('_', "").to_ascii_lowercase();
     let fits = |model: &&BrainModel| match structure {
         Some(structure) => plain(&model.structure) == plain(structure),
         None => model.n_vertices == n_vertices as u64,
     };
-    let found: Vec<&BrainModel> = maps.models.iter().filter(fits).collect();
-    let known: Vec<&str> = maps.models.iter().map(|model| model.structure.as_str()).collect();
+    let known: Vec<&str> = models.iter().map(|model| model.structure.as_str()).collect();
     let known = if known.is_empty() { "no surface".to_owned() } else { known.join(", ") };
+    let mut found: Vec<BrainModel> = models.into_iter().filter(|model| fits(&model)).collect();
+    if found.len() == 1 && found[0].n_vertices == n_vertices as u64 {
+        return Ok(found.remove(0));
+    }
     match (&found[..], structure) {
-        ([model], _) if model.n_vertices == n_vertices as u64 => Ok(model),
         ([model], _) => Err(ReadError::Whole(format!(
             "has values for {} vertices of {}, but the surface has {n_vertices}; use the matching surface",
             model.n_vertices, model.structure
@@ -131,28 +177,19 @@ fn select_model<'a>(
     }
 }
 
-/// The numbers of the file, row by row.
-struct Matrix<'a> {
-    values: &'a Numbers<'a>,
-    n_columns: usize,
-    /// Slope and intercept.
-    scale: [f64; 2],
-}
-
 /// One field per named column; columns without names become the channels of one field.
 fn fields(
-    model: &BrainModel,
-    maps: &CiftiMaps,
-    matrix: &Matrix<'_>,
+    found: &CiftiNumbers,
+    values: &Numbers<'_>,
     n_vertices: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Field>, ReadError> {
-    let Matrix { values, n_columns, scale: [slope, intercept] } = *matrix;
+    let CiftiNumbers { model, names, n_columns, is_scaled, scale: [slope, intercept], .. } = found;
+    let (n_columns, is_scaled) = (*n_columns, *is_scaled);
     let mut rows = vec![None; n_vertices];
     for (i, &vertex) in model.vertices.iter().enumerate() {
         rows[vertex as usize] = Some(model.first as usize + i);
     }
-    let is_scaled = slope.is_finite() && slope != 0.0 && (slope, intercept) != (1.0, 0.0);
     let value = |vertex: usize, column: usize| {
         let x = rows[vertex].map_or(f64::NAN, |row| values.get(row * n_columns + column));
         if is_scaled { slope * x + intercept } else { x }
@@ -171,7 +208,7 @@ fn fields(
         };
         Ok(Field::new(name, k, values))
     };
-    match &maps.names {
+    match names {
         Some(names) if names.len() == n_columns => {
             let named = names.iter().enumerate().map(|(column, name)| {
                 let name = if name.is_empty() { format!("map{}", column + 1) } else { name.clone() };

@@ -33,6 +33,7 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
     },
     read: Some(|bytes, c| read::read_gifti(bytes, c.folder, c.limits, c.progress)),
     read_fields: Some(read::read_gifti_fields),
+    rewrite_values: Some(update::rewrite),
     write: Some(|shape, c| write::write_gifti(shape, &mut c.report, c.out, c.progress)),
     samples: &[SampleFile { name: "a.gii", bytes: include_bytes!("samples/a.gii") }],
     ..FormatDescriptor::NEW

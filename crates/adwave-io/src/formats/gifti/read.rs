@@ -12,7 +12,7 @@ use adwave::shape::Polygons;
 use roxmltree::{Document, ParsingOptions};
 
 use super::array::{Array, ArrayError, STRUCTURE, about, array};
-use super::update::GiftiSource;
+use super::update::{ArrayLocation, GiftiSource};
 use crate::model::field::unused;
 use crate::progress::{collect, report_row};
 use crate::text::one_line;
@@ -137,6 +137,23 @@ fn parse_fields(
         return Err(ReadError::Whole("this GIFTI has a surface but no values at vertices".into()));
     }
     Ok(fields)
+}
+
+/// Places of the arrays of values in the text, in the order of the file.
+///
+/// # Errors
+/// The file is malformed, or has arrays whose numbers are elsewhere.
+pub(super) fn value_arrays(bytes: &[u8]) -> Result<Vec<ArrayLocation>, ReadError> {
+    // Offsets do not count the UTF-8 byte order mark, which is rare.
+    if bytes.starts_with(MARK) {
+        return Err(ReadError::Whole("the text begins with a byte order mark; save it without".into()));
+    }
+    let arrays = content(bytes, None, &ReadLimits::default(), Progress::none())?.arrays;
+    let has_values =
+        |array: &Array| !matches!(array.intent.as_str(), "pointset" | "triangle") && !array.values.is_empty();
+    let places = arrays.into_iter().filter(has_values).map(|array| array.place);
+    let elsewhere = || ReadError::Whole("the numbers are in another file; keep both together".into());
+    places.map(|place| place.ok_or_else(elsewhere)).collect()
 }
 
 fn faces(array: &Array, n_vertices: usize, progress: Progress<'_>) -> Result<Polygons, ReadError> {

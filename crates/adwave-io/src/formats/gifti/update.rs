@@ -1,6 +1,7 @@
 //! Rewriting of a GIFTI: changed numbers are replaced in its text, and new fields are added to its arrays.
 
 use crate::model::context::WriteContext;
+use crate::model::format_descriptor::ValuesEdit;
 use crate::model::source_document::SourceDocument;
 use crate::model::source_document::Update;
 use std::io::Write;
@@ -9,12 +10,14 @@ use std::ops::Range;
 use adwave::Progress;
 
 use super::numbers::ArrayStorage;
+use super::GIFTI;
+use super::read::value_arrays;
 use super::write::{check_field, write_field};
 use crate::model::f32_limits::check_range;
 use crate::{Field, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Range of the element with an array's numbers, and their encoding.
-type ArrayLocation = (Range<usize>, ArrayStorage);
+pub(super) type ArrayLocation = (Range<usize>, ArrayStorage);
 
 /// Text of a GIFTI with the ranges of its numbers.
 #[derive(Debug)]
@@ -119,4 +122,35 @@ fn changes<'a>(
     }
     changes.sort_by_key(|(range, _)| range.start);
     Ok(Some(changes))
+}
+
+/// Bytes of a GIFTI with new numbers of all its arrays of values; `None` if these do not fit its arrays, or if the name asks
+/// for another kind of file.
+pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<u8>>, WriteError> {
+    let (field, progress) = (edit.field, Progress::none());
+    let Ok(places) = value_arrays(bytes) else { return Ok(None) };
+    let fits = |(_, numbers): &ArrayLocation| {
+        matches!(numbers.kind, ValueType::F32 | ValueType::F64) && numbers.rows == field.len()
+    };
+    let n_columns: usize = places.iter().map(|(_, numbers)| numbers.columns).sum();
+    if !GIFTI.matches_name(edit.path) || n_columns != field.n_channels || !places.iter().all(fits) {
+        return Ok(None);
+    }
+    let value = |i: usize| field.values.get(i);
+    if places.iter().any(|(_, numbers)| numbers.kind == ValueType::F32) {
+        let name = format!("values of `{}`", field.name);
+        check_range(Format::GIFTI, &name, field.values.len(), progress, value)?;
+    }
+    let (mut out, mut written, mut first) = (Vec::with_capacity(bytes.len()), 0, 0);
+    for (range, numbers) in places {
+        out.extend_from_slice(&bytes[written..range.start]);
+        written = range.end;
+        let columns = numbers.columns;
+        numbers.write(&mut out, progress, |i| {
+            value(i / columns * field.n_channels + first + i % columns)
+        })?;
+        first += columns;
+    }
+    out.extend_from_slice(&bytes[written..]);
+    Ok(Some(out))
 }

@@ -1,0 +1,217 @@
+//! CIFTI writer: dense scalars and series of one surface, as read by Connectome Workbench and nibabel.
+//!
+//! Library: none. The crate `nifti` 0.17 writes NIfTI-1 headers without the extension that holds the XML.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use adwave::Progress;
+
+use super::CIFTI;
+use super::read::HEADER;
+use crate::model::f32_limits::check_range;
+use crate::model::grouping::column_names;
+use crate::text::escape_xml;
+use crate::{Field, WriteError, atomic_write_with};
+
+/// Meaning of the columns of a CIFTI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CiftiColumns {
+    /// Named maps: `.dscalar.nii`.
+    Scalars,
+    /// Samples of a series, one second apart: `.dtseries.nii`.
+    Series,
+}
+
+impl CiftiColumns {
+    /// Meaning that the ending of a file's name asks for; `None` for another ending.
+    ///
+    /// ```
+    /// use adwave_io::CiftiColumns;
+    /// let columns = |name: &str| CiftiColumns::from_path(name.as_ref());
+    /// assert_eq!(columns("rest.dtseries.nii"), Some(CiftiColumns::Series));
+    /// assert_eq!(columns("brain.nii"), None);
+    /// ```
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        match () {
+            () if name.ends_with(".dscalar.nii") => Some(Self::Scalars),
+            () if name.ends_with(".dtseries.nii") => Some(Self::Series),
+            () => None,
+        }
+    }
+
+    /// Code and name of the intent in the header.
+    pub(super) fn intent(self) -> (i32, &'static str) {
+        match self {
+            Self::Scalars => (3006, "ConnDenseScalar"),
+            Self::Series => (3002, "ConnDenseSeries"),
+        }
+    }
+}
+
+/// Name of a structure in a CIFTI: `CortexLeft` is `CIFTI_STRUCTURE_CORTEX_LEFT`.
+fn structure_name(structure: &str) -> String {
+    let mut name = String::from("CIFTI_STRUCTURE");
+    let mut was_lower = false;
+    for c in structure.chars() {
+        if name == "CIFTI_STRUCTURE" || (c.is_uppercase() && was_lower) {
+            name.push('_');
+        }
+        was_lower = c.is_lowercase();
+        name.extend(c.to_uppercase());
+    }
+    name
+}
+
+/// Writes values of a surface as a CIFTI-2 with the structure, such as `CortexLeft`: the columns are the channels of all
+/// fields, each with a row per vertex. Vertices where all are NaN, such as the medial wall, are no part of the file.
+/// Numbers are rounded to 32-bit floats. O(n × columns).
+///
+/// ```
+/// use adwave_io::{CiftiColumns, Field, FieldValues, ReadLimits, read_surface_values, write_cifti_fields};
+/// let folder = tempfile::tempdir().unwrap();
+/// let path = folder.path().join("map.dscalar.nii");
+/// let field = Field::new("thickness", 1, FieldValues::F64(vec![2.5, f64::NAN, 3.0]));
+/// write_cifti_fields(&path, &[field], "CortexLeft", CiftiColumns::Scalars)?;
+/// let read = read_surface_values(&path, Some("CortexLeft"), 3, &ReadLimits::default()).unwrap();
+/// assert_eq!((read[0].name.as_str(), read[0].get(2, 0)), ("thickness", 3.0));
+/// assert!(read[0].get(1, 0).is_nan());
+/// # Ok::<(), adwave_io::WriteError>(())
+/// ```
+///
+/// # Errors
+/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::CannotHold`] for fields with different numbers of
+/// rows, without values, or with finite numbers beyond the range of 32-bit floats.
+pub fn write_cifti_fields(
+    path: &Path,
+    fields: &[Field],
+    structure: &str,
+    columns: CiftiColumns,
+) -> Result<(), WriteError> {
+    let bytes = encode(fields, structure, columns)?;
+    atomic_write_with(path, Progress::none(), |out| Ok(out.write_all(&bytes)?))
+}
+
+fn encode(fields: &[Field], structure: &str, columns: CiftiColumns) -> Result<Vec<u8>, WriteError> {
+    let cannot_hold = |what: &str| WriteError::CannotHold { format: CIFTI.format, what: what.into() };
+    let n = fields.first().map_or(0, Field::len);
+    if fields.iter().any(|field| field.len() != n) {
+        return Err(cannot_hold("fields with different numbers of rows"));
+    }
+    for field in fields {
+        let name = format!("values of `{}`", field.name);
+        check_range(CIFTI.format, &name, field.values.len(), Progress::none(), |i| field.values.get(i))?;
+    }
+    let row = |i: usize| fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)));
+    let vertices: Vec<usize> = (0..n).filter(|&i| row(i).any(|x| !x.is_nan())).collect();
+    if vertices.is_empty() {
+        return Err(cannot_hold("a field that is NaN everywhere"));
+    }
+    let names: Vec<String> = fields
+        .iter()
+        .flat_map(|field| if field.n_channels == 1 { vec![field.name.clone()] } else { column_names(field) })
+        .collect();
+    let xml = matrix_xml(&names, structure, columns, &vertices, n);
+    let mut bytes = head(names.len(), vertices.len(), columns, xml.len());
+    bytes.extend_from_slice(xml.as_bytes());
+    bytes.resize(data_start(xml.len()), 0);
+    for &i in &vertices {
+        bytes.extend(row(i).flat_map(|x| (x as f32).to_le_bytes()));
+    }
+    Ok(bytes)
+}
+
+fn matrix_xml(
+    names: &[String],
+    structure: &str,
+    columns: CiftiColumns,
+    vertices: &[usize],
+    n_vertices: usize,
+) -> String {
+    let mut xml = String::from(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CIFTI Version=\"2\">\n<Matrix>\n\
+         <MatrixIndicesMap AppliesToMatrixDimension=\"0\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_",
+    );
+    match columns {
+        CiftiColumns::Scalars => {
+            xml += "SCALARS\">\n";
+            for name in names {
+                let _ =
+                    writeln!(xml, "<NamedMap>\n<MapName>{}</MapName>\n</NamedMap>", escape_xml(name));
+            }
+            xml += "</MatrixIndicesMap>\n";
+        }
+        CiftiColumns::Series => {
+            let _ = writeln!(
+                xml,
+                "SERIES\" NumberOfSeriesPoints=\"{}\" SeriesExponent=\"0\" SeriesStart=\"0\" SeriesStep=\"1\" \
+                 SeriesUnit=\"SECOND\"/>",
+                names.len()
+            );
+        }
+    }
+    let _ = write!(
+        xml,
+        "<MatrixIndicesMap AppliesToMatrixDimension=\"1\" IndicesMapToDataType=\"CIFTI_INDEX_TYPE_BRAIN_MODELS\">\n\
+         <BrainModel IndexOffset=\"0\" IndexCount=\"{}\" ModelType=\"CIFTI_MODEL_TYPE_SURFACE\" BrainStructure=\"{}\" \
+         SurfaceNumberOfVertices=\"{n_vertices}\">\n<VertexIndices>",
+        vertices.len(),
+        escape_xml(&structure_name(structure))
+    );
+    for (k, vertex) in vertices.iter().enumerate() {
+        if k > 0 {
+            xml.push(' ');
+        }
+        let _ = write!(xml, "{vertex}");
+    }
+    xml + "</VertexIndices>\n</BrainModel>\n</MatrixIndicesMap>\n</Matrix>\n</CIFTI>\n"
+}
+
+/// First byte of the numbers after an XML of this length.
+fn data_start(xml_length: usize) -> usize {
+    HEADER + 4 + (8 + xml_length).next_multiple_of(16)
+}
+
+/// NIfTI-2 header in little-endian order, with the beginning of the extension.
+fn head(n_columns: usize, n_rows: usize, columns: CiftiColumns, xml_length: usize) -> Vec<u8> {
+    let mut bytes = vec![0_u8; HEADER];
+    let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
+    put(0, &(HEADER as i32).to_le_bytes());
+    put(4, b"n+2\0\r\n\x1a\n");
+    // 32-bit floats.
+    put(12, &16_i16.to_le_bytes());
+    put(14, &32_i16.to_le_bytes());
+    let sizes = [6, 1, 1, 1, 1, n_columns as i64, n_rows as i64, 1];
+    for (k, size) in sizes.into_iter().enumerate() {
+        put(16 + 8 * k, &size.to_le_bytes());
+        put(104 + 8 * k, &1_f64.to_le_bytes());
+    }
+    put(168, &(data_start(xml_length) as i64).to_le_bytes());
+    put(176, &1_f64.to_le_bytes());
+    let (code, name) = columns.intent();
+    if columns == CiftiColumns::Series {
+        // Seconds.
+        put(500, &8_i32.to_le_bytes());
+    }
+    put(504, &code.to_le_bytes());
+    put(508, name.as_bytes());
+    bytes.extend([1, 0, 0, 0]);
+    let size = data_start(xml_length) - HEADER - 4;
+    bytes.extend((size as i32).to_le_bytes());
+    bytes.extend(32_i32.to_le_bytes());
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structures_have_the_names_of_the_standard() {
+        assert_eq!(structure_name("CortexLeft"), "CIFTI_STRUCTURE_CORTEX_LEFT");
+        assert_eq!(structure_name("Cerebellum"), "CIFTI_STRUCTURE_CEREBELLUM");
+        assert_eq!(structure_name("CORTEX_RIGHT"), "CIFTI_STRUCTURE_CORTEX_RIGHT");
+    }
+}
