@@ -9,6 +9,7 @@ mod field_files;
 mod hostile;
 mod labels;
 mod levels;
+mod missing_values;
 mod moved_shapes;
 mod provenance;
 mod real_shapes;
