@@ -236,13 +236,12 @@ fn denoise_points<'py>(
     py: Python<'py>,
     shape: &Bound<'py, ShapeData>,
     options: DenoiseOptions,
-    weld: bool,
+    weld: WeldOption,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
     let params = options.params()?;
     let own = shape.get().shape(py)?;
-    let default = OperatorParams::default().weld;
-    let weld = if weld { default } else { adwave::shape::WeldMode::Off };
+    let weld = weld.mode()?;
     let work = |p: Progress<'_>| {
         let geometry = stage(PreparedGeometry::new(own, weld, p))?;
         stage(denoise(&geometry, &params, p))

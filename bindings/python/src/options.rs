@@ -65,11 +65,35 @@ const CLOUD_AREAS: &[(&str, CloudArea)] = &[
     ("tangent-voronoi", CloudArea::TangentVoronoi),
 ];
 
+/// Rule of welding: whether vertices at equal or nearly equal positions are one, or a tolerance in model units.
+#[derive(Clone, Copy, FromPyObject)]
+pub(crate) enum WeldOption {
+    Flag(bool),
+    Tolerance(f64),
+}
+
+impl WeldOption {
+    /// The rule as the library has it.
+    pub(crate) fn mode(self) -> PyResult<WeldMode> {
+        match self {
+            Self::Flag(true) => Ok(WeldMode::default()),
+            Self::Flag(false) => Ok(WeldMode::Off),
+            Self::Tolerance(0.0) => Ok(WeldMode::EqualPositions),
+            Self::Tolerance(tolerance) if tolerance.is_finite() && tolerance > 0.0 => {
+                Ok(WeldMode::Within(tolerance))
+            }
+            Self::Tolerance(tolerance) => Err(PyValueError::new_err(format!(
+                "weld must be True, False or a length of at least 0, got {tolerance}"
+            ))),
+        }
+    }
+}
+
 /// Options of the diffusion operator; `None` takes the library's default.
 #[derive(FromPyObject)]
 pub(crate) struct OperatorOptions {
     kind: Option<String>,
-    weld: Option<bool>,
+    weld: Option<WeldOption>,
     rings: Option<i64>,
     neighbors: Option<i64>,
     directed: Option<bool>,
@@ -86,7 +110,7 @@ impl OperatorOptions {
             params = params.with_kind(word("operator", kind, OPERATORS)?);
         }
         if let Some(weld) = self.weld {
-            params = params.with_weld(if weld { WeldMode::EqualPositions } else { WeldMode::Off });
+            params = params.with_weld(weld.mode()?);
         }
         if let Some(rings) = self.rings {
             params = params.with_rings(parse_positive("rings", rings)?);

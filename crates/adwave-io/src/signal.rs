@@ -151,7 +151,7 @@ pub fn named_signal(
         return Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(degree(graph)) });
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
-        let geometry = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none())?;
+        let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none())?;
         let values = surface_signal(&geometry, kind, Progress::none())?;
         return Ok(NamedSignal { n_channels: kind.n_channels(), values: SignalValues::Other(values) });
     }

@@ -94,7 +94,7 @@ fn is_open(shape: &Shape) -> bool {
     if !matches!(shape, Shape::Mesh(_)) {
         return true;
     }
-    let Ok(geometry) = PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()) else {
+    let Ok(geometry) = PreparedGeometry::new(shape, WeldMode::default(), Progress::none()) else {
         return false;
     };
     let ring = one_ring(geometry.n_vertices(), geometry.triangles());

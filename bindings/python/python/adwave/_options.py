@@ -142,8 +142,9 @@ class Operator:
     kind : {'walk', 'surface'}, optional
         The lazy random walk of the paper, or heat on the surface, whose widths hardly depend on the mesh. By default
         the walk, and heat on the surface if levels are given by width.
-    weld : bool, optional
-        Whether vertices at equal positions count as one in the analysis.
+    weld : bool or float, optional
+        Whether vertices at equal positions count as one in the analysis, and edges of open borders that nearly coincide
+        (within a few steps of 32-bit floats) too; or a tolerance for these in model units, 0 for equal positions only.
     rings : int, optional
         Walk on a mesh: number of rings of neighbors in one step.
     neighbors : int, optional
@@ -167,7 +168,7 @@ class Operator:
     """
 
     kind: Union[OperatorKind, None] = None
-    weld: Union[bool, None] = None
+    weld: Union[bool, float, None] = None
     rings: Union[int, None] = None
     neighbors: Union[int, None] = None
     directed: Union[bool, None] = None

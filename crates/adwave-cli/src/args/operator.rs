@@ -14,6 +14,10 @@ pub(crate) struct OperatorArgs {
     /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared, else walk]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<OperatorKind>())]
     pub(crate) operator: Option<OperatorKind>,
+    /// Mesh: distance in model units within which edges of open borders are welded; 0 welds equal positions only [default: a few
+    /// steps of 32-bit floats, at most a thousandth of the shortest edge there]
+    #[arg(long, value_name = "LENGTH", value_parser = parse_tolerance, conflicts_with = "no_weld")]
+    pub(crate) weld: Option<f64>,
     /// Keep vertices at exactly equal positions apart
     #[arg(long)]
     pub(crate) no_weld: bool,
@@ -40,6 +44,12 @@ pub(crate) struct OperatorArgs {
     pub(crate) keep_creases: bool,
 }
 
+/// A length that is not negative.
+fn parse_tolerance(text: &str) -> Result<f64, String> {
+    let length = text.trim().parse::<f64>().ok().filter(|length| length.is_finite() && *length >= 0.0);
+    length.ok_or_else(|| format!("a tolerance must be a length of at least 0, got {text}"))
+}
+
 /// A default of the library, which is at least 1.
 fn non_zero(n: usize) -> NonZeroUsize {
     NonZeroUsize::new(n).unwrap_or(NonZeroUsize::MIN)
@@ -59,8 +69,13 @@ impl OperatorArgs {
             .with_keep_creases(self.keep_creases)
     }
 
-    /// Whether vertices at equal positions are one.
+    /// Rule by which vertices at equal or nearly equal positions are one.
     pub(crate) fn weld_mode(&self) -> WeldMode {
-        if self.no_weld { WeldMode::Off } else { WeldMode::EqualPositions }
+        match self.weld {
+            _ if self.no_weld => WeldMode::Off,
+            None => WeldMode::default(),
+            Some(0.0) => WeldMode::EqualPositions,
+            Some(tolerance) => WeldMode::Within(tolerance),
+        }
     }
 }

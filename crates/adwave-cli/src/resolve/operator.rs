@@ -4,7 +4,7 @@ use super::signal::Signal;
 use crate::args::{LevelArgs, OperatorArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::note;
+use crate::output::{count, note, number};
 use crate::output::progress::with_progress;
 use adwave::mask::{MaskedChannels, channels_by_mask, missing};
 use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
@@ -65,8 +65,16 @@ pub(crate) fn prepare(
     Ok(decomposer)
 }
 
-/// Names the placeholders and strays of a shape.
+/// Names the placeholders and strays of a shape, and the vertices that were welded although their positions differ.
 pub(crate) fn note_outsiders(geometry: &PreparedGeometry, global: &Global<'_>) {
+    if let Some(seams) = geometry.seams() {
+        let text = format!(
+            "{} within {} of another, along open borders that nearly coincide; they are welded (--weld 0 keeps them apart)",
+            count(seams.n_vertices, "vertex is", "vertices are"),
+            number(seams.distance)
+        );
+        note(global, &text);
+    }
     let outsiders = geometry.outsiders();
     for role in [VertexRole::Placeholder, VertexRole::Stray] {
         if let Some(text) = describe_outsiders(&outsiders, role) {

@@ -18,6 +18,7 @@ mod order;
 mod participation;
 mod polygons;
 mod prepared_geometry;
+mod seams;
 mod sheets;
 mod surface;
 mod triangulate;
@@ -37,6 +38,7 @@ pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
 pub use participation::{STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to, picture_frame};
+pub use seams::SeamWeld;
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub(crate) use surface::try_vertex_normals;
@@ -46,7 +48,7 @@ pub use vertex_map::{VertexMap, WeldMode};
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, Progress, parallel};
-pub(crate) use participation::Participation;
+pub(crate) use participation::{DisjointSets, Participation};
 use thiserror::Error;
 
 /// Largest magnitude of a coordinate; squares and products of three lengths stay finite below it.
@@ -93,7 +95,7 @@ impl Shape {
     /// # Ok::<(), adwave::shape::ShapeError>(())
     /// ```
     pub fn extent(&self) -> f64 {
-        match PreparedGeometry::new(self, WeldMode::EqualPositions, Progress::none()) {
+        match PreparedGeometry::new(self, WeldMode::default(), Progress::none()) {
             Ok(geometry) => geometry.extent(),
             Err(cancelled) => unreachable!("{cancelled}"),
         }

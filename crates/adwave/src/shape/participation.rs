@@ -448,17 +448,17 @@ fn quantiles(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
 }
 
 /// Disjoint sets of vertices; the smallest vertex of a set is its root.
-struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
-    fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect() }
     }
 
     /// Root of the set of `x`, with path halving.
-    fn root(&mut self, mut x: u32) -> u32 {
+    pub(crate) fn root(&mut self, mut x: u32) -> u32 {
         while self.parent[x as usize] != x {
             let next = self.parent[self.parent[x as usize] as usize];
             self.parent[x as usize] = next;
@@ -467,7 +467,7 @@ impl DisjointSets {
         x
     }
 
-    fn join(&mut self, x: u32, y: u32) {
+    pub(crate) fn join(&mut self, x: u32, y: u32) {
         let (a, b) = (self.root(x), self.root(y));
         self.parent[a.max(b) as usize] = a.min(b);
     }

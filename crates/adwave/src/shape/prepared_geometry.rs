@@ -2,11 +2,12 @@
 
 use super::order::reverse_cuthill_mckee;
 use super::participation::{Participation, STRAY_NEIGHBORS};
+use super::seams::{SeamMatches, match_seams};
 use super::sheets::{are_sheets_apart, nearest_on_sheet, welded_normals};
 use super::triangulate::try_triangulate;
 use super::{
-    Adjacency, FaceIncidence, Graph, Mesh, Neighborhoods, PointCloud, Polygons, Shape, VertexMap, VertexRole,
-    WeldMode, enclosed_face_volume, face_ring, total_face_area,
+    Adjacency, FaceIncidence, Graph, Mesh, Neighborhoods, PointCloud, Polygons, SeamWeld, Shape, VertexMap,
+    VertexRole, WeldMode, enclosed_face_volume, face_ring, total_face_area,
 };
 use crate::{Cancelled, Progress, parallel};
 use std::borrow::Cow;
@@ -38,6 +39,9 @@ pub struct PreparedGeometry {
     near: Arc<Mutex<Option<Neighborhoods>>>,
     /// Normals that separate sheets of a cloud; `None` if they separate nothing.
     sheet_normals: Option<Arc<Vec<[f64; 3]>>>,
+    weld_mode: WeldMode,
+    /// Vertices at different positions that were welded.
+    seams: Option<SeamWeld>,
 }
 
 /// Shape of the vertices that take part.
@@ -68,6 +72,8 @@ impl PreparedGeometry {
             participation: Arc::default(),
             near: Arc::default(),
             sheet_normals: None,
+            weld_mode,
+            seams: None,
             shape: shape.clone(),
             vertex_map,
             points: Arc::new(points),
@@ -87,13 +93,23 @@ impl PreparedGeometry {
             }
             Shape::Mesh(mesh) => (mesh.points(), Some(mesh.faces())),
         };
-        let vertex_map = VertexMap::try_new(points, weld_mode, progress)?;
+        let mut vertex_map = VertexMap::try_new(points, weld_mode, progress)?;
         progress.step(1, STAGES)?;
-        let positions = vertex_map.try_positions(points, progress)?;
+        let mut positions = vertex_map.try_positions(points, progress)?;
         progress.step(2, STAGES)?;
         let is_mesh = faces.is_some();
+        let mut seams = None;
         let mut faces = match faces {
-            Some(faces) => welded_faces(faces, vertex_map.as_slice(), progress)?,
+            Some(given) => {
+                let mut faces = welded_faces(given, vertex_map.as_slice(), progress)?;
+                if let Some(found) = match_weld_mode(weld_mode, &positions, &faces, progress)? {
+                    vertex_map = vertex_map.merged(&found.roots);
+                    positions = vertex_map.try_positions(points, progress)?;
+                    faces = welded_faces(given, vertex_map.as_slice(), progress)?;
+                    seams = Some(found.weld);
+                }
+                faces
+            }
             None => Polygons::new(),
         }
         .with_canonical_starts(&positions);
@@ -121,6 +137,7 @@ impl PreparedGeometry {
             participation: Arc::new(participation),
             near: Arc::new(Mutex::new(near)),
             sheet_normals,
+            seams,
             ..prepared
         })
     }
@@ -137,6 +154,8 @@ impl PreparedGeometry {
             participation: Arc::default(),
             near: Arc::default(),
             sheet_normals: None,
+            weld_mode: WeldMode::Off,
+            seams: None,
         }
     }
 
@@ -153,6 +172,11 @@ impl PreparedGeometry {
     /// Positions of the welded vertices, in model units; empty for a graph.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
+    }
+
+    /// Vertices at different positions that were welded along seams; `None` if there are none.
+    pub fn seams(&self) -> Option<SeamWeld> {
+        self.seams
     }
 
     /// Triangulated faces between welded vertices; empty for a cloud or a graph.
@@ -251,9 +275,7 @@ impl PreparedGeometry {
             Shape::Graph(_) => return Ok(None),
         };
         let Ok(shape) = shape else { return Ok(None) };
-        let is_welded = self.vertex_map.n_welded() < self.vertex_map.n_vertices();
-        let weld_mode = if is_welded { WeldMode::EqualPositions } else { WeldMode::Off };
-        let geometry = Self::new(&shape, weld_mode, progress)?;
+        let geometry = Self::new(&shape, self.weld_mode, progress)?;
         // A shape whose members have outsiders of their own would never end.
         Ok(geometry.outsiders().is_empty().then_some(Members { geometry, vertices }))
     }
@@ -312,6 +334,22 @@ impl PreparedGeometry {
         }
         let scaled = |x: usize| self.points[x].map(|c| c / unit);
         Ok((Cow::Owned(parallel::try_collect(self.points.len(), progress, scaled)?), unit))
+    }
+}
+
+/// Matches the seams that a mode welds; `None` if there are none.
+fn match_weld_mode(
+    weld_mode: WeldMode,
+    positions: &[[f64; 3]],
+    faces: &Polygons,
+    progress: Progress<'_>,
+) -> Result<Option<SeamMatches>, Cancelled> {
+    match weld_mode {
+        WeldMode::Seams => match_seams(positions, faces, None, progress),
+        WeldMode::Within(tolerance) if tolerance > 0.0 => {
+            match_seams(positions, faces, Some(tolerance), progress)
+        }
+        WeldMode::Within(_) | WeldMode::EqualPositions | WeldMode::Off => Ok(None),
     }
 }
 

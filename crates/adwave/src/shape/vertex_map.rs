@@ -13,11 +13,17 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 use std::sync::atomic::{self, AtomicU32};
 
-/// Treatment of vertices at exactly equal positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Treatment of vertices at equal or nearly equal positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum WeldMode {
-    /// Vertices with three equal coordinates are one welded vertex (0 and −0 are equal).
+    /// Vertices at equal positions are one welded vertex, and so are the ends of edges of open borders that nearly
+    /// coincide: within four steps of 32-bit floats or a millionth of the shortest edge there, and at most a thousandth
+    /// of it.
     #[default]
+    Seams,
+    /// As `Seams`, with a tolerance in model units, which counts up to half of the shortest edge there.
+    Within(f64),
+    /// Vertices with three equal coordinates are one welded vertex (0 and −0 are equal).
     EqualPositions,
     /// Every vertex is a welded vertex.
     Off,
@@ -100,6 +106,23 @@ impl VertexMap {
         )?;
         let welded = welded.into_iter().map(AtomicU32::into_inner).collect();
         Ok(Self { welded: Arc::new(welded), last_member: Arc::new(last_member) })
+    }
+
+    /// Map with some welded vertices made one: `roots` has the smallest member of each vertex's set. The position of a
+    /// set is that of its smallest member.
+    pub(super) fn merged(&self, roots: &[u32]) -> Self {
+        let mut number = vec![0; roots.len()];
+        let mut last_member = Vec::new();
+        for (x, &root) in roots.iter().enumerate() {
+            if root as usize == x {
+                number[x] = last_member.len() as u32;
+                last_member.push(self.last_member[x]);
+            } else {
+                number[x] = number[root as usize];
+            }
+        }
+        let welded = self.welded.iter().map(|&x| number[x as usize]).collect();
+        Self { welded: Arc::new(welded), last_member: Arc::new(last_member) }
     }
 
     /// A map without welding, with `welded(x) == place[x]`; each place occurs once.

@@ -18,6 +18,7 @@ mod real_steps;
 mod reference;
 mod regions;
 mod saliency_features;
+mod seams;
 mod sheets;
 mod signed_saliency;
 mod strays;

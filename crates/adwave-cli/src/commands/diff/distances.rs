@@ -218,7 +218,7 @@ fn moved_sentence(name: &str, motion: &Motion) -> String {
 }
 
 fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeometry, CliError> {
-    PreparedGeometry::new(shape, WeldMode::EqualPositions, global.progress()).map_err(|_| CliError::Cancelled)
+    PreparedGeometry::new(shape, WeldMode::default(), global.progress()).map_err(|_| CliError::Cancelled)
 }
 
 fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {

@@ -1,0 +1,268 @@
+//! Seams: open borders whose edges nearly coincide, because a program rounded the copies of a vertex differently.
+//!
+//! Vertices at exactly equal positions are welded before. Here two edges of open borders are matched if they run in
+//! opposite directions and their ends are within a tolerance; the ends become one vertex each. Nothing inside a surface
+//! and no two borders side by side in the same direction are joined, so that sheets stay apart.
+
+use super::{DisjointSets, Polygons, squared_distance};
+use crate::{Cancelled, Progress, parallel};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use serde::Serialize;
+
+/// Tolerance in steps of 32-bit floats at the largest coordinate of a vertex: what a few products of matrices leave.
+const SINGLE_STEPS: f64 = 4.0;
+
+/// Smallest tolerance, in shortest edges at a vertex.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// Largest tolerance, in shortest edges at a vertex.
+const MOST_SHARE: f64 = 1e-3;
+
+/// Largest tolerance that is asked for, in shortest edges at a vertex: more would join the ends of an edge.
+const MOST_ASKED_SHARE: f64 = 0.49;
+
+/// Vertices that were welded although their positions differ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct SeamWeld {
+    /// Number of positions that became equal to another one.
+    pub n_vertices: usize,
+    /// Largest distance between matched vertices, in model units.
+    pub distance: f64,
+}
+
+/// Welding of vertices along seams.
+pub(super) struct SeamMatches {
+    /// Smallest vertex of the set that each vertex belongs to.
+    pub(super) roots: Vec<u32>,
+    pub(super) weld: SeamWeld,
+}
+
+/// Directed edge of a face that no face has in the opposite direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct BorderEdge {
+    start: u32,
+    end: u32,
+}
+
+/// Matches the open borders of a mesh with different `points`. `tolerance` is in model units; by default it is four
+/// steps of 32-bit floats or a millionth of the shortest edge at a vertex, and at most a thousandth of it. `None` if
+/// nothing matches. O(corners) for a mesh without borders.
+pub(super) fn match_seams(
+    points: &[[f64; 3]],
+    faces: &Polygons,
+    tolerance: Option<f64>,
+    progress: Progress<'_>,
+) -> Result<Option<SeamMatches>, Cancelled> {
+    let is_open = open_vertices(points.len(), faces);
+    let Some(edges) = border_edges(faces, &is_open, progress)? else { return Ok(None) };
+    let tolerances = Tolerances::new(points, faces, &is_open, tolerance);
+    let Some(near) = NearVertices::new(points, &edges, &tolerances, progress)? else { return Ok(None) };
+    let mut sets = DisjointSets::new(points.len());
+    for (one, other) in matched_edges(&edges, &near, progress)? {
+        sets.join(one.start, other.end);
+        sets.join(one.end, other.start);
+    }
+    let mut roots: Vec<u32> = (0..points.len() as u32).map(|x| sets.root(x)).collect();
+    split_collapsing_sets(&mut roots, faces);
+    let mut weld = SeamWeld { n_vertices: 0, distance: 0.0 };
+    for (x, &root) in roots.iter().enumerate().filter(|(x, root)| *x != **root as usize) {
+        weld.n_vertices += 1;
+        weld.distance = weld.distance.max(super::distance(&points[x], &points[root as usize]));
+    }
+    Ok((weld.n_vertices > 0).then_some(SeamMatches { roots, weld }))
+}
+
+/// Flags of the vertices at which the edges of faces do not cancel: those at open borders, and some others.
+fn open_vertices(n: usize, faces: &Polygons) -> Vec<bool> {
+    let mut sums = vec![0_u64; n];
+    for_each_edge(faces, |edge| {
+        sums[edge.start as usize] = sums[edge.start as usize].wrapping_add(scramble(edge.end));
+        sums[edge.end as usize] = sums[edge.end as usize].wrapping_sub(scramble(edge.start));
+    });
+    sums.into_iter().map(|sum| sum != 0).collect()
+}
+
+/// Calls `visit` for the directed edges of all faces.
+fn for_each_edge(faces: &Polygons, mut visit: impl FnMut(BorderEdge)) {
+    for face in faces.iter() {
+        let mut start = face[face.len() - 1];
+        for &end in face {
+            if start != end {
+                visit(BorderEdge { start, end });
+            }
+            start = end;
+        }
+    }
+}
+
+/// Number with all bits of a vertex mixed (the finalizer of splitmix64).
+fn scramble(x: u32) -> u64 {
+    let mut x = u64::from(x).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// Edges of open borders in ascending order; `None` if there are none.
+fn border_edges(
+    faces: &Polygons,
+    is_open: &[bool],
+    progress: Progress<'_>,
+) -> Result<Option<Vec<BorderEdge>>, Cancelled> {
+    progress.check()?;
+    let mut edges = Vec::new();
+    for_each_edge(faces, |edge| {
+        if is_open[edge.start as usize] && is_open[edge.end as usize] {
+            edges.push(edge);
+        }
+    });
+    parallel::sort_unstable_by(&mut edges, progress, |a, b| a.cmp(b))?;
+    let is_border = |k: usize| {
+        let edge = edges[k];
+        let is_repeated =
+            (k > 0 && edges[k - 1] == edge) || edges.get(k + 1).is_some_and(|next| *next == edge);
+        !is_repeated && edges.binary_search(&BorderEdge { start: edge.end, end: edge.start }).is_err()
+    };
+    let borders: Vec<BorderEdge> = (0..edges.len()).filter(|&k| is_border(k)).map(|k| edges[k]).collect();
+    Ok((!borders.is_empty()).then_some(borders))
+}
+
+/// Distances within which vertices may match.
+struct Tolerances {
+    of_vertex: Vec<f64>,
+}
+
+impl Tolerances {
+    fn new(points: &[[f64; 3]], faces: &Polygons, is_open: &[bool], asked: Option<f64>) -> Self {
+        let mut of_vertex = vec![f64::INFINITY; points.len()];
+        for_each_edge(faces, |edge| {
+            let (start, end) = (edge.start as usize, edge.end as usize);
+            if is_open[start] || is_open[end] {
+                let length = super::distance(&points[start], &points[end]);
+                of_vertex[start] = of_vertex[start].min(length);
+                of_vertex[end] = of_vertex[end].min(length);
+            }
+        });
+        for (shortest, p) in of_vertex.iter_mut().zip(points) {
+            let largest = p.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            *shortest = match asked {
+                Some(tolerance) => tolerance.min(MOST_ASKED_SHARE * *shortest),
+                None => (SINGLE_STEPS * largest * f64::from(f32::EPSILON))
+                    .clamp(LEAST_SHARE * *shortest, MOST_SHARE * *shortest),
+            };
+        }
+        Self { of_vertex }
+    }
+
+    fn are_near(&self, points: &[[f64; 3]], x: u32, y: u32) -> bool {
+        let tolerance = self.of_vertex[x as usize].min(self.of_vertex[y as usize]);
+        squared_distance(&points[x as usize], &points[y as usize]) <= tolerance * tolerance
+    }
+}
+
+/// Vertices of open borders that are within their tolerances of each vertex.
+struct NearVertices {
+    /// Vertices of borders, ascending.
+    vertices: Vec<u32>,
+    /// Others near each of them, ascending; the vertex itself is left out.
+    others: Vec<Vec<u32>>,
+}
+
+impl NearVertices {
+    /// `None` if no vertex is near another one.
+    fn new(
+        points: &[[f64; 3]],
+        edges: &[BorderEdge],
+        tolerances: &Tolerances,
+        progress: Progress<'_>,
+    ) -> Result<Option<Self>, Cancelled> {
+        let mut vertices: Vec<u32> = edges.iter().flat_map(|edge| [edge.start, edge.end]).collect();
+        parallel::sort_unstable_by(&mut vertices, progress, |a, b| a.cmp(b))?;
+        vertices.dedup();
+        // In units of the largest coordinate, so that squares neither overflow nor vanish.
+        let largest = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+        if largest == 0.0 {
+            return Ok(None);
+        }
+        let scale = largest.log2().floor().clamp(-1000.0, 1000.0).exp2().recip();
+        let own: Vec<[f64; 3]> = vertices.iter().map(|&x| points[x as usize].map(|c| c * scale)).collect();
+        let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(&own);
+        let others: Vec<Vec<u32>> = parallel::try_collect(vertices.len(), progress, |k| {
+            let x = vertices[k];
+            let reach = tolerances.of_vertex[x as usize] * scale * (1.0 + 1e-9);
+            let mut near: Vec<u32> = tree
+                .within_unsorted::<SquaredEuclidean>(&own[k], reach * reach)
+                .into_iter()
+                .map(|found| vertices[found.item as usize])
+                .filter(|&y| y != x && tolerances.are_near(points, x, y))
+                .collect();
+            near.sort_unstable();
+            near
+        })?;
+        let is_any = others.iter().any(|near| !near.is_empty());
+        Ok(is_any.then_some(Self { vertices, others }))
+    }
+
+    /// Vertices near `x`, itself first.
+    fn of(&self, x: u32) -> impl Iterator<Item = u32> + '_ {
+        let others = self.vertices.binary_search(&x).map_or(&[][..], |k| &self.others[k][..]);
+        std::iter::once(x).chain(others.iter().copied())
+    }
+}
+
+/// Pairs of edges that run in opposite directions between ends that are near each other, and have no other partner.
+fn matched_edges(
+    edges: &[BorderEdge],
+    near: &NearVertices,
+    progress: Progress<'_>,
+) -> Result<Vec<(BorderEdge, BorderEdge)>, Cancelled> {
+    let mut by_end: Vec<u32> = (0..edges.len() as u32).collect();
+    parallel::sort_unstable_by(&mut by_end, progress, |&a, &b| {
+        edges[a as usize].end.cmp(&edges[b as usize].end).then(a.cmp(&b))
+    })?;
+    let ending_in = |x: u32| {
+        let start = by_end.partition_point(|&e| edges[e as usize].end < x);
+        by_end[start..].iter().copied().take_while(move |&e| edges[e as usize].end == x)
+    };
+    // The only partner of each edge.
+    let partners: Vec<Option<u32>> = parallel::try_collect(edges.len(), progress, |k| {
+        let edge = edges[k];
+        let mut found = near.of(edge.start).flat_map(ending_in).filter(|&other| {
+            let start = edges[other as usize].start;
+            other as usize != k && near.of(edge.end).any(|y| y == start)
+        });
+        let first = found.next()?;
+        found.next().is_none().then_some(first)
+    })?;
+    let is_mutual = |(k, partner): &(usize, u32)| partners[*partner as usize] == Some(*k as u32);
+    Ok(partners
+        .iter()
+        .enumerate()
+        .filter_map(|(k, partner)| Some((k, (*partner)?)))
+        .filter(|(k, partner)| *k < *partner as usize)
+        .filter(is_mutual)
+        .map(|(k, partner)| (edges[k], edges[partner as usize]))
+        .collect())
+}
+
+/// Splits the sets that would make two corners of a face one vertex.
+fn split_collapsing_sets(roots: &mut [u32], faces: &Polygons) {
+    let mut collapsing = Vec::new();
+    for_each_edge(faces, |edge| {
+        let root = roots[edge.start as usize];
+        if root == roots[edge.end as usize] {
+            collapsing.push(root);
+        }
+    });
+    collapsing.sort_unstable();
+    collapsing.dedup();
+    if collapsing.is_empty() {
+        return;
+    }
+    for (x, root) in (0..).zip(roots) {
+        if collapsing.binary_search(root).is_ok() {
+            *root = x;
+        }
+    }
+}
