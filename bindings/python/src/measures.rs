@@ -3,14 +3,13 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{BandsOptions, CREASES, LOCAL_FITS, RESPONSES, WEIGHTINGS, word};
+use crate::options::{BandsOptions, CREASES, LOCAL_FITS, RESPONSES, WEIGHTINGS, WeldOption, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
 use adwave::features::{Feature, FeatureParams, Refinement, Response, ThresholdScope, describe, features};
 use adwave::measure::{agreement, center_distance};
-use adwave::operator::OperatorParams;
 use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_level, with_height};
 use adwave::shape::PreparedGeometry;
 use adwave::signal::outward_normals;

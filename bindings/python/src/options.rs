@@ -82,7 +82,7 @@ impl WeldOption {
             Self::Tolerance(tolerance) if tolerance.is_finite() && tolerance > 0.0 => {
                 Ok(WeldMode::Within(tolerance))
             }
-            Self::Tolerance(tolerance) => Err(PyValueError::new_err(format!(
+            Self::Tolerance(tolerance) => Err(value_error(format!(
                 "weld must be True, False or a length of at least 0, got {tolerance}"
             ))),
         }

@@ -189,7 +189,7 @@ def find_features(
     prepared: Prepared, request: BandsRequest, threshold: object, options: object, progress: _Report = None
 ) -> dict[str, NDArray[Any]]: ...
 def denoise_points(
-    shape: ShapeData, options: object, weld: bool, progress: _Report = None
+    shape: ShapeData, options: object, weld: bool | float, progress: _Report = None
 ) -> tuple[_Floats, dict[str, Any]]: ...
 def denoise_values(
     prepared: Prepared, signal: _Floats | None, options: object, progress: _Report = None

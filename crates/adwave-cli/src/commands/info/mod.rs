@@ -144,6 +144,7 @@ impl ShapeFacts {
             "diagonal": decomposer.diagonal(),
             "extent": diagonal,
             "outsiders": outsiders_json(&decomposer.geometry().outsiders()),
+            "seams": decomposer.geometry().seams(),
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
             })),
