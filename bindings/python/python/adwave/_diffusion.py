@@ -381,7 +381,7 @@ class PreparedShape:
         return _adapt.values_array(signal, self.n_vertices), np.ndim(signal) == 1
 
     def _masked_where(self: _Prepared, missing: NDArray[np.bool_]) -> _Prepared:
-        """The same without the vertices where a signal is missing, unless it has a mask already."""
+        """Copy without the vertices where a signal is missing, unless it has a mask already."""
         return self.with_mask(missing) if missing.any() and self._mask is None else self
 
     def __repr__(self) -> str:

@@ -22,7 +22,7 @@ pub enum Triangulation {
 }
 
 /// Parameters of a Laplacian.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LaplacianParams {
     /// Triangulation of a mesh.
     pub triangulation: Triangulation,

@@ -71,9 +71,14 @@ impl ValuesFile {
                 )));
             };
             if columns == CiftiColumns::Series {
-                note(global, &format!("{}: the samples of the series are written as 1 s apart", path.display()));
+                note(
+                    global,
+                    &format!("{}: the samples of the series are written as 1 s apart", path.display()),
+                );
             }
-            return write_file_with(global, path, |path| write_cifti_fields(path, &fields, structure, columns));
+            return write_file_with(global, path, |path| {
+                write_cifti_fields(path, &fields, structure, columns)
+            });
         }
         write_file_with(global, path, |path| match self {
             Self::Npy => write_array(path, &fields),

@@ -4,8 +4,8 @@ use super::signal::Signal;
 use crate::args::{LevelArgs, OperatorArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{count, note, number};
 use crate::output::progress::with_progress;
+use crate::output::{count, note, number};
 use adwave::mask::{MaskedChannels, channels_by_mask, missing};
 use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
 use adwave::shape::{PreparedGeometry, Shape, VertexRole, describe_outsiders};
@@ -99,7 +99,7 @@ pub(crate) struct SignalPart {
 impl SignalParts {
     /// Splits a signal, with a note on what is masked. Channels without any value stay as they are if others have values.
     pub(crate) fn new(
-        decomposer: Decomposer,
+        decomposer: &Decomposer,
         signal: &Signal,
         name: &str,
         global: &Global<'_>,
@@ -111,7 +111,10 @@ impl SignalParts {
         }
         if let ([_, _, ..], n_vertices) = (&groups[..], decomposer.n_vertices()) {
             let n_missing = |group: &MaskedChannels| {
-                group.missing.as_ref().map_or(0, |flags| flags.iter().filter(|&&is_missing| is_missing).count())
+                group
+                    .missing
+                    .as_ref()
+                    .map_or(0, |flags| flags.iter().filter(|&&is_missing| is_missing).count())
             };
             let most = groups.iter().map(n_missing).max().unwrap_or_default();
             let text = format!(
@@ -127,7 +130,9 @@ impl SignalParts {
             let masked = match &channels.missing {
                 None => decomposer.clone(),
                 Some(_) if is_single => mask_missing(decomposer.clone(), signal, name, global)?,
-                Some(flags) => decomposer.masked(flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?,
+                Some(flags) => {
+                    decomposer.masked(flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?
+                }
             };
             parts.push(SignalPart { channels, decomposer: masked });
         }

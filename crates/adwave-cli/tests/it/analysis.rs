@@ -171,7 +171,7 @@ fn fields_come_from_tables_arrays_colors_and_textures() {
     for (line, words) in [
         ("saliency s.obj -o m.ply --field t.csv:width", "depth, gaze"),
         ("saliency s.obj -o m.ply --field texture --texture gone.png", "gone.png"),
-        ("saliency s.obj -o m.ply --texture p.png", "--field texture"),
+        ("saliency s.obj -o m.ply --texture p.png", "needs the signal texture"),
         ("saliency sample:sphere --vertices 100 -o m.ply --field texture", "from a file"),
         ("saliency bare.obj -o n.ply --field texture", "UVs"),
         ("saliency bare.obj -o n.ply --field texture --texture p.png", "UVs"),
@@ -273,7 +273,7 @@ fn the_cortex_takes_its_fields_from_other_files() {
         assert!(!report["features"].as_array().unwrap().is_empty(), "{field}");
     }
     let error = refused(out.path(), &format!("saliency '{}' -o m.ply", path("sulc")));
-    assert!(error.contains("--field"), "{error}");
+    assert!(error.contains("as a signal of a surface"), "{error}");
 }
 
 #[data_test]

@@ -32,8 +32,11 @@ fn write_inputs(path: &Path) {
 
 fn columns(path: &Path) -> Vec<Vec<f64>> {
     let text = fs::read_to_string(path).unwrap();
-    let rows: Vec<Vec<f64>> =
-        text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect()).collect();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect())
+        .collect();
     (0..rows[0].len()).map(|c| rows.iter().map(|row| row[c]).collect()).collect()
 }
 
@@ -52,7 +55,10 @@ fn a_gap_in_one_channel_leaves_the_others_alone() {
             for i in 0..SIDE * SIDE {
                 let (found, alone) = (all[c][i], one[i]);
                 assert_eq!(found.is_nan(), before[c][i].is_nan(), "{command} {name} {i}");
-                assert!(found.is_nan() || (found - alone).abs() < 1e-9, "{command} {name} {i}: {found} {alone}");
+                assert!(
+                    found.is_nan() || (found - alone).abs() < 1e-9,
+                    "{command} {name} {i}: {found} {alone}"
+                );
             }
         }
         if command.starts_with("filter") {
@@ -60,7 +66,8 @@ fn a_gap_in_one_channel_leaves_the_others_alone() {
             assert!(rms > 0.1 && rms.is_finite(), "{report}");
         }
     }
-    let output = adwave(path).args(words("filter grid.obj --gains 0 --signal all.csv -o o.csv")).output().unwrap();
+    let output =
+        adwave(path).args(words("filter grid.obj --gains 0 --signal all.csv -o o.csv")).output().unwrap();
     let notes = String::from_utf8(output.stderr).unwrap();
     assert!(notes.contains("3 groups of channels, at most 90 of 400"), "{notes}");
     let text = String::from_utf8(output.stdout).unwrap();

@@ -93,7 +93,7 @@ fn what_is_wrong_with_a_gifti_is_said_in_one_line() {
         Dim1=\"3\" Encoding=\"ASCII\" Endian=\"LittleEndian\"";
     let whole = || points("ASCII", "0 0 0 1 0 0 0 1 0");
     for (gifti, words) in [
-        (Gifti::new().array(values, "1 2"), "--field"),
+        (Gifti::new().array(values, "1 2"), "as a signal of a surface"),
         (points("ASCII", "0 0 0"), "9 values, got 3"),
         (points("ASCII", "0 0 zero 0 0 0 0 0 0"), "zero"),
         (points("Base64Binary", "@@@"), "Base64"),

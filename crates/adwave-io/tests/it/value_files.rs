@@ -39,7 +39,10 @@ fn a_new_cifti_is_read_back() {
         for (c, map) in maps.iter().enumerate() {
             let expected = field.get(i, c);
             for found in [map.get(i, 0), samples.get(i, c)] {
-                assert!(found == f64::from(expected as f32) || (found.is_nan() && expected.is_nan()), "{i} {c}");
+                assert!(
+                    found == f64::from(expected as f32) || (found.is_nan() && expected.is_nan()),
+                    "{i} {c}"
+                );
             }
         }
     }
@@ -97,7 +100,8 @@ fn arrays_of_a_gifti_keep_intents_names_and_metadata() {
     write_gifti_fields(&old, &fields, Some("CortexLeft")).unwrap();
     let text = fs::read_to_string(&old).unwrap();
     let step = "<MD><Name>TimeStep</Name><Value>2.5</Value></MD>\n<MD><Name>Name</Name>";
-    let text = text.replace("NIFTI_INTENT_SHAPE", "NIFTI_INTENT_TIME_SERIES").replace("<MD><Name>Name</Name>", step);
+    let text =
+        text.replace("NIFTI_INTENT_SHAPE", "NIFTI_INTENT_TIME_SERIES").replace("<MD><Name>Name</Name>", step);
     fs::write(&old, &text).unwrap();
     let edited = Field::new("old", 3, FieldValues::F64((0..90).map(|k| f64::from(k) / 8.0).collect()));
     assert!(rewrite(&old, None, &edited, &new));

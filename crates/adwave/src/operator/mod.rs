@@ -111,7 +111,7 @@ pub fn choose_operator(
 /// let params = OperatorParams::default().with_neighbors(16);
 /// assert_eq!((params.neighbors, params.rings), (16, 1));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorParams {
     /// Kind of operator.
     pub kind: OperatorKind,

@@ -76,7 +76,7 @@ pub(super) fn match_seams(
 /// Flags of the vertices at which the edges of faces do not cancel: those at open borders, and some others.
 fn open_vertices(n: usize, faces: &Polygons) -> Vec<bool> {
     let mut sums = vec![0_u64; n];
-    for_each_edge(faces, |edge| {
+    visit_edges(faces, |edge| {
         sums[edge.start as usize] = sums[edge.start as usize].wrapping_add(scramble(edge.end));
         sums[edge.end as usize] = sums[edge.end as usize].wrapping_sub(scramble(edge.start));
     });
@@ -84,7 +84,7 @@ fn open_vertices(n: usize, faces: &Polygons) -> Vec<bool> {
 }
 
 /// Calls `visit` for the directed edges of all faces.
-fn for_each_edge(faces: &Polygons, mut visit: impl FnMut(BorderEdge)) {
+fn visit_edges(faces: &Polygons, mut visit: impl FnMut(BorderEdge)) {
     for face in faces.iter() {
         let mut start = face[face.len() - 1];
         for &end in face {
@@ -112,12 +112,12 @@ fn border_edges(
 ) -> Result<Option<Vec<BorderEdge>>, Cancelled> {
     progress.check()?;
     let mut edges = Vec::new();
-    for_each_edge(faces, |edge| {
+    visit_edges(faces, |edge| {
         if is_open[edge.start as usize] && is_open[edge.end as usize] {
             edges.push(edge);
         }
     });
-    parallel::sort_unstable_by(&mut edges, progress, |a, b| a.cmp(b))?;
+    parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
     let is_border = |k: usize| {
         let edge = edges[k];
         let is_repeated =
@@ -136,7 +136,7 @@ struct Tolerances {
 impl Tolerances {
     fn new(points: &[[f64; 3]], faces: &Polygons, is_open: &[bool], asked: Option<f64>) -> Self {
         let mut of_vertex = vec![f64::INFINITY; points.len()];
-        for_each_edge(faces, |edge| {
+        visit_edges(faces, |edge| {
             let (start, end) = (edge.start as usize, edge.end as usize);
             if is_open[start] || is_open[end] {
                 let length = super::distance(&points[start], &points[end]);
@@ -178,7 +178,7 @@ impl NearVertices {
         progress: Progress<'_>,
     ) -> Result<Option<Self>, Cancelled> {
         let mut vertices: Vec<u32> = edges.iter().flat_map(|edge| [edge.start, edge.end]).collect();
-        parallel::sort_unstable_by(&mut vertices, progress, |a, b| a.cmp(b))?;
+        parallel::sort_unstable_by(&mut vertices, progress, Ord::cmp)?;
         vertices.dedup();
         // In units of the largest coordinate, so that squares neither overflow nor vanish.
         let largest = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
@@ -187,12 +187,14 @@ impl NearVertices {
         }
         let scale = largest.log2().floor().clamp(-1000.0, 1000.0).exp2().recip();
         let own: Vec<[f64; 3]> = vertices.iter().map(|&x| points[x as usize].map(|c| c * scale)).collect();
-        let tree: ImmutableKdTree<f64, 3> = ImmutableKdTree::new_from_slice(&own);
+        let tree: ImmutableKdTree<f64, 3> =
+            ImmutableKdTree::new_from_slice(&own).expect("the tree of finitely many finite points");
         let others: Vec<Vec<u32>> = parallel::try_collect(vertices.len(), progress, |k| {
             let x = vertices[k];
             let reach = tolerances.of_vertex[x as usize] * scale * (1.0 + 1e-9);
-            let mut near: Vec<u32> = tree
-                .within_unsorted::<SquaredEuclidean>(&own[k], reach * reach)
+            let found =
+                tree.query(&own[k]).within::<SquaredEuclidean<f64>>(reach * reach).unsorted().execute();
+            let mut near: Vec<u32> = found
                 .into_iter()
                 .map(|found| vertices[found.item as usize])
                 .filter(|&y| y != x && tolerances.are_near(points, x, y))
@@ -205,7 +207,7 @@ impl NearVertices {
     }
 
     /// Vertices near `x`, itself first.
-    fn of(&self, x: u32) -> impl Iterator<Item = u32> + '_ {
+    fn list(&self, x: u32) -> impl Iterator<Item = u32> + '_ {
         let others = self.vertices.binary_search(&x).map_or(&[][..], |k| &self.others[k][..]);
         std::iter::once(x).chain(others.iter().copied())
     }
@@ -228,9 +230,9 @@ fn matched_edges(
     // The only partner of each edge.
     let partners: Vec<Option<u32>> = parallel::try_collect(edges.len(), progress, |k| {
         let edge = edges[k];
-        let mut found = near.of(edge.start).flat_map(ending_in).filter(|&other| {
+        let mut found = near.list(edge.start).flat_map(ending_in).filter(|&other| {
             let start = edges[other as usize].start;
-            other as usize != k && near.of(edge.end).any(|y| y == start)
+            other as usize != k && near.list(edge.end).any(|y| y == start)
         });
         let first = found.next()?;
         found.next().is_none().then_some(first)
@@ -249,7 +251,7 @@ fn matched_edges(
 /// Splits the sets that would make two corners of a face one vertex.
 fn split_collapsing_sets(roots: &mut [u32], faces: &Polygons) {
     let mut collapsing = Vec::new();
-    for_each_edge(faces, |edge| {
+    visit_edges(faces, |edge| {
         let root = roots[edge.start as usize];
         if root == roots[edge.end as usize] {
             collapsing.push(root);

@@ -1,10 +1,10 @@
 //! Seams of nearly coincident vertices: closed by default, and nothing else is joined.
 
 use adwave::Progress;
-use adwave::shape::{Mesh, PreparedGeometry, Shape, WeldMode};
+use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 
 fn prepared(points: &[[f64; 3]], faces: &[[u32; 3]], weld: WeldMode) -> PreparedGeometry {
-    let mesh = Mesh::new(points.to_vec(), faces.to_vec()).unwrap();
+    let mesh = Mesh::new(points.to_vec(), Polygons::from_triangles(faces)).unwrap();
     PreparedGeometry::new(&Shape::Mesh(mesh), weld, Progress::none()).unwrap()
 }
 
@@ -63,7 +63,9 @@ fn perturb(points: &mut [[f64; 3]], vertices: &[u32], steps: f64, random: &mut R
 #[test]
 fn a_seam_that_differs_by_rounding_is_closed() {
     let mut random = Random(1);
-    for (n, scale, offset) in [(16, 1.0, 0.0), (64, 37.0, 0.0), (40, 0.01, 0.5), (24, 1e-9, 0.0), (24, 1e12, 0.0)] {
+    for (n, scale, offset) in
+        [(16, 1.0, 0.0), (64, 37.0, 0.0), (40, 0.01, 0.5), (24, 1e-9, 0.0), (24, 1e12, 0.0)]
+    {
         let (exact, faces, seam) = sphere(n);
         let mut near = exact.clone();
         perturb(&mut near, &seam, 0.5, &mut random);
@@ -96,7 +98,8 @@ fn triangles_alone_that_differ_by_rounding_become_one_surface() {
 
 /// A square of n × n quads in the plane z = `z`, each cut in two.
 fn plate(n: u32, z: f64, is_flipped: bool) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
-    let points = (0..(n + 1) * (n + 1)).map(|k| [f64::from(k % (n + 1)), f64::from(k / (n + 1)), z]).collect();
+    let points =
+        (0..(n + 1) * (n + 1)).map(|k| [f64::from(k % (n + 1)), f64::from(k / (n + 1)), z]).collect();
     let quads = (0..n * n).map(|k| k / n * (n + 1) + k % n);
     let faces = quads
         .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
@@ -148,7 +151,9 @@ fn no_tolerance_makes_two_corners_of_a_face_one() {
         for tolerance in [0.1, 1.0, 1e6, f64::MAX] {
             let geometry = prepared(&points, &faces, WeldMode::Within(tolerance));
             for triangle in geometry.triangles() {
-                assert!(triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]);
+                assert!(
+                    triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0]
+                );
             }
         }
     }

@@ -114,7 +114,7 @@ fn denoise_field(
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let parts = SignalParts::new(prepare(global, &input.shape, &operator)?, &signal, name, global)?;
+    let parts = SignalParts::new(&prepare(global, &input.shape, &operator)?, &signal, name, global)?;
     let decomposer = parts.first().decomposer.clone();
     let mut infos = Vec::new();
     let mut values = parts.map(&signal.values, |part, values, n_channels| {
@@ -143,7 +143,9 @@ fn denoise_field(
     let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));
     let fit = decomposer.applied_local_fit(args.to_params().local_fit);
     describe_local_fit(&mut text, fit);
-    infos.iter().for_each(|info| describe_channel(&mut text, info));
+    for info in &infos {
+        describe_channel(&mut text, info);
+    }
     let _ = writeln!(text, "{}", args.output.display());
     let report = json!({
         "shape": input.name,

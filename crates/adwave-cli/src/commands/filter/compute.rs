@@ -43,7 +43,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
     with_progress(global, "filtering", |progress| {
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), global);
-        let parts = SignalParts::new(decomposer, &job.signal, &job.signal_name, global)?;
+        let parts = SignalParts::new(&decomposer, &job.signal, &job.signal_name, global)?;
         let decomposer = parts.first().decomposer.clone();
         let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
         let values = parts.map(&job.signal.values, |part, values, n_channels| {

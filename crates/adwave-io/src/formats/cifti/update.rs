@@ -6,7 +6,7 @@ use super::CIFTI;
 use super::read::{CiftiNumbers, locate_numbers};
 use super::write::CiftiColumns;
 use crate::model::f32_limits::check_range;
-use crate::model::field::{ByteOrder, Number};
+use crate::model::field::Number;
 use crate::model::format_descriptor::ValuesEdit;
 use crate::{ReadLimits, ValueType, WriteError};
 
@@ -33,21 +33,25 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
     }
     let value = |i: usize| field.values.get(i);
     if kind == ValueType::F32 {
-        check_range(CIFTI.format, &format!("values of `{}`", field.name), field.values.len(), Progress::none(), value)?;
+        check_range(
+            CIFTI.format,
+            &format!("values of `{}`", field.name),
+            field.values.len(),
+            Progress::none(),
+            value,
+        )?;
     }
     let mut out = bytes.to_vec();
     let row_bytes = n_columns * kind.n_bytes();
     for (k, &vertex) in model.vertices.iter().enumerate() {
-        let at = start + (model.first as usize + k) * row_bytes;
+        let mut numbers = kind.empty();
         for c in 0..n_columns {
-            let (x, at) = (value(vertex as usize * n_columns + c), at + c * kind.n_bytes());
-            match (kind, order) {
-                (ValueType::F32, ByteOrder::Little) => out[at..at + 4].copy_from_slice(&(x as f32).to_le_bytes()),
-                (ValueType::F32, ByteOrder::Big) => out[at..at + 4].copy_from_slice(&(x as f32).to_be_bytes()),
-                (_, ByteOrder::Little) => out[at..at + 8].copy_from_slice(&x.to_le_bytes()),
-                (_, ByteOrder::Big) => out[at..at + 8].copy_from_slice(&x.to_be_bytes()),
-            }
+            numbers.push_f64(value(vertex as usize * n_columns + c));
         }
+        let mut row = Vec::with_capacity(row_bytes);
+        (0..n_columns).for_each(|c| numbers.write_bytes(c, order, &mut row));
+        let at = start + (model.first as usize + k) * row_bytes;
+        out[at..at + row_bytes].copy_from_slice(&row);
     }
     Ok(Some(out))
 }

@@ -138,8 +138,7 @@ fn matrix_xml(
         CiftiColumns::Scalars => {
             xml += "SCALARS\">\n";
             for name in names {
-                let _ =
-                    writeln!(xml, "<NamedMap>\n<MapName>{}</MapName>\n</NamedMap>", escape_xml(name));
+                let _ = writeln!(xml, "<NamedMap>\n<MapName>{}</MapName>\n</NamedMap>", escape_xml(name));
             }
             xml += "</MatrixIndicesMap>\n";
         }

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use adwave::Progress;
 
-use super::numbers::ArrayStorage;
 use super::GIFTI;
+use super::numbers::ArrayStorage;
 use super::read::value_arrays;
 use super::write::{check_field, write_field};
 use crate::model::f32_limits::check_range;
@@ -146,9 +146,7 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         out.extend_from_slice(&bytes[written..range.start]);
         written = range.end;
         let columns = numbers.columns;
-        numbers.write(&mut out, progress, |i| {
-            value(i / columns * field.n_channels + first + i % columns)
-        })?;
+        numbers.write(&mut out, progress, |i| value(i / columns * field.n_channels + first + i % columns))?;
         first += columns;
     }
     out.extend_from_slice(&bytes[written..]);
