@@ -86,7 +86,8 @@ fn info_counts_what_is_there() {
     assert_eq!(health["boundary_edges"], 4);
     assert_eq!(health["edges"], 5);
     assert_eq!(health["area"], 1.0);
-    assert_eq!(info["steps"][4], 8);
+    // One step is already half as wide as such a coarse shape.
+    assert_eq!(info["steps"], serde_json::json!([0, 1]));
     let apart = json(folder.path(), "info two.obj --no-weld");
     assert_eq!(apart["health"]["boundary_edges"], 6);
     let cloud = json(folder.path(), "info two.obj --as cloud");

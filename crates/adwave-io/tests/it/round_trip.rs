@@ -151,12 +151,13 @@ fn check_fields<'a>(
 }
 
 /// The part of a shape whose vertices have positions; `None` if all have one, none has one, or a face or an edge uses one
-/// that has none.
-fn without_missing(shape: &ShapeFile) -> Option<ShapeFile> {
+/// that has none, in a file that keeps faces or edges as `again` does.
+fn without_missing(shape: &ShapeFile, again: &ShapeFile) -> Option<ShapeFile> {
     let is_there: Vec<bool> = shape.points().iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
-    let is_used =
-        |v: &u32| shape.faces().corners().contains(v) || shape.edges().pairs.as_flattened().contains(v);
-    let uses_missing = (0..is_there.len() as u32).any(|v| !is_there[v as usize] && is_used(&v));
+    let is_missing = |v: &u32| !is_there[*v as usize];
+    let (faces, edges) = (shape.faces().corners(), shape.edges().pairs.as_flattened());
+    let uses_missing = (!again.faces().is_empty() && faces.iter().any(is_missing))
+        || (!again.edges().pairs.is_empty() && edges.iter().any(is_missing));
     let is_partial = is_there.contains(&true) && is_there.contains(&false);
     (is_partial && !uses_missing).then(|| shape.select_rows(&is_there).unwrap())
 }
@@ -190,7 +191,7 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
         return Some(again);
     }
     // Points without a position that no face or edge uses are left out on reading, and come back when they are written.
-    let kept = without_missing(shape);
+    let kept = without_missing(shape, &again);
     if let Some(kept) = &kept {
         let rows = again.file_rows().map(|rows| rows.vertex_rows().to_vec());
         assert_eq!(rows, kept.file_rows().map(|rows| rows.vertex_rows().to_vec()), "{what}");

@@ -304,6 +304,13 @@ impl PreparedGeometry {
         }
     }
 
+    /// Keeps the [`STRAY_NEIGHBORS`] nearest neighbors for the next one that asks for them.
+    pub(crate) fn keep_nearest(&self, near: Neighborhoods) {
+        if let (None, Ok(mut known)) = (&self.sheet_normals, self.near.lock()) {
+            *known = Some(near);
+        }
+    }
+
     /// True if the given normals of a cloud separate sheets: points with opposite normals are not neighbors.
     pub fn has_separate_sheets(&self) -> bool {
         self.sheet_normals.is_some()

@@ -4,6 +4,7 @@
 //! [`surface_signal`] computes one by its kind on meshes and clouds; the other functions work on points and
 //! triangles.
 
+mod close_sheets;
 mod cloud_normals;
 mod curvature;
 mod degree;
@@ -14,6 +15,7 @@ mod orientation;
 mod outward;
 mod quadric;
 
+pub use close_sheets::{CloseSheets, close_sheets, find_close_sheets};
 pub(crate) use cloud_normals::cloud_border;
 pub(crate) use cloud_normals::{aligned_normals, try_cloud_normals};
 pub use cloud_normals::{cloud_normals, plane_normals};

@@ -2,7 +2,8 @@
 
 use adwave::filter::{Preset, WeightedLayer};
 use adwave::operator::{OperatorKind, OperatorParams};
-use adwave::shape::{PointCloud, Shape};
+use adwave::shape::{PointCloud, Shape, nearest_neighbors};
+use adwave::signal::close_sheets;
 use adwave::{Decomposer, Progress};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
@@ -77,5 +78,53 @@ fn normals_of_arbitrary_sign_and_of_one_sheet_change_nothing() {
     for signs in [signs, few, vec![1.0; n], vec![0.0; n], vec![f64::NAN; n]] {
         let given = normals(|x| signs[x % n])[..n].to_vec();
         assert_eq!(smoothed(plain.clone().with_normals(given), OperatorKind::Walk), expected);
+    }
+}
+
+#[test]
+fn sheets_without_normals_are_reported_and_shapes_of_one_sheet_are_not() {
+    let find = |points: &[[f64; 3]]| {
+        let near = nearest_neighbors(points, 10);
+        close_sheets(points, &near.adjacency, Progress::none()).unwrap()
+    };
+    let mut state = 5_u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31)
+    };
+    let mut square = |height: &dyn Fn(f64, f64) -> f64, noise: f64| -> Vec<[f64; 3]> {
+        (0..1500)
+            .map(|_| {
+                let (x, y) = (39.0 * random(), 39.0 * random());
+                let bell = (0..6).map(|_| random() - 0.5).sum::<f64>() * std::f64::consts::SQRT_2;
+                [x, y, height(x, y) + noise * bell]
+            })
+            .collect()
+    };
+    // One sheet: flat, rough, curved, with a crease, with a step, steep.
+    for noise in [0.0, 0.05, 0.3, 1.0] {
+        let shapes: [&dyn Fn(f64, f64) -> f64; 6] = [
+            &|_, _| 0.0,
+            &|x, y| (x / 3.0).sin() * (y / 4.0).cos(),
+            &|x, _| 0.04 * x * x,
+            &|x, _| (x - 20.0).abs(),
+            &|x, _| if x > 20.0 { 8.0 } else { 0.0 },
+            &|x, y| 3.0 * x + y,
+        ];
+        for (k, height) in shapes.into_iter().enumerate() {
+            let points = square(height, noise);
+            assert_eq!(find(&points), None, "shape {k}, noise {noise}");
+        }
+    }
+    // Two sheets, at several distances in spacings, flat and curved.
+    for gap in [0.3, 0.5, 1.0] {
+        for bend in [0.0, 0.01] {
+            let lower = square(&|x, _| bend * x * x, 0.05 * gap);
+            let upper = square(&|x, _| bend * x * x + gap, 0.05 * gap);
+            let points: Vec<[f64; 3]> = lower.into_iter().chain(upper).collect();
+            let sheets = find(&points).unwrap_or_else(|| panic!("gap {gap}, bend {bend}"));
+            assert!(sheets.share > 0.3, "gap {gap}, bend {bend}: {sheets:?}");
+            assert!((sheets.distance / gap - 1.0).abs() < 0.25, "gap {gap}, bend {bend}: {sheets:?}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
-use crate::resolve::operator::{SignalParts, note_outsiders, operator_for_task, prepare};
+use crate::resolve::operator::{SignalParts, note_close_sheets, note_outsiders, operator_for_task, prepare};
 use crate::resolve::region::{region_weights, union_of_regions};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
@@ -45,6 +45,7 @@ fn denoise_positions(
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
     note_outsiders(&geometry, global);
+    note_close_sheets(&geometry, global, global.progress())?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;

@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
-use crate::resolve::operator::{SignalParts, build_operator, note_outsiders};
+use crate::resolve::operator::{SignalParts, build_operator, note_close_sheets, note_outsiders};
 use crate::resolve::region::region_in_shape;
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
@@ -43,6 +43,9 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
     with_progress(global, "filtering", |progress| {
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), global);
+        if job.signal_name == COORDS {
+            note_close_sheets(decomposer.geometry(), global, progress.quiet())?;
+        }
         let parts = SignalParts::new(&decomposer, &job.signal, &job.signal_name, global)?;
         let decomposer = parts.first().decomposer.clone();
         let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
