@@ -90,7 +90,9 @@ pub(crate) fn note_close_sheets(
     global: &Global<'_>,
     progress: Progress<'_>,
 ) -> Result<(), CliError> {
-    let Some(sheets) = find_close_sheets(geometry, progress).map_err(|_| CliError::Cancelled)? else { return Ok(()) };
+    let Some(sheets) = find_close_sheets(geometry, progress).map_err(|_| CliError::Cancelled)? else {
+        return Ok(());
+    };
     let text = format!(
         "{:.0} % of the points lie between two surfaces about {} apart, which is closer than their neighbors, and these \
          surfaces are joined; normals that point outwards (nx, ny, nz) keep them apart",

@@ -1,9 +1,10 @@
 //! Surfaces of a cloud that are closer to each other than neighbors are apart, found by the heights of neighborhoods.
 
 use super::cloud_normals::plane_normal;
+use super::quadric::{TangentFrame, fit_quadric};
 use crate::shape::{Adjacency, PreparedGeometry, STRAY_NEIGHBORS, Shape};
 use crate::{Cancelled, Progress, parallel};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 /// Number of points whose neighborhoods are examined.
 const SAMPLE: usize = 2000;
@@ -22,6 +23,9 @@ const LEAST_GAP: f64 = 5.0;
 /// sides of a step lie beside each other.
 const MOST_SHIFT: f64 = 0.5;
 
+/// Smallest distance of two sheets, in standard deviations of the neighborhood along the plane: less is roughness.
+const LEAST_DISTANCE: f64 = 0.05;
+
 /// Share of the examined points from which sheets are reported.
 const LEAST_FOUND: f64 = 0.01;
 
@@ -36,7 +40,7 @@ pub struct CloseSheets {
 }
 
 /// Finds out whether points have neighbors on two sheets, from the heights of the neighbors of the neighbors of a sample of
-/// points over the plane that fits them best: two groups that are five of their standard deviations apart and lie over each
+/// points over the quadric that fits them best: two groups that are five of their standard deviations apart and lie over each
 /// other. `None` if fewer than 1 % of the points have. O(2000·k²).
 ///
 /// ```
@@ -102,44 +106,64 @@ fn sheet_distance(points: &[[f64; 3]], neighbors: &Adjacency, x: usize) -> Optio
         return None;
     }
     let normal = plane_normal(points, &around, x);
+    if normal == Vector3::zeros() {
+        return None;
+    }
     around.push(x as u32);
-    let origin = Vector3::from(points[x]);
-    let mut lines: Vec<(f64, Vector3<f64>)> = around
+    let frame = TangentFrame::new(points[x], normal);
+    let local: Vec<Vector3<f64>> = around.iter().map(|&y| frame.local(&points[y as usize])).collect();
+    let reach = local.iter().map(|p| p.x.hypot(p.y)).fold(0.0, f64::max);
+    let quadric = fit_quadric(local.iter().map(|p| [p.x / reach, p.y / reach, p.z / reach]))?;
+    // Heights over the surface that runs between both sheets, however it is bent.
+    let mut lines: Vec<SampleLine> = local
         .iter()
-        .map(|&y| {
-            let line = Vector3::from(points[y as usize]) - origin;
-            let height = line.dot(&normal);
-            (height, line - height * normal)
+        .map(|p| {
+            let (u, v) = (p.x / reach, p.y / reach);
+            let [a, b, c, d, e, f] = quadric;
+            let middle = a + b * u + c * v + 0.5 * (d * u * u + 2.0 * e * u * v + f * v * v);
+            SampleLine { height: p.z - middle * reach, along: Vector2::new(p.x, p.y) }
         })
         .collect();
-    lines.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let least = (LEAST_SHARE * lines.len() as f64).ceil() as usize;
-    let gap = |k: &usize| lines[*k].0 - lines[*k - 1].0;
+    lines.sort_unstable_by(|a, b| a.height.total_cmp(&b.height));
+    let n = lines.len() as f64;
+    let least = (LEAST_SHARE * n).ceil() as usize;
+    let gap = |k: &usize| lines[*k].height - lines[*k - 1].height;
     let split = (least..=lines.len() - least).max_by(|a, b| gap(a).total_cmp(&gap(b)))?;
     let (lower, upper) = lines.split_at(split);
-    let (low, high) = (heights(lower), heights(upper));
+    let (low, high) = (Sheet::new(lower), Sheet::new(upper));
     let distance = high.mean - low.mean;
-    let within = ((lower.len() as f64 * low.variance + upper.len() as f64 * high.variance)
-        / lines.len() as f64)
-        .sqrt();
-    let middle = |part: &[(f64, Vector3<f64>)]| {
-        part.iter().map(|(_, along)| along).sum::<Vector3<f64>>() / part.len() as f64
-    };
-    let spread =
-        (lines.iter().map(|(_, along)| along.norm_squared()).sum::<f64>() / lines.len() as f64).sqrt();
-    let shift = (middle(upper) - middle(lower)).norm();
-    (distance > LEAST_GAP * within && shift < MOST_SHIFT * spread).then_some(distance)
+    let within = ((lower.len() as f64 * low.variance + upper.len() as f64 * high.variance) / n).sqrt();
+    let spread = (lines.iter().map(|line| line.along.norm_squared()).sum::<f64>() / n).sqrt();
+    let are_two = distance > LEAST_GAP * within
+        && distance > LEAST_DISTANCE * spread
+        && (high.middle - low.middle).norm() < MOST_SHIFT * spread;
+    are_two.then_some(distance)
 }
 
-/// Mean and variance of heights.
-struct Heights {
+/// Line from a point to another one.
+struct SampleLine {
+    /// Height over the quadric that fits the neighborhood.
+    height: f64,
+    /// Part along the plane.
+    along: Vector2<f64>,
+}
+
+/// Points of a neighborhood on one side of a gap.
+struct Sheet {
+    /// Mean of the heights.
     mean: f64,
+    /// Variance of the heights.
     variance: f64,
+    /// Mean place along the plane.
+    middle: Vector2<f64>,
 }
 
-fn heights(part: &[(f64, Vector3<f64>)]) -> Heights {
-    let n = part.len() as f64;
-    let mean = part.iter().map(|(height, _)| height).sum::<f64>() / n;
-    let variance = part.iter().map(|(height, _)| (height - mean).powi(2)).sum::<f64>() / n;
-    Heights { mean, variance }
+impl Sheet {
+    fn new(lines: &[SampleLine]) -> Self {
+        let n = lines.len() as f64;
+        let mean = lines.iter().map(|line| line.height).sum::<f64>() / n;
+        let variance = lines.iter().map(|line| (line.height - mean).powi(2)).sum::<f64>() / n;
+        let middle = lines.iter().map(|line| line.along).sum::<Vector2<f64>>() / n;
+        Self { mean, variance, middle }
+    }
 }

@@ -123,7 +123,7 @@ fn sheets_without_normals_are_reported_and_shapes_of_one_sheet_are_not() {
             let upper = square(&|x, _| bend * x * x + gap, 0.05 * gap);
             let points: Vec<[f64; 3]> = lower.into_iter().chain(upper).collect();
             let sheets = find(&points).unwrap_or_else(|| panic!("gap {gap}, bend {bend}"));
-            assert!(sheets.share > 0.3, "gap {gap}, bend {bend}: {sheets:?}");
+            assert!(sheets.share > 0.1, "gap {gap}, bend {bend}: {sheets:?}");
             assert!((sheets.distance / gap - 1.0).abs() < 0.25, "gap {gap}, bend {bend}: {sheets:?}");
         }
     }
