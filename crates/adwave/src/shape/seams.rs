@@ -54,16 +54,24 @@ pub(super) fn match_seams(
     tolerance: Option<f64>,
     progress: Progress<'_>,
 ) -> Result<Option<SeamMatches>, Cancelled> {
-    let is_open = open_vertices(points.len(), faces);
-    let Some(edges) = border_edges(faces, &is_open, progress)? else { return Ok(None) };
-    let tolerances = Tolerances::new(points, faces, &is_open, tolerance);
-    let Some(near) = NearVertices::new(points, &edges, &tolerances, progress)? else { return Ok(None) };
     let mut sets = DisjointSets::new(points.len());
-    for (one, other) in matched_edges(&edges, &near, progress)? {
-        sets.join(one.start, other.end);
-        sets.join(one.end, other.start);
+    let is_open = open_vertices(points.len(), faces);
+    if let Some(edges) = border_edges(faces, &is_open, progress)? {
+        let tolerances = Tolerances::new(points, faces, &is_open, tolerance);
+        if let Some(near) = NearVertices::new(points, &edges, &tolerances, progress)? {
+            for (one, other) in matched_edges(&edges, &near, progress)? {
+                sets.join(one.start, other.end);
+                sets.join(one.end, other.start);
+            }
+        }
+    }
+    for (unused, used) in match_unused(points, faces, tolerance, progress)? {
+        sets.join(unused, used);
     }
     let mut roots: Vec<u32> = (0..points.len() as u32).map(|x| sets.root(x)).collect();
+    if roots.iter().enumerate().all(|(x, &root)| x == root as usize) {
+        return Ok(None);
+    }
     split_collapsing_sets(&mut roots, faces);
     let mut weld = SeamWeld { n_vertices: 0, distance: 0.0 };
     for (x, &root) in roots.iter().enumerate().filter(|(x, root)| *x != **root as usize) {
@@ -130,21 +138,21 @@ fn border_edges(
 
 /// Distances within which vertices may match.
 struct Tolerances {
-    of_vertex: Vec<f64>,
+    limits: Vec<f64>,
 }
 
 impl Tolerances {
     fn new(points: &[[f64; 3]], faces: &Polygons, is_open: &[bool], asked: Option<f64>) -> Self {
-        let mut of_vertex = vec![f64::INFINITY; points.len()];
+        let mut limits = vec![f64::INFINITY; points.len()];
         visit_edges(faces, |edge| {
             let (start, end) = (edge.start as usize, edge.end as usize);
             if is_open[start] || is_open[end] {
                 let length = super::distance(&points[start], &points[end]);
-                of_vertex[start] = of_vertex[start].min(length);
-                of_vertex[end] = of_vertex[end].min(length);
+                limits[start] = limits[start].min(length);
+                limits[end] = limits[end].min(length);
             }
         });
-        for (shortest, p) in of_vertex.iter_mut().zip(points) {
+        for (shortest, p) in limits.iter_mut().zip(points) {
             let largest = p.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
             *shortest = match asked {
                 Some(tolerance) => tolerance.min(MOST_ASKED_SHARE * *shortest),
@@ -152,11 +160,11 @@ impl Tolerances {
                     .clamp(LEAST_SHARE * *shortest, MOST_SHARE * *shortest),
             };
         }
-        Self { of_vertex }
+        Self { limits }
     }
 
     fn are_near(&self, points: &[[f64; 3]], x: u32, y: u32) -> bool {
-        let tolerance = self.of_vertex[x as usize].min(self.of_vertex[y as usize]);
+        let tolerance = self.limits[x as usize].min(self.limits[y as usize]);
         squared_distance(&points[x as usize], &points[y as usize]) <= tolerance * tolerance
     }
 }
@@ -180,18 +188,13 @@ impl NearVertices {
         let mut vertices: Vec<u32> = edges.iter().flat_map(|edge| [edge.start, edge.end]).collect();
         parallel::sort_unstable_by(&mut vertices, progress, Ord::cmp)?;
         vertices.dedup();
-        // In units of the largest coordinate, so that squares neither overflow nor vanish.
-        let largest = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
-        if largest == 0.0 {
-            return Ok(None);
-        }
-        let scale = largest.log2().floor().clamp(-1000.0, 1000.0).exp2().recip();
+        let scale = unit_scale(points);
         let own: Vec<[f64; 3]> = vertices.iter().map(|&x| points[x as usize].map(|c| c * scale)).collect();
         let tree: ImmutableKdTree<f64, 3> =
             ImmutableKdTree::new_from_slice(&own).expect("the tree of finitely many finite points");
         let others: Vec<Vec<u32>> = parallel::try_collect(vertices.len(), progress, |k| {
             let x = vertices[k];
-            let reach = tolerances.of_vertex[x as usize] * scale * (1.0 + 1e-9);
+            let reach = tolerances.limits[x as usize] * scale * (1.0 + 1e-9);
             let found =
                 tree.query(&own[k]).within::<SquaredEuclidean<f64>>(reach * reach).unsorted().execute();
             let mut near: Vec<u32> = found
@@ -211,6 +214,43 @@ impl NearVertices {
         let others = self.vertices.binary_search(&x).map_or(&[][..], |k| &self.others[k][..]);
         std::iter::once(x).chain(others.iter().copied())
     }
+}
+
+/// Power of two by which the largest coordinate becomes about 1, so that squares neither overflow nor vanish.
+fn unit_scale(points: &[[f64; 3]]) -> f64 {
+    let largest = points.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+    if largest == 0.0 { 1.0 } else { largest.log2().floor().clamp(-1000.0, 1000.0).exp2().recip() }
+}
+
+/// Vertices of no face, each with a vertex of a face within its tolerance: such copies, as exporters leave them at the poles
+/// of a sphere, move along.
+fn match_unused(
+    points: &[[f64; 3]],
+    faces: &Polygons,
+    tolerance: Option<f64>,
+    progress: Progress<'_>,
+) -> Result<Vec<(u32, u32)>, Cancelled> {
+    let mut is_used = vec![false; points.len()];
+    visit_edges(faces, |edge| is_used[edge.start as usize] = true);
+    let numbered = |flag: bool| (0..points.len() as u32).filter(|&x| is_used[x as usize] == flag).collect();
+    let (used, unused): (Vec<u32>, Vec<u32>) = (numbered(true), numbered(false));
+    if used.is_empty() || unused.is_empty() {
+        return Ok(Vec::new());
+    }
+    let tolerances = Tolerances::new(points, faces, &is_used, tolerance);
+    let scale = unit_scale(points);
+    let scaled = |x: u32| points[x as usize].map(|c| c * scale);
+    let own: Vec<[f64; 3]> = used.iter().map(|&x| scaled(x)).collect();
+    let tree: ImmutableKdTree<f64, 3> =
+        ImmutableKdTree::new_from_slice(&own).expect("the tree of finitely many finite points");
+    let nearest: Vec<Option<(u32, u32)>> = parallel::try_collect(unused.len(), progress, |k| {
+        let x = unused[k];
+        let found = tree.query(&scaled(x)).nearest_one::<SquaredEuclidean<f64>>().execute();
+        let y = used[found.item as usize];
+        let distance = super::distance(&points[x as usize], &points[y as usize]);
+        (distance <= tolerances.limits[y as usize]).then_some((x, y))
+    })?;
+    Ok(nearest.into_iter().flatten().collect())
 }
 
 /// Pairs of edges that run in opposite directions between ends that are near each other, and have no other partner.

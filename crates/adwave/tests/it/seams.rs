@@ -49,7 +49,7 @@ fn sphere(n: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>, Vec<u32>) {
         }
     }
     // No face uses the last copy of the south pole.
-    (points, faces, (at(n, 0)..at(n, rows)).collect())
+    (points, faces, (at(n, 0)..=at(n, rows)).collect())
 }
 
 /// Moves some vertices by steps of 32-bit floats.
