@@ -24,7 +24,7 @@
 //! | `formats` | a folder per format, and the one table |
 //! | `registry` | formats by content and by name; reading and writing |
 //! | `mesh_stream`, `cloud_part`, `texture` | meshes in portions, parts of clouds, colors of pictures |
-//! | `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
+//! | `selection`, `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
 //!
 //! # Features
 //!
@@ -55,6 +55,7 @@ mod provenance;
 mod recipe;
 mod region_field;
 mod registry;
+mod selection;
 mod signal;
 mod text;
 #[cfg(feature = "texture")]
@@ -100,6 +101,7 @@ pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
+pub use selection::{ConditionValues, FieldCondition, FieldConditionError, Selection, SelectionError};
 pub use signal::{
     DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
     named_axis, named_signal, with_axis, written_signal,

@@ -169,7 +169,7 @@ pub fn named_signal(
         _ => {}
     }
     let n_vertices = shape.n_vertices();
-    if let Some(field) = from_file(name, file.structure(), file.n_file_rows())? {
+    if let Some(field) = values_of_file(name, file.structure(), file.n_file_rows())? {
         if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
             return Ok(rows.select(&field).into());
         }
@@ -232,7 +232,7 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: V
 
 /// Reads a field of another file; `:NAME` selects one of several. Files of values without an extension of their own
 /// are identified by their content.
-fn from_file(
+pub(crate) fn values_of_file(
     name: &str,
     structure: Option<&str>,
     n_vertices: usize,

@@ -9,7 +9,8 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{
-    CloudPart, MovedNormals, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with,
+    CloudPart, MovedNormals, ReadError, Selection, ShapeFile, read_bytes, read_cloud_part_with,
+    read_path_with,
 };
 use std::io::Read;
 use std::path::Path;
@@ -63,7 +64,30 @@ impl<'a> ShapeSource<'a> {
 pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part: args.part.to_part() };
-    load_source(&source, global)
+    let input = load_source(&source, global)?;
+    select(input, &args.selection.to_selection(), args.kind, global)
+}
+
+/// The part of a shape whose vertices take part, with a note of their number.
+fn select(
+    input: Input,
+    selection: &Selection,
+    kind: Option<ShapeKindArg>,
+    global: &Global<'_>,
+) -> Result<Input, CliError> {
+    if selection.is_everything() {
+        return Ok(input);
+    }
+    if let Some(mask) = &selection.mask {
+        global.inputs.add_signal(mask, None);
+    }
+    let Input { file, name, .. } = input;
+    let part = selection.apply(&file).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    let (n, n_before) = (part.n_vertices(), file.n_vertices());
+    note(global, &format!("{n} of {n_before} vertices of {name} take part; the others keep their values"));
+    let kind = kind.map_or_else(|| file.kind(), Into::into);
+    let shape = part.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
+    Ok(Input { file: part, shape, name })
 }
 
 /// Reads or makes a shape.
