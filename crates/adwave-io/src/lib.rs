@@ -24,7 +24,8 @@
 //! | `formats` | a folder per format, and the one table |
 //! | `registry` | formats by content and by name; reading and writing |
 //! | `mesh_stream`, `cloud_part`, `texture` | meshes in portions, parts of clouds, colors of pictures |
-//! | `selection`, `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
+//! | `selection` | the vertices that take part, by fields, masks and flags |
+//! | `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
 //!
 //! # Features
 //!
@@ -101,10 +102,13 @@ pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
-pub use selection::{ConditionValues, FieldCondition, FieldConditionError, Selection, SelectionError};
+pub use selection::{
+    ClosedInterval, FieldCondition, FieldConditionError, FlaggedPoints, MaskFile, MaskSide, NOISE_CLASSES,
+    SelectedShape, Selection, SelectionError, WITHHELD_FLAG,
+};
 pub use signal::{
     DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
-    named_axis, named_signal, with_axis, written_signal,
+    keep_left_out_values, named_axis, named_signal, with_axis, written_signal,
 };
 pub use text::csv::{csv_number, push_csv_row};
 #[cfg(feature = "texture")]

@@ -1,8 +1,8 @@
 //! The shape.
 
 use super::parse::{count, number, seed};
-use super::{CloudPartArgs, OperatorArgs};
-use adwave_io::{FieldCondition, FieldConditionError, Selection, ShapeKind};
+use super::{CloudPartArgs, OperatorArgs, SelectionArgs};
+use adwave_io::ShapeKind;
 use clap::{Args, ValueEnum};
 
 /// A shape and its diffusion operator.
@@ -29,30 +29,6 @@ pub(crate) struct ShapeArgs {
     pub(crate) seed: u64,
     #[command(flatten)]
     pub(crate) operator: OperatorArgs,
-}
-
-/// The vertices that take part.
-#[derive(Clone, Debug, Default, Args)]
-#[command(next_help_heading = "Part of the data")]
-pub(crate) struct SelectionArgs {
-    /// Compute on these vertices only: FIELD=VALUE,VALUE,… or FIELD=LOW..HIGH; several are joined by "and". The others keep
-    /// their positions and values and are no neighbors
-    #[arg(long, value_name = "FIELD=…", value_parser = parse_condition)]
-    only: Vec<FieldCondition>,
-    /// Compute where this file of one number per vertex is neither 0 nor NaN (.npy, .csv, .gii or a FreeSurfer file; :NAME
-    /// selects a column)
-    #[arg(long, value_name = "FILE")]
-    mask: Option<String>,
-}
-
-impl SelectionArgs {
-    pub(crate) fn to_selection(&self) -> Selection {
-        Selection { conditions: self.only.clone(), mask: self.mask.clone() }
-    }
-}
-
-fn parse_condition(text: &str) -> Result<FieldCondition, FieldConditionError> {
-    text.parse()
 }
 
 /// Kind that a file is taken as.

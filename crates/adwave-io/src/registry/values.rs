@@ -8,7 +8,7 @@ use crate::files::read::parse_file;
 use crate::formats::TABLE;
 use crate::model::context::ReadContext;
 use crate::model::file_head::FileHead;
-use crate::model::format_descriptor::SurfaceSize;
+use crate::model::format_descriptor::{MaskRequest, SurfaceSize, VertexMask};
 use crate::{Field, ReadError, ReadLimits};
 
 /// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
@@ -41,6 +41,26 @@ pub(crate) fn read_value_file(
         Some(read) => read(path, limits),
         None => read_surface_values(path, size.structure, size.n_vertices, limits),
     }
+}
+
+/// Reads a file that names vertices, such as a FreeSurfer label, as a mask; `None` for a file with a number per vertex
+/// or of another kind.
+///
+/// # Errors
+/// The file cannot be read or is malformed. The message is one line with the file's name.
+pub(crate) fn read_vertex_mask(
+    path: &Path,
+    request: &MaskRequest<'_>,
+    limits: &ReadLimits,
+) -> Result<Option<VertexMask>, ReadError> {
+    let progress = Progress::none();
+    parse_file(path, limits, progress, |bytes| {
+        let file = FileHead::new(&bytes, None);
+        let recognized = TABLE.iter().filter_map(|format| Some(((format.recognize)(&file)?, *format)));
+        let best = recognized.reduce(|best, other| if other.0 > best.0 { other } else { best });
+        let Some(read) = best.and_then(|(_, format)| format.read_mask) else { return Ok(None) };
+        read(&bytes, request, &ReadContext { limits, progress, name: None, folder: None }).map(Some)
+    })
 }
 
 /// [`read_surface_values`] from bytes that are not compressed as a whole.
