@@ -77,6 +77,8 @@ pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti
 #[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
 #[cfg(feature = "las")]
+pub use formats::las::fields::is_flagged_record;
+#[cfg(feature = "las")]
 pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
 #[cfg(feature = "las")]
 pub use formats::las::stream::{LasLayout, LasReader, LasWriter};

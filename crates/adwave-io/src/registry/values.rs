@@ -12,7 +12,7 @@ use crate::model::format_descriptor::{MaskRequest, SurfaceSize, VertexMask};
 use crate::{Field, ReadError, ReadLimits};
 
 /// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
-/// label), MGH and MGZ with a channel per frame, and CIFTI-2, where `structure` (`CortexLeft`) and the number of
+/// label), labels as 1 at the vertices that they list and 0 elsewhere, MGH and MGZ with a channel per frame, and CIFTI-2, where `structure` (`CortexLeft`) and the number of
 /// vertices select the part. Vertices without a value are NaN.
 ///
 /// # Errors
@@ -91,7 +91,7 @@ fn parse(
     let best = readers.reduce(|best, other| if other.0 > best.0 { other } else { best });
     let Some((_, read)) = best else {
         return Err(ReadError::Whole(
-            "the file has no supported values; use NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv or annot"
+            "the file has no supported values; use NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv, annot or label"
                 .into(),
         ));
     };
