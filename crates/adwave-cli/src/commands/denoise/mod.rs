@@ -48,7 +48,7 @@ fn denoise_positions(
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
     let moved = limit_positions(&input, denoised.points, args, global)?;
-    let movement = Movement::measure(&geometry, &moved)?;
+    let movement = Movement::measure(&geometry, &moved)?.in_file_rows(&input.file);
     let points = EditedSignal::Points(moved);
     result.write(&mut input, COORDS, points, args.normals.to_rule(), global)?;
 
@@ -82,7 +82,7 @@ fn limit_positions(
         return Ok(points);
     }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let decomposer = prepare(global, &input.shape, &operator)?;
+    let decomposer = prepare(global, input, &operator)?;
     let before = input.file.points();
     with_progress(global, "limiting", |progress| {
         let points = match args.border {
@@ -113,7 +113,7 @@ fn denoise_field(
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
+    let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
     let denoised = with_progress(global, "denoising", |progress| {
         denoise_signal(&decomposer, &signal.values, signal.n_channels, &args.to_params(), progress)
     })

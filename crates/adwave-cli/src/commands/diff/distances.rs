@@ -263,7 +263,7 @@ fn motion_from_features(
     global: &Global<'_>,
 ) -> Result<Option<Motion>, CliError> {
     let params: &OperatorParams = decomposer.operator_params();
-    let other = prepare(global, &second.shape, params)?;
+    let other = prepare(global, second, params)?;
     let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
     let features_of = |input: &Input, decomposer: &Decomposer| {
         with_progress(global, "finding features", |progress| {

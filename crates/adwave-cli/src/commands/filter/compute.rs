@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
-use crate::resolve::operator::{build_operator, mask_missing};
+use crate::resolve::operator::{build_operator, mask_missing, note_outsiders};
 use crate::resolve::region::region_in_shape;
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
@@ -42,6 +42,7 @@ pub(super) struct SignalChange {
 pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
+        note_outsiders(&decomposer, &job.input, global);
         let decomposer = mask_missing(decomposer, &job.signal, &job.signal_name, global)?;
         let schedule = schedule(job, &decomposer, global)?;
         let (schedule, layers) = match job.keep_volume {
