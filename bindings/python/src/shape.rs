@@ -8,9 +8,9 @@ use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave::{Decomposer, Progress};
 use adwave_io::{
-    CloudPart, Direction, Edges, Format, MovedNormals, ReadLimits, ShapeFile, ShapeFileError, ShapeKind,
-    SignalSource, named_signal, read_bytes_with, read_cloud_part_with, region_field, write_bytes_with,
-    write_path_with, written_signal,
+    CloudPart, Direction, Edges, FlaggedPoints, Format, MaskFile, MaskSide, MovedNormals, ReadLimits,
+    Selection, SelectionError, ShapeFile, ShapeFileError, ShapeKind, SignalSource, named_signal,
+    read_bytes_with, read_cloud_part_with, region_field, write_bytes_with, write_path_with, written_signal,
 };
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -24,6 +24,9 @@ pub(crate) struct ShapeData {
     pub(crate) file: ShapeFile,
     pub(crate) kind: ShapeKind,
     pub(crate) name: String,
+    /// Number of points that were left out because they are flagged as withheld or classified as noise.
+    #[pyo3(get)]
+    n_flagged: usize,
     shape: OnceLock<Shape>,
 }
 
@@ -34,7 +37,20 @@ fn file_error(error: ShapeFileError) -> PyErr {
 impl ShapeData {
     fn new(file: ShapeFile, kind: Option<ShapeKind>, name: String) -> Self {
         let kind = kind.unwrap_or_else(|| file.kind());
-        Self { file, kind, name, shape: OnceLock::new() }
+        Self { file, kind, name, n_flagged: 0, shape: OnceLock::new() }
+    }
+
+    /// The part of a file that a selection chooses.
+    fn from_selected(
+        file: ShapeFile,
+        selection: &Selection,
+        kind: Option<ShapeKind>,
+        name: String,
+    ) -> Result<Self, SelectionError> {
+        // A mesh without faces among the vertices that take part stays a mesh.
+        let kind = kind.unwrap_or_else(|| file.kind());
+        let selected = selection.apply(file)?;
+        Ok(Self { n_flagged: selected.n_flagged, ..Self::new(selected.file, Some(kind), name) })
     }
 
     /// The shape, which is built when it is first used.
@@ -53,7 +69,7 @@ impl ShapeData {
 
     /// Another file with the same kind and name.
     pub(crate) fn with_file(&self, file: ShapeFile) -> Self {
-        Self { file, kind: self.kind, name: self.name.clone(), shape: OnceLock::new() }
+        Self { n_flagged: self.n_flagged, ..Self::new(file, Some(self.kind), self.name.clone()) }
     }
 }
 
@@ -76,6 +92,31 @@ struct ReadOptions {
     kind: Option<String>,
     bounds: Option<([f64; 3], [f64; 3])>,
     resolution: Option<f64>,
+    selection: SelectionOptions,
+}
+
+/// Vertices that take part.
+#[derive(FromPyObject)]
+struct SelectionOptions {
+    /// Conditions on fields.
+    only: Vec<String>,
+    /// Path of a mask.
+    mask: Option<String>,
+    invert_mask: bool,
+    /// Flagged points take part.
+    all_points: bool,
+}
+
+impl SelectionOptions {
+    fn to_selection(&self) -> PyResult<Selection> {
+        let conditions = self.only.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+        let side = if self.invert_mask { MaskSide::Outside } else { MaskSide::Inside };
+        Ok(Selection {
+            conditions: conditions.map_err(|e| value_error(format!("only: {e}")))?,
+            mask: self.mask.clone().map(|name| MaskFile { name, side }),
+            flagged: if self.all_points { FlaggedPoints::Included } else { FlaggedPoints::LeftOut },
+        })
+    }
 }
 
 #[pymethods]
@@ -90,23 +131,34 @@ impl ShapeData {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let kind = parse_kind(options.kind.as_deref())?;
+        let selection = options.selection.to_selection()?;
         let part = CloudPart { bounds: options.bounds, resolution: options.resolution };
         let limits = ReadLimits::default();
         let file =
             run(py, usize::MAX, progress.as_ref(), |p| read_cloud_part_with(&path, &part, &limits, p))?;
-        Ok(Self::new(file, kind, path.display().to_string()))
+        let name = path.display().to_string();
+        run(py, file.n_vertices(), None, |_| Self::from_selected(file, &selection, kind, name))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (content, name=None, kind=None))]
-    fn read_bytes(py: Python<'_>, content: &[u8], name: Option<&str>, kind: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (content, name=None, kind=None, all_points=false))]
+    fn read_bytes(
+        py: Python<'_>,
+        content: &[u8],
+        name: Option<&str>,
+        kind: Option<&str>,
+        all_points: bool,
+    ) -> PyResult<Self> {
         let kind = parse_kind(kind)?;
         let (owned, limits) = (content.to_vec(), ReadLimits::default());
         let file_name = std::path::Path::new(name.unwrap_or("content"));
         let file = run(py, content.len(), None, |p| {
             read_bytes_with(owned, name, &limits, p).map_err(|e| e.in_file(file_name))
         })?;
-        Ok(Self::new(file, kind, name.unwrap_or("bytes").to_owned()))
+        let flagged = if all_points { FlaggedPoints::Included } else { FlaggedPoints::LeftOut };
+        let (selection, name) =
+            (Selection { flagged, ..Selection::default() }, name.unwrap_or("bytes").to_owned());
+        run(py, file.n_vertices(), None, |_| Self::from_selected(file, &selection, kind, name))
     }
 
     /// A mesh, or a cloud without corners; the corners are those of triangles without offsets.
@@ -306,6 +358,23 @@ impl ShapeData {
         let mut file = self.file.clone();
         file.add_face_field(arrays::to_field(name, values)?).map_err(file_error)?;
         Ok(self.with_file(file))
+    }
+
+    /// The part with the vertices for which `keep` is true, if it is given, and that the options choose.
+    #[pyo3(signature = (options, keep=None))]
+    fn select(
+        &self,
+        py: Python<'_>,
+        options: SelectionOptions,
+        keep: Option<PyReadonlyArray1<'_, bool>>,
+    ) -> PyResult<Self> {
+        let selection = options.to_selection()?;
+        let mut file = self.file.clone();
+        if let Some(keep) = keep {
+            file = file.select_rows(keep.as_slice()?).map_err(file_error)?;
+        }
+        let (kind, name) = (Some(self.kind), self.name.clone());
+        run(py, file.n_vertices(), None, |_| Self::from_selected(file, &selection, kind, name))
     }
 
     /// The shape treated as another kind.

@@ -426,3 +426,60 @@ def test_rows_without_a_position_keep_their_numbers() -> None:
     assert heights[[0, 2]].tolist() == [1.0, 3.0] and np.isnan(heights[1])
     with pytest.raises(ValueError, match="must have 2 rows"):
         cloud.in_file_rows([1.0, 2.0, 3.0])
+
+
+def test_a_part_is_computed_on_and_the_rest_comes_back(tmp_path: Path) -> None:
+    rng = np.random.default_rng(7)
+    points = np.column_stack([rng.uniform(0, 20, (900, 2)), rng.normal(0, 0.03, 900)])
+    is_ground = np.arange(900) % 3 != 1
+    points[~is_ground, 2] += 5
+    cloud = aw.Shape(points, fields={"classification": np.where(is_ground, 2, 5).astype(np.uint8)})
+    ground = cloud.select("classification=2")
+    assert ground.kind == "cloud" and ground.file_rows.tolist() == np.flatnonzero(is_ground).tolist()
+    alone = aw.denoise(aw.Shape(points[is_ground])).points
+    np.testing.assert_array_equal(aw.denoise(ground).points, alone)
+    assert np.isnan(ground.in_file_rows(ground.points[:, 2])[~is_ground]).all()
+    path = tmp_path / "all.ply"
+    ground.with_points(alone).write(path)
+    back = aw.read(path)
+    np.testing.assert_array_equal(back.points[~is_ground], points[~is_ground])
+    np.testing.assert_array_equal(back.points[is_ground], alone)
+    for same in (
+        cloud.select(mask=is_ground),
+        cloud.select(mask=np.where(is_ground, 3.5, np.nan)),
+        cloud.select(mask=~is_ground, invert_mask=True),
+        cloud.select(["classification=..3", "z=-1..1"]),
+        aw.read(path, only="classification=2"),
+    ):
+        assert same.file_rows.tolist() == ground.file_rows.tolist()
+    np.save(tmp_path / "mask.npy", is_ground)
+    assert aw.read(path, mask=tmp_path / "mask.npy").n_vertices == is_ground.sum()
+    # A mask with a row for each row of the file works on a part too.
+    assert ground.select(mask=np.arange(900) < 30).file_rows.tolist() == np.flatnonzero(is_ground[:30]).tolist()
+    for wrong, message in (
+        ({"only": "class=2"}, "use classification, x, y, z"),
+        ({"only": "classification"}, "must be FIELD=VALUE"),
+        ({"only": "classification=9"}, "no vertex fulfills classification=9; the values of the field are 2 to 5"),
+        ({"mask": [1, 0]}, "one number for each of 900 vertices"),
+        ({"mask": np.zeros(900)}, "a vertex that takes part"),
+        ({"mask": "none.npy"}, "there is no mask file"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            cloud.select(**wrong)
+
+
+def test_withheld_and_noise_points_are_left_out_with_a_warning(tmp_path: Path) -> None:
+    points = np.random.default_rng(3).uniform(0, 9, (60, 3)).round(2)
+    classes, flags = np.full(60, 2, dtype=np.uint8), np.zeros(60, dtype=np.uint8)
+    classes[[4, 9]], flags[20] = (7, 18), 4
+    path = tmp_path / "scan.las"
+    aw.Shape(points, fields={"classification": classes, "classification_flags": flags}).write(path)
+    with pytest.warns(UserWarning, match="3 of 60 points are flagged"):
+        scan = aw.read(path)
+    assert scan.n_vertices == 57 and 20 not in scan.file_rows
+    assert aw.read(path, all_points=True).n_vertices == 60
+    assert aw.read_bytes(path.read_bytes(), all_points=True).n_vertices == 60
+    scan.with_points(scan.points + 1).write(tmp_path / "out.las")
+    out = aw.read(tmp_path / "out.las", all_points=True)
+    moved = np.abs(out.points - points).max(axis=1) > 0.5
+    assert np.flatnonzero(~moved).tolist() == [4, 9, 20]

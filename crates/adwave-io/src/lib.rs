@@ -24,6 +24,7 @@
 //! | `formats` | a folder per format, and the one table |
 //! | `registry` | formats by content and by name; reading and writing |
 //! | `mesh_stream`, `cloud_part`, `texture` | meshes in portions, parts of clouds, colors of pictures |
+//! | `selection` | the vertices that take part, by fields, masks and flags |
 //! | `signal`, `region_field`, `recipe`, `provenance` | signals and fields by name, edits as TOML, the origin of a result |
 //!
 //! # Features
@@ -55,6 +56,7 @@ mod provenance;
 mod recipe;
 mod region_field;
 mod registry;
+mod selection;
 mod signal;
 mod text;
 #[cfg(feature = "texture")]
@@ -76,6 +78,8 @@ pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 #[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
+#[cfg(feature = "las")]
+pub use formats::las::fields::is_flagged_record;
 #[cfg(feature = "las")]
 pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
 #[cfg(feature = "las")]
@@ -102,9 +106,13 @@ pub use region_field::region_field;
 pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with};
 pub use registry::values::{parse_surface_values, read_surface_values, rewrite_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
+pub use selection::{
+    ClosedInterval, FieldCondition, FieldConditionError, FlaggedPoints, MaskFile, MaskSide, NOISE_CLASSES,
+    SelectedShape, Selection, SelectionError, WITHHELD_FLAG,
+};
 pub use signal::{
     DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,
-    named_axis, named_signal, with_axis, written_signal,
+    keep_left_out_values, named_axis, named_signal, with_axis, written_signal,
 };
 pub use text::csv::{csv_number, push_csv_row};
 #[cfg(feature = "texture")]

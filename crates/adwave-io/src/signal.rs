@@ -169,7 +169,7 @@ pub fn named_signal(
         _ => {}
     }
     let n_vertices = shape.n_vertices();
-    if let Some(field) = from_file(name, file.structure(), file.n_file_rows())? {
+    if let Some(field) = values_of_file(name, file.structure(), file.n_file_rows())? {
         if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
             return Ok(rows.select(&field).into());
         }
@@ -230,9 +230,29 @@ pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: V
     Field::new(stem, n_channels, FieldValues::F64(values))
 }
 
+/// Lets the rows that are not part of the shape keep the values that a signal from another file has there, for writing
+/// the field `written`. Without such rows, or for a signal of the shape itself, nothing changes.
+///
+/// # Errors
+/// [`NamedSignalError`]: the file cannot be read again.
+pub fn keep_left_out_values(
+    file: &mut ShapeFile,
+    name: &str,
+    written: &Field,
+) -> Result<(), NamedSignalError> {
+    if file.file_rows().is_none() || file.field(name).is_some() || named_axis(file, name).is_some() {
+        return Ok(());
+    }
+    if let Some(old) = values_of_file(name, file.structure(), file.n_file_rows())? {
+        let values = FieldValues::F64(old.to_f64());
+        file.set_left_out_values(&Field { name: written.name.clone(), n_channels: old.n_channels, values });
+    }
+    Ok(())
+}
+
 /// Reads a field of another file; `:NAME` selects one of several. Files of values without an extension of their own
 /// are identified by their content.
-fn from_file(
+pub(crate) fn values_of_file(
     name: &str,
     structure: Option<&str>,
     n_vertices: usize,

@@ -13,7 +13,9 @@ use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
 use adwave::shape::PreparedGeometry;
-use adwave_io::{Format, MovedNormals, ReadError, ReadLimits, parse_recipe, read_bytes, recipe_to_text};
+use adwave_io::{
+    Format, MovedNormals, ReadError, ReadLimits, Selection, parse_recipe, read_bytes, recipe_to_text,
+};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
@@ -87,6 +89,8 @@ async fn upload_shape(State(studio): StudioState, Query(query): QueryParams, bod
         let name = query.get("name").map_or("shape", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
         let file = read_bytes(body.into(), Some(name), &ReadLimits::default())
             .map_err(|e| upload_error(name, &e))?;
+        let selected = Selection::default().apply(file);
+        let file = selected.map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?.file;
         let shape = file.to_shape().map_err(|e| ApiError::bad_request(format!("{name}: {e}")))?;
         let session = studio.open(StudioInput { name: name.to_owned(), path: None, file, shape })?;
         json_response(&json!({"id": session.id, "name": session.input.name}))

@@ -42,6 +42,14 @@ impl RecordLayout {
         }
     }
 
+    /// Returns true if a point is flagged as withheld or classified as noise.
+    pub(crate) fn is_flagged(&self, record: &[u8]) -> bool {
+        match self {
+            Self::Las(quantization) => adwave_io::is_flagged_record(quantization.format, record),
+            Self::Mesh(_) => false,
+        }
+    }
+
     /// Unit of positions and lengths during the computation, in model units: a power of two.
     pub(crate) fn unit(&self) -> f64 {
         match self {

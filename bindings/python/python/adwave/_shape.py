@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -16,6 +17,17 @@ from adwave._progress import ProgressLike, report_progress
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
+Conditions = Union[str, Sequence[str]]
+
+
+@dataclass(frozen=True)
+class SelectionOptions:
+    """Vertices that take part, as the extension takes them."""
+
+    only: list[str] = field(default_factory=list)
+    mask: Union[str, None] = None
+    invert_mask: bool = False
+    all_points: bool = False
 
 
 @dataclass(frozen=True)
@@ -25,6 +37,7 @@ class ReadOptions:
     kind: Union[Kind, None] = None
     bounds: Union[tuple[list[float], list[float]], None] = None
     resolution: Union[float, None] = None
+    selection: SelectionOptions = field(default_factory=SelectionOptions)
 
 
 class Fields(Mapping[str, "NDArray[Any]"]):
@@ -106,6 +119,7 @@ class Shape:
             data = points._data
         elif _adapt.is_path(points) and faces is None:
             data = _native.ShapeData.read(os.fspath(points), ReadOptions())  # type: ignore[call-overload]
+            _warn_of_flagged(data, stacklevel=3)
         else:
             data = _data_from_parts(_adapt.parts_of(points, faces))
         for name, values in (fields or {}).items():
@@ -288,6 +302,69 @@ class Shape:
         for name, values in fields.items():
             shape = shape.with_field(name, values)
         return shape
+
+    def select(
+        self, only: Conditions | None = None, *, mask: ArrayLike | Path | None = None, invert_mask: bool = False
+    ) -> Shape:
+        """Part of the shape with the vertices that take part; the others are nobody's neighbors.
+
+        The part remembers where it comes from: `file_rows` has the row of each vertex, `in_file_rows` puts results back,
+        and `write` writes all vertices, the others with the positions and values that they had.
+
+        Parameters
+        ----------
+        only : str or sequence of str, optional
+            Conditions on fields, all of which must hold: ``'classification=2,6'`` or ``'height=1..20'``, where either
+            end may be missing. ``x``, ``y`` and ``z`` are the coordinates. NaN fulfills none.
+        mask : array_like or path_like, optional
+            One number for each vertex, or for each row of the file: all but 0 and NaN take part. Or a file: .npy, .csv,
+            .gii and others of numbers, a FreeSurfer label (its vertices take part; of that of the medial wall the
+            others), or an .annot (the regions of the cortex take part, or those after a colon).
+        invert_mask : bool
+            The vertices that are not in the mask take part.
+
+        Returns
+        -------
+        Shape
+            Faces and edges stay if all their vertices do.
+
+        Raises
+        ------
+        ValueError
+            If a field does not exist or has several channels, the mask has another length, or no vertex is left.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> cloud = aw.Shape([[0, 0, 0], [1, 0, 5], [2, 0, 0]], fields={"classification": [2, 5, 2]})
+        >>> ground = cloud.select("classification=2")
+        >>> ground.n_vertices, ground.file_rows.tolist()
+        (2, [0, 2])
+        >>> cloud.select(mask=[0, 1, 0]).points.tolist()
+        [[1.0, 0.0, 5.0]]
+        """
+        conditions = _conditions(only)
+        if mask is None or _adapt.is_path(mask):
+            path = None if mask is None else os.fspath(mask)  # type: ignore[call-overload]
+            options = SelectionOptions(conditions, path, invert_mask, all_points=True)
+            return Shape._from_data(self._data.select(options))
+        options = SelectionOptions(conditions, all_points=True)
+        return Shape._from_data(self._data.select(options, self._mask_flags(mask, invert_mask)))
+
+    def _mask_flags(self, mask: object, invert: bool) -> NDArray[np.bool_]:
+        values = np.asarray(mask)
+        n, n_rows = self.n_vertices, self._data.n_file_rows
+        if values.ndim != 1 or len(values) not in (n, n_rows) or values.dtype.kind not in "buif":
+            raise ValueError(
+                f"mask must have one number for each of {n} vertices; got shape {values.shape} of {values.dtype}"
+            )
+        inside = (values != 0) & ~np.isnan(values.astype(np.float64, copy=False))
+        if len(inside) != n:
+            inside = inside[self.file_rows]
+        inside = ~inside if invert else inside
+        if n and not inside.any():
+            raise ValueError("mask must have a vertex that takes part; got none")
+        return np.ascontiguousarray(inside)
 
     def write(self, path: Path, *, format: str | None = None, progress: ProgressLike = None) -> list[str]:
         """Write the shape to a file, completely or not at all.
@@ -488,6 +565,23 @@ def as_shape(shape: object, faces: object = None) -> Shape:
     return Shape(shape, faces)
 
 
+def _conditions(only: Conditions | None) -> list[str]:
+    if only is None:
+        return []
+    return [only] if isinstance(only, str) else list(only)
+
+
+def _warn_of_flagged(data: _native.ShapeData, stacklevel: int) -> None:
+    """Warn of points that a file flags as withheld or noise, which are left out."""
+    if data.n_flagged:
+        warnings.warn(
+            f"{data.n_flagged} of {data.n_file_rows} points are flagged as withheld or classified as noise (7, 18) and "
+            "take no part; all_points=True includes them",
+            UserWarning,
+            stacklevel=stacklevel,
+        )
+
+
 def _bounds(box: ArrayLike) -> tuple[list[float], list[float]]:
     """Least and greatest coordinates of a box of six numbers, or of four, which leave z free."""
     numbers = np.asarray(box, dtype=float).ravel().tolist()
@@ -506,6 +600,10 @@ def read(
     kind: Kind | None = None,
     box: ArrayLike | None = None,
     resolution: float | None = None,
+    only: Conditions | None = None,
+    mask: Path | None = None,
+    invert_mask: bool = False,
+    all_points: bool = False,
     progress: ProgressLike = None,
 ) -> Shape:
     """Read a shape from a file.
@@ -526,6 +624,16 @@ def read(
         box are read.
     resolution : float, optional
         Distance of the points, in model units: the levels of a COPC or EPT that are finer are not read.
+    only : str or sequence of str, optional
+        Conditions on fields that the vertices of the shape fulfill, such as ``'classification=2'``; see `Shape.select`.
+        The others keep their values when the shape is written.
+    mask : path_like, optional
+        File that says which vertices take part; see `Shape.select`, which takes arrays too.
+    invert_mask : bool
+        The vertices that are not in the mask take part.
+    all_points : bool
+        Let points of a LAS, LAZ or EPT take part that are flagged as withheld or classified as noise (7 and 18). Without
+        it they are left out with a warning, and come back when the shape is written.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
@@ -554,11 +662,18 @@ def read(
     """
     with report_progress(progress, "reading") as report:
         bounds = None if box is None else _bounds(box)
-        options = ReadOptions(kind, bounds, resolution)
-        return Shape._from_data(_native.ShapeData.read(os.fspath(path), options, report))
+        selection = SelectionOptions(
+            _conditions(only), None if mask is None else os.fspath(mask), invert_mask, all_points
+        )
+        options = ReadOptions(kind, bounds, resolution, selection)
+        data = _native.ShapeData.read(os.fspath(path), options, report)
+    _warn_of_flagged(data, stacklevel=3)
+    return Shape._from_data(data)
 
 
-def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = None) -> Shape:
+def read_bytes(
+    content: bytes, name: str | None = None, *, kind: Kind | None = None, all_points: bool = False
+) -> Shape:
     """Read a shape from the content of a file.
 
     Parameters
@@ -569,6 +684,8 @@ def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = N
         Name of the file, for formats that the content does not tell.
     kind : {'mesh', 'cloud', 'graph'}, optional
         Kind that the file is treated as.
+    all_points : bool
+        Let points of a LAS or LAZ take part that are flagged as withheld or classified as noise; see `read`.
 
     Raises
     ------
@@ -581,7 +698,9 @@ def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = N
     >>> aw.read_bytes(b"v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n", "a.obj")
     <adwave.Shape: mesh, 3 vertices, 1 faces>
     """
-    return Shape._from_data(_native.ShapeData.read_bytes(bytes(content), name, kind))
+    data = _native.ShapeData.read_bytes(bytes(content), name, kind, all_points)
+    _warn_of_flagged(data, stacklevel=3)
+    return Shape._from_data(data)
 
 
 def sample(name: str = "creature", *, vertices: int | None = None, noise: float | None = None, seed: int = 1) -> Shape:

@@ -10,6 +10,7 @@ mod normals;
 mod operator;
 mod parse;
 mod region_help;
+mod selection;
 mod shape;
 mod signal;
 
@@ -23,5 +24,6 @@ pub(crate) use normals::NormalArgs;
 pub(crate) use operator::OperatorArgs;
 pub(crate) use parse::{count, count_from_one, length, number, parse_named, region, seed, size};
 pub(crate) use region_help::regions_help;
+pub(crate) use selection::SelectionArgs;
 pub(crate) use shape::{ShapeArgs, ShapeKindArg};
 pub(crate) use signal::{SignalArgs, signal_names};

@@ -1,7 +1,7 @@
 //! The shape.
 
 use super::parse::{count, number, seed};
-use super::{CloudPartArgs, OperatorArgs};
+use super::{CloudPartArgs, OperatorArgs, SelectionArgs};
 use adwave_io::ShapeKind;
 use clap::{Args, ValueEnum};
 
@@ -13,6 +13,8 @@ pub(crate) struct ShapeArgs {
     pub(crate) shape: String,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
     pub(crate) kind: Option<ShapeKindArg>,

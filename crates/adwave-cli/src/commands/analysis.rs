@@ -109,7 +109,7 @@ impl Analysis {
         // The signal comes first: a name that does not exist is reported before the operator is built.
         let signal = load_signal(global, &input, name, signal.texture.as_deref())?;
         let operator = operator_for_levels(&shape.operator, levels)?;
-        let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
+        let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
         let resolved = resolve_spec(&levels.to_spec(), extent, &decomposer, global)?;
         let seconds = Seconds { read, diffusion: watch.lap(), bands: 0.0 };
         let (schedule, levels_reason) = (resolved.schedule, resolved.reason);

@@ -74,7 +74,7 @@ fn write_functions_of_vertex(
     let n_vertices = input.shape.n_vertices();
     let (row, vertex) = (vertex, vertex_in_row(&input, vertex)?);
     let decomposer =
-        prepare(global, &input.shape, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
+        prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let start = Instant::now();
     let functions = with_progress(global, "computing", |progress| {
         decomposer.basis_of_vertex(vertex, &schedule, progress)
@@ -134,7 +134,7 @@ fn write_matrices(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Resul
     }
     let input = load_shape(&args.shape, global)?;
     let decomposer =
-        prepare(global, &input.shape, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
+        prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let vertex_map = decomposer.geometry().vertex_map();
     let start = Instant::now();
     let mut basis = with_progress(global, "computing", |progress| {

@@ -68,7 +68,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
     let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare(global, &input.shape, &operator)?;
+    let decomposer = prepare(global, &input, &operator)?;
     let prepare_seconds = Some(start.elapsed().as_secs_f64());
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let subject = ComparisonInput {

@@ -1,10 +1,10 @@
 //! `adwave convert`: a shape in another format.
 
-use crate::args::CloudPartArgs;
+use crate::args::{CloudPartArgs, SelectionArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, count, output_format, print, write_shape};
-use crate::resolve::shape::{ShapeSource, load_source};
+use crate::resolve::shape::{Rest, SelectionUse, ShapeSource, load_source, select};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Points, faces, edges and fields are written in the number types of the new format. A note lists what that format cannot store;
-'adwave formats' lists it for every format.
+'adwave formats' lists it for every format. All points are written unless --only or --mask selects some, which are written alone.
 
 Examples:
   adwave convert model.glb -o model.ply
@@ -20,6 +20,7 @@ Examples:
   adwave convert lh.pial -o lh.surf.gii
   adwave convert scan.e57 -o scan.laz
   adwave convert land.copc.laz -o corner.laz --box 635000,848000,636000,849000 --resolution 2
+  adwave convert scan.laz -o ground.ply --only classification=2
   adwave convert scan.ply -o - | other-program")]
 pub(crate) struct ConvertArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
@@ -27,6 +28,8 @@ pub(crate) struct ConvertArgs {
     shape: String,
     #[command(flatten)]
     part: CloudPartArgs,
+    #[command(flatten)]
+    selection: SelectionArgs,
     /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     output: PathBuf,
@@ -36,7 +39,13 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
     output_format(&args.output)?;
     check_writable(&args.output)?;
     let source = ShapeSource { part: args.part.to_part(), ..ShapeSource::new(&args.shape) };
-    let input = load_source(&source, global)?;
+    let selection = args.selection.to_selection()?;
+    let mut input = load_source(&source, global)?;
+    if selection.is_restricted() {
+        let selection = SelectionUse { selection, rest: Rest::IsDropped };
+        input.file = select(input.file, &input.name, selection, global)?;
+        input.file.forget_left_out();
+    }
     let file = &input.file;
     let report = write_shape(global, file, &args.output)?;
     let (n_vertices, n_faces) = (file.n_vertices(), file.faces().len());

@@ -50,7 +50,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     }
     let input = load_shape(&args.shape, global)?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let decomposer = prepare(global, &input.shape, &operator)?;
+    let decomposer = prepare(global, &input, &operator)?;
     let region = union_of_regions(&args.region);
     let weights = with_progress(global, "measuring", |progress| {
         region_weights(&region, &input, &decomposer, progress)

@@ -5,7 +5,10 @@ use crate::global::Global;
 use crate::output::values_file::{ValuesFile, write_field};
 use crate::output::{check_writable, output_format, write_shape};
 use crate::resolve::shape::{Input, move_points};
-use adwave_io::{COORDS, Field, FieldValues, MovedNormals, ShapeFile, named_axis, with_axis, written_signal};
+use adwave_io::{
+    COORDS, Field, FieldValues, MovedNormals, ShapeFile, keep_left_out_values, named_axis, with_axis,
+    written_signal,
+};
 use std::path::Path;
 
 /// The file that the result of an edit goes to.
@@ -69,7 +72,10 @@ impl<'a> ResultFile<'a> {
                 let values = FieldValues::F64(input.file.points().as_flattened().to_vec());
                 Field::new(COORDS, 3, values)
             }
-            EditedSignal::Field(field) => field,
+            EditedSignal::Field(field) => {
+                keep_left_out_values(&mut input.file, signal, &field).map_err(CliError::input)?;
+                field
+            }
         };
         if let (Some(kind), None) = (alone, input.file.field(signal)) {
             return kind.write_edited(global, self.path, signal, field, &input.file);

@@ -1,6 +1,6 @@
 //! `adwave studio`: an equalizer for the shape in a browser.
 
-use crate::args::{ShapeKindArg, count, number};
+use crate::args::{SelectionArgs, ShapeKindArg, count, number};
 use crate::error::CliError;
 use crate::global::{Global, HeapUse};
 use crate::output::{note, print};
@@ -30,6 +30,8 @@ pub(crate) struct StudioArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE")]
     shape: String,
+    #[command(flatten)]
+    selection: SelectionArgs,
     /// Take the shape as a mesh or as a cloud of its vertices
     #[arg(long = "as", alias = "kind", value_name = "KIND")]
     kind: Option<ShapeKindArg>,
@@ -66,7 +68,8 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         note(global, "others on the network can reach the studio and read its token");
     }
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, ..SampleSize::default() };
-    let source = ShapeSource { kind: args.kind, sample, ..ShapeSource::new(&args.shape) };
+    let selection = Some(&args.selection);
+    let source = ShapeSource { kind: args.kind, sample, selection, ..ShapeSource::new(&args.shape) };
     let input = load_source(&source, global)?;
     let path = Path::new(&input.name);
     let path = path.is_file().then(|| path.to_path_buf());

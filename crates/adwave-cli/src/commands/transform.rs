@@ -105,7 +105,7 @@ fn resolve(
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare_for_signal(global, &input.shape, &operator, &signal, name)?;
+    let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let (schedule, levels_reason) = (levels.schedule, levels.reason);
     Ok((TransformJob { file, input, signal, decomposer, schedule, levels_reason, params }, read))

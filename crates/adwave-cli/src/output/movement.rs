@@ -6,6 +6,7 @@ use crate::global::Global;
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
 use adwave::shape::{PreparedGeometry, health};
+use adwave_io::ShapeFile;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -76,6 +77,14 @@ impl Movement {
             this.volumes = Some(MeasureChange::new(volume(&before), volume(&after), unit.powi(3)));
         }
         Ok(this)
+    }
+
+    /// The movement with the row of the file of the vertex that moved furthest, instead of its number in the shape.
+    pub(crate) fn in_file_rows(mut self, file: &ShapeFile) -> Self {
+        if self.moved.furthest < file.n_vertices() {
+            self.moved.furthest = file.file_row(self.moved.furthest);
+        }
+        self
     }
 
     /// Prints a note if an edit of bands did more than such edits do: vertices moved farther than a few times `sigma`, the width of the

@@ -1,5 +1,6 @@
 //! From operator flags to a shape that is prepared with its diffusion operator.
 
+use super::shape::Input;
 use super::signal::Signal;
 use crate::args::{LevelArgs, OperatorArgs};
 use crate::error::CliError;
@@ -57,17 +58,19 @@ pub(crate) fn operator_with_default(
 /// A shape with its diffusion operator.
 pub(crate) fn prepare(
     global: &Global<'_>,
-    shape: &Shape,
+    input: &Input,
     params: &OperatorParams,
 ) -> Result<Decomposer, CliError> {
-    check_operator(shape, params)?;
-    let decomposer = with_progress(global, "preparing", |progress| build_operator(shape, params, progress))?;
-    note_outsiders(decomposer.geometry(), global);
+    check_operator(&input.shape, params)?;
+    let build = |progress: Progress<'_>| build_operator(&input.shape, params, progress);
+    let decomposer = with_progress(global, "preparing", build)?;
+    note_outsiders(decomposer.geometry(), input, global);
     Ok(decomposer)
 }
 
-/// Names the placeholders and strays of a shape, and the vertices that were welded although their positions differ.
-pub(crate) fn note_outsiders(geometry: &PreparedGeometry, global: &Global<'_>) {
+/// Prints notes on placeholders and strays, with their rows in the file, and on vertices that were welded although their positions
+/// differ.
+pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global: &Global<'_>) {
     if let Some(seams) = geometry.seams() {
         let text = format!(
             "{} within {} of another, along open borders that nearly coincide; they are welded (--weld 0 keeps them apart)",
@@ -76,7 +79,9 @@ pub(crate) fn note_outsiders(geometry: &PreparedGeometry, global: &Global<'_>) {
         );
         note(global, &text);
     }
-    let outsiders = geometry.outsiders();
+    let outsiders: Vec<(usize, VertexRole)> = (geometry.outsiders().into_iter())
+        .map(|(vertex, role)| (input.file.file_row(vertex), role))
+        .collect();
     for role in [VertexRole::Placeholder, VertexRole::Stray] {
         if let Some(text) = describe_outsiders(&outsiders, role) {
             note(global, &text);
@@ -195,12 +200,12 @@ impl SignalPart {
 /// A shape with its diffusion operator, for a signal: vertices where the signal is NaN are masked.
 pub(crate) fn prepare_for_signal(
     global: &Global<'_>,
-    shape: &Shape,
+    input: &Input,
     params: &OperatorParams,
     signal: &Signal,
     name: &str,
 ) -> Result<Decomposer, CliError> {
-    mask_missing(prepare(global, shape, params)?, signal, name, global)
+    mask_missing(prepare(global, input, params)?, signal, name, global)
 }
 
 /// Refuses options that do not go with the shape, and neighborhoods that need more memory than is free.

@@ -1,15 +1,16 @@
 //! From the SHAPE argument to a shape.
 
-use crate::args::{ShapeArgs, ShapeKindArg};
+use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::note;
 use crate::output::progress::with_spinner;
+use crate::output::{count, note};
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{
-    CloudPart, MovedNormals, ReadError, ShapeFile, read_bytes, read_cloud_part_with, read_path_with,
+    CloudPart, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, read_bytes,
+    read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
 use std::path::Path;
@@ -33,6 +34,8 @@ pub(crate) struct ShapeSource<'a> {
     pub(crate) sample: SampleSize,
     /// The part of a cloud that is read.
     pub(crate) part: CloudPart,
+    /// The vertices that take part; `None` for all, with those that the file flags.
+    pub(crate) selection: Option<&'a SelectionArgs>,
 }
 
 /// Size and noise of a sample.
@@ -53,17 +56,18 @@ impl Default for SampleSize {
 }
 
 impl<'a> ShapeSource<'a> {
-    /// A shape as it is.
+    /// A shape as it is, with all its vertices.
     pub(crate) fn new(shape: &'a str) -> Self {
-        Self { shape, kind: None, sample: SampleSize::default(), part: CloudPart::default() }
+        let (sample, part) = (SampleSize::default(), CloudPart::default());
+        Self { shape, kind: None, sample, part, selection: None }
     }
 }
 
 /// Reads or makes the shape that the arguments ask for.
 pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
-    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part: args.part.to_part() };
-    load_source(&source, global)
+    let (part, selection) = (args.part.to_part(), Some(&args.selection));
+    load_source(&ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection }, global)
 }
 
 /// Reads or makes a shape.
@@ -71,6 +75,8 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
     with_spinner(global, "reading", || {
         let name = source.shape.to_owned();
         check_source(source)?;
+        // A condition that cannot be read is refused before a large file is read.
+        let selection = source.selection.map(SelectionArgs::to_selection).transpose()?;
         let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
             global.inputs.add_unhashed(source.shape);
             make_sample(sample, &source.sample)?
@@ -82,9 +88,73 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             note(global, text);
         }
         let kind = source.kind.map_or_else(|| file.kind(), Into::into);
+        let file = match selection {
+            Some(selection) => select(file, &name, SelectionUse { selection, rest: Rest::Stays }, global)?,
+            None => file,
+        };
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         Ok(Input { file, shape, name })
     })
+}
+
+/// A selection and what becomes of the vertices that take no part.
+pub(crate) struct SelectionUse {
+    pub(crate) selection: Selection,
+    pub(crate) rest: Rest,
+}
+
+/// Fate of the vertices that take no part.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rest {
+    /// They keep their values.
+    Stays,
+    /// They are not written.
+    IsDropped,
+}
+
+/// The part of a file whose vertices take part, with a note of their number.
+pub(crate) fn select(
+    file: ShapeFile,
+    name: &str,
+    selection: SelectionUse,
+    global: &Global<'_>,
+) -> Result<ShapeFile, CliError> {
+    let SelectionUse { selection, rest } = selection;
+    if let Some(mask) = &selection.mask {
+        global.inputs.add_signal(&mask.name, None);
+    }
+    let selected = selection.apply(file).map_err(|e| match e.kind() {
+        ErrorKind::Cancelled => CliError::Cancelled,
+        _ => CliError::Input(format!("{name}: {e}")),
+    })?;
+    if let Some(text) = describe_selected(&selected, name, &selection) {
+        let others = if rest == Rest::Stays { "keep their values" } else { "are not written" };
+        note(global, &format!("{text}; the others {others}"));
+    }
+    Ok(selected.file)
+}
+
+/// Sentence on the vertices that take part; `None` if nothing chose them and all do.
+fn describe_selected(selected: &SelectedShape, name: &str, selection: &Selection) -> Option<String> {
+    let SelectedShape { file, n_before, n_flagged, mask_meaning } = selected;
+    let n = file.n_vertices();
+    let flagged = format!(
+        "{} flagged as withheld or classified as noise (7, 18), which --all-points includes",
+        count(*n_flagged, "point", "points")
+    );
+    if !selection.is_restricted() {
+        let text = format!("{n} of {n_before} points of {name} take part: without {flagged}");
+        return (*n_flagged > 0).then_some(text);
+    }
+    let mut reasons = selection.describe().join(" and ");
+    if let Some(meaning) = mask_meaning {
+        let inverse = if selection.is_mask_inverted() { "leave out --invert-mask" } else { "--invert-mask" };
+        reasons += &format!(" ({meaning}; {inverse} for the other side)");
+    }
+    if *n_flagged > 0 {
+        reasons += &format!(", without {flagged}");
+    }
+    Some(format!("{n} of {n_before} vertices of {name} take part: {reasons}"))
 }
 
 /// Says that rows of the file are not part of the shape.

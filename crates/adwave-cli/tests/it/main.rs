@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod reproduce;
 mod row_numbers;
+mod selection;
 mod simplify;
 mod slopes;
 mod strays;

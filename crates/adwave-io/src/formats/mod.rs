@@ -128,4 +128,6 @@ pub(crate) static TABLE: &[&FormatDescriptor] = &[
     &freesurfer::MGH,
     #[cfg(feature = "neuro")]
     &freesurfer::ANNOTATION,
+    #[cfg(feature = "neuro")]
+    &freesurfer::LABEL,
 ];

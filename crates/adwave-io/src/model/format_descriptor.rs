@@ -74,6 +74,9 @@ pub(crate) type WriteFn = fn(&ShapeFile, &mut WriteContext<'_>) -> Result<(), Wr
 /// Reader of values for a surface: the bytes, the part of the anatomy and the number of vertices.
 pub(crate) type ReadValuesFn = fn(&[u8], &SurfaceSize<'_>, &ReadContext<'_>) -> Result<Vec<Field>, ReadError>;
 
+/// Reader of a file as a mask of the vertices of a surface.
+pub(crate) type ReadMaskFn = fn(&[u8], &MaskRequest<'_>, &ReadContext<'_>) -> Result<VertexMask, ReadError>;
+
 /// Reader of the fields in a file, without a shape.
 pub(crate) type ReadFieldsFn = fn(&Path, &ReadLimits) -> Result<Vec<Field>, ReadError>;
 
@@ -97,10 +100,29 @@ pub(crate) struct ValuesEdit<'a> {
 
 /// Bytes of a file of values with new numbers; `None` if these do not fit the file.
 pub(crate) type RewriteValuesFn = fn(&[u8], &ValuesEdit<'_>) -> Result<Option<Vec<u8>>, WriteError>;
+/// The surface that a mask is read for, and the parts of the file that are asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MaskRequest<'a> {
+    /// Name of the file, whose words may say what it lists.
+    pub(crate) name: &'a str,
+    /// Names of regions, with commas between them; `None` for the usual meaning of the file.
+    pub(crate) regions: Option<&'a str>,
+    pub(crate) n_vertices: usize,
+}
+
+/// Vertices that take part according to a file that names them.
+#[derive(Clone, Debug)]
+pub(crate) struct VertexMask {
+    /// One entry per vertex.
+    pub(crate) takes_part: Vec<bool>,
+    /// Clause that says what was assumed.
+    pub(crate) meaning: String,
+}
 
 /// Everything that other modules know about a format: the source of names, endings, messages, documents and dispatch.
 ///
 /// A format's folder ends in its descriptors, each of which begins with `..FormatDescriptor::NEW`.
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact about the format")]
 pub(crate) struct FormatDescriptor {
     pub(crate) format: Format,
     /// Name in full: `PLY, text`.
@@ -124,6 +146,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) holds_missing: bool,
     /// Coordinates are always written as 32-bit floats.
     pub(crate) is_single_precision: bool,
+    /// Points have a classification and flags by which their producer takes them out: LAS and its relatives.
+    pub(crate) flags_points: bool,
     /// Axis that points up in all files of the format, if they agree.
     pub(crate) up_axis: Option<Axis>,
     pub(crate) provenance: ProvenanceRoom,
@@ -136,6 +160,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) read: Option<ReadFn>,
     pub(crate) read_folder: Option<ReadFolderFn>,
     pub(crate) read_values: Option<ReadValuesFn>,
+    /// Reader of a mask, for files that name vertices instead of having a number for each.
+    pub(crate) read_mask: Option<ReadMaskFn>,
     /// Reader of the fields in a file with an ending of the format, without a shape.
     pub(crate) read_fields: Option<ReadFieldsFn>,
     pub(crate) rewrite_values: Option<RewriteValuesFn>,
@@ -160,6 +186,7 @@ impl FormatDescriptor {
         holds_fields: false,
         holds_missing: false,
         is_single_precision: false,
+        flags_points: false,
         up_axis: None,
         provenance: ProvenanceRoom::None,
         recognize: |_| None,
@@ -168,6 +195,7 @@ impl FormatDescriptor {
         read: None,
         read_folder: None,
         read_values: None,
+        read_mask: None,
         read_fields: None,
         rewrite_values: None,
         write: None,

@@ -125,13 +125,13 @@ fn scattered(field: &Field, rows: &[u32], mut values: FieldValues) -> Field {
 /// File that a shape is a part of.
 #[derive(Clone, Debug)]
 pub(crate) struct WholeFile {
-    file: ShapeFile,
+    pub(crate) file: ShapeFile,
     /// Row in `file` of each vertex.
-    kept: Vec<u32>,
+    pub(crate) kept: Vec<u32>,
     /// Row in `file` of each face.
-    faces: Vec<u32>,
+    pub(crate) faces: Vec<u32>,
     /// True if the vertices were left out because they have no position.
-    is_missing: bool,
+    pub(crate) is_missing: bool,
 }
 
 impl ShapeFile {
@@ -178,6 +178,33 @@ impl ShapeFile {
         rows.spread(&field, Some(&old))
     }
 
+    /// Gives the rows that are not part of this shape their values of a field, of which `field` has a row for each row of
+    /// the file. They come back with these values if a field of that name, type and number of channels is written.
+    /// Without such rows nothing changes.
+    ///
+    /// ```
+    /// use adwave_io::{Field, FieldValues, ShapeFile};
+    /// let file = ShapeFile::from_cloud(vec![[0.0; 3], [1.0; 3], [2.0; 3]]);
+    /// let heat = |values: &[f64]| Field::new("heat", 1, FieldValues::F64(values.to_vec()));
+    /// let mut part = file.select_rows(&[true, false, true])?;
+    /// part.set_left_out_values(&heat(&[5.0, 6.0, 7.0]));
+    /// assert_eq!(part.in_file_rows(heat(&[0.0, 1.0])).to_f64(), [0.0, 6.0, 1.0]);
+    /// # Ok::<(), adwave_io::ShapeFileError>(())
+    /// ```
+    pub fn set_left_out_values(&mut self, field: &Field) {
+        let Some(whole) =
+            self.whole.as_mut().filter(|_| field.len() == self.rows.as_ref().map_or(0, |r| r.n_rows))
+        else {
+            return;
+        };
+        let file = &mut Arc::make_mut(whole).file;
+        let rows = file.rows.clone();
+        let own = rows.as_deref().map_or_else(|| field.clone(), |rows| rows.select(field));
+        file.vertex_fields.retain(|old| old.name != field.name);
+        file.vertex_fields.push(own);
+        file.set_left_out_values(field);
+    }
+
     /// File with all its rows; `None` if this shape is not a part of one, or the rest was not kept.
     pub(crate) fn outermost(&self) -> Option<&Self> {
         let whole = self.whole.as_deref()?;
@@ -202,6 +229,12 @@ impl ShapeFile {
             return Ok(self.clone());
         }
         Ok(self.part(kept, false))
+    }
+
+    /// Makes this shape a file of its own: the vertices that were left out do not come back, and its rows are its vertices.
+    pub fn forget_left_out(&mut self) {
+        self.whole = None;
+        self.rows = None;
     }
 
     fn part(&self, kept: Vec<u32>, is_missing: bool) -> Self {

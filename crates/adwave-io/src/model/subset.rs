@@ -109,7 +109,7 @@ impl ShapeFile {
         Some(self.faces.corners().iter().map(|&x| of_vertex[x as usize]).collect())
     }
 
-    fn check_subset(&self, subset: &Subset<'_>) -> Result<(), ShapeFileError> {
+    pub(crate) fn check_subset(&self, subset: &Subset<'_>) -> Result<(), ShapeFileError> {
         let wrong = |what: &'static str| Err(ShapeFileError::Subset { what });
         let (n_kept, n_triangles) = (subset.vertices.len(), subset.triangles.len());
         if !subset.vertices.is_sorted_by(|a, b| a < b)

@@ -66,6 +66,11 @@ impl Format {
         self.descriptor().up_axis
     }
 
+    /// Tells if points have a classification and flags by which their producer takes them out, as in LAS.
+    pub(crate) fn flags_points(self) -> bool {
+        self.descriptor().flags_points
+    }
+
     /// Tells if a file of it has a shape together with any fields of its vertices, by their names.
     pub fn holds_fields(self) -> bool {
         self.descriptor().holds_fields

@@ -11,12 +11,12 @@ use crate::files::read::parse_file;
 use crate::formats::TABLE;
 use crate::model::context::ReadContext;
 use crate::model::file_head::FileHead;
-use crate::model::format_descriptor::{SurfaceSize, ValuesEdit};
+use crate::model::format_descriptor::{MaskRequest, SurfaceSize, ValuesEdit, VertexMask};
 use crate::{Field, ReadError, ReadLimits, WriteError};
 
 /// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
-/// label), MGH and MGZ with a channel per frame, and CIFTI-2, where `structure` (`CortexLeft`) and the number of
-/// vertices select the part. Vertices without a value are NaN.
+/// label), labels as 1 at the vertices that they list and 0 elsewhere, MGH and MGZ with a channel per frame, and
+/// CIFTI-2, where `structure` (`CortexLeft`) and the number of vertices select the part. Vertices without a value are NaN.
 ///
 /// # Errors
 /// The file cannot be read, is of another kind, is malformed, or has no values for the surface. The message is one
@@ -78,6 +78,26 @@ pub fn rewrite_values(
     Ok(Some(gz.finish()?))
 }
 
+/// Reads a file that names vertices, such as a FreeSurfer label, as a mask; `None` for a file with a number per vertex
+/// or of another kind.
+///
+/// # Errors
+/// The file cannot be read or is malformed. The message is one line with the file's name.
+pub(crate) fn read_vertex_mask(
+    path: &Path,
+    request: &MaskRequest<'_>,
+    limits: &ReadLimits,
+) -> Result<Option<VertexMask>, ReadError> {
+    let progress = Progress::none();
+    parse_file(path, limits, progress, |bytes| {
+        let file = FileHead::new(&bytes, None);
+        let recognized = TABLE.iter().filter_map(|format| Some(((format.recognize)(&file)?, *format)));
+        let best = recognized.reduce(|best, other| if other.0 > best.0 { other } else { best });
+        let Some(read) = best.and_then(|(_, format)| format.read_mask) else { return Ok(None) };
+        read(&bytes, request, &ReadContext { limits, progress, name: None, folder: None }).map(Some)
+    })
+}
+
 /// [`read_surface_values`] from bytes that are not compressed as a whole.
 ///
 /// # Errors
@@ -106,7 +126,7 @@ fn parse(
     let best = readers.reduce(|best, other| if other.0 > best.0 { other } else { best });
     let Some((_, read)) = best else {
         return Err(ReadError::Whole(
-            "the file has no supported values; use NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv or annot"
+            "the file has no supported values; use NPY, CSV, GIFTI, CIFTI, MGH, or FreeSurfer's curv, annot or label"
                 .into(),
         ));
     };

@@ -26,10 +26,12 @@ pub(crate) struct Blocks {
     /// Bounding box of each block, in units of the layout.
     pub(crate) bounds: Vec<BoundingBox>,
     pub(crate) n_vertices: u64,
+    /// Number of points that are flagged as withheld or classified as noise.
+    pub(crate) n_flagged: u64,
 }
 
 /// First bytes of a block table.
-const MAGIC: &[u8; 8] = b"adwblk01";
+const MAGIC: &[u8; 8] = b"adwblk02";
 
 /// Builds the block table from records in sorted order.
 pub(crate) struct BlockTableBuilder {
@@ -38,6 +40,7 @@ pub(crate) struct BlockTableBuilder {
     bounds: Vec<BoundingBox>,
     n_records: u64,
     n_vertices: u64,
+    n_flagged: u64,
     /// Position bytes of the last record.
     last_position: Vec<u8>,
 }
@@ -50,6 +53,7 @@ impl BlockTableBuilder {
             bounds: Vec::new(),
             n_records: 0,
             n_vertices: 0,
+            n_flagged: 0,
             last_position: Vec::new(),
         }
     }
@@ -69,6 +73,7 @@ impl BlockTableBuilder {
             }
         }
         self.n_records += 1;
+        self.n_flagged += u64::from(self.layout.is_flagged(record));
     }
 
     pub(crate) fn write(self, path: &Path) -> Result<(), TilesError> {
@@ -76,6 +81,7 @@ impl BlockTableBuilder {
             let mut bytes = MAGIC.to_vec();
             bytes.extend(self.n_vertices.to_le_bytes());
             bytes.extend(self.n_records.to_le_bytes());
+            bytes.extend(self.n_flagged.to_le_bytes());
             bytes.extend((self.first_records.len() as u64).to_le_bytes());
             for (first, bounds) in self.first_records.iter().zip(&self.bounds) {
                 bytes.extend(first.to_le_bytes());
@@ -95,7 +101,8 @@ impl Blocks {
 
     fn parse(bytes: &[u8], records: RandomAccessFile, layout: RecordLayout) -> Option<Self> {
         let mut cursor = ByteCursor { bytes: bytes.strip_prefix(MAGIC)? };
-        let (n_vertices, n_records, n_blocks) = (cursor.u64()?, cursor.u64()?, cursor.u64()?);
+        let (n_vertices, n_records) = (cursor.u64()?, cursor.u64()?);
+        let (n_flagged, n_blocks) = (cursor.u64()?, cursor.u64()?);
         let (mut first_records, mut all_bounds) = (Vec::new(), Vec::new());
         for _ in 0..n_blocks {
             first_records.push(cursor.u64()?);
@@ -112,6 +119,7 @@ impl Blocks {
             first_records,
             bounds: all_bounds,
             n_vertices,
+            n_flagged,
         })
     }
 

@@ -18,6 +18,8 @@ use crate::stages::totals::{BlockSums, LevelSummary, ShapeScale, Totals};
 pub struct Summary {
     /// Number of points of all inputs, or of vertices in the file of a mesh.
     pub n_points: u64,
+    /// Number of points that are flagged as withheld or classified as noise; they took part like all others.
+    pub n_flagged: u64,
     /// Number of distinct positions.
     pub n_vertices: u64,
     /// Number of faces of the mesh; a triangle strip in a PLY counts once.
@@ -48,6 +50,7 @@ impl TilingJob {
         let shape = &self.plan.shape;
         Ok(Summary {
             n_points: shape.n_points,
+            n_flagged: blocks.n_flagged,
             n_vertices: blocks.n_vertices,
             n_faces: shape.n_faces,
             n_tiles: self.plan.n_tiles(blocks.len()),

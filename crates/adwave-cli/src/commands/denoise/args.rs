@@ -25,6 +25,7 @@ the change to soft regions, in the words of 'adwave filter'; the noise is estima
 Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise tile.obj -o clean.obj --border keep
+  adwave denoise lidar.laz -o clean.laz --only classification=2,9
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --signal thickness

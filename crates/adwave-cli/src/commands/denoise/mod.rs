@@ -44,13 +44,13 @@ fn denoise_positions(
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
-    note_outsiders(&geometry, global);
+    note_outsiders(&geometry, &input, global);
     note_close_sheets(&geometry, global, global.progress())?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
     let moved = limit_positions(&input, denoised.points, args, global)?;
-    let movement = Movement::measure(&geometry, &moved)?;
+    let movement = Movement::measure(&geometry, &moved)?.in_file_rows(&input.file);
     let points = EditedSignal::Points(moved);
     result.write(&mut input, COORDS, points, args.normals.to_rule(), global)?;
 
@@ -84,7 +84,7 @@ fn limit_positions(
         return Ok(points);
     }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let decomposer = prepare(global, &input.shape, &operator)?;
+    let decomposer = prepare(global, input, &operator)?;
     let before = input.file.points();
     with_progress(global, "limiting", |progress| {
         let points = match args.border {
@@ -115,7 +115,7 @@ fn denoise_field(
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    let parts = SignalParts::new(&prepare(global, &input.shape, &operator)?, &signal, name, global)?;
+    let parts = SignalParts::new(&prepare(global, &input, &operator)?, &signal, name, global)?;
     let decomposer = parts.first().decomposer.clone();
     let mut infos = Vec::new();
     let mut values = parts.map(&signal.values, |part, values, n_channels| {

@@ -102,6 +102,7 @@ fn vertex_differences(
     let values: Vec<f64> =
         points.iter().zip(others).flat_map(|(p, q)| [0, 1, 2].map(|c| q[c] - p[c])).collect();
     let Summary { rms, greatest, vertex, .. } = Summary::new(&values, 3, &areas);
+    let vertex = first.file.file_row(vertex);
     let facts = vec![
         fact("rms", number(rms), "root mean square of the distances, by area"),
         fact("greatest", number(greatest), &format!("at vertex {vertex}")),
@@ -167,6 +168,7 @@ fn closest_differences(
         )));
     }
     let summary = Summary::new(&values, 1, &decomposer.areas());
+    let summary = Summary { vertex: first.file.file_row(summary.vertex), ..summary };
     let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
     let json = json!({
         "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
@@ -261,7 +263,7 @@ fn motion_from_features(
     global: &Global<'_>,
 ) -> Result<Option<Motion>, CliError> {
     let params: &OperatorParams = decomposer.operator_params();
-    let other = prepare(global, &second.shape, params)?;
+    let other = prepare(global, second, params)?;
     let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
     let features_of = |input: &Input, decomposer: &Decomposer| {
         with_progress(global, "finding features", |progress| {

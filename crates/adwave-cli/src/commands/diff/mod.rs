@@ -42,7 +42,7 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
     let mut second = load_shape(&other, global)?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::Comparison)?;
-    let decomposer = prepare(global, &first.shape, &operator)?;
+    let decomposer = prepare(global, &first, &operator)?;
     let found = difference(args, &first, &mut second, &decomposer, global)?;
     let signal = Signal { n_channels: found.n_channels, values: SignalValues::Other(found.values.clone()) };
     let decomposer = mask_missing(decomposer, &signal, DIFFERENCE, global)?;

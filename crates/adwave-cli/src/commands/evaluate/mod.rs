@@ -5,11 +5,13 @@ mod args;
 use super::analysis::{Analysis, AnalysisArgs};
 use crate::error::CliError;
 use crate::global::Global;
+use crate::output::progress::with_progress;
 use crate::output::{count, print, table};
 use crate::resolve::levels::{check_levels, rescale_levels};
-use crate::resolve::operator::{operator_for_levels, prepare};
+use crate::resolve::operator::{build_operator, check_operator, operator_for_levels};
 use crate::resolve::shape::Input;
 use crate::resolve::signal::load_signal;
+use adwave::Progress;
 use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
 use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
@@ -260,7 +262,10 @@ fn find_again(
     changed: &ChangedShape,
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
-    let decomposer = prepare(global, shape, &operator_for_levels(&args.shape.operator, &args.levels)?)?;
+    let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
+    check_operator(shape, &operator)?;
+    let build = |progress: Progress<'_>| build_operator(shape, &operator, progress);
+    let decomposer = with_progress(global, "preparing", build)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();
     let is_surface_signal =
         ["coords", "normals", "mean-curvature", "gaussian-curvature", "shape-index", "density"]

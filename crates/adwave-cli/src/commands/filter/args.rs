@@ -21,10 +21,10 @@ Examples:
   adwave filter bust.obj -o smooth.obj --preset suppress
   adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
-  adwave filter lidar.laz -o smooth.laz --preset smooth --along z
+  adwave filter lidar.laz -o smooth.laz --preset smooth --along z --only classification=2
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress
   adwave filter land.laz -o even.laz --field classification --as-labels --preset suppress-paper --levels 3
-  adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress
+  adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress --mask lh.cortex.label
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
 pub(crate) struct FilterArgs {
     #[command(flatten)]

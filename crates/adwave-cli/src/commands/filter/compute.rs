@@ -42,7 +42,7 @@ pub(super) struct SignalChange {
 pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
-        note_outsiders(decomposer.geometry(), global);
+        note_outsiders(decomposer.geometry(), &job.input, global);
         if job.signal_name == COORDS {
             note_close_sheets(decomposer.geometry(), global, progress.quiet())?;
         }

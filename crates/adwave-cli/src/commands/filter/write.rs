@@ -44,7 +44,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         report["local_fit"] = json!(fit);
     }
     if let EditedSignal::Points(points) = &edited {
-        let movement = Movement::measure(decomposer.geometry(), points)?;
+        let movement = Movement::measure(decomposer.geometry(), points)?.in_file_rows(&job.input.file);
         movement.describe(&mut text);
         movement.add_to(&mut report);
         if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {

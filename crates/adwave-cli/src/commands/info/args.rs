@@ -8,6 +8,7 @@ use clap::Args;
 #[command(after_help = "\
 Examples:
   adwave info scan.las
+  adwave info scan.las --only classification=2 --only z=..120
   adwave info land.copc.laz --resolution 5        a coarse look at a large cloud
   adwave info bunny.obj --json | jq .health
   adwave info sample:creature --vertices 200000

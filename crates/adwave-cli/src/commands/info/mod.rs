@@ -47,7 +47,7 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
     let params = check_levels(&args.levels)?;
     let input = load_shape(&args.shape, global)?;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare(global, &input.shape, &operator)?;
+    let decomposer = prepare(global, &input, &operator)?;
     let health = decomposer.health();
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let detail = if args.needs_detail() {
@@ -143,7 +143,7 @@ impl ShapeFacts {
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),
             "extent": diagonal,
-            "outsiders": outsiders_json(&decomposer.geometry().outsiders()),
+            "outsiders": outsiders_json(decomposer, input),
             "seams": decomposer.geometry().seams(),
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
@@ -162,11 +162,15 @@ impl ShapeFacts {
 }
 
 /// Number of rows of each role that take no part, and the first of these rows.
-fn outsiders_json(outsiders: &[(usize, VertexRole)]) -> Value {
+fn outsiders_json(decomposer: &Decomposer, input: &Input) -> Value {
     const MOST_ROWS: usize = 100;
+    let outsiders = decomposer.geometry().outsiders();
     let of_role = |role: VertexRole| {
-        let rows: Vec<usize> =
-            outsiders.iter().filter(|(_, own)| *own == role).map(|(row, _)| *row).collect();
+        let rows: Vec<usize> = outsiders
+            .iter()
+            .filter(|(_, own)| *own == role)
+            .map(|(vertex, _)| input.file.file_row(*vertex))
+            .collect();
         json!({"count": rows.len(), "first_rows": rows.iter().take(MOST_ROWS).collect::<Vec<_>>()})
     };
     json!({

@@ -117,7 +117,7 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     let mut prepared = Vec::new();
     for shape in &shapes {
         let input = load_shape(shape, global)?;
-        let decomposer = prepare(global, &input.shape, &operator)?;
+        let decomposer = prepare(global, &input, &operator)?;
         prepared.push((input, decomposer));
     }
     let lengths_of =

@@ -1,7 +1,7 @@
 //! The arguments of `adwave render`.
 
 use super::framing::FramingArgs;
-use crate::args::{CloudPartArgs, ShapeKindArg, count, number, region, signal_names};
+use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, number, region, signal_names};
 use adwave::region::Region;
 use adwave_render::{RenderParams, Up, View};
 use clap::Args;
@@ -24,6 +24,7 @@ Examples:
   adwave render scan.las -o plan.png --view top --orthographic
   adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
   adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
+  adwave render scan.las -o ground.png --only classification=2
   adwave render before.obj after.obj -o sheet.png --grid
   adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature --grid --view left")]
 pub(crate) struct RenderArgs {
@@ -32,6 +33,8 @@ pub(crate) struct RenderArgs {
     pub(crate) shapes: Vec<String>,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
     /// File for the picture (.png)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,

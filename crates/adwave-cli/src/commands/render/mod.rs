@@ -157,9 +157,9 @@ fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<ShownShape>, C
 }
 
 fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape, CliError> {
-    let (kind, part) = (args.kind, args.part.to_part());
+    let (kind, part, selection) = (args.kind, args.part.to_part(), Some(&args.selection));
     let sample = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
-    let input = load_source(&ShapeSource { kind, sample, part, ..ShapeSource::new(name) }, global)?;
+    let input = load_source(&ShapeSource { shape: name, kind, sample, part, selection }, global)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
     };

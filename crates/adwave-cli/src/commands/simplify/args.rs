@@ -1,6 +1,6 @@
 //! The arguments of `adwave simplify`.
 
-use crate::args::{CloudPartArgs, ShapeKindArg, count, length, number};
+use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, length, number};
 use adwave::region::Length;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -16,7 +16,8 @@ Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
   adwave simplify part.stl -o part-small.stl --error 0.05
   adwave simplify bunny.ply -o bunny-5k.ply --vertices 5000
-  adwave simplify scan.laz -o thin.laz --error 0.25"
+  adwave simplify scan.laz -o thin.laz --error 0.25
+  adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2     all other points stay"
 )]
 pub(crate) struct SimplifyArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
@@ -24,6 +25,8 @@ pub(crate) struct SimplifyArgs {
     pub(crate) shape: String,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum)]
     pub(crate) kind: Option<ShapeKindArg>,

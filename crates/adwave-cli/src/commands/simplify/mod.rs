@@ -23,6 +23,8 @@ struct Simplified {
     file: ShapeFile,
     deviation: Deviation,
     is_changed: bool,
+    /// Number of vertices that remain of those that take part.
+    n_vertices: usize,
     lines: Vec<String>,
     details: Value,
 }
@@ -32,7 +34,8 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     check_writable(&args.output)?;
     check_target(args)?;
     let mut watch = Stopwatch::start();
-    let source = ShapeSource { kind: args.kind, part: args.part.to_part(), ..ShapeSource::new(&args.shape) };
+    let (part, selection) = (args.part.to_part(), Some(&args.selection));
+    let source = ShapeSource { kind: args.kind, part, selection, ..ShapeSource::new(&args.shape) };
     let input = load_source(&source, global)?;
     let read = watch.lap();
     let simplified_shape = match &input.shape {
@@ -83,7 +86,9 @@ fn simplify_mesh_file(
         (_, Some(n), _) => MeshTarget::Vertices(n),
         (.., ratio) => MeshTarget::Ratio(ratio.unwrap_or(1.0)),
     };
-    let border = if args.keep_border { Border::Kept } else { Border::Weighted };
+    // Faces that take no part hold on to the vertices along the cut.
+    let is_border_kept = args.keep_border || input.file.n_left_out_faces() > 0;
+    let border = if is_border_kept { Border::Kept } else { Border::Weighted };
     let labels = input.file.corner_labels();
     let simplified = with_progress(global, "simplifying", |progress| {
         let params = MeshParams::new(target).with_border(border);
@@ -92,7 +97,7 @@ fn simplify_mesh_file(
     .map_err(|e| name_error(input, e))?;
     let is_changed = simplified.why != Why::Unchanged;
     let file = if is_changed {
-        input.file.subset(&Subset {
+        input.file.subset_with_left_out(&Subset {
             vertices: &simplified.kept,
             triangles: &simplified.triangles,
             faces: &simplified.faces,
@@ -101,11 +106,13 @@ fn simplify_mesh_file(
     } else {
         input.file.clone()
     };
-    let mut lines = vec![format!("faces      {} → {}", mesh.faces().len(), file.faces().len())];
+    let n_faces = if is_changed { simplified.triangles.len() } else { mesh.faces().len() };
+    let n_vertices = if is_changed { simplified.kept.len() } else { input.file.n_vertices() };
+    let mut lines = vec![format!("faces      {} → {n_faces}", mesh.faces().len())];
     lines.extend(shortfall(args, &simplified));
     Ok(Simplified {
         details: json!({
-            "faces": {"before": mesh.faces().len(), "after": file.faces().len()},
+            "faces": {"before": mesh.faces().len(), "after": n_faces},
             "vertices_welded": simplified.n_vertices_before,
             "triangles_left_out": simplified.n_left_out,
             "reached": simplified.why != Why::Stuck,
@@ -113,6 +120,7 @@ fn simplify_mesh_file(
         file,
         deviation: simplified.deviation,
         is_changed,
+        n_vertices,
         lines,
     })
 }
@@ -156,7 +164,7 @@ fn simplify_cloud_file(
     // A mesh that is taken as a cloud is written as one.
     let is_changed = thinned.kept.len() < cloud.points().len() || !input.file.faces().is_empty();
     let file = if is_changed {
-        input.file.subset(&Subset { vertices: &thinned.kept, ..Subset::default() })?
+        input.file.subset_with_left_out(&Subset { vertices: &thinned.kept, ..Subset::default() })?
     } else {
         input.file.clone()
     };
@@ -175,6 +183,7 @@ fn simplify_cloud_file(
         file,
         deviation: thinned.deviation,
         is_changed,
+        n_vertices: thinned.kept.len(),
         lines: vec![line],
     })
 }
@@ -217,7 +226,7 @@ fn report(
     seconds: &SimplifySeconds,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let (before, after) = (input.shape.n_vertices(), simplified_shape.file.n_vertices());
+    let (before, after) = (input.shape.n_vertices(), simplified_shape.n_vertices);
     let diagonal = input.shape.extent();
     let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
     let bytes = std::fs::metadata(&args.output).map_or(0, |m| m.len());

@@ -14,6 +14,9 @@ halo of neighbors as wide as its bands reach, so results do not depend on the nu
 curve, with all of their fields. A mesh comes out in its own format and order, with all of its fields; its neighbors are those of
 its faces. After an interruption the same command continues where the run stopped. See docs/SCALE.md.
 
+All points take part: tiles know no --only and no --mask, and a note counts the points that are flagged as withheld or
+classified as noise, which other commands leave out.
+
 Examples:
   adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
@@ -30,6 +33,12 @@ pub(crate) struct TilesArgs {
     /// Folder for the tiles, or a .las or .laz file for all points; for a mesh, a file of its format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Refused with a hint, since tiles take all points
+    #[arg(long, value_name = "CONDITION", hide = true)]
+    pub(crate) only: Vec<String>,
+    /// Refused with a hint, since tiles take all points
+    #[arg(long, value_name = "FILE", hide = true)]
+    pub(crate) mask: Option<String>,
     /// Number of dyadic levels [default: as many as there are gains, else 8]
     #[arg(long, value_name = "J", value_parser = count, help_heading = "Bands")]
     pub(crate) levels: Option<usize>,

@@ -54,7 +54,20 @@ struct TilesJob<'a> {
     folder: PathBuf,
 }
 
+/// Refuses a choice of points, which tiles cannot make.
+fn refuse_selection(args: &TilesArgs) -> Result<(), CliError> {
+    if args.only.is_empty() && args.mask.is_none() {
+        return Ok(());
+    }
+    Err(CliError::Input(
+        "tiles take all points, so --only and --mask do not apply; write the part that you need first, such as by \
+         'adwave convert IN.laz -o PART.laz --only classification=2', and give that file"
+            .to_owned(),
+    ))
+}
+
 pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
+    refuse_selection(args)?;
     if args.forecast {
         let forecast = forecast(&args.files, &args.to_params()).map_err(|e| classify(&e))?;
         return print(global, &format!("{}\n", format_forecast(&forecast)), &json!(forecast));
@@ -71,6 +84,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
         );
     }
     let summary = process(args, &job, &work, global)?;
+    note_flagged(&summary, global);
     let n_features = write(args, &job, &work, global)?;
     print_summary(global, args, &summary, n_features)
 }
@@ -191,6 +205,19 @@ fn format_forecast(forecast: &Forecast) -> String {
 /// Bytes in MB or GB.
 fn format_bytes(bytes: f64) -> String {
     if bytes < 1e8 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+}
+
+/// Prints a note on points that other commands leave out.
+fn note_flagged(summary: &Summary, global: &Global<'_>) {
+    if summary.n_flagged > 0 {
+        let flagged = count(summary.n_flagged, "point", "points");
+        let text = format!(
+            "{flagged} of {} flagged as withheld or classified as noise (7, 18) took part, which other commands leave \
+             out; to leave them out, remove them from the input",
+            summary.n_points
+        );
+        note(global, &text);
+    }
 }
 
 fn print_summary(

@@ -85,6 +85,19 @@ pub(crate) fn read_mgh(bytes: &[u8], progress: Progress<'_>) -> Result<Field, Re
 /// Reads an annotation: for each vertex the index of its label in the table of colors, −1 without a label; without a
 /// table the colors as numbers.
 pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Field, ReadError> {
+    Ok(read_regions(bytes, progress)?.labels)
+}
+
+/// Content of an annotation.
+pub(crate) struct Regions {
+    /// Index of the region of each vertex in the table of colors, −1 without a region; without a table its color.
+    pub(crate) labels: Field,
+    /// Index and name of each region of the table.
+    pub(crate) names: Vec<(i32, String)>,
+}
+
+/// Reads an annotation with the names of its regions.
+pub(crate) fn read_regions(bytes: &[u8], progress: Progress<'_>) -> Result<Regions, ReadError> {
     let n = int(bytes, 0).and_then(|n| usize::try_from(n).ok()).ok_or_else(|| cut(bytes))?;
     let pairs =
         n.checked_mul(8).and_then(|length| bytes.get(4..)?.get(..length)).ok_or_else(|| cut(bytes))?;
@@ -99,20 +112,24 @@ pub(crate) fn read_annotation(bytes: &[u8], progress: Progress<'_>) -> Result<Fi
         *place = i32::from_bytes(&pair[4..], ByteOrder::Big);
     }
     let mut table = ColorTable { bytes, at: 4 + pairs.len() };
-    let labels = if table.at == bytes.len() {
-        colors
+    let (labels, names) = if table.at == bytes.len() {
+        (colors, Vec::new())
     } else {
         let mut entries = table.entries().ok_or_else(|| {
             ReadError::byte_error(table.at, "the table of colors is truncated; get the whole file")
         })?;
-        entries.sort_by_key(|entry| entry.0);
+        let names = entries.iter().map(|entry| (entry.number, entry.name.clone())).collect();
+        entries.sort_by_key(|entry| entry.color);
         let label = |color: i32| {
-            let at = entries.partition_point(|entry| entry.0 < color);
-            entries.get(at).filter(|entry| entry.0 == color && color != 0).map_or(-1, |entry| entry.1)
+            let at = entries.partition_point(|entry| entry.color < color);
+            entries
+                .get(at)
+                .filter(|entry| entry.color == color && color != 0)
+                .map_or(-1, |entry| entry.number)
         };
-        collect(n, progress, |v| label(colors[v]))?
+        (collect(n, progress, |v| label(colors[v]))?, names)
     };
-    Ok(Field::new("label", 1, FieldValues::I32(labels)))
+    Ok(Regions { labels: Field::new("label", 1, FieldValues::I32(labels)), names })
 }
 
 /// Table of colors at the end of an annotation.
@@ -128,15 +145,18 @@ impl ColorTable<'_> {
         Some(value)
     }
 
-    /// Skips a text after its length.
-    fn text(&mut self) -> Option<()> {
+    /// Reads a text after its length, without the zero byte that ends it.
+    fn text(&mut self) -> Option<String> {
         let length = usize::try_from(self.int()?).ok()?;
-        self.at = self.at.checked_add(length).filter(|&end| end <= self.bytes.len())?;
-        Some(())
+        let end = self.at.checked_add(length).filter(|&end| end <= self.bytes.len())?;
+        let text = &self.bytes[self.at..end];
+        self.at = end;
+        let text = text.split(|&byte| byte == 0).next().unwrap_or_default();
+        Some(String::from_utf8_lossy(text).into_owned())
     }
 
-    /// Color of each entry in the encoding of the pairs, and its number.
-    fn entries(&mut self) -> Option<Vec<(i32, i32)>> {
+    /// Entries of the table.
+    fn entries(&mut self) -> Option<Vec<ColorEntry>> {
         if self.int()? != 1 {
             return None;
         }
@@ -151,10 +171,19 @@ impl ColorTable<'_> {
         let mut entries = Vec::new();
         for k in 0..n {
             let number = if is_numbered { self.int()? } else { k };
-            self.text()?;
+            let name = self.text()?;
             let [r, g, b, _] = [self.int()?, self.int()?, self.int()?, self.int()?];
-            entries.push(((r & 255) | (g & 255) << 8 | (b & 255) << 16, number));
+            let color = (r & 255) | (g & 255) << 8 | (b & 255) << 16;
+            entries.push(ColorEntry { color, number, name });
         }
         Some(entries)
     }
+}
+
+/// Region of an annotation.
+struct ColorEntry {
+    /// Color in the encoding of the vertices.
+    color: i32,
+    number: i32,
+    name: String,
 }

@@ -6,7 +6,7 @@ use crate::formats::las::extra::ExtraBytes;
 use crate::model::field::ByteOrder;
 use crate::model::grouping::{group, unique};
 use crate::progress::{collect, report_row};
-use crate::{Field, FieldValues, ValueType};
+use crate::{Field, FieldValues, NOISE_CLASSES, ValueType, WITHHELD_FLAG};
 
 /// Size of a record of the point format in bytes, without extra bytes.
 pub(crate) fn record_bytes(format: u8) -> Option<usize> {
@@ -59,6 +59,19 @@ pub(crate) fn bit_columns(format: u8) -> &'static [BitField] {
         ("edge_of_flight_line", 15, 7, 1),
     ];
     if format < 6 { OLD } else { NEW }
+}
+
+/// Returns true if a point record is flagged as withheld or classified as noise (7 or 18), so that its producer does not
+/// mean it to be used. False for a record that is too short.
+pub fn is_flagged_record(format: u8, record: &[u8]) -> bool {
+    let (class, flags) = if format < 6 {
+        let Some(&byte) = record.get(15) else { return false };
+        (byte & 31, byte >> 5)
+    } else {
+        let (Some(&flags), Some(&class)) = (record.get(15), record.get(16)) else { return false };
+        (class, flags)
+    };
+    NOISE_CLASSES.contains(&class) || flags & WITHHELD_FLAG != 0
 }
 
 /// Point records, one after the other.

@@ -39,6 +39,7 @@ pub(crate) static LAS: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    flags_points: true,
     up_axis: Some(Axis::Z),
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| file.bytes.starts_with(b"LASF").then_some(Evidence::Signature),
@@ -65,6 +66,7 @@ pub(crate) static EPT: FormatDescriptor = FormatDescriptor {
     reads: "a folder with `ept.json` and LAZ tiles, also by box and level",
     loses: "tiles of types `binary` and `zstandard`",
     content: ContentKind::Cloud,
+    flags_points: true,
     up_axis: Some(Axis::Z),
     read_folder: Some(part::read_folder),
     ..FormatDescriptor::NEW

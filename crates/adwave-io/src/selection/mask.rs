@@ -1,0 +1,83 @@
+//! Masks in files: a number per vertex, or a list of vertices.
+
+use std::path::Path;
+
+use super::SelectionError;
+use crate::model::format_descriptor::{MaskRequest, VertexMask};
+use crate::registry::values::read_vertex_mask;
+use crate::signal::values_of_file;
+use crate::{ReadLimits, ShapeFile};
+
+/// Mask in a file, with a row per row of the shape's file.
+///
+/// In files of numbers (NPY, CSV, GIFTI, CIFTI, FreeSurfer's curv, MGH and MGZ) a number that is neither 0 nor NaN is
+/// inside. A FreeSurfer label has its vertices inside, unless it is that of the medial wall (by its name). An annotation
+/// has the regions of the cortex inside, or those that are named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaskFile {
+    /// Path, optionally with `:NAME` for one of several columns, or for regions of an annotation with commas between.
+    pub name: String,
+    /// Side of the mask that takes part.
+    pub side: MaskSide,
+}
+
+/// Side of a mask that takes part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MaskSide {
+    /// Vertices inside.
+    #[default]
+    Inside,
+    /// Vertices outside.
+    Outside,
+}
+
+/// Reads a mask for the vertices of a shape.
+pub(super) fn read_mask(file: &ShapeFile, mask: &MaskFile) -> Result<VertexMask, SelectionError> {
+    let n_rows = file.n_file_rows();
+    let name = mask.name.as_str();
+    let mut found = match list_of_vertices(name, n_rows)? {
+        Some(found) => found,
+        None => numbers(name, file, n_rows)?,
+    };
+    let n_found = found.takes_part.len();
+    if n_found != n_rows && n_found != file.n_vertices() {
+        return Err(SelectionError::MaskLength { mask: name.to_owned(), found: n_found, n_rows });
+    }
+    if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == n_found) {
+        found.takes_part = rows.vertex_rows().iter().map(|&row| found.takes_part[row as usize]).collect();
+    }
+    if mask.side == MaskSide::Outside {
+        found.takes_part.iter_mut().for_each(|takes_part| *takes_part = !*takes_part);
+        found.meaning = format!("the inverse of: {}", found.meaning);
+    }
+    Ok(found)
+}
+
+/// Reads a file that names vertices; `None` for a file of numbers.
+fn list_of_vertices(name: &str, n_vertices: usize) -> Result<Option<VertexMask>, SelectionError> {
+    let (path, regions) = match name.rsplit_once(':') {
+        Some((path, regions)) if !Path::new(name).is_file() => (path, Some(regions)),
+        _ => (name, None),
+    };
+    if !Path::new(path).is_file() {
+        return Err(SelectionError::NoMask { mask: name.to_owned() });
+    }
+    let file_name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
+    let request = MaskRequest { name: &file_name, regions, n_vertices };
+    Ok(read_vertex_mask(Path::new(path), &request, &ReadLimits::default())?)
+}
+
+/// Reads a file of one number per vertex.
+fn numbers(name: &str, file: &ShapeFile, n_rows: usize) -> Result<VertexMask, SelectionError> {
+    let field = values_of_file(name, file.structure(), n_rows)?
+        .ok_or_else(|| SelectionError::NoMask { mask: name.to_owned() })?;
+    if field.n_channels != 1 {
+        return Err(SelectionError::MaskChannels { mask: name.to_owned(), n_channels: field.n_channels });
+    }
+    let is_inside = |value: f64| value != 0.0 && !value.is_nan();
+    Ok(VertexMask {
+        takes_part: (0..field.len()).map(|i| is_inside(field.get(i, 0))).collect(),
+        meaning: "vertices with a number other than 0 and NaN take part".to_owned(),
+    })
+}
