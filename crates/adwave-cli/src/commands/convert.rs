@@ -56,6 +56,7 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
             "faces": n_faces,
             "fields": file.field_names(),
             "not_written": report.not_written,
+            "notes": report.notes,
             "output": output.to_string(),
         }),
     )

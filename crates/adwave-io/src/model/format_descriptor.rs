@@ -7,6 +7,7 @@ use adwave::vector::Axis;
 use crate::model::context::{ReadContext, WriteContext};
 use crate::model::file_head::FileHead;
 use crate::model::texture::TextureFn;
+use crate::model::units::UnitRoom;
 use crate::{Field, Format, ReadError, ReadLimits, ShapeFile, WriteError};
 
 /// Kind of content that files of a format hold.
@@ -107,10 +108,15 @@ pub(crate) struct FormatDescriptor {
     pub(crate) loses: &'static str,
     /// A file has a shape together with any fields of its vertices, by their names.
     pub(crate) holds_fields: bool,
+    /// Names of vertices are written, or reported by the writer.
+    pub(crate) holds_names: bool,
     /// Points without a position are written, as NaN, so that rows keep their numbers.
     pub(crate) holds_missing: bool,
     /// Coordinates are always written as 32-bit floats.
     pub(crate) is_single_precision: bool,
+    /// Coordinates are written in the number type of the shape.
+    pub(crate) follows_precision: bool,
+    pub(crate) unit: UnitRoom,
     /// Axis that points up in all files of the format, if they agree.
     pub(crate) up_axis: Option<Axis>,
     pub(crate) provenance: ProvenanceRoom,
@@ -144,8 +150,11 @@ impl FormatDescriptor {
         keeps: "",
         loses: "",
         holds_fields: false,
+        holds_names: false,
         holds_missing: false,
         is_single_precision: false,
+        follows_precision: false,
+        unit: UnitRoom::None,
         up_axis: None,
         provenance: ProvenanceRoom::None,
         recognize: |_| None,

@@ -2,7 +2,6 @@
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
@@ -195,19 +194,7 @@ impl ShapeFile {
     /// assert!(matrix("1 2 3\n2 1 4\n").is_unsymmetric());
     /// ```
     pub fn is_unsymmetric(&self) -> bool {
-        let edges = self.edges();
-        if edges.direction == Direction::Both {
-            return false;
-        }
-        let mut sums: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-        for (k, pair) in edges.pairs.iter().enumerate().filter(|(_, [a, b])| a != b) {
-            *sums.entry(*pair).or_default() += edges.weights.get(k).copied().unwrap_or(1.0);
-        }
-        let is_matched = |(&[a, b], weight): (&[u32; 2], &f64)| {
-            let other = sums.get(&[b, a]).copied().unwrap_or(0.0);
-            (weight - other).abs() <= 1e-12 * weight.abs().max(other.abs())
-        };
-        !sums.iter().all(is_matched)
+        self.graph_changes().n_asymmetric > 0
     }
 
     /// Distinct undirected edges of the faces, smaller vertex first, in ascending order.

@@ -20,4 +20,5 @@ mod round_trip;
 mod row_numbers;
 mod subset;
 mod text_tables;
+mod units;
 mod vtk;

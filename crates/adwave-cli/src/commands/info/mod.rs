@@ -18,7 +18,7 @@ use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, VertexRole, bounding_box};
 use adwave::{Decomposer, ResolvedLevels};
-use adwave_io::{CloudLevels, Field, Format, ReadError, cloud_levels};
+use adwave_io::{CloudLevels, Field, Format, LengthUnit, ReadError, cloud_levels};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
 use health::{health_lines, health_notes};
@@ -82,6 +82,12 @@ impl ShapeFacts {
         if let Some(bounds) = input.shape.points().and_then(bounding_box) {
             let _ = writeln!(text, "  bounding box  {}", bounds_text(&bounds, diagonal));
         }
+        if let Some(unit) = input.file.length_unit() {
+            let _ = writeln!(text, "  unit          {unit}");
+        }
+        if let Some(system) = input.file.coordinate_system() {
+            let _ = writeln!(text, "  coordinates   {} ({})", system.name, system.kind.name());
+        }
         if diagonal > 0.0 {
             let _ = writeln!(text, "  diagonal      {}", number(decomposer.diagonal()));
             let what = "the diagonal of the largest part, without strays; default levels and % refer to it";
@@ -139,6 +145,11 @@ impl ShapeFacts {
             "format": self.format_name(),
             "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+            "unit": input.file.length_unit().map(LengthUnit::name),
+            "unit_in_meters": input.file.length_unit().and_then(LengthUnit::meters),
+            "coordinate_system": input.file.coordinate_system().map(|system| json!({
+                "name": system.name, "kind": system.kind.name(),
+            })),
             "provenance": input.file.provenance().map(provenance_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),

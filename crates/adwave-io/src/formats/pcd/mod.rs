@@ -31,6 +31,7 @@ pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    follows_precision: true,
     holds_missing: true,
     recognize: |file| {
         let begins = file.head.trim_ascii_start().starts_with(b"# .PCD");

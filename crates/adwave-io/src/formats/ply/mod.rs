@@ -28,6 +28,7 @@ pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
     keeps: "header, elements, properties, byte order",
     loses: "texture coordinates and normals of face corners, groups, materials",
     holds_fields: true,
+    follows_precision: true,
     holds_missing: true,
     provenance: ProvenanceRoom::Comment { begin: "comment", lines_before: 2 },
     recognize: |file| {
