@@ -7,7 +7,7 @@ use crate::global::Global;
 use crate::output::note;
 use crate::output::progress::with_progress;
 use adwave::mask::missing;
-use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams, OperatorTask, choose_operator};
 use adwave::shape::{Shape, VertexRole, describe_outsiders};
 use adwave::{Decomposer, LevelSpec, Progress};
 
@@ -87,6 +87,16 @@ pub(crate) fn check_operator(shape: &Shape, params: &OperatorParams) -> Result<(
         return Err(CliError::Input(
             "--keep-creases needs normals, and a graph has none; leave it out".to_owned(),
         ));
+    }
+    if params.cloud_graph == CloudGraph::Directed {
+        let what = match shape {
+            Shape::Cloud(_) => "",
+            Shape::Graph(_) => "a graph is walked by its symmetric weights, (M + Mᵀ)/2 of a matrix M",
+            Shape::Mesh(_) => "a mesh is walked along its edges in both directions",
+        };
+        if !what.is_empty() {
+            return Err(CliError::Input(format!("--directed needs a cloud, but {what}; leave it out")));
+        }
     }
     adwave_io::free_memory().map_or(Ok(()), |free| check_neighbors(shape, params, free))
 }

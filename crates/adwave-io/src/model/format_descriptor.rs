@@ -36,6 +36,17 @@ pub(crate) enum ProvenanceRoom {
     },
 }
 
+/// Number type in which coordinates are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CoordinateType {
+    /// 64-bit floats, text, or integers with a scale.
+    Double,
+    /// 32-bit floats.
+    Single,
+    /// The number type of the shape.
+    OfShape,
+}
+
 /// Confidence that bytes are of a format, lowest first. The greatest one decides, among equals the order of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Evidence {
@@ -112,10 +123,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) holds_names: bool,
     /// Points without a position are written, as NaN, so that rows keep their numbers.
     pub(crate) holds_missing: bool,
-    /// Coordinates are always written as 32-bit floats.
-    pub(crate) is_single_precision: bool,
-    /// Coordinates are written in the number type of the shape.
-    pub(crate) follows_precision: bool,
+    /// Number type in which coordinates are written.
+    pub(crate) coordinates: CoordinateType,
     pub(crate) unit: UnitRoom,
     /// Axis that points up in all files of the format, if they agree.
     pub(crate) up_axis: Option<Axis>,
@@ -152,8 +161,7 @@ impl FormatDescriptor {
         holds_fields: false,
         holds_names: false,
         holds_missing: false,
-        is_single_precision: false,
-        follows_precision: false,
+        coordinates: CoordinateType::Double,
         unit: UnitRoom::None,
         up_axis: None,
         provenance: ProvenanceRoom::None,

@@ -8,7 +8,7 @@ use adwave::Progress;
 use crate::files::atomic::atomic_write_with;
 use crate::model::context::WriteContext;
 use crate::model::float_steps::note_on_writing;
-use crate::model::format_descriptor::ProvenanceRoom;
+use crate::model::format_descriptor::{CoordinateType, ProvenanceRoom};
 use crate::model::source_document::Update;
 use crate::model::units::convert_unit;
 use crate::progress::{CancellableWriter, all};
@@ -119,9 +119,10 @@ fn write_shape(
     let is_updated =
         shape.original.as_deref().zip(shape.format).is_some_and(|(s, own)| s.can_update(own, format));
     let descriptor = format.descriptor();
-    let is_single = match shape.precision {
-        Precision::F32 if descriptor.follows_precision => shape.moved || !is_updated,
-        _ => descriptor.is_single_precision && !is_updated,
+    let is_single = match descriptor.coordinates {
+        CoordinateType::Double => false,
+        CoordinateType::Single => !is_updated,
+        CoordinateType::OfShape => shape.precision == Precision::F32 && (shape.moved || !is_updated),
     };
     if is_single {
         context.report.notes.extend(note_on_writing(shape, progress)?);
@@ -160,7 +161,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 
 /// Checks that coordinates written in single precision do not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
-    let is_single = format.descriptor().is_single_precision;
+    let is_single = format.descriptor().coordinates == CoordinateType::Single;
     if shape.precision == Precision::F64 && !is_single {
         return Ok(());
     }

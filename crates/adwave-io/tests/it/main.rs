@@ -9,6 +9,7 @@ mod fields;
 mod freesurfer;
 mod gifti;
 mod gltf;
+mod graph_names;
 mod las_write;
 mod laz;
 mod meshes;

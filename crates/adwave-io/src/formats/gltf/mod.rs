@@ -21,7 +21,9 @@ mod texture;
 pub(crate) mod update;
 pub(crate) mod write;
 
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, SampleFile};
+use crate::model::format_descriptor::{
+    CoordinateType, Evidence, FormatDescriptor, ProvenanceRoom, SampleFile,
+};
 use crate::model::units::UnitRoom;
 use crate::{Format, LengthUnit};
 
@@ -47,7 +49,7 @@ pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
     loses: "polygons (split into triangles), face fields, weights of edges; Draco and meshopt compression \
            is not read",
     holds_fields: true,
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
     unit: UnitRoom::Fixed(&UNIT),
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| file.bytes.starts_with(b"glTF").then_some(Evidence::Signature),

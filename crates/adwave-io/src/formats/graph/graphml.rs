@@ -86,7 +86,7 @@ pub(crate) fn read_graphml(
     shape.format = Some(Format::GRAPHML);
     let mut names = vec![String::new(); nodes.n];
     for (id, &row) in &nodes.rows {
-        names[row as usize] = (*id).to_owned();
+        (*id).clone_into(&mut names[row as usize]);
     }
     shape.vertex_names = names_unless_numbered(names, "n", 0);
     nodes.attach(&mut shape, progress)?;

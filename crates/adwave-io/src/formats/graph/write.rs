@@ -201,7 +201,7 @@ pub(crate) fn write_graphml(
     if !edges.weights.is_empty() {
         writeln!(out, "<key id=\"w\" for=\"edge\" attr.name=\"weight\" attr.type=\"double\"/>")?;
     }
-    let is_kept = |name: &str| !name.chars().any(|c| c.is_control());
+    let is_kept = |name: &str| !name.chars().any(char::is_control);
     let names = names_as_words(shape, is_kept, report);
     let id = |row: usize| names.map_or_else(|| format!("n{row}"), |names| escape_xml(&names[row]));
     let direction = if edges.direction == Direction::Both { "undirected" } else { "directed" };

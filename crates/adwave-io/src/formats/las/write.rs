@@ -79,15 +79,12 @@ pub(crate) fn write_las(
     }
     report.report_face_fields(shape, &[]);
     let original = shape.source::<LasSource>();
-    let mut parts = match original {
-        Some(original) => {
-            LasParts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
-        }
-        None => {
-            let steps = CoordinateSteps::choose(shape);
-            steps.report(shape, report);
-            LasParts::new(shape, format, &steps)?
-        }
+    let mut parts = if let Some(original) = original {
+        LasParts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
+    } else {
+        let steps = CoordinateSteps::choose(shape);
+        steps.report(shape, report);
+        LasParts::new(shape, format, &steps)?
     };
     if shape.moved || original.is_none() {
         parts.set_points(shape, format, progress)?;
