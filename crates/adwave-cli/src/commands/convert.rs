@@ -12,7 +12,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Points, faces, edges and fields are written in the number types of the new format. A note lists what that format cannot store;
-'adwave formats' lists it for every format.
+'adwave formats' lists it for every format. Numbers keep their unit of length; if the new format has another one (glTF is in meters),
+they are converted, and a note says so.
 
 Examples:
   adwave convert model.glb -o model.ply

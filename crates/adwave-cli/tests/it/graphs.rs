@@ -15,8 +15,11 @@ fn notes(folder: &Path, line: &str) -> String {
 fn rings(folder: &Path) {
     const N: usize = 12;
     let write = |name: &str, kind: &str, entries: Vec<(usize, usize, f64)>| {
-        let rows: String =
-            entries.iter().map(|(a, b, w)| format!("{} {} {w}\n", a % N + 1, b % N + 1)).collect();
+        let rows = entries
+            .iter()
+            .map(|(a, b, w)| format!("{} {} {w}\n", a % N + 1, b % N + 1))
+            .collect::<Vec<_>>()
+            .concat();
         let head = format!("%%MatrixMarket matrix coordinate real {kind}\n{N} {N} {}\n", entries.len());
         fs::write(folder.join(name), head + &rows).unwrap();
     };
@@ -26,11 +29,13 @@ fn rings(folder: &Path) {
     write("loops.mtx", "general", both().into_iter().chain([(3, 3, 2.0), (5, 5, 1.0)]).collect());
     let third = |i: usize| [(i, i, 0.5), (i, i + 1, 0.25), (i, i + N - 1, 0.25)];
     write("walk.mtx", "general", (0..N).flat_map(third).collect());
-    let edges: String = (0..N).map(|i| format!("v{i},v{},{}\n", (i + 1) % N, 1 + i)).collect();
+    let edges = (0..N).map(|i| format!("v{i},v{},{}\n", (i + 1) % N, 1 + i)).collect::<Vec<_>>().concat();
     fs::write(folder.join("ring.edges"), "source,target,weight\n".to_owned() + &edges).unwrap();
-    let nodes: String = (0..N).map(|i| format!("<node id=\"v{i}\"/>")).collect();
-    let edges: String =
-        (0..N).map(|i| format!("<edge source=\"v{i}\" target=\"v{}\"/>", (i + 1) % N)).collect();
+    let nodes = (0..N).map(|i| format!("<node id=\"v{i}\"/>")).collect::<Vec<_>>().concat();
+    let edges = (0..N)
+        .map(|i| format!("<edge source=\"v{i}\" target=\"v{}\"/>", (i + 1) % N))
+        .collect::<Vec<_>>()
+        .concat();
     let graph = |default: &str, more: &str| {
         format!("<graphml><graph edgedefault=\"{default}\">{nodes}{edges}{more}</graph></graphml>")
     };
@@ -38,7 +43,7 @@ fn rings(folder: &Path) {
     fs::write(folder.join("loop.graphml"), graph("undirected", "<edge source=\"v2\" target=\"v2\"/>"))
         .unwrap();
     fs::write(folder.join("plain.graphml"), graph("undirected", "")).unwrap();
-    let rows: String = (0..N).map(|i| format!("{i},{},{}\n", i * i % 7, 0.5 * i as f64)).collect();
+    let rows = (0..N).map(|i| format!("{i},{},{}\n", i * i % 7, 0.5 * i as f64)).collect::<Vec<_>>().concat();
     fs::write(folder.join("genes.csv"), "CD3,CD4,MS4A1\n".to_owned() + &rows).unwrap();
 }
 

@@ -123,7 +123,7 @@ fn lengths_are_refused_in_degrees() {
 fn steps_of_coordinates_are_said() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
-    let rows: String = (0..900)
+    let rows = (0..900)
         .map(|k| {
             format!(
                 "{} {} {}\n",
@@ -132,7 +132,8 @@ fn steps_of_coordinates_are_said() {
                 0.1 * f64::from(k % 7)
             )
         })
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     fs::write(path.join("utm.xyz"), &rows).unwrap();
     let said = notes(path, "convert utm.xyz -o utm.las");
     assert!(said.contains("stored in steps of 0.001\n"), "{said}");

@@ -181,22 +181,6 @@ impl ShapeFile {
         Ok(Graph::new(self.n_vertices, &list)?)
     }
 
-    /// True if the edges are the entries of an unsymmetric matrix M, for which [`to_shape`](Self::to_shape) uses (M +
-    /// Mᵀ)/2. O(edges log edges).
-    ///
-    /// ```
-    /// use adwave_io::{ReadLimits, read_bytes};
-    /// let matrix = |entries: &str| {
-    ///     let text = format!("%%MatrixMarket matrix coordinate real general\n2 2 2\n{entries}");
-    ///     read_bytes(text.into_bytes(), Some("a.mtx"), &ReadLimits::default()).unwrap()
-    /// };
-    /// assert!(!matrix("1 2 3\n2 1 3\n").is_unsymmetric());
-    /// assert!(matrix("1 2 3\n2 1 4\n").is_unsymmetric());
-    /// ```
-    pub fn is_unsymmetric(&self) -> bool {
-        self.graph_changes().n_asymmetric > 0
-    }
-
     /// Distinct undirected edges of the faces, smaller vertex first, in ascending order.
     fn edges_of_faces(&self) -> Vec<[u32; 2]> {
         let mut edges: Vec<[u32; 2]> = self

@@ -19,9 +19,12 @@ fn names(shape: &ShapeFile) -> Vec<&str> {
 
 /// Path over these nodes as a GraphML.
 fn graphml(ids: &[&str]) -> String {
-    let nodes: String = ids.iter().map(|id| format!("<node id=\"{id}\"/>")).collect();
-    let edges: String =
-        ids.windows(2).map(|pair| format!("<edge source=\"{}\" target=\"{}\"/>", pair[0], pair[1])).collect();
+    let nodes = ids.iter().map(|id| format!("<node id=\"{id}\"/>")).collect::<Vec<_>>().concat();
+    let edges = ids
+        .windows(2)
+        .map(|pair| format!("<edge source=\"{}\" target=\"{}\"/>", pair[0], pair[1]))
+        .collect::<Vec<_>>()
+        .concat();
     format!("<graphml><graph edgedefault=\"undirected\">{nodes}{edges}</graph></graphml>")
 }
 

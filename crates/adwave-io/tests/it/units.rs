@@ -28,14 +28,16 @@ fn written(shape: &ShapeFile, format: Format) -> (Vec<u8>, WriteReport) {
 /// Tetrahedron with an edge of 1 along each axis.
 fn three_mf(unit: Option<&str>) -> Vec<u8> {
     let unit = unit.map_or(String::new(), |unit| format!("unit=\"{unit}\""));
-    let vertices: String = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    let vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
         .iter()
         .map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"))
-        .collect();
-    let triangles: String = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        .collect::<Vec<_>>()
+        .concat();
+    let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
         .iter()
         .map(|[a, b, c]| format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"/>"))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     let model = format!(
         "<model {unit} xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources><object id=\"1\">\
          <mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh></object></resources><build>\
@@ -51,12 +53,13 @@ fn three_mf(unit: Option<&str>) -> Vec<u8> {
 
 fn amf(unit: Option<&str>) -> Vec<u8> {
     let unit = unit.map_or(String::new(), |unit| format!("unit=\"{unit}\""));
-    let vertices: String = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    let vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
         .iter()
         .map(|[x, y, z]| {
             format!("<vertex><coordinates><x>{x}</x><y>{y}</y><z>{z}</z></coordinates></vertex>")
         })
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     format!(
         "<?xml version=\"1.0\"?><amf {unit}><object id=\"0\"><mesh><vertices>{vertices}</vertices><volume>\
          <triangle><v1>0</v1><v2>2</v2><v3>1</v3></triangle><triangle><v1>0</v1><v2>1</v2><v3>3</v3></triangle>\
@@ -305,10 +308,11 @@ fn a_new_las_has_steps_that_keep_the_digits() {
 fn steps_of_32_bit_floats_are_said_on_reading_and_writing() {
     let file = |north: f64| ShapeFile::from_cloud(hills([0.0, north], None));
     let ply = |north: f64, property: &str| {
-        let rows: String = hills([0.0, north], None)
+        let rows = hills([0.0, north], None)
             .iter()
             .map(|p| format!("{} {} {}\n", p[0] as f32, p[1] as f32, p[2] as f32))
-            .collect();
+            .collect::<Vec<_>>()
+            .concat();
         let text = format!(
             "ply\nformat ascii 1.0\nelement vertex 900\nproperty {property} x\nproperty {property} y\nproperty {property} z\nend_header\n{rows}"
         );
