@@ -61,6 +61,8 @@ pub struct NamedSignal {
     pub n_channels: usize,
     /// All values.
     pub values: SignalValues,
+    /// Names of the channels, if they are columns of another file; else empty.
+    pub channel_names: Vec<String>,
 }
 
 /// Values of a signal. Coordinates are shared with the shape instead of copied.
@@ -83,9 +85,15 @@ impl Deref for SignalValues {
     }
 }
 
+impl NamedSignal {
+    fn new(n_channels: usize, values: SignalValues) -> Self {
+        Self { n_channels, values, channel_names: Vec::new() }
+    }
+}
+
 impl From<Field> for NamedSignal {
     fn from(field: Field) -> Self {
-        Self { n_channels: field.n_channels, values: SignalValues::Other(field.to_f64()) }
+        Self::new(field.n_channels, SignalValues::Other(field.to_f64()))
     }
 }
 
@@ -136,24 +144,24 @@ pub fn named_signal(
                 "{of}: a graph has no coordinates; choose another signal, such as degree or FILE.npy"
             )));
         }
-        return Ok(NamedSignal { n_channels: 3, values: SignalValues::Coordinates(points) });
+        return Ok(NamedSignal::new(3, SignalValues::Coordinates(points)));
     }
     if let Some(field) = file.field(name) {
-        return Ok(NamedSignal { n_channels: field.n_channels, values: SignalValues::Other(field.to_f64()) });
+        return Ok(NamedSignal::new(field.n_channels, SignalValues::Other(field.to_f64())));
     }
     if let Some(axis) = named_axis(file, name) {
         let values = file.points().iter().map(|p| p[axis]).collect();
-        return Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(values) });
+        return Ok(NamedSignal::new(1, SignalValues::Other(values)));
     }
     if name == DEGREE
         && let Shape::Graph(graph) = shape
     {
-        return Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(degree(graph)) });
+        return Ok(NamedSignal::new(1, SignalValues::Other(degree(graph))));
     }
     if let Some(kind) = SurfaceSignal::from_name(name) {
         let geometry = PreparedGeometry::new(shape, WeldMode::default(), Progress::none())?;
         let values = surface_signal(&geometry, kind, Progress::none())?;
-        return Ok(NamedSignal { n_channels: kind.n_channels(), values: SignalValues::Other(values) });
+        return Ok(NamedSignal::new(kind.n_channels(), SignalValues::Other(values)));
     }
     match name {
         "luminance" | "lightness" => {
@@ -169,9 +177,12 @@ pub fn named_signal(
         _ => {}
     }
     let n_vertices = shape.n_vertices();
-    if let Some(field) = values_of_file(name, file.structure(), file.n_file_rows())? {
+    if let Some(FileField { field, channel_names }) =
+        values_of_file(name, file.structure(), file.n_file_rows())?
+    {
+        let signal = |field: Field| NamedSignal { channel_names, ..NamedSignal::from(field) };
         if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
-            return Ok(rows.select(&field).into());
+            return Ok(signal(rows.select(&field)));
         }
         if field.len() != n_vertices {
             return Err(NamedSignalError::Unknown(format!(
@@ -180,7 +191,7 @@ pub fn named_signal(
                 of
             )));
         }
-        return Ok(field.into());
+        return Ok(signal(field));
     }
     if let Some(field) = file.face_fields().iter().find(|field| field.name == name) {
         return Err(NamedSignalError::Unknown(format!(
@@ -243,11 +254,18 @@ pub fn keep_left_out_values(
     if file.file_rows().is_none() || file.field(name).is_some() || named_axis(file, name).is_some() {
         return Ok(());
     }
-    if let Some(old) = values_of_file(name, file.structure(), file.n_file_rows())? {
+    if let Some(FileField { field: old, .. }) = values_of_file(name, file.structure(), file.n_file_rows())? {
         let values = FieldValues::F64(old.to_f64());
         file.set_left_out_values(&Field { name: written.name.clone(), n_channels: old.n_channels, values });
     }
     Ok(())
+}
+
+/// Field of another file.
+pub(crate) struct FileField {
+    pub(crate) field: Field,
+    /// Names of the channels, if they are columns of a table.
+    channel_names: Vec<String>,
 }
 
 /// Reads a field of another file; `:NAME` selects one of several. Files of values without an extension of their own
@@ -256,7 +274,7 @@ pub(crate) fn values_of_file(
     name: &str,
     structure: Option<&str>,
     n_vertices: usize,
-) -> Result<Option<Field>, NamedSignalError> {
+) -> Result<Option<FileField>, NamedSignalError> {
     let limits = ReadLimits::default();
     let kind = |path: &str| {
         let lower = path.to_ascii_lowercase();
@@ -278,15 +296,19 @@ pub(crate) fn values_of_file(
         None => return Ok(None),
     };
     let names: Vec<&str> = fields.iter().map(|f| f.name.as_str()).collect();
-    match column {
-        Some(column) => match names.iter().position(|n| *n == column) {
-            Some(at) => Ok(fields.into_iter().nth(at)),
-            None => {
-                Err(NamedSignalError::Unknown(format!("{path} has no '{column}'; use {}", names.join(", "))))
-            }
-        },
-        None => Ok(Some(join_channels(path, &fields)?)),
+    if let Some(column) = column {
+        let Some(at) = names.iter().position(|n| *n == column) else {
+            let known = names.join(", ");
+            return Err(NamedSignalError::Unknown(format!("{path} has no '{column}'; use {known}")));
+        };
+        let alone = |field| FileField { field, channel_names: Vec::new() };
+        return Ok(fields.into_iter().nth(at).map(alone));
     }
+    // Columns without names are numbered.
+    let has_names = names.iter().any(|name| name.parse::<usize>().is_err());
+    let is_table = has_names && matches!(kind(path), Some(".csv" | ".tsv"));
+    let channel_names = if is_table { names.into_iter().map(str::to_owned).collect() } else { Vec::new() };
+    Ok(Some(FileField { field: join_channels(path, &fields)?, channel_names }))
 }
 
 /// Joins all fields of a file as the channels of one field.
@@ -331,7 +353,7 @@ fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalErro
     };
     let bright = if name == "luminance" { luminance } else { lightness };
     let values = (0..colors.len()).map(|i| bright([0, 1, 2].map(|c| colors.get(i, c) / scale))).collect();
-    Ok(NamedSignal { n_channels: 1, values: SignalValues::Other(values) })
+    Ok(NamedSignal::new(1, SignalValues::Other(values)))
 }
 
 /// Normals of the file, three numbers per vertex.

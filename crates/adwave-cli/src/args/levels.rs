@@ -1,6 +1,7 @@
 //! The levels.
 
 use super::parse::{count, length, number};
+use crate::resolve::shape::GivenLength;
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::region::Length;
@@ -45,6 +46,14 @@ pub(crate) struct LevelArgs {
 }
 
 impl LevelArgs {
+    /// The widths in model units or in % that are given.
+    pub(crate) fn given_lengths(&self) -> Vec<GivenLength> {
+        let of = |option, widths: &Option<Vec<Length>>| {
+            widths.iter().flatten().map(move |&length| GivenLength { option, length }).collect::<Vec<_>>()
+        };
+        [of("--lengths", &self.lengths), of("--fwhm", &self.fwhm)].concat()
+    }
+
     /// The levels that are asked for.
     pub(crate) fn to_spec(&self) -> LevelSpec {
         match (&self.steps, &self.lengths, &self.fwhm, self.levels, self.voices) {

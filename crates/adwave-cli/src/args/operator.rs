@@ -30,7 +30,7 @@ pub(crate) struct OperatorArgs {
     /// Cloud: nearest neighbors that one step reaches
     #[arg(long, value_name = "K", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().neighbors))]
     pub(crate) neighbors: NonZeroUsize,
-    /// Cloud: step from each point to its nearest only, as in the paper, not in both directions
+    /// Cloud: step from each point to its nearest only, as in the paper, not in both directions (refused for other shapes)
     #[arg(long)]
     pub(crate) directed: bool,
     /// Cloud: area of a point

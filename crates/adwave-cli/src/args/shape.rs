@@ -27,6 +27,9 @@ pub(crate) struct ShapeArgs {
     /// Seed of the noise
     #[arg(long, value_name = "K", value_parser = seed, default_value_t = 1, help_heading = "Shape")]
     pub(crate) seed: u64,
+    /// Accept lengths in model units although coordinates are longitudes and latitudes
+    #[arg(long, help_heading = "Shape")]
+    pub(crate) allow_degrees: bool,
     #[command(flatten)]
     pub(crate) operator: OperatorArgs,
 }

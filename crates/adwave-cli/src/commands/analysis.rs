@@ -104,6 +104,7 @@ impl Analysis {
     ) -> Result<Self, CliError> {
         let AnalysisArgs { shape, signal, levels, extent } = args;
         let params = check_levels(levels)?;
+        input.check_lengths(&levels.given_lengths())?;
         let mut watch = Stopwatch::start();
         let name = signal.name();
         // The signal comes first: a name that does not exist is reported before the operator is built.

@@ -65,6 +65,7 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         (_, name) => name,
     };
     let input = load_shape(&args.shape, global)?;
+    input.check_lengths(&args.levels.given_lengths())?;
     let signal = load_signal(global, &input, field, args.signal.texture.as_deref())?;
     let start = Instant::now();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;

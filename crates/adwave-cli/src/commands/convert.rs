@@ -12,7 +12,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Points, faces, edges and fields are written in the number types of the new format. A note lists what that format cannot store;
-'adwave formats' lists it for every format. All points are written unless --only or --mask selects some, which are written alone.
+'adwave formats' lists it for every format. Numbers keep their unit of length; if the new format has another one (glTF is in meters),
+they are converted, and a note says so. All points are written unless --only or --mask selects some, which are written alone.
 
 Examples:
   adwave convert model.glb -o model.ply
@@ -65,6 +66,7 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
             "faces": n_faces,
             "fields": file.field_names(),
             "not_written": report.not_written,
+            "notes": report.notes,
             "output": output.to_string(),
         }),
     )

@@ -5,6 +5,7 @@ use crate::global::Global;
 use crate::output::values_file::{ValuesFile, write_field};
 use crate::output::{check_writable, output_format, write_shape};
 use crate::resolve::shape::{Input, move_points};
+use crate::resolve::signal::Signal;
 use adwave_io::{
     COORDS, Field, FieldValues, MovedNormals, ShapeFile, keep_left_out_values, named_axis, with_axis,
     written_signal,
@@ -21,8 +22,8 @@ pub(crate) struct ResultFile<'a> {
 pub(crate) enum EditedSignal {
     /// New positions of the vertices.
     Points(Vec<[f64; 3]>),
-    /// New values of a field.
-    Field(Field),
+    /// New values of a field, and the names of its columns if they come from a table.
+    Field { field: Field, channel_names: Vec<String> },
 }
 
 impl<'a> ResultFile<'a> {
@@ -44,14 +45,17 @@ impl<'a> ResultFile<'a> {
     pub(crate) fn place_values(
         &self,
         file: &ShapeFile,
-        signal: &str,
-        n_channels: usize,
+        name: &str,
+        signal: &Signal,
         values: Vec<f64>,
     ) -> EditedSignal {
-        let is_alone = ValuesFile::choose_for_edited_signal(self.path, signal, file).is_some();
-        match named_axis(file, signal).filter(|_| !is_alone) {
+        let is_alone = ValuesFile::choose_for_edited_signal(self.path, name, file).is_some();
+        match named_axis(file, name).filter(|_| !is_alone) {
             Some(axis) => EditedSignal::Points(with_axis(file.points(), axis, &values)),
-            None => EditedSignal::Field(written_signal(file, signal, n_channels, values)),
+            None => EditedSignal::Field {
+                field: written_signal(file, name, signal.n_channels, values),
+                channel_names: signal.channel_names.clone(),
+            },
         }
     }
 
@@ -72,8 +76,12 @@ impl<'a> ResultFile<'a> {
                 let values = FieldValues::F64(input.file.points().as_flattened().to_vec());
                 Field::new(COORDS, 3, values)
             }
-            EditedSignal::Field(field) => {
+            EditedSignal::Field { field, channel_names } => {
                 keep_left_out_values(&mut input.file, signal, &field).map_err(CliError::input)?;
+                if alone == Some(ValuesFile::Csv) && channel_names.len() == field.n_channels {
+                    let columns = split_channels(&field, &channel_names);
+                    return ValuesFile::Csv.write(global, self.path, &columns, &input.file);
+                }
                 field
             }
         };
@@ -82,4 +90,13 @@ impl<'a> ResultFile<'a> {
         }
         write_field(global, self.path, alone, &mut input.file, field)
     }
+}
+
+/// The channels of a field as fields of these names.
+fn split_channels(field: &Field, names: &[String]) -> Vec<Field> {
+    let channel = |(c, name): (usize, &String)| {
+        let values = (0..field.len()).map(|i| field.get(i, c)).collect();
+        Field::new(name.clone(), 1, FieldValues::F64(values))
+    };
+    names.iter().enumerate().map(channel).collect()
 }

@@ -100,6 +100,7 @@ fn resolve(
     let params = check_levels(&args.levels)?;
     watch.lap();
     let input = load_shape(&args.shape, global)?;
+    input.check_lengths(&args.levels.given_lengths())?;
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;

@@ -115,6 +115,9 @@ pub(crate) fn write_shape(
         if !report.not_written.is_empty() {
             note(global, &format!("{} cannot store {}", path.display(), report.not_written.join(", ")));
         }
+        for text in &report.notes {
+            note(global, &format!("{}: {text}", path.display()));
+        }
         Ok(report)
     })
 }

@@ -8,7 +8,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::{count, note, number};
 use adwave::mask::{MaskedChannels, channels_by_mask, missing};
-use adwave::operator::{OperatorKind, OperatorParams, OperatorTask, choose_operator};
+use adwave::operator::{CloudGraph, OperatorKind, OperatorParams, OperatorTask, choose_operator};
 use adwave::shape::{PreparedGeometry, Shape, VertexRole, describe_outsiders};
 use adwave::signal::find_close_sheets;
 use adwave::{Decomposer, LevelSpec, Progress};
@@ -214,6 +214,16 @@ pub(crate) fn check_operator(shape: &Shape, params: &OperatorParams) -> Result<(
         return Err(CliError::Input(
             "--keep-creases needs normals, and a graph has none; leave it out".to_owned(),
         ));
+    }
+    if params.cloud_graph == CloudGraph::Directed {
+        let what = match shape {
+            Shape::Cloud(_) => "",
+            Shape::Graph(_) => "a graph is walked by its symmetric weights, (M + Mᵀ)/2 of a matrix M",
+            Shape::Mesh(_) => "a mesh is walked along its edges in both directions",
+        };
+        if !what.is_empty() {
+            return Err(CliError::Input(format!("--directed needs a cloud, but {what}; leave it out")));
+        }
     }
     adwave_io::free_memory().map_or(Ok(()), |free| check_neighbors(shape, params, free))
 }

@@ -1,9 +1,9 @@
 //! From region flags to weights on a shape.
 
-use super::shape::{Input, vertex_in_row};
+use super::shape::{GivenLength, Input, vertex_in_row};
 use super::signal::field_names;
 use crate::error::CliError;
-use adwave::region::Region;
+use adwave::region::{Length, Region};
 use adwave::{Decomposer, Progress};
 use adwave_io::region_field;
 
@@ -21,6 +21,8 @@ pub(crate) fn union_of_regions(regions: &[Region]) -> Region {
 
 /// The region with vertices of the shape, where `region` names rows of the file.
 pub(crate) fn region_in_shape(region: &Region, input: &Input) -> Result<Region, CliError> {
+    let given = |length: Length| GivenLength { option: "--region", length };
+    input.check_lengths(&region.lengths().into_iter().map(given).collect::<Vec<_>>())?;
     let mut region = region.clone();
     if input.file.file_rows().is_some() {
         region.try_map_vertices(&mut |row| vertex_in_row(input, row as usize).map(|vertex| vertex as u32))?;

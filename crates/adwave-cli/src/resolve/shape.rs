@@ -5,6 +5,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{count, note};
+use adwave::region::Length;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
@@ -23,6 +24,40 @@ pub(crate) struct Input {
     pub(crate) shape: Shape,
     /// The name in reports.
     pub(crate) name: String,
+    /// Lengths in model units are accepted although coordinates are degrees.
+    pub(crate) allows_degrees: bool,
+}
+
+/// A length that an option of the command line gives.
+#[derive(Clone, Copy)]
+pub(crate) struct GivenLength {
+    /// The option, such as `--lengths`.
+    pub(crate) option: &'static str,
+    pub(crate) length: Length,
+}
+
+impl Input {
+    /// Refuses lengths in model units if coordinates are degrees, in which a length means nothing.
+    pub(crate) fn check_lengths(&self, lengths: &[GivenLength]) -> Result<(), CliError> {
+        let Some(system) = self.file.coordinate_system().filter(|system| system.is_geographic()) else {
+            return Ok(());
+        };
+        if self.allows_degrees {
+            return Ok(());
+        }
+        for GivenLength { option, length } in lengths {
+            if let Length::Units(units) = length
+                && *units != 0.0
+            {
+                return Err(CliError::Input(format!(
+                    "{option} needs coordinates in a unit of length, but those of {} are degrees ({}), got {units}; project \
+                     the file to meters, or give --allow-degrees to take lengths as they are",
+                    self.name, system.name
+                )));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Description of where a shape comes from.
@@ -67,7 +102,10 @@ impl<'a> ShapeSource<'a> {
 pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
-    load_source(&ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection }, global)
+    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection };
+    let mut input = load_source(&source, global)?;
+    input.allows_degrees = args.allow_degrees;
+    Ok(input)
 }
 
 /// Reads or makes a shape.
@@ -93,7 +131,12 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             None => file,
         };
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
-        Ok(Input { file, shape, name })
+        if matches!(shape, Shape::Graph(_))
+            && let Some(text) = file.graph_changes().note()
+        {
+            note(global, &format!("{name}: {text}"));
+        }
+        Ok(Input { file, shape, name, allows_degrees: false })
     })
 }
 

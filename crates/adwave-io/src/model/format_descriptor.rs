@@ -7,6 +7,7 @@ use adwave::vector::Axis;
 use crate::model::context::{ReadContext, WriteContext};
 use crate::model::file_head::FileHead;
 use crate::model::texture::TextureFn;
+use crate::model::units::UnitRoom;
 use crate::{Field, Format, ReadError, ReadLimits, ShapeFile, WriteError};
 
 /// Kind of content that files of a format hold.
@@ -33,6 +34,17 @@ pub(crate) enum ProvenanceRoom {
         begin: &'static str,
         lines_before: usize,
     },
+}
+
+/// Number type in which coordinates are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CoordinateType {
+    /// 64-bit floats, text, or integers with a scale.
+    Double,
+    /// 32-bit floats.
+    Single,
+    /// The number type of the shape.
+    OfShape,
 }
 
 /// Confidence that bytes are of a format, lowest first. The greatest one decides, among equals the order of the table.
@@ -142,10 +154,13 @@ pub(crate) struct FormatDescriptor {
     pub(crate) loses: &'static str,
     /// A file has a shape together with any fields of its vertices, by their names.
     pub(crate) holds_fields: bool,
+    /// Names of vertices are written, or reported by the writer.
+    pub(crate) holds_names: bool,
     /// Points without a position are written, as NaN, so that rows keep their numbers.
     pub(crate) holds_missing: bool,
-    /// Coordinates are always written as 32-bit floats.
-    pub(crate) is_single_precision: bool,
+    /// Number type in which coordinates are written.
+    pub(crate) coordinates: CoordinateType,
+    pub(crate) unit: UnitRoom,
     /// Points have a classification and flags by which their producer takes them out: LAS and its relatives.
     pub(crate) flags_points: bool,
     /// Axis that points up in all files of the format, if they agree.
@@ -184,8 +199,10 @@ impl FormatDescriptor {
         keeps: "",
         loses: "",
         holds_fields: false,
+        holds_names: false,
         holds_missing: false,
-        is_single_precision: false,
+        coordinates: CoordinateType::Double,
+        unit: UnitRoom::None,
         flags_points: false,
         up_axis: None,
         provenance: ProvenanceRoom::None,

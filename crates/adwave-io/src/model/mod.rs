@@ -7,7 +7,9 @@ pub(crate) mod context;
 pub(crate) mod f32_limits;
 pub(crate) mod field;
 pub(crate) mod file_head;
+pub(crate) mod float_steps;
 pub(crate) mod format_descriptor;
+pub(crate) mod graph_changes;
 pub(crate) mod grouping;
 #[cfg(feature = "print3d")]
 pub(crate) mod instances;
@@ -23,5 +25,6 @@ pub(crate) mod sparse_rows;
 pub(crate) mod subset;
 pub(crate) mod text_rows;
 pub(crate) mod texture;
+pub(crate) mod units;
 #[cfg(feature = "volume")]
 pub(crate) mod volume;

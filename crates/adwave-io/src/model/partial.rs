@@ -343,6 +343,7 @@ impl WholeFile {
         file.moved |= part.moved;
         file.edited.clone_from(&part.edited);
         file.format = part.format;
+        file.unit.clone_from(&part.unit);
         file.provenance.clone_from(&part.provenance);
         file.is_new_provenance = part.is_new_provenance;
         if file.precision != part.precision {

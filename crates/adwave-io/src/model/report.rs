@@ -8,6 +8,8 @@ pub struct WriteReport {
     /// Descriptions of the content that the format cannot store and the file does not have, such as ``vertex field
     /// `gaze` ``; empty if everything was written.
     pub not_written: Vec<String>,
+    /// Remarks on the written file, one line each, such as a conversion between units of length.
+    pub notes: Vec<String>,
 }
 
 impl WriteReport {
@@ -15,6 +17,13 @@ impl WriteReport {
         let what = what.into();
         if !self.not_written.contains(&what) {
             self.not_written.push(what);
+        }
+    }
+
+    pub(crate) fn add_note(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        if !self.notes.contains(&text) {
+            self.notes.push(text);
         }
     }
 

@@ -2,7 +2,6 @@
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
@@ -180,34 +179,6 @@ impl ShapeFile {
             return Err(ShapeFileError::NoEdges);
         }
         Ok(Graph::new(self.n_vertices, &list)?)
-    }
-
-    /// True if the edges are the entries of an unsymmetric matrix M, for which [`to_shape`](Self::to_shape) uses (M +
-    /// Mᵀ)/2. O(edges log edges).
-    ///
-    /// ```
-    /// use adwave_io::{ReadLimits, read_bytes};
-    /// let matrix = |entries: &str| {
-    ///     let text = format!("%%MatrixMarket matrix coordinate real general\n2 2 2\n{entries}");
-    ///     read_bytes(text.into_bytes(), Some("a.mtx"), &ReadLimits::default()).unwrap()
-    /// };
-    /// assert!(!matrix("1 2 3\n2 1 3\n").is_unsymmetric());
-    /// assert!(matrix("1 2 3\n2 1 4\n").is_unsymmetric());
-    /// ```
-    pub fn is_unsymmetric(&self) -> bool {
-        let edges = self.edges();
-        if edges.direction == Direction::Both {
-            return false;
-        }
-        let mut sums: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-        for (k, pair) in edges.pairs.iter().enumerate().filter(|(_, [a, b])| a != b) {
-            *sums.entry(*pair).or_default() += edges.weights.get(k).copied().unwrap_or(1.0);
-        }
-        let is_matched = |(&[a, b], weight): (&[u32; 2], &f64)| {
-            let other = sums.get(&[b, a]).copied().unwrap_or(0.0);
-            (weight - other).abs() <= 1e-12 * weight.abs().max(other.abs())
-        };
-        !sums.iter().all(is_matched)
     }
 
     /// Distinct undirected edges of the faces, smaller vertex first, in ascending order.

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use adwave::shape::Polygons;
 
+use crate::model::float_steps::note_on_reading;
 use crate::model::partial::{FileRows, WholeFile};
 use crate::model::source_document::SourceDocument;
+use crate::model::units::{CoordinateSystem, LengthUnit};
 use crate::provenance::Provenance;
 use crate::{Field, Format, ShapeFileError};
 
@@ -66,10 +68,15 @@ pub struct ShapeFile {
     pub(crate) points: Arc<Vec<[f64; 3]>>,
     pub(crate) faces: Arc<Polygons>,
     pub(crate) edges: Edges,
+    /// Name of each vertex, all different; `None` if the file has none.
+    pub(crate) vertex_names: Option<Arc<Vec<String>>>,
     pub(crate) vertex_fields: Vec<Field>,
     pub(crate) face_fields: Vec<Field>,
     pub(crate) format: Option<Format>,
     pub(crate) precision: Precision,
+    /// Unit of length of the coordinates, if it is known.
+    pub(crate) unit: Option<LengthUnit>,
+    pub(crate) coordinate_system: Option<Arc<CoordinateSystem>>,
     /// Anatomical structure, if the file states it.
     pub(crate) structure: Option<String>,
     /// Content that only the original bytes have, named in the report of losses in other formats.
@@ -123,10 +130,13 @@ impl ShapeFile {
             points: Arc::default(),
             faces: Arc::default(),
             edges: Edges::default(),
+            vertex_names: None,
             vertex_fields: Vec::new(),
             face_fields: Vec::new(),
             format: None,
             precision: Precision::F64,
+            unit: None,
+            coordinate_system: None,
             structure: None,
             extras: Vec::new(),
             notes: Vec::new(),
@@ -181,6 +191,11 @@ impl ShapeFile {
     /// Edges listed in the file (OBJ lines, PLY edges, matrix entries), not those of the faces.
     pub fn edges(&self) -> &Edges {
         &self.edges
+    }
+
+    /// Names of the vertices, such as the ids of the nodes in a GraphML.
+    pub fn vertex_names(&self) -> Option<&[String]> {
+        self.vertex_names.as_deref().map(Vec::as_slice)
     }
 
     /// Vertex fields with [`n_vertices`](Self::n_vertices) rows each.
@@ -342,9 +357,17 @@ impl ShapeFile {
         self.provenance().filter(|_| self.is_new_provenance || !is_changed)
     }
 
-    /// The shape as it was read: its fields are those of the file.
+    /// The shape as it was read: its fields are those of the file, with remarks on its coordinates.
     pub(crate) fn with_original_fields(mut self) -> Self {
         self.n_original_fields = self.vertex_fields.len();
+        self.notes.extend(note_on_reading(&self));
+        if let Some(system) = self.coordinate_system.as_deref().filter(|system| system.is_geographic()) {
+            let name = &system.name;
+            self.notes.push(format!(
+                "coordinates are longitudes and latitudes in degrees ({name}), and distances between them are no \
+                 lengths; project the file to meters before"
+            ));
+        }
         self
     }
 

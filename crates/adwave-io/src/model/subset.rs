@@ -54,9 +54,15 @@ impl ShapeFile {
             }),
             faces: Arc::new(Polygons::from_triangles(subset.triangles)),
             vertex_fields: self.vertex_fields.iter().map(|field| rows(field, subset.vertices)).collect(),
+            vertex_names: self
+                .vertex_names
+                .as_deref()
+                .map(|names| Arc::new(subset.vertices.iter().map(|&x| names[x as usize].clone()).collect())),
             face_fields: self.face_fields.iter().map(|field| rows(field, subset.faces)).collect(),
             format: self.format,
             precision: self.precision,
+            unit: self.unit.clone(),
+            coordinate_system: self.coordinate_system.clone(),
             original: source.and_then(|source| source.subset(subset.vertices)),
             // The normals of an STL belong to its triangles.
             moved: true,

@@ -8,10 +8,11 @@ use crate::files::read::read_file;
 use crate::formats::TABLE;
 use crate::limits::decompress;
 use crate::model::context::ReadContext;
+use crate::model::units::UnitRoom;
 use crate::progress::BYTES_PER_STEP;
 use crate::registry::names::unknown_content;
 use crate::registry::sniff::sniff;
-use crate::{ReadError, ReadLimits, ShapeFile};
+use crate::{Format, ReadError, ReadLimits, ShapeFile};
 
 /// Reads the shape in a file, compressed by gzip or not. The content determines the format; the name counts only if
 /// the content is ambiguous. A folder with an `ept.json`, or that file, is read as an EPT; for a part of one see
@@ -36,7 +37,9 @@ pub fn read_path_with(
     let context = ReadContext { limits, progress, name: None, folder: None };
     let mut folder_readers = TABLE.iter().filter_map(|format| format.read_folder);
     if let Some(shape) = folder_readers.find_map(|read| read(path, &context)) {
-        return shape?.with_original_fields().without_missing(progress);
+        let shape = shape?;
+        let format = shape.format;
+        return finish(shape, format, progress);
     }
     read_file(path, limits, progress)
         .and_then(|bytes| read_named(bytes, Some(&path.to_string_lossy()), path.parent(), limits, progress))
@@ -91,7 +94,21 @@ fn read_named(
         return Err(unknown_content(format!("{format} is write-only")));
     };
     let context = ReadContext { limits, progress, name: name_hint, folder };
-    read(bytes, &context)?.with_original_fields().without_missing(progress)
+    finish(read(bytes, &context)?, Some(format), progress)
+}
+
+/// Adds what holds for all files of the format, and leaves out the vertices without a position.
+fn finish(
+    mut shape: ShapeFile,
+    format: Option<Format>,
+    progress: Progress<'_>,
+) -> Result<ShapeFile, ReadError> {
+    if let Some(UnitRoom::Fixed(unit)) = format.map(|format| format.descriptor().unit)
+        && shape.unit.is_none()
+    {
+        shape.unit = Some(unit.clone());
+    }
+    shape.with_original_fields().without_missing(progress)
 }
 
 /// Replaces line ends that are a carriage return alone (Macintosh before 2001) by line feeds; returns true if there

@@ -7,8 +7,10 @@ use adwave::Progress;
 
 use crate::files::atomic::atomic_write_with;
 use crate::model::context::WriteContext;
-use crate::model::format_descriptor::ProvenanceRoom;
+use crate::model::float_steps::note_on_writing;
+use crate::model::format_descriptor::{CoordinateType, ProvenanceRoom};
 use crate::model::source_document::Update;
+use crate::model::units::convert_unit;
 use crate::progress::{CancellableWriter, all};
 use crate::provenance::{CommentInserter, NAME, Provenance};
 use crate::registry::names::unknown_ending;
@@ -111,20 +113,37 @@ fn write_shape(
     if let Some(whole) = shape.with_left_out(format.descriptor().holds_missing, progress)? {
         return write_shape(&whole, format, context.out, progress);
     }
+    let converted = convert_unit(shape, format, &mut context.report)?;
+    let shape = converted.as_ref().unwrap_or(shape);
+    // Documents of formats with 32-bit floats alone round relative to their own nodes and offsets.
+    let is_updated =
+        shape.original.as_deref().zip(shape.format).is_some_and(|(s, own)| s.can_update(own, format));
+    let descriptor = format.descriptor();
+    let is_single = match descriptor.coordinates {
+        CoordinateType::Double => false,
+        CoordinateType::Single => !is_updated,
+        CoordinateType::OfShape => shape.precision == Precision::F32 && (shape.moved || !is_updated),
+    };
+    if is_single {
+        context.report.notes.extend(note_on_writing(shape, progress)?);
+    }
     if let Some(source) = shape.original.as_deref()
         && shape.format.is_some_and(|read| source.can_update(read, format))
     {
         if source.update(shape, &mut context)? == Update::Written {
             return Ok(context.report);
         }
-        context.report = WriteReport::default();
+        context.report.not_written.clear();
     }
     if !shape.original.as_deref().is_some_and(|source| source.keeps_extras(format)) {
         for extra in &shape.extras {
             context.report.report_dropped(extra.clone());
         }
     }
-    let write = format.descriptor().write.ok_or(WriteError::ReadOnly { format })?;
+    if shape.vertex_names.is_some() && !descriptor.holds_names {
+        context.report.report_dropped("names of vertices");
+    }
+    let write = descriptor.write.ok_or(WriteError::ReadOnly { format })?;
     write(shape, &mut context)?;
     Ok(context.report)
 }
@@ -142,7 +161,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 
 /// Checks that coordinates written in single precision do not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
-    let is_single = format.descriptor().is_single_precision;
+    let is_single = format.descriptor().coordinates == CoordinateType::Single;
     if shape.precision == Precision::F64 && !is_single {
         return Ok(());
     }

@@ -71,7 +71,8 @@ fn list_of_vertices(name: &str, n_vertices: usize) -> Result<Option<VertexMask>,
 /// Reads a file of one number per vertex.
 fn numbers(name: &str, file: &ShapeFile, n_rows: usize) -> Result<VertexMask, SelectionError> {
     let field = values_of_file(name, file.structure(), n_rows)?
-        .ok_or_else(|| SelectionError::NoMask { mask: name.to_owned() })?;
+        .ok_or_else(|| SelectionError::NoMask { mask: name.to_owned() })?
+        .field;
     if field.n_channels != 1 {
         return Err(SelectionError::MaskChannels { mask: name.to_owned(), n_channels: field.n_channels });
     }

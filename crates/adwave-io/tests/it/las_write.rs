@@ -10,9 +10,7 @@ fn read(bytes: &[u8], name: &str) -> ShapeFile {
 fn written(shape: &ShapeFile, format: Format) -> Vec<u8> {
     let mut bytes = Vec::new();
     let report = write_bytes(shape, format, &mut bytes).unwrap();
-    let is_new = shape.format().is_none();
-    let is_expected = |what: &String| is_new && what.starts_with("digits of coordinates");
-    assert!(report.not_written.iter().all(is_expected), "{:?}", report.not_written);
+    assert!(report.not_written.is_empty(), "{:?}", report.not_written);
     bytes
 }
 
@@ -42,7 +40,8 @@ fn a_new_file_holds_points_intensity_classes_and_colors() {
     for (format, name) in [(Format::LAS, "a.las"), (Format::LAZ, "a.laz")] {
         let again = read(&written(&shape, format), name);
         assert_eq!(again.format(), Some(format));
-        assert!(farthest(&shape, &again) < 1e-7);
+        // A thousandth of the smallest distance between points.
+        assert!(farthest(&shape, &again) < 2.6e-4);
         for field in shape.vertex_fields() {
             assert_eq!(Some(&field.values), again.field(&field.name).map(|f| &f.values), "{}", field.name);
         }

@@ -232,6 +232,38 @@ pub enum BrushStroke {
 }
 
 impl Region {
+    /// All lengths that the region names, those of its parts too.
+    ///
+    /// ```
+    /// use adwave::region::{Length, parse_region};
+    /// let region = parse_region("ball:vertex=0,radius=2,falloff=5%").unwrap();
+    /// assert_eq!(region.lengths(), [Length::Units(2.0), Length::PercentOfDiagonal(5.0)]);
+    /// ```
+    pub fn lengths(&self) -> Vec<Length> {
+        let with_falloff =
+            |first: Option<Length>, falloff: Option<Length>| first.into_iter().chain(falloff).collect();
+        let with_parts = |by: Option<Length>, region: &Self| by.into_iter().chain(region.lengths()).collect();
+        match self {
+            Self::Ball { radius, falloff, .. }
+            | Self::Stroke { radius, falloff, .. }
+            | Self::Vertices { radius, falloff, .. } => with_falloff(Some(*radius), *falloff),
+            Self::Box { falloff, .. } | Self::HalfSpace { falloff, .. } => with_falloff(None, *falloff),
+            Self::Grown { by, region } | Self::Blurred { by, region } => with_parts(Some(*by), region),
+            Self::Faded { region, .. } | Self::Not(region) => region.lengths(),
+            Self::Painted(strokes) => strokes
+                .iter()
+                .flat_map(|stroke| match stroke {
+                    BrushStroke::Add(region) | BrushStroke::Subtract(region) => region.lengths(),
+                    BrushStroke::Smooth { region, by } => with_parts(Some(*by), region),
+                })
+                .collect(),
+            Self::Any(regions) | Self::All(regions) => regions.iter().flat_map(Self::lengths).collect(),
+            Self::Everywhere {} | Self::Field { .. } | Self::Facing { .. } | Self::Component { .. } => {
+                Vec::new()
+            }
+        }
+    }
+
     /// Replaces the numbers of all vertices that the region names, such as rows of a file by vertices of a shape.
     ///
     /// # Errors

@@ -9,13 +9,16 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
-use crate::resolve::operator::{SignalParts, note_close_sheets, note_outsiders, operator_for_task, prepare};
+use crate::resolve::operator::{
+    SignalParts, check_operator, note_close_sheets, note_outsiders, operator_for_task, prepare,
+};
 use crate::resolve::region::{region_weights, union_of_regions};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
+use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
@@ -25,6 +28,10 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     let result = ResultFile::new(&args.output)?;
     let input = load_shape(&args.shape, global)?;
     if args.signal.name() == COORDS {
+        let noise = args
+            .noise_sigma
+            .map(|noise| GivenLength { option: "--noise-sigma", length: Length::Units(noise) });
+        input.check_lengths(noise.as_slice())?;
         denoise_positions(input, result, args, global)
     } else {
         denoise_field(input, result, args, global)
@@ -40,7 +47,9 @@ fn denoise_positions(
     if args.fit.local_fit.is_some() {
         return Err(CliError::Input("--local-fit is for a field (--signal); leave it out".to_owned()));
     }
-    let weld = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?.weld;
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
+    check_operator(&input.shape, &operator)?;
+    let weld = operator.weld;
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
@@ -137,7 +146,7 @@ fn denoise_field(
         })?;
         values = blend_by_weights(&signal.values, &values, &weights);
     }
-    let edited = result.place_values(&input.file, name, signal.n_channels, values);
+    let edited = result.place_values(&input.file, name, &signal, values);
     result.write(&mut input, name, edited, args.normals.to_rule(), global)?;
 
     let n_vertices = input.shape.n_vertices();

@@ -14,7 +14,7 @@ use crate::output::{
 };
 use crate::resolve::levels::{check_levels, resolve_spec};
 use crate::resolve::operator::{mask_missing, operator_for_task, prepare};
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{Signal, SignalValues, file_normals};
 use crate::resolve::up::UpAxis;
 use adwave::bands::Bands;
@@ -41,10 +41,14 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     let first = load_shape(&args.shape, global)?;
     let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
     let mut second = load_shape(&other, global)?;
+    let limit = args.limit.map(|length| GivenLength { option: "--limit", length });
+    let lengths: Vec<GivenLength> = args.levels.given_lengths().into_iter().chain(limit).collect();
+    first.check_lengths(&lengths)?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::Comparison)?;
     let decomposer = prepare(global, &first, &operator)?;
     let found = difference(args, &first, &mut second, &decomposer, global)?;
-    let signal = Signal { n_channels: found.n_channels, values: SignalValues::Other(found.values.clone()) };
+    let values = SignalValues::Other(found.values.clone());
+    let signal = Signal { n_channels: found.n_channels, values, channel_names: Vec::new() };
     let decomposer = mask_missing(decomposer, &signal, DIFFERENCE, global)?;
     let levels = resolve_spec(&args.levels.to_spec(), SALIENCY_EXTENT, &decomposer, global)?;
     let bands = with_progress(global, "splitting", |progress| {

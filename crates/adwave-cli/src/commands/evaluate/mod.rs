@@ -272,7 +272,12 @@ fn find_again(
             .contains(&args.signal.name());
     let (n_channels, values) = if is_surface_signal {
         let file = ShapeFile::from_cloud(shape.points().unwrap_or_default().to_vec());
-        let input = Input { file, shape: shape.clone(), name: analysis.input.name.clone() };
+        let input = Input {
+            file,
+            shape: shape.clone(),
+            name: analysis.input.name.clone(),
+            allows_degrees: analysis.input.allows_degrees,
+        };
         let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())
     } else if same_vertices {

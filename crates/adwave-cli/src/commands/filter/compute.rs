@@ -63,7 +63,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let edited = if job.signal_name == COORDS {
             EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
         } else {
-            job.result.place_values(&job.input.file, &job.signal_name, job.signal.n_channels, values)
+            job.result.place_values(&job.input.file, &job.signal_name, &job.signal, values)
         };
         Ok(Filtered { decomposer, schedule, layers, edited, change })
     })

@@ -10,7 +10,7 @@ use crate::output::note;
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::region::union_of_regions;
-use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
@@ -78,6 +78,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let in_recipe = recipe.map_or(COORDS, |recipe| recipe.field.as_str());
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
     let input = load_shape(&args.shape, global)?;
+    input.check_lengths(&given_lengths(&levels.spec))?;
     let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
     let labels = if args.as_labels {
         Some(load_labels(&signal_name, &signal)?)
@@ -106,6 +107,12 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         result,
         save_recipe,
     })
+}
+
+/// The widths of levels, which the flags or a recipe give.
+fn given_lengths(spec: &LevelSpec) -> Vec<GivenLength> {
+    let LevelSpec::Widths(widths) = spec else { return Vec::new() };
+    widths.iter().map(|&length| GivenLength { option: "--lengths", length }).collect()
 }
 
 fn load_recipe(path: &Path, global: &Global<'_>) -> Result<Recipe, CliError> {

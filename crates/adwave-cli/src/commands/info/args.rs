@@ -1,6 +1,7 @@
 //! The arguments of `adwave info`.
 
 use crate::args::{LevelArgs, ShapeArgs, length};
+use crate::resolve::shape::GivenLength;
 use adwave::region::Length;
 use clap::Args;
 
@@ -28,6 +29,12 @@ pub(crate) struct InfoArgs {
 }
 
 impl InfoArgs {
+    /// The lengths that are given, of levels and of an error.
+    pub(super) fn given_lengths(&self) -> Vec<GivenLength> {
+        let error = self.error.map(|length| GivenLength { option: "--error", length });
+        self.levels.given_lengths().into_iter().chain(error).collect()
+    }
+
     pub(super) fn needs_detail(&self) -> bool {
         self.detail || self.error.is_some()
     }

@@ -18,7 +18,7 @@ use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, VertexRole, bounding_box};
 use adwave::{Decomposer, ResolvedLevels};
-use adwave_io::{CloudLevels, Field, Format, ReadError, cloud_levels};
+use adwave_io::{CloudLevels, Field, Format, GraphChanges, LengthUnit, ReadError, cloud_levels};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
 use health::{health_lines, health_notes};
@@ -46,6 +46,7 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
 fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> {
     let params = check_levels(&args.levels)?;
     let input = load_shape(&args.shape, global)?;
+    input.check_lengths(&args.given_lengths())?;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare(global, &input, &operator)?;
     let health = decomposer.health();
@@ -65,8 +66,8 @@ impl ShapeFacts {
         self.input.file.format().map_or_else(|| "sample".to_owned(), |f| f.to_string())
     }
 
-    fn is_unsymmetric_graph(&self) -> bool {
-        matches!(self.input.shape, Shape::Graph(_)) && self.input.file.is_unsymmetric()
+    fn graph_changes(&self) -> Option<GraphChanges> {
+        matches!(self.input.shape, Shape::Graph(_)).then(|| self.input.file.graph_changes())
     }
 
     /// Widths σ_0 … σ_J.
@@ -82,6 +83,12 @@ impl ShapeFacts {
         if let Some(bounds) = input.shape.points().and_then(bounding_box) {
             let _ = writeln!(text, "  bounding box  {}", bounds_text(&bounds, diagonal));
         }
+        if let Some(unit) = input.file.length_unit() {
+            let _ = writeln!(text, "  unit          {unit}");
+        }
+        if let Some(system) = input.file.coordinate_system() {
+            let _ = writeln!(text, "  coordinates   {} ({})", system.name, system.kind.name());
+        }
         if diagonal > 0.0 {
             let _ = writeln!(text, "  diagonal      {}", number(decomposer.diagonal()));
             let what = "the diagonal of the largest part, without strays; default levels and % refer to it";
@@ -91,7 +98,7 @@ impl ShapeFacts {
             let _ = writeln!(text, "  octree        {}", octree_text(octree));
         }
         health_notes(&mut text, health);
-        if self.is_unsymmetric_graph() {
+        if self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0) {
             text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
         }
         text += &input.file.provenance().map_or_else(String::new, provenance_text);
@@ -139,6 +146,11 @@ impl ShapeFacts {
             "format": self.format_name(),
             "fields": fields.iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
             "face_fields": input.file.face_fields().iter().map(|f| json!({"name": f.name, "channels": f.n_channels})).collect::<Vec<_>>(),
+            "unit": input.file.length_unit().map(LengthUnit::name),
+            "unit_in_meters": input.file.length_unit().and_then(LengthUnit::meters),
+            "coordinate_system": input.file.coordinate_system().map(|system| json!({
+                "name": system.name, "kind": system.kind.name(),
+            })),
             "provenance": input.file.provenance().map(provenance_json),
             "bounding_box": bounds_json(input.shape.points().and_then(bounding_box)),
             "diagonal": decomposer.diagonal(),
@@ -148,7 +160,9 @@ impl ShapeFacts {
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
             })),
-            "made_symmetric": self.is_unsymmetric_graph(),
+            "made_symmetric": self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0),
+            "dropped_loops": self.graph_changes().map(|changes| changes.n_loops),
+            "asymmetric_pairs": self.graph_changes().map(|changes| changes.n_asymmetric),
             "health": health_json(health),
             "diffusion": diffusion_json(decomposer),
             "levels": self.levels.schedule.n_levels(),

@@ -199,7 +199,7 @@ fn look(args: &RenderArgs, global: &Global<'_>, input: &Input, name: &str) -> Re
         return Ok(Look::Colors { values, label });
     }
     let texture = args.texture.as_deref().filter(|_| name.starts_with("texture"));
-    let Signal { n_channels, values } = load_signal(global, input, name, texture)?;
+    let Signal { n_channels, values, .. } = load_signal(global, input, name, texture)?;
     if name == "texture"
         && let Some(values) = bytes(n_channels, &FieldValues::F64(values.to_vec()))
     {

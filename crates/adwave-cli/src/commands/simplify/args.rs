@@ -30,6 +30,9 @@ pub(crate) struct SimplifyArgs {
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
     #[arg(long = "as", value_name = "KIND", value_enum)]
     pub(crate) kind: Option<ShapeKindArg>,
+    /// Accept lengths in model units although coordinates are longitudes and latitudes
+    #[arg(long)]
+    pub(crate) allow_degrees: bool,
     /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,

@@ -5,23 +5,29 @@
 pub(crate) mod read;
 pub(crate) mod write;
 
-use crate::Format;
 use crate::bytes::package::package_has;
 use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
+use crate::model::units::UnitRoom;
+use crate::{Format, LengthUnit};
 
 impl Format {
     /// Additive manufacturing file, XML.
     pub const AMF: Self = Self::new("amf");
 }
 
+/// Units of the standard, the default first.
+static UNITS: [LengthUnit; 5] =
+    [LengthUnit::MILLIMETER, LengthUnit::INCH, LengthUnit::FOOT, LengthUnit::METER, LengthUnit::MICRON];
+
 pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
     format: Format::AMF,
     title: "Additive manufacturing file",
     extensions: &["amf"],
     reads: "objects placed by constellations, plain or zipped; colors of vertices, triangles, volumes and \
-           materials",
-    writes: "one object of triangles, colors of vertices and faces",
-    loses: "other fields, metadata, materials, the unit of length",
+           materials; the unit of length",
+    writes: "one object of triangles, colors of vertices and faces, the unit of length",
+    loses: "other fields, metadata, materials",
+    unit: UnitRoom::Stated(&UNITS),
     recognize: |file| {
         let is_document = file.has_element("amf") || package_has(file.bytes, ".amf");
         // An archive that was cut has lost its list of names, but its own name says what it was.

@@ -10,7 +10,7 @@ use crate::model::instances::{MergedMesh, Transform};
 use crate::progress::report_row;
 use crate::text::xml::{child, children, parse, text_of, wrong};
 use crate::text::{parse_f64, show};
-use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
+use crate::{Field, FieldValues, Format, LengthUnit, ReadError, ReadLimits, ShapeFile};
 
 /// Largest nesting of constellations; one that contains itself would never end.
 const DEEPEST: usize = 64;
@@ -107,9 +107,15 @@ pub(crate) fn read_amf(
             shape.extras.push(what.into());
         }
     }
-    if root.attribute("unit").is_some_and(|unit| unit != "millimeter") {
-        shape.extras.push("the unit of length".into());
-    }
+    let unit = root.attribute("unit").unwrap_or("millimeter");
+    shape.unit = LengthUnit::from_name(unit).or_else(|| {
+        let text = format!(
+            "the unit of length {} is not known; the numbers stay as they are",
+            show(unit.as_bytes())
+        );
+        shape.notes.push(text);
+        Some(LengthUnit::from_unknown_name(unit))
+    });
     Ok(shape)
 }
 

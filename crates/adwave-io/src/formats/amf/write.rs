@@ -4,10 +4,11 @@ use std::io::Write;
 
 use adwave::Progress;
 
+use crate::formats::amf::UNITS;
 use crate::model::f32_limits::triangles_with_faces;
 use crate::progress::report_row;
-use crate::text::push_f64;
-use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
+use crate::text::{escape_xml, push_f64};
+use crate::{Field, FieldValues, LengthUnit, ShapeFile, WriteError, WriteReport};
 
 fn color(fields: &[Field]) -> Option<&Field> {
     fields.iter().find(|f| f.name == "color" && matches!(f.n_channels, 3 | 4))
@@ -49,9 +50,14 @@ pub(crate) fn write_amf(
     if !shape.edges.pairs.is_empty() {
         report.report_dropped("edges");
     }
-    out.write_all(
-        b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"millimeter\" version=\"1.1\">\n\
-          <object id=\"1\">\n<mesh>\n<vertices>\n",
+    let unit = match shape.unit.as_ref() {
+        Some(unit) if *unit == LengthUnit::FOOT => "feet".into(),
+        unit => escape_xml(unit.unwrap_or(&UNITS[0]).name()),
+    };
+    write!(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"{unit}\" version=\"1.1\">\n\
+         <object id=\"1\">\n<mesh>\n<vertices>\n",
     )?;
     let mut text = Vec::new();
     for (i, &[x, y, z]) in shape.points.iter().enumerate() {

@@ -14,7 +14,7 @@ pub(crate) mod write;
 use adwave::vector::Axis;
 
 use crate::Format;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor};
+use crate::model::format_descriptor::{ContentKind, CoordinateType, Evidence, FormatDescriptor};
 
 impl Format {
     /// FreeSurfer surface.
@@ -29,7 +29,7 @@ pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
     writes: "triangles in 32-bit floats",
     keeps: "creator, volume information",
     loses: "fields, faces of more than three corners",
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
     up_axis: Some(Axis::Z),
     recognize: |file| read::is_surface(file.bytes).then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_surface(&bytes, c.name, c.limits, c.progress)),

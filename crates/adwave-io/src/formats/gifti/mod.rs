@@ -11,7 +11,7 @@ pub(crate) mod write;
 use adwave::vector::Axis;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
+use crate::model::format_descriptor::{CoordinateType, Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// GIFTI surface.
@@ -26,7 +26,7 @@ pub(crate) static GIFTI: FormatDescriptor = FormatDescriptor {
     writes: "surfaces and fields in 32-bit floats",
     keeps: "metadata, encodings, all other text",
     loses: "faces of more than three corners",
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
     up_axis: Some(Axis::Z),
     recognize: |file| {
         (file.text.starts_with(b"<") && read::is_gifti(file.head)).then_some(Evidence::Signature)

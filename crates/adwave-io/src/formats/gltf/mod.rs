@@ -21,8 +21,11 @@ mod texture;
 pub(crate) mod update;
 pub(crate) mod write;
 
-use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, SampleFile};
+use crate::model::format_descriptor::{
+    CoordinateType, Evidence, FormatDescriptor, ProvenanceRoom, SampleFile,
+};
+use crate::model::units::UnitRoom;
+use crate::{Format, LengthUnit};
 
 impl Format {
     /// glTF 2.0 as one binary file.
@@ -30,6 +33,9 @@ impl Format {
     /// glTF 2.0 as text.
     pub const GLTF: Self = Self::new("gltf");
 }
+
+/// Unit of all distances, by the specification.
+static UNIT: LengthUnit = LengthUnit::METER;
 
 pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
     format: Format::GLB,
@@ -43,7 +49,8 @@ pub(crate) static GLB: FormatDescriptor = FormatDescriptor {
     loses: "polygons (split into triangles), face fields, weights of edges; Draco and meshopt compression \
            is not read",
     holds_fields: true,
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
+    unit: UnitRoom::Fixed(&UNIT),
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| file.bytes.starts_with(b"glTF").then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_gltf(bytes, c.folder, c.limits, c.progress)),

@@ -2,7 +2,7 @@
 
 use adwave::Progress;
 
-use crate::formats::graph::{VertexNames, edges};
+use crate::formats::graph::{VertexNames, edges, names_unless_numbered};
 use crate::progress::report_row;
 use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
 use crate::{Direction, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
@@ -26,6 +26,7 @@ pub(crate) fn read_edge_list(
     let numbers: Option<Vec<u64>> = lines.ends.as_flattened().iter().map(|w| parse_u64(w)).collect();
     let mut pairs = Vec::with_capacity(lines.ends.len());
     let mut names = None;
+    let mut texts = None;
     let n_vertices = if let Some(numbers) = numbers {
         let mut distinct = numbers.clone();
         distinct.sort_unstable();
@@ -43,6 +44,7 @@ pub(crate) fn read_edge_list(
         let is_counted = named.is_some() || largest.is_none_or(|l| l < distinct.len() as u64);
         let n = named.unwrap_or(distinct.len() as u64);
         if !is_counted {
+            texts = names_unless_numbered(distinct.iter().map(u64::to_string).collect(), "", 0);
             names = Some(Field::new("id", 1, FieldValues::U64(distinct)));
         }
         limits.check_points(n)?;
@@ -54,14 +56,12 @@ pub(crate) fn read_edge_list(
             pairs.push(ends.map(|name| names.add(name)));
         }
         limits.check_points(names.len() as u64)?;
+        texts = names.to_texts(0);
         names.len()
     };
-    let has_words = names.is_none() && lines.ends.as_flattened().iter().any(|w| parse_u64(w).is_none());
     let mut shape = ShapeFile::from_graph(n_vertices, edges(pairs, lines.weights, Direction::Both));
     shape.vertex_fields.extend(names);
-    if has_words {
-        shape.extras.push("names of vertices".into());
-    }
+    shape.vertex_names = texts;
     shape.format = Some(Format::EDGE_LIST);
     Ok(shape)
 }
@@ -88,6 +88,10 @@ fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<EdgeLines<'a>, R
             return Err(ReadError::line_error(bytes, start, message));
         };
         lines.ends.push([a, b]);
+        if lines.ends.len() == 1 && is_header([a, b]) {
+            lines.ends.clear();
+            continue;
+        }
         let third = parts.next();
         let weight = match third {
             // NetworkX writes a Python dictionary.
@@ -100,6 +104,22 @@ fn parse<'a>(bytes: &'a [u8], progress: Progress<'_>) -> Result<EdgeLines<'a>, R
         return Err(ReadError::line_error(bytes, bytes.len(), "the file has no edges; get the whole file"));
     }
     Ok(lines)
+}
+
+/// True for the names of the first two columns of a table of edges.
+fn is_header(words: [&[u8]; 2]) -> bool {
+    const NAMES: [[&str; 2]; 7] = [
+        ["source", "target"],
+        ["src", "dst"],
+        ["from", "to"],
+        ["node1", "node2"],
+        ["u", "v"],
+        ["i", "j"],
+        ["head", "tail"],
+    ];
+    let plain =
+        words.map(|word| word.to_ascii_lowercase().into_iter().filter(|b| *b != b'"').collect::<Vec<_>>());
+    NAMES.iter().any(|names| names.map(str::as_bytes) == plain.each_ref().map(Vec::as_slice))
 }
 
 /// Number after `Nodes:` in a comment of SNAP.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use adwave::Progress;
 use roxmltree::Node;
 
-use crate::formats::graph::edges;
+use crate::formats::graph::{edges, names_unless_numbered};
 use crate::model::grouping::group;
 use crate::progress::report_row;
 use crate::text::xml::{children, parse, wrong};
@@ -84,6 +84,11 @@ pub(crate) fn read_graphml(
     let direction = if is_directed { Direction::RowToColumn } else { Direction::Both };
     let mut shape = ShapeFile::from_graph(nodes.n, edges(pairs, weights, direction));
     shape.format = Some(Format::GRAPHML);
+    let mut names = vec![String::new(); nodes.n];
+    for (id, &row) in &nodes.rows {
+        (*id).clone_into(&mut names[row as usize]);
+    }
+    shape.vertex_names = names_unless_numbered(names, "n", 0);
     nodes.attach(&mut shape, progress)?;
     if document.descendants().any(|n| n.has_tag_name("hyperedge") || n.has_tag_name("port")) {
         shape.extras.push("hyperedges and ports".into());

@@ -10,6 +10,7 @@ pub(crate) mod write;
 use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::{Direction, Edges, Format, ShapeFile, WriteError, WriteReport};
 
@@ -33,6 +34,41 @@ impl<'a> VertexNames<'a> {
     pub(crate) fn len(&self) -> usize {
         self.rows.len()
     }
+
+    /// All names in the order of their rows; `None` if they are the numbers of the rows from `first` on.
+    pub(crate) fn to_texts(&self, first: usize) -> Option<Arc<Vec<String>>> {
+        let mut texts = vec![String::new(); self.rows.len()];
+        for (name, &row) in &self.rows {
+            texts[row as usize] = String::from_utf8_lossy(name).into_owned();
+        }
+        names_unless_numbered(texts, "", first)
+    }
+}
+
+/// Names of vertices; `None` if they only number the rows: `prefix` and a number from `first` on.
+pub(crate) fn names_unless_numbered(
+    names: Vec<String>,
+    prefix: &str,
+    first: usize,
+) -> Option<Arc<Vec<String>>> {
+    let is_number = |(row, name): (usize, &String)| *name == format!("{prefix}{}", first + row);
+    let is_numbered = names.iter().enumerate().all(is_number);
+    (!is_numbered).then(|| Arc::new(names))
+}
+
+/// Names of the vertices, if all can stand in a line of words and none is empty or repeated; others are reported.
+pub(crate) fn names_as_words<'a>(
+    shape: &'a ShapeFile,
+    is_word: impl Fn(&str) -> bool,
+    report: &mut WriteReport,
+) -> Option<&'a [String]> {
+    let names = shape.vertex_names()?;
+    let is_usable =
+        names.len() == shape.n_vertices && names.iter().all(|name| !name.is_empty() && is_word(name));
+    if !is_usable {
+        report.report_dropped("names of vertices");
+    }
+    is_usable.then_some(names)
 }
 
 /// Builds edges; they have weights if every edge has one.
@@ -67,10 +103,11 @@ pub(crate) static TGF: FormatDescriptor = FormatDescriptor {
     format: Format::TGF,
     title: "Trivial graph format",
     extensions: &["tgf"],
-    reads: "graphs; labels of three numbers as points, labels of edges as weights",
-    writes: "points, edges with weights",
+    reads: "graphs; labels of three numbers as points, labels of edges as weights; names of vertices",
+    writes: "points, edges with weights, names of vertices",
     loses: "faces, fields, other labels",
     content: ContentKind::Graph,
+    holds_names: true,
     recognize: |file| (file.is_named(&TGF) && file.is_text()).then_some(Evidence::NameAlone),
     has_lines: |_| true,
     read: Some(|bytes, c| tgf::read_tgf(&bytes, c.limits, c.progress)),
@@ -83,10 +120,11 @@ pub(crate) static EDGE_LIST: FormatDescriptor = FormatDescriptor {
     format: Format::EDGE_LIST,
     title: "list of edges",
     extensions: &["edgelist", "edges", "el"],
-    reads: "graphs, as SNAP and NetworkX write them; weights",
-    writes: "edges with weights",
-    loses: "points, faces, fields, names",
+    reads: "graphs, as SNAP and NetworkX write them; weights; names of vertices",
+    writes: "edges with weights, names of vertices unless some have no edge",
+    loses: "points, faces, fields",
     content: ContentKind::Graph,
+    holds_names: true,
     recognize: |file| (file.is_named(&EDGE_LIST) && file.is_text()).then_some(Evidence::NameAlone),
     has_lines: |_| true,
     read: Some(|bytes, c| edge_list::read_edge_list(&bytes, c.limits, c.progress)),
@@ -99,11 +137,13 @@ pub(crate) static GRAPHML: FormatDescriptor = FormatDescriptor {
     format: Format::GRAPHML,
     title: "GraphML",
     extensions: &["graphml"],
-    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, numeric node attributes as fields",
-    writes: "points, edges with weights, vertex fields",
+    reads: "graphs; points from `x`, `y`, `z` or `pos`, weights, ids, numeric node attributes as \
+            fields",
+    writes: "points, edges with weights, ids of nodes, vertex fields",
     loses: "faces, text attributes of nodes, other attributes of edges",
     content: ContentKind::Graph,
     holds_fields: true,
+    holds_names: true,
     recognize: |file| file.has_element("graphml").then_some(Evidence::Signature),
     read: Some(|bytes, c| graphml::read_graphml(bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_graphml(shape, &mut c.report, c.out, c.progress)),

@@ -74,6 +74,7 @@ pub(crate) fn read_tgf(
     }
     limits.check_points(names.len() as u64)?;
     let mut shape = ShapeFile::from_graph(names.len(), edges(pairs, weights, Direction::Both));
+    shape.vertex_names = names.to_texts(1);
     match points.filter(|points| !points.is_empty()) {
         Some(points) => shape.points = points.into(),
         None if has_labels => shape.extras.push("labels of vertices".into()),

@@ -6,13 +6,16 @@
 //! twenty lines of offsets would become a dependency on calendars and unique ids.
 
 mod counts;
+mod crs;
 pub(crate) mod extra;
 pub(crate) mod fields;
 pub(crate) mod laz;
 pub(crate) mod part;
 mod places;
 pub(crate) mod read;
+mod steps;
 pub(crate) mod stream;
+mod wkt;
 pub(crate) mod write;
 
 use adwave::vector::Axis;

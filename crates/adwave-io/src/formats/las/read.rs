@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use adwave::Progress;
 
+use crate::formats::las::crs::coordinate_system;
 use crate::formats::las::extra::ExtraBytes;
 use crate::formats::las::fields::{PointRecords, fields, record_bytes};
 use crate::formats::las::write::{LasSource, provenance};
@@ -113,6 +114,10 @@ pub(crate) fn read_las(
     )?;
     shape.extras.push("the LAS header and its records".into());
     shape.provenance = provenance(&records).map(Arc::new);
+    if let Some(system) = coordinate_system(bytes, &header, &records) {
+        shape.unit.clone_from(&system.unit);
+        shape.coordinate_system = Some(Arc::new(system));
+    }
     // A shape without all points of the file could not be written again.
     if n as u64 == header.n_points {
         shape.set_source(LasSource { bytes: Arc::new(file), kept: None });

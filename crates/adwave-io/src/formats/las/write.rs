@@ -15,6 +15,7 @@ use crate::formats::las::read::{
     LASZIP, LEAST_HEADER, LasHeader, RECORD_HEAD, VariableRecord, is_copc_record, parse_header, records,
     unpack_records,
 };
+use crate::formats::las::steps::CoordinateSteps;
 use crate::progress::report_row;
 use crate::provenance::{NAME, Provenance};
 use crate::{Format, ShapeFile, ValueType, WriteError, WriteReport};
@@ -43,8 +44,6 @@ impl SourceDocument for LasSource {
 
 /// Number of points per compressed chunk.
 pub(crate) const CHUNK: u32 = 50_000;
-/// Largest coordinate of a new file, in steps of its scale.
-const MOST_STEPS: f64 = 1e9;
 /// Bit of the point format that marks compressed points.
 pub(crate) const COMPRESSED: u8 = 0x80;
 /// Size of the header of version 1.4 in bytes.
@@ -80,11 +79,12 @@ pub(crate) fn write_las(
     }
     report.report_face_fields(shape, &[]);
     let original = shape.source::<LasSource>();
-    let mut parts = match original {
-        Some(original) => {
-            LasParts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
-        }
-        None => LasParts::new(shape, format)?,
+    let mut parts = if let Some(original) = original {
+        LasParts::read(original, progress).ok_or_else(|| cannot(format, "points of a damaged file"))?
+    } else {
+        let steps = CoordinateSteps::choose(shape);
+        steps.report(shape, report);
+        LasParts::new(shape, format, &steps)?
     };
     if shape.moved || original.is_none() {
         parts.set_points(shape, format, progress)?;
@@ -95,9 +95,6 @@ pub(crate) fn write_las(
     if !is_same {
         parts.records.retain(|record| !is_provenance(record));
         parts.records.extend(shape.valid_provenance().and_then(provenance_record));
-    }
-    if original.is_none() && !parts.is_exact(shape) {
-        report.report_dropped("digits of coordinates beyond 1e-9 of the extent");
     }
     if original.is_none_or(|original| original.kept.is_some()) {
         parts.count();
@@ -183,7 +180,7 @@ impl LasParts {
 
     /// Creates a file without fields: version 1.2 if its records can store all fields of the shape, else 1.4, the
     /// first version with extra bytes.
-    fn new(shape: &ShapeFile, format: Format) -> Result<Self, WriteError> {
+    fn new(shape: &ShapeFile, format: Format, steps: &CoordinateSteps) -> Result<Self, WriteError> {
         if shape.points.is_empty() {
             return Err(cannot(format, "a shape without points"));
         }
@@ -192,17 +189,7 @@ impl LasParts {
         let is_old = shape.vertex_fields.iter().all(|field| DimensionSlot::find(old, field).is_some());
         let id = if is_old { old } else { 6 + u8::from(has_color) };
         let size = record_bytes(id).unwrap_or(20);
-        let (mut scales, mut lows) = ([0.0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            let all = || shape.points.iter().map(|p| p[axis]);
-            let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-            let extent = (high - low).max(f64::EPSILON * high.abs().max(low.abs())).max(f64::MIN_POSITIVE);
-            // Equal coordinates are exact with any scale; the usual one is used.
-            scales[axis] =
-                if low == high { 0.001 } else { 10_f64.powf((extent / MOST_STEPS).log10().ceil()) };
-            lows[axis] = low;
-        }
-        let mut header = new_header(if is_old { 2 } else { 4 }, id, size as u16, scales, lows);
+        let mut header = new_header(if is_old { 2 } else { 4 }, id, size as u16, steps.scale, steps.offset);
         if is_old {
             put(&mut header, 107, 1_u32.to_le_bytes());
         }
@@ -252,20 +239,6 @@ impl LasParts {
             put(&mut self.header, 187 + 16 * axis, low[axis].to_le_bytes());
         }
         Ok(())
-    }
-
-    /// True if the coordinates equal those of the shape exactly.
-    fn is_exact(&self, shape: &ShapeFile) -> bool {
-        let size = self.parsed.record_bytes;
-        let is_same = |(i, p): (usize, &[f64; 3])| {
-            (0..3).all(|axis| {
-                let mut own = [0; 4];
-                own.copy_from_slice(&self.points[i * size + 4 * axis..][..4]);
-                f64::from(i32::from_le_bytes(own)) * self.parsed.scale[axis] + self.parsed.offset[axis]
-                    == p[axis]
-            })
-        };
-        shape.points.iter().enumerate().all(is_same)
     }
 
     /// Stores the number of points, in total and per return, in the header.

@@ -11,7 +11,7 @@ use crate::model::binary_rows::CoordinateRows;
 use crate::model::context::WriteContext;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{FormatDescriptor, SampleFile};
+use crate::model::format_descriptor::{CoordinateType, FormatDescriptor, SampleFile};
 use crate::model::source_document::{SourceDocument, Update};
 use crate::text::words;
 use crate::{Format, ShapeFile, WriteError};
@@ -86,7 +86,7 @@ pub(crate) static OFF_BINARY: FormatDescriptor = FormatDescriptor {
     loses: "other fields",
     form_of: Some(Format::OFF),
     extensions: &[],
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
     recognize: |_| None,
     write: Some(|shape, c| binary::write_off_binary(shape, &mut c.report, c.out, c.progress)),
     samples: &[],

@@ -7,7 +7,7 @@ pub(crate) mod read;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{ContentKind, Evidence, FormatDescriptor, SampleFile};
+use crate::model::format_descriptor::{ContentKind, CoordinateType, Evidence, FormatDescriptor, SampleFile};
 
 /// Words with which a header without the remark before it begins.
 const HEADER_WORDS: [&[u8]; 3] = [b"VERSION", b"FIELDS", b"COLUMNS"];
@@ -31,6 +31,7 @@ pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
     loses: "faces",
     content: ContentKind::Cloud,
     holds_fields: true,
+    coordinates: CoordinateType::OfShape,
     holds_missing: true,
     recognize: |file| {
         let begins = file.head.trim_ascii_start().starts_with(b"# .PCD");

@@ -10,7 +10,9 @@ pub(crate) mod update;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, ProvenanceRoom, SampleFile};
+use crate::model::format_descriptor::{
+    CoordinateType, Evidence, FormatDescriptor, ProvenanceRoom, SampleFile,
+};
 
 impl Format {
     /// PLY, binary.
@@ -28,6 +30,7 @@ pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
     keeps: "header, elements, properties, byte order",
     loses: "texture coordinates and normals of face corners, groups, materials",
     holds_fields: true,
+    coordinates: CoordinateType::OfShape,
     holds_missing: true,
     provenance: ProvenanceRoom::Comment { begin: "comment", lines_before: 2 },
     recognize: |file| {

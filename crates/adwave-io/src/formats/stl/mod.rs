@@ -7,7 +7,7 @@ pub(crate) mod write;
 
 use crate::Format;
 use crate::model::file_head::FileHead;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
+use crate::model::format_descriptor::{CoordinateType, Evidence, FormatDescriptor, SampleFile};
 
 /// Recognizes a binary STL: many begin with `solid` too, so that only the length tells.
 fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
@@ -35,7 +35,7 @@ pub(crate) static STL: FormatDescriptor = FormatDescriptor {
     writes: "triangles in 32-bit floats",
     keeps: "header, attributes, normals of unchanged triangles",
     loses: "shared vertices (recovered from equal coordinates), vertex fields",
-    is_single_precision: true,
+    coordinates: CoordinateType::Single,
     recognize,
     read: Some(|bytes, c| read::read_stl(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_stl(shape, c.format, &mut c.report, c.out, c.progress)),
@@ -51,7 +51,7 @@ pub(crate) static STL_ASCII: FormatDescriptor = FormatDescriptor {
     loses: "shared vertices, other fields",
     form_of: Some(Format::STL),
     extensions: &[],
-    is_single_precision: false,
+    coordinates: CoordinateType::Double,
     recognize: |file| {
         let text = file.head.trim_ascii_start();
         let begins = text.len() >= 5 && text[..5].eq_ignore_ascii_case(b"solid");

@@ -7,22 +7,34 @@ pub(crate) mod model;
 pub(crate) mod read;
 pub(crate) mod write;
 
-use crate::Format;
 use crate::bytes::package::package_has;
 use crate::model::format_descriptor::{Evidence, FormatDescriptor};
+use crate::model::units::UnitRoom;
+use crate::{Format, LengthUnit};
 
 impl Format {
     /// 3D manufacturing format, an archive of XML.
     pub const THREE_MF: Self = Self::new("3mf");
 }
 
+/// Units of the core specification, the default first.
+pub(crate) static UNITS: [LengthUnit; 6] = [
+    LengthUnit::MILLIMETER,
+    LengthUnit::MICRON,
+    LengthUnit::CENTIMETER,
+    LengthUnit::INCH,
+    LengthUnit::FOOT,
+    LengthUnit::METER,
+];
+
 pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
     format: Format::THREE_MF,
     title: "3D manufacturing format",
     extensions: &["3mf"],
     reads: "the build items with components of all parts, transforms and units; colors of vertices or faces",
-    writes: "one object of triangles, colors of vertices or faces in bytes",
-    loses: "other fields, metadata, materials, textures, the unit of length",
+    writes: "one object of triangles, colors of vertices or faces in bytes, the unit of length",
+    loses: "other fields, metadata, materials, textures",
+    unit: UnitRoom::Stated(&UNITS),
     recognize: |file| {
         // An archive that was cut has lost its list of names, but its own name says what it was.
         let is_cut_archive = || file.is_archive() && file.is_named(&THREE_MF);

@@ -5,11 +5,12 @@ use std::collections::HashMap;
 use adwave::Progress;
 use roxmltree::Node;
 
-use crate::ReadError;
+use crate::formats::threemf::UNITS;
 use crate::model::instances::Transform;
 use crate::progress::report_row;
 use crate::text::xml::{child, children, integer, number, parse, wrong};
 use crate::text::{parse_f64, show};
+use crate::{LengthUnit, ReadError};
 
 /// Red, green, blue, alpha.
 pub(crate) type Color = [u8; 4];
@@ -32,10 +33,8 @@ pub(crate) struct Object {
 }
 
 /// Model of a part.
-#[derive(Default)]
 pub(crate) struct Model {
-    /// Length of its unit in meters.
-    pub(crate) unit: f64,
+    pub(crate) unit: LengthUnit,
     pub(crate) objects: HashMap<u32, Object>,
     /// Ids in the order of the file.
     pub(crate) ids: Vec<u32>,
@@ -65,21 +64,24 @@ impl Model {
         if root.tag_name().name() != "model" {
             return Err(wrong(root, "the part has no model; get the whole file"));
         }
-        let unit = root.attribute("unit").unwrap_or("millimeter");
-        let unit = match unit {
-            "micron" => 1e-6,
-            "millimeter" => 1e-3,
-            "centimeter" => 1e-2,
-            "inch" => 0.0254,
-            "foot" => 0.3048,
-            "meter" => 1.0,
-            other => {
-                let message =
-                    format!("{} is not a unit of length of 3MF; correct it", show(other.as_bytes()));
-                return Err(wrong(root, message));
-            }
+        let name = root.attribute("unit").unwrap_or("millimeter");
+        let Some(unit) = LengthUnit::from_name(name).filter(|unit| UNITS.contains(unit)) else {
+            let units = UNITS.each_ref().map(LengthUnit::name).join(", ");
+            let message = format!(
+                "the unit of length must be one of {units}, got {}; correct it",
+                show(name.as_bytes())
+            );
+            return Err(wrong(root, message));
         };
-        let mut model = Self { unit, ..Self::default() };
+        let mut model = Self {
+            unit,
+            objects: HashMap::new(),
+            ids: Vec::new(),
+            built: Vec::new(),
+            has_corners: false,
+            has_alpha: false,
+            has_materials: false,
+        };
         let mut groups = Groups::new();
         for node in child(root, "resources").iter().flat_map(Node::children).filter(Node::is_element) {
             progress.check()?;

@@ -9,7 +9,7 @@ use crate::formats::threemf::model::{Color, Component, Model};
 use crate::model::instances::{MergedMesh, Transform};
 use crate::progress::report_row;
 use crate::text::xml::parse;
-use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
+use crate::{Field, FieldValues, Format, LengthUnit, ReadError, ReadLimits, ShapeFile};
 
 /// Largest nesting of objects; one that contains itself would never end.
 const DEEPEST: usize = 64;
@@ -68,12 +68,14 @@ pub(crate) fn read_3mf(
     };
     let (joined, colors) = (MergedMesh::new(limits, n_bytes), Vec::new());
     let mut assembly = Assembly { models, joined, colors, n_bytes, n_visits: 0, progress };
-    let unit = assembly.models[&root].unit;
+    let unit = assembly.models[&root].unit.clone();
     for (path, id, transform) in built {
         let path = path.as_deref().map_or_else(|| root.clone(), plain);
-        assembly.place(&path, id, &transform, unit, 0)?;
+        assembly.place(&path, id, &transform, &unit, 0)?;
     }
-    assembly.finish(extras)
+    let mut shape = assembly.finish(extras)?;
+    shape.unit = Some(unit);
+    Ok(shape)
 }
 
 fn plain(path: &str) -> String {
@@ -114,7 +116,7 @@ impl Assembly<'_> {
         path: &str,
         id: u32,
         transform: &Transform,
-        unit: f64,
+        unit: &LengthUnit,
         depth: usize,
     ) -> Result<(), ReadError> {
         self.n_visits += 1;
@@ -127,14 +129,15 @@ impl Assembly<'_> {
         let Some(model) = self.models.get(path) else {
             return Err(ReadError::Whole("a component names a part that does not exist".into()));
         };
-        let own_unit = model.unit;
         let Some(object) = model.objects.get(&id) else {
             let message = format!("the placed object {id} does not exist; correct the id");
             return Err(in_part(path, ReadError::Whole(message)));
         };
         if !object.points.is_empty() {
-            let transform =
-                if own_unit == unit { *transform } else { Transform::scale(own_unit / unit).then(transform) };
+            let transform = match model.unit.ratio_to(unit).filter(|ratio| *ratio != 1.0) {
+                Some(ratio) => Transform::scale(ratio).then(transform),
+                None => *transform,
+            };
             let (before, n) = (self.joined.triangles.len(), object.triangles.len());
             self.joined.add(&object.points, &object.triangles, &transform, self.progress)?;
             if !object.colors.is_empty() {

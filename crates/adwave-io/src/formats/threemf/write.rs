@@ -6,6 +6,7 @@ use adwave::Progress;
 use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
+use crate::formats::threemf::UNITS;
 use crate::model::f32_limits::triangles_with_faces;
 use crate::progress::report_row;
 use crate::text::push_f64;
@@ -83,10 +84,12 @@ fn model(
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    out.write_all(
-        b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
-          xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
-          xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\">\n<resources>\n",
+    let unit = shape.unit.as_ref().unwrap_or(&UNITS[0]);
+    write!(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"{unit}\" xml:lang=\"en-US\" \
+         xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
+         xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\">\n<resources>\n",
     )?;
     let mut text = Vec::new();
     if let Some((field, values)) = of_vertices.or(of_faces) {

@@ -11,7 +11,7 @@ mod scanner;
 pub(crate) mod write;
 
 use crate::Format;
-use crate::model::format_descriptor::{Evidence, FormatDescriptor, SampleFile};
+use crate::model::format_descriptor::{CoordinateType, Evidence, FormatDescriptor, SampleFile};
 
 impl Format {
     /// Legacy VTK, text and binary.
@@ -26,6 +26,7 @@ pub(crate) static VTK: FormatDescriptor = FormatDescriptor {
     writes: "points, faces, lines, all fields, binary",
     loses: "the interior of volumes, field data, tables of colors, values of lines",
     holds_fields: true,
+    coordinates: CoordinateType::OfShape,
     recognize: |file| file.bytes.starts_with(read::MAGIC).then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_vtk(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_vtk(shape, &mut c.report, c.out, c.progress)),

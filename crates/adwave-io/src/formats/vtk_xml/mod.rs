@@ -14,7 +14,7 @@ pub(crate) mod write;
 use crate::Format;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::Evidence;
-use crate::model::format_descriptor::{FormatDescriptor, ProvenanceRoom, SampleFile};
+use crate::model::format_descriptor::{CoordinateType, FormatDescriptor, ProvenanceRoom, SampleFile};
 
 /// Recognizes VTK XML of the kind that `format` stands for.
 fn recognize(file: &FileHead<'_>, format: Format) -> Option<Evidence> {
@@ -44,6 +44,7 @@ pub(crate) static VTP: FormatDescriptor = FormatDescriptor {
     writes: "points, faces, lines, all fields",
     loses: "field data, values of lines",
     holds_fields: true,
+    coordinates: CoordinateType::OfShape,
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| recognize(file, Format::VTP),
     name_foreign: |file| read::kind_of(file.text_head())?.err(),
@@ -61,6 +62,7 @@ pub(crate) static VTU: FormatDescriptor = FormatDescriptor {
     writes: "points, faces, lines, all fields",
     loses: "volumes and the points inside them, field data, values of lines",
     holds_fields: true,
+    coordinates: CoordinateType::OfShape,
     provenance: ProvenanceRoom::Metadata,
     recognize: |file| recognize(file, Format::VTU),
     read: Some(|bytes, c| read::read_vtk_xml(&bytes, Format::VTU, c.limits, c.progress)),
