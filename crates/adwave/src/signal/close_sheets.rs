@@ -130,7 +130,7 @@ fn sheet_distance(points: &[[f64; 3]], neighbors: &Adjacency, x: usize) -> Optio
     let gap = |k: &usize| lines[*k].height - lines[*k - 1].height;
     let split = (least..=lines.len() - least).max_by(|a, b| gap(a).total_cmp(&gap(b)))?;
     let (lower, upper) = lines.split_at(split);
-    let (low, high) = (Sheet::new(lower), Sheet::new(upper));
+    let (low, high) = (SheetSide::new(lower), SheetSide::new(upper));
     let distance = high.mean - low.mean;
     let within = ((lower.len() as f64 * low.variance + upper.len() as f64 * high.variance) / n).sqrt();
     let spread = (lines.iter().map(|line| line.along.norm_squared()).sum::<f64>() / n).sqrt();
@@ -149,7 +149,7 @@ struct SampleLine {
 }
 
 /// Points of a neighborhood on one side of a gap.
-struct Sheet {
+struct SheetSide {
     /// Mean of the heights.
     mean: f64,
     /// Variance of the heights.
@@ -158,7 +158,7 @@ struct Sheet {
     middle: Vector2<f64>,
 }
 
-impl Sheet {
+impl SheetSide {
     fn new(lines: &[SampleLine]) -> Self {
         let n = lines.len() as f64;
         let mean = lines.iter().map(|line| line.height).sum::<f64>() / n;
