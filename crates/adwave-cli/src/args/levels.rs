@@ -48,10 +48,10 @@ pub(crate) struct LevelArgs {
 impl LevelArgs {
     /// The widths in model units or in % that are given.
     pub(crate) fn given_lengths(&self) -> Vec<GivenLength> {
-        let of = |option, widths: &Option<Vec<Length>>| {
+        let given = |option, widths: &Option<Vec<Length>>| {
             widths.iter().flatten().map(move |&length| GivenLength { option, length }).collect::<Vec<_>>()
         };
-        [of("--lengths", &self.lengths), of("--fwhm", &self.fwhm)].concat()
+        [given("--lengths", &self.lengths), given("--fwhm", &self.fwhm)].concat()
     }
 
     /// The levels that are asked for.

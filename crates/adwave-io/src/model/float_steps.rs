@@ -32,8 +32,8 @@ pub(crate) fn note_on_reading(shape: &ShapeFile) -> Option<String> {
     Some(format!(
         "coordinates are 32-bit floats of up to {most:.3e}, which are multiples of {}, while neighbors are {} apart: \
          finer digits are lost; export the file again with 64-bit coordinates or relative to an offset",
-        short(step),
-        short(spacing)
+        rounded_text(step),
+        rounded_text(spacing)
     ))
 }
 
@@ -60,14 +60,14 @@ pub(crate) fn note_on_writing(
         format!(
             "coordinates are rounded to 32-bit floats, by up to {}, while neighbors are {} apart; write 64-bit \
              coordinates (OBJ, LAS and CSV have them), or move the shape to the origin before",
-            short(error),
-            short(spacing)
+            rounded_text(error),
+            rounded_text(spacing)
         )
     }))
 }
 
 /// Number with three digits.
-fn short(x: f64) -> String {
+fn rounded_text(x: f64) -> String {
     format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
 }
 
