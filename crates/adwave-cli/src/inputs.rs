@@ -14,6 +14,8 @@ pub(crate) struct Inputs {
     /// Whether results carry their provenance in comments too.
     pub(crate) in_comments: bool,
     sources: Mutex<Vec<InputSource>>,
+    /// Remarks about the sources that have not been printed.
+    remarks: Mutex<Vec<String>>,
 }
 
 #[derive(PartialEq, Eq)]
@@ -26,11 +28,21 @@ enum InputSource {
 
 impl Inputs {
     pub(crate) fn new(in_comments: bool) -> Self {
-        Self { in_comments, sources: Mutex::default() }
+        Self { in_comments, sources: Mutex::default(), remarks: Mutex::default() }
     }
 
     fn sources(&self) -> MutexGuard<'_, Vec<InputSource>> {
         self.sources.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps a remark about a source until work on it begins, so that an error stands alone.
+    pub(crate) fn add_remark(&self, text: String) {
+        self.remarks.lock().unwrap_or_else(PoisonError::into_inner).push(text);
+    }
+
+    /// Takes the remarks that have not been printed.
+    pub(crate) fn take_remarks(&self) -> Vec<String> {
+        std::mem::take(&mut *self.remarks.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn add(&self, source: InputSource) {

@@ -19,4 +19,4 @@ pub(crate) use files::{
 };
 pub(crate) use lengths::{bounds_json, bounds_text, fwhm_json, fwhm_text, percent_of};
 pub(crate) use number::{count, number, steps_json, steps_text};
-pub(crate) use print::{command_line, note, peak_memory, print, table};
+pub(crate) use print::{command_line, note, peak_memory, print, print_remarks, table};

@@ -9,6 +9,7 @@ use std::io::Write;
 
 /// Prints the result: `text` for people, or `json` for machines.
 pub(crate) fn print(global: &Global<'_>, text: &str, json: &Value) -> Result<(), CliError> {
+    print_remarks(global);
     if global.is_piped {
         // The standard output belongs to the shape.
         let report = if global.json { format!("{json:#}") } else { text.trim_end().to_owned() };
@@ -33,8 +34,18 @@ pub(crate) fn print(global: &Global<'_>, text: &str, json: &Value) -> Result<(),
 
 /// Prints a remark that is not part of the result, for people only.
 pub(crate) fn note(global: &Global<'_>, text: &str) {
+    print_remarks(global);
     if !global.quiet {
         eprintln!("note: {text}");
+    }
+}
+
+/// Prints the remarks about inputs that were kept until now.
+pub(crate) fn print_remarks(global: &Global<'_>) {
+    for text in global.inputs.take_remarks() {
+        if !global.quiet {
+            eprintln!("note: {text}");
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! A progress bar, on a terminal only.
 
+use super::print_remarks;
 use crate::global::Global;
 use adwave::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -27,8 +28,9 @@ pub(crate) fn with_spinner<T>(global: &Global<'_>, what: &str, work: impl FnOnce
     result
 }
 
-/// A bar that is drawn on a terminal only.
+/// A bar that is drawn on a terminal only. Remarks about inputs are printed before.
 pub(crate) fn bar(global: &Global<'_>, what: &str) -> ProgressBar {
+    print_remarks(global);
     let is_shown = !global.quiet && std::io::stderr().is_terminal();
     let target = if is_shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{spinner} {msg} {bar:32} {percent} % {eta}")

@@ -123,7 +123,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         };
         note_left_out(&file, &name, global);
         for text in file.notes() {
-            note(global, text);
+            global.inputs.add_remark(text.clone());
         }
         let kind = source.kind.map_or_else(|| file.kind(), Into::into);
         let file = match selection {
@@ -134,7 +134,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         if matches!(shape, Shape::Graph(_))
             && let Some(text) = file.graph_changes().note()
         {
-            note(global, &format!("{name}: {text}"));
+            global.inputs.add_remark(format!("{name}: {text}"));
         }
         Ok(Input { file, shape, name, allows_degrees: false })
     })
@@ -172,7 +172,7 @@ pub(crate) fn select(
     })?;
     if let Some(text) = describe_selected(&selected, name, &selection) {
         let others = if rest == Rest::Stays { "keep their values" } else { "are not written" };
-        note(global, &format!("{text}; the others {others}"));
+        global.inputs.add_remark(format!("{text}; the others {others}"));
     }
     Ok(selected.file)
 }
@@ -208,7 +208,7 @@ fn note_left_out(file: &ShapeFile, name: &str, global: &Global<'_>) {
             "{n_left} of {n_rows} points of {name} have no position and are left out; vertices are numbered by the rows of \
              the file"
         );
-        note(global, &text);
+        global.inputs.add_remark(text);
     }
 }
 

@@ -152,5 +152,5 @@ fn steps_of_coordinates_are_said() {
         assert!(said.contains("multiples of 0.5, while neighbors are"), "{line}: {said}");
     }
     let said = notes(path, "convert utm.xyz -o utm.glb");
-    assert!(said.contains("rounded to 32-bit floats, by up to 0.25"), "{said}");
+    assert!(said.contains("rounded to 32-bit floats, by up to 0.2,"), "{said}");
 }

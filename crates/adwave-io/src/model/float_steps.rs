@@ -194,7 +194,7 @@ mod tests {
         let written =
             |north: f64| note_on_writing(&ShapeFile::from_cloud(terrain(north)), Progress::none()).unwrap();
         let note = written(5.4e6).unwrap();
-        assert!(note.contains("by up to 0.25, while neighbors are"), "{note}");
+        assert!(note.contains("by up to 0.2483, while neighbors are"), "{note}");
         assert!(written(5e5).is_some());
         assert_eq!(written(1e3), None);
         // A cloud that was rounded before is not rounded again.
