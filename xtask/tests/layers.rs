@@ -190,6 +190,7 @@ const ROOMS: [(&str, &[&[&str]]); 4] = [
             &["formats"],
             &["registry"],
             &["texture", "signal", "region_field", "recipe", "mesh_stream", "cloud_part"],
+            &["selection"],
         ],
     ),
     (

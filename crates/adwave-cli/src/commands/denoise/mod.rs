@@ -12,7 +12,7 @@ use crate::output::{count, number, print};
 use crate::resolve::operator::{
     SignalParts, check_operator, note_close_sheets, note_outsiders, operator_for_task, prepare,
 };
-use crate::resolve::region::{region_weights, union_of_regions};
+use crate::resolve::region::{region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
@@ -27,6 +27,8 @@ use std::fmt::Write;
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     let result = ResultFile::new(&args.output)?;
     let input = load_shape(&args.shape, global)?;
+    // A region that the shape cannot have is refused before any work.
+    region_in_shape(&union_of_regions(&args.region), &input)?;
     if args.signal.name() == COORDS {
         let noise = args
             .noise_sigma

@@ -9,7 +9,7 @@ use crate::global::Global;
 use crate::output::note;
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
-use crate::resolve::region::union_of_regions;
+use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
@@ -79,6 +79,9 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
     let input = load_shape(&args.shape, global)?;
     input.check_lengths(&given_lengths(&levels.spec))?;
+    for layer in &layers {
+        region_in_shape(&layer.region, &input)?;
+    }
     let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
     let labels = if args.as_labels {
         Some(load_labels(&signal_name, &signal)?)

@@ -81,6 +81,7 @@ fn new_columns(place: usize, field: &Field) -> Vec<Column> {
 fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text: bool) -> Option<Column> {
     let mut value_type = old.value_type;
     let mut kind = old.kind;
+    let mut name = old.name.as_str();
     let mut cells = Vec::with_capacity(old.cells.len());
     for cell in &old.cells {
         cells.push(match cell {
@@ -90,10 +91,17 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
             }
             PcdCell::PackedColor => {
                 let place = shape.vertex_fields.iter().position(is_packed)?;
+                let n_channels = shape.vertex_fields[place].n_channels;
                 // As a float a color with its fourth byte may be NaN, which text cannot represent.
-                if is_text && shape.vertex_fields[place].n_channels == 4 {
+                if is_text && n_channels == 4 {
                     (value_type, kind) = (ValueType::U32, 'U');
                 }
+                // The name says whether there is a fourth byte.
+                name = match (name, n_channels) {
+                    ("rgba", 3) => "rgb",
+                    ("rgb", 4) => "rgba",
+                    (same, _) => same,
+                };
                 WrittenCell::Packed(place)
             }
             PcdCell::Channel(name, channel) => {
@@ -107,7 +115,7 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
             PcdCell::Padding => WrittenCell::Padding,
         });
     }
-    Some(Column { name: old.name.clone(), kind, value_type, cells })
+    Some(Column { name: name.to_owned(), kind, value_type, cells })
 }
 
 /// Columns of the file: those of the original in their order, then those of new fields.
