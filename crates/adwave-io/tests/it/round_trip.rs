@@ -210,7 +210,8 @@ fn there_and_back(shape: &ShapeFile, format: Format) -> Option<ShapeFile> {
             matches!(format, Format::GIFTI | Format::FREESURFER | Format::OFF_BINARY) && is_rounded,
         );
         // Far from the origin a glTF has them about their center, with more digits than 32-bit floats have there.
-        let near = is_rounded && (x - y).abs() <= 1e-7 * x.abs().max(extent);
+        let is_single = f64::from(x as f32) == *y;
+        let near = is_rounded && (is_single || (x - y).abs() <= 1e-7 * x.abs().max(extent));
         // A node that shifts makes 0 of -0.
         let is_near = is_gltf(format) && (near || x == *y);
         assert!(same(x, *y) || is_near, "{what}: {x} became {y}");
