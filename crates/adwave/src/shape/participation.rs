@@ -53,7 +53,7 @@ pub enum VertexRole {
     /// It takes part.
     #[default]
     Member,
-    /// No face connects it to another vertex.
+    /// No face of the mesh, or edge of the curve, connects it to another vertex.
     Unused,
     /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
     /// `0 0 0` far from everything.
@@ -81,8 +81,8 @@ impl VertexRole {
         match (self, n) {
             (Self::Member, 1) => "vertex that takes part",
             (Self::Member, _) => "vertices that take part",
-            (Self::Unused, 1) => "vertex of no face",
-            (Self::Unused, _) => "vertices of no face",
+            (Self::Unused, 1) => "vertex of no face or edge",
+            (Self::Unused, _) => "vertices of no face or edge",
             (Self::Placeholder, 1) => "placeholder without a real position",
             (Self::Placeholder, _) => "placeholders without a real position",
             (Self::Stray, 1) => "point far from all others",
@@ -244,6 +244,20 @@ impl Participation {
         let this = Self::new(roles, sets);
         let near = if n_strays == 0 { near } else { this.nearest(points, STRAY_NEIGHBORS, progress)? };
         Ok((this, near))
+    }
+
+    /// Roles in a curve with the given edges: vertices without edges are unused.
+    pub(super) fn from_curve(edges: &Pattern) -> Self {
+        let n = edges.n_rows();
+        let mut sets = DisjointSets::new(n);
+        for x in 0..n {
+            for &y in edges.row(x) {
+                sets.join(x as u32, y);
+            }
+        }
+        let role = |x: usize| if edges.row(x).is_empty() { VertexRole::Unused } else { VertexRole::Member };
+        let roles = if edges.nnz() == 0 { vec![VertexRole::Member; n] } else { (0..n).map(role).collect() };
+        Self::new(roles, sets)
     }
 
     fn new(roles: Vec<VertexRole>, mut sets: DisjointSets) -> Self {
@@ -448,17 +462,17 @@ fn quantiles(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
 }
 
 /// Disjoint sets of vertices; the smallest vertex of a set is its root.
-struct DisjointSets {
+pub(super) struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
-    fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect() }
     }
 
     /// Root of the set of `x`, with path halving.
-    fn root(&mut self, mut x: u32) -> u32 {
+    pub(super) fn root(&mut self, mut x: u32) -> u32 {
         while self.parent[x as usize] != x {
             let next = self.parent[self.parent[x as usize] as usize];
             self.parent[x as usize] = next;
@@ -467,7 +481,7 @@ impl DisjointSets {
         x
     }
 
-    fn join(&mut self, x: u32, y: u32) {
+    pub(super) fn join(&mut self, x: u32, y: u32) {
         let (a, b) = (self.root(x), self.root(y));
         self.parent[a.max(b) as usize] = a.min(b);
     }
