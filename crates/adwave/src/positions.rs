@@ -295,9 +295,9 @@ fn directed_along_edges(
             None | Some(MoveDirection::Free) => return after[v],
             Some(MoveDirection::Normal) => tangent(x).map(|t| subtract(&moved, &along_tangent(t))),
             Some(MoveDirection::Surface) => tangent(x).map(along_tangent),
-            Some(direction) => direction
-                .axis()
-                .map(|axis| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 })),
+            Some(direction) => {
+                direction.axis().map(|axis| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 }))
+            }
         }
         .unwrap_or(moved);
         add_scaled(&before[v], 1.0, &moved)

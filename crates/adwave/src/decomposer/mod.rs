@@ -15,8 +15,8 @@ use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
-    Diffusion, EndPoints, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator,
-    surface_diffusion,
+    Diffusion, EndPoints, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo,
+    local_operator, surface_diffusion,
 };
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};

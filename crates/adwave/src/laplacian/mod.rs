@@ -13,9 +13,7 @@ mod triangulation;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
-use crate::shape::{
-    Adjacency, Graph, PreparedGeometry, Shape, edge_lengths, mean_edge_length,
-};
+use crate::shape::{Adjacency, Graph, PreparedGeometry, Shape, edge_lengths, mean_edge_length};
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next, previous};

@@ -137,5 +137,8 @@ pub(crate) fn edge_lengths(points: &[[f64; 3]], edges: &Adjacency) -> Vec<f64> {
 /// If there are fewer points than nodes.
 pub fn curve_length(graph: &Graph, points: &[[f64; 3]]) -> f64 {
     let later = |x: usize| graph.adjacency().row(x).iter().map(|&y| y as usize).filter(move |&y| y > x);
-    (0..graph.n_nodes()).flat_map(|x| later(x).map(move |y| (x, y))).map(|(x, y)| distance(&points[x], &points[y])).sum()
+    (0..graph.n_nodes())
+        .flat_map(|x| later(x).map(move |y| (x, y)))
+        .map(|(x, y)| distance(&points[x], &points[y]))
+        .sum()
 }

@@ -177,7 +177,8 @@ impl Graph {
         let given = Self::from_edges(points.len(), edges.iter().map(|&[u, v]| (u, v, 1.0)))?;
         let lengths = edge_lengths(&points, given.adjacency());
         let pattern = given.adjacency().clone();
-        let rows = CompressedRows::new_unchecked(pattern, lengths.iter().map(|length| 1.0 / length).collect());
+        let rows =
+            CompressedRows::new_unchecked(pattern, lengths.iter().map(|length| 1.0 / length).collect());
         Ok(Self { rows: Arc::new(rows), positions: Some(points), is_curve: true })
     }
 
