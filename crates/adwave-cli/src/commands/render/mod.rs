@@ -190,7 +190,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     let input = load_source(&ShapeSource { kind, sample, part, ..ShapeSource::new(name) }, global)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!(
-            "{name}: a graph is drawn by the positions of its nodes, and it has none (or not all are finite)"
+            "{name}: a graph has no positions to draw; only nodes with finite positions are drawn, as lines"
         )));
     };
     let tubes = match &input.shape {
