@@ -5,6 +5,7 @@ use adwave::bands::{BandsError, Schedule, ScheduleError};
 use adwave::features::{
     Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe, features,
 };
+use adwave::shape::Shape;
 use adwave::signal::{OutwardError, outward_normals};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use thiserror::Error;
@@ -20,8 +21,8 @@ const ACCURACY: f64 = 1e-6;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DescribeError {
-    /// The shape is a graph, which has no positions.
-    #[error("matching needs positions, and a graph has none")]
+    /// The shape is a graph or curve, which has no surface.
+    #[error("matching needs a surface, and a graph has none")]
     NoPositions,
     /// All points are equal, so that there are no lengths.
     #[error("the shape has no extent: all its points are equal")]
@@ -75,7 +76,7 @@ pub struct ShapeFeatures {
 /// Returns a [`DescribeError`] for a graph and for a shape without extent.
 pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64>, DescribeError> {
     for side in [first, second] {
-        if side.geometry().points().is_empty() {
+        if matches!(side.geometry().shape(), Shape::Graph(_)) {
             return Err(DescribeError::NoPositions);
         }
         if !(side.extent() > 0.0 && side.mean_length() > 0.0) {

@@ -1,7 +1,7 @@
 //! Pictures of shapes and fields, and charts, without a display or a graphics driver.
 //!
 //! [`render`] draws one [`Surface`], [`grid`] draws several on one sheet. The stages of a picture are: normals of the
-//! shape's corners (`normals`) or discs for a cloud (`splats`), framing by the camera (`camera`), a z-buffer that
+//! shape's corners (`normals`) or discs for a cloud (`splats`); a curve is drawn as tubes (`tubes`); framing by the camera (`camera`), a z-buffer that
 //! finds the primitive of each sample (`raster`), lighting and colors (`scene`, `shade`), darkening of enclosed
 //! regions (`occlusion`), and finally color bar and text (`color_bar`, `text`).
 
@@ -28,6 +28,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod text;
+mod tubes;
 mod up;
 mod vector;
 mod view;
@@ -40,5 +41,6 @@ pub use params::{Background, ColorBar, Frame, Framing, MAX_PIXELS, MAX_SIDE, Pro
 pub use picture::Picture;
 pub use render::render;
 pub use surface::{Ball, FieldPaint, Paint, Surface};
+pub use tubes::Tubes;
 pub use up::UpReason;
 pub use view::{Up, UpError, View, ViewError};

@@ -36,7 +36,7 @@ use thiserror::Error;
 pub enum StudioError {
     /// The shape has no positions to display.
     #[error(
-        "{0}: the studio needs positions, and a graph has none; open a mesh or a point cloud, or use `adwave transform`"
+        "{0}: the studio shows surfaces and points, and no graphs or curves; open a mesh or a point cloud, or use `adwave transform`"
     )]
     NoPositions(String),
     /// The shape has more vertices than a browser can hold.

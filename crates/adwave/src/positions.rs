@@ -2,13 +2,14 @@
 
 use crate::named_values;
 use crate::parallel;
+use crate::shape::Shape;
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Treatment of the borders of an open mesh or cloud when its coordinates are filtered.
+/// Treatment of the borders of an open mesh or cloud, and of the end points of a curve, when coordinates are filtered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -88,7 +89,8 @@ named_values!(Volume, "volume", {
 /// Constraints on new positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PositionParams {
-    /// Directions in which vertices move; `None` means along the normals on a cloud, and all directions on a mesh.
+    /// Directions in which vertices move; `None` means along the normals on a cloud, and all directions on a mesh or
+    /// a curve.
     pub along: Option<MoveDirection>,
     /// Treatment of borders.
     pub borders: Borders,
@@ -149,6 +151,8 @@ const VOLUME_ACCURACY: f64 = 1e-13;
 /// δ times the vertex normal at every vertex that the filter moved, with δ from Newton's method on the enclosed
 /// volume (`desbrun1999`).
 ///
+/// End points of a curve keep their places unless borders are free.
+///
 /// ```
 /// use adwave::positions::{PositionParams, constrain_positions};
 /// use adwave::shape::{Mesh, Polygons, Shape};
@@ -175,7 +179,10 @@ pub fn constrain_positions(
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let n = decomposer.n_vertices();
     assert!(before.len() == n && after.len() == n, "a position for each vertex");
-    let after = directed(decomposer, before, after, *params, progress)?;
+    let after = match decomposer.geometry().shape() {
+        Shape::Graph(_) => directed_along_edges(decomposer, before, after, *params, progress)?,
+        _ => directed(decomposer, before, after, *params, progress)?,
+    };
     match params.volume {
         Volume::Free => Ok(after),
         Volume::Keep => with_volume_of(decomposer, before, &after, progress),
@@ -251,6 +258,49 @@ fn directed(
         let share = if is_open[x] { kept.get(x).map_or(1.0, |d| (d / width).min(1.0)) } else { 1.0 };
         // Rises from 0 on the border to 1, smoothly at both ends.
         add_scaled(&before[v], share * share * (3.0 - 2.0 * share), &moved)
+    })
+}
+
+/// New positions of a curve or graph with displacements in the allowed directions. Unless borders are free, the end
+/// points of a curve keep their places; the operator keeps their neighbors from being drawn in
+/// ([`EndPoints`](crate::operator::EndPoints)). The normal direction is across the curve, its surface the curve
+/// itself; both are free at ends, branches and sharp returns, where the curve has no direction.
+fn directed_along_edges(
+    decomposer: &Decomposer,
+    before: &[[f64; 3]],
+    after: Vec<[f64; 3]>,
+    params: PositionParams,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let geometry = decomposer.geometry();
+    let (points, welded) = (geometry.points(), geometry.vertex_map().as_slice());
+    let mut is_kept = vec![false; geometry.n_vertices()];
+    if params.borders != Borders::Free {
+        for x in geometry.curve_ends() {
+            is_kept[x] = true;
+        }
+    }
+    let tangent = |x: usize| match *decomposer.neighbors().row(x) {
+        [y, z] => unit(&subtract(&points[z as usize], &points[y as usize])),
+        _ => None,
+    };
+    parallel::try_collect(after.len(), progress, |v| {
+        let x = welded[v] as usize;
+        if before[v] == after[v] || is_kept[x] {
+            return before[v];
+        }
+        let moved = subtract(&after[v], &before[v]);
+        let along_tangent = |t: [f64; 3]| t.map(|c| c * dot(&moved, &t));
+        let moved = match params.along {
+            None | Some(MoveDirection::Free) => return after[v],
+            Some(MoveDirection::Normal) => tangent(x).map(|t| subtract(&moved, &along_tangent(t))),
+            Some(MoveDirection::Surface) => tangent(x).map(along_tangent),
+            Some(direction) => {
+                direction.axis().map(|axis| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 }))
+            }
+        }
+        .unwrap_or(moved);
+        add_scaled(&before[v], 1.0, &moved)
     })
 }
 

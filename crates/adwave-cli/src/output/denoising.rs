@@ -10,11 +10,23 @@ use std::fmt::Write;
 pub(crate) enum SamplingUnit {
     MeanEdges,
     NeighborDistances,
+    /// Mean edges of a curve, whose noise is that of each coordinate.
+    CurveEdges,
 }
 
 /// Adds lines on the noise that was assumed, and on how much was smoothed and how.
 pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: SamplingUnit) {
     let unit = match unit {
+        SamplingUnit::CurveEdges => {
+            let _ = writeln!(
+                text,
+                "noise of each coordinate: {} model units, {} mean edges",
+                number(info.noise),
+                number(info.noise_in_edges)
+            );
+            describe_far(text, info);
+            return;
+        }
         SamplingUnit::MeanEdges => "mean edges",
         SamplingUnit::NeighborDistances => "mean distances of neighbors",
     };
@@ -42,6 +54,11 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
             );
         }
     }
+    describe_far(text, info);
+}
+
+/// Adds a line on vertices that moved far.
+fn describe_far(text: &mut String, info: &DenoiseInfo) {
     if info.n_far > 0 {
         let vertices = count(info.n_far, "vertex", "vertices");
         let _ = writeln!(text, "{vertices} moved farther than 3 times the noise");

@@ -1,11 +1,11 @@
-//! Movement of a shape: how far its vertices moved, and how its area and volume changed.
+//! Movement of a shape: how far its vertices moved, and how its length, area and volume changed.
 
 use super::{note, number};
 use crate::error::CliError;
 use crate::global::Global;
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
-use adwave::shape::{PreparedGeometry, health};
+use adwave::shape::{PreparedGeometry, Shape, curve_length, health};
 use adwave_io::ShapeFile;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -20,6 +20,8 @@ const LARGE_CHANGE: f64 = 0.5;
 pub(crate) struct Movement {
     moved: Displacement,
     diagonal: f64,
+    /// Total length of the edges before and after, of a curve or graph.
+    lengths: Option<MeasureChange>,
     /// Area before and after, of a shape with faces.
     areas: Option<MeasureChange>,
     /// Volume before and after, if the surface encloses one.
@@ -47,7 +49,7 @@ impl Movement {
     /// Movement to new positions, in the order of the shape.
     ///
     /// # Errors
-    /// A vertex moved so far that no number says how far.
+    /// A vertex moved so far that no number says how far, or the shape has no positions.
     pub(crate) fn measure(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Result<Self, CliError> {
         let shape = geometry.shape();
         let diagonal = geometry.extent();
@@ -55,7 +57,13 @@ impl Movement {
         let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
         let in_units =
             |points: &[[f64; 3]]| -> Vec<[f64; 3]> { points.iter().map(|p| p.map(|c| c / unit)).collect() };
-        let moved = displacement(&in_units(shape.points().unwrap_or_default()), &in_units(points));
+        let Some(before) = shape.points().filter(|before| before.len() == points.len()) else {
+            return Err(CliError::Input(
+                "the coordinates of a graph must be finite to be changed; repair them, or choose a --signal"
+                    .to_owned(),
+            ));
+        };
+        let moved = displacement(&in_units(before), &in_units(points));
         let moved = Displacement { rms: moved.rms * unit, max: moved.max * unit, ..moved };
         if !moved.max.is_finite() {
             return Err(CliError::Input(format!(
@@ -63,7 +71,11 @@ impl Movement {
                 moved.furthest
             )));
         }
-        let mut this = Self { moved, diagonal, areas: None, volumes: None };
+        let mut this = Self { moved, diagonal, lengths: None, areas: None, volumes: None };
+        if let Shape::Graph(graph) = shape {
+            let length = |points: &[[f64; 3]]| curve_length(graph, &in_units(points));
+            this.lengths = Some(MeasureChange::new(length(before), length(points), unit));
+        }
         if geometry.faces().is_empty() {
             return Ok(this);
         }
@@ -119,14 +131,14 @@ impl Movement {
             percent(moved.max),
             moved.furthest,
         );
-        for (name, change) in [("area", self.areas), ("volume", self.volumes)] {
+        for (name, change) in [("length", self.lengths), ("area", self.areas), ("volume", self.volumes)] {
             let Some(MeasureChange { before, after, share }) = change else { continue };
             let share = share.map_or_else(String::new, |share| format!(" ({:+.3} %)", 100.0 * share));
             let _ = writeln!(text, "{name} {} → {}{share}", number(before), number(after));
         }
     }
 
-    /// Adds `moved`, `area` and `volume` to a report.
+    /// Adds `moved`, `area` and `volume` to a report, and `length` for a curve or graph.
     pub(crate) fn add_to(&self, report: &mut Value) {
         let Self { moved, diagonal, .. } = self;
         let diagonal = diagonal.max(f64::MIN_POSITIVE);
@@ -139,6 +151,9 @@ impl Movement {
             report[name] = json!(
                 change.map(|MeasureChange { before, after, .. }| json!({"before": before, "after": after}))
             );
+        }
+        if let Some(MeasureChange { before, after, .. }) = self.lengths {
+            report["length"] = json!({"before": before, "after": after});
         }
     }
 }

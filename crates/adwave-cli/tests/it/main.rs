@@ -5,6 +5,7 @@ mod cloud_part;
 mod commands;
 mod common;
 mod compare;
+mod curves;
 mod field_files;
 mod graphs;
 mod hostile;

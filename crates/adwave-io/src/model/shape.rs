@@ -14,7 +14,8 @@ pub enum ShapeKind {
     Mesh,
     /// Points alone.
     Cloud,
-    /// The file's own edges with their weights; without any, the edges of the faces with weight 1.
+    /// The file's own edges, with their weights or, without weights and with positions, as a curve; without edges, those
+    /// of the faces with weight 1.
     Graph,
 }
 
@@ -169,7 +170,14 @@ impl ShapeFile {
         self.to_shape_as(kind)
     }
 
+    /// The edges with their weights. Edges of the file with positions and without weights are a curve; weights, or
+    /// the edges of faces, keep deciding the steps where there are positions. Positions that are not finite are no
+    /// hindrance to a graph whose steps do not follow from them, which then has none.
     fn to_graph(&self) -> Result<Graph, ShapeFileError> {
+        let has_positions = self.points.len() == self.n_vertices && !self.points.is_empty();
+        if has_positions && !self.edges.pairs.is_empty() && self.edges.weights.is_empty() {
+            return Ok(Graph::curve(Arc::clone(&self.points), &self.edges.pairs)?);
+        }
         let list: Vec<(u32, u32, f64)> = if self.edges.pairs.is_empty() {
             self.edges_of_faces().into_iter().map(|[a, b]| (a, b, 1.0)).collect()
         } else {
@@ -178,7 +186,11 @@ impl ShapeFile {
         if list.is_empty() {
             return Err(ShapeFileError::NoEdges);
         }
-        Ok(Graph::new(self.n_vertices, &list)?)
+        let graph = Graph::new(self.n_vertices, &list)?;
+        if !has_positions {
+            return Ok(graph);
+        }
+        Ok(graph.clone().with_positions(Arc::clone(&self.points)).unwrap_or(graph))
     }
 
     /// Distinct undirected edges of the faces, smaller vertex first, in ascending order.

@@ -15,7 +15,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
         return section;
     }
     let what = match subject.shape {
-        Shape::Cloud(_) => "each point is a disc as wide as the distance to its neighbors",
+        Shape::Cloud(_) | Shape::Graph(_) => "each point is a disc as wide as the distance to its neighbors",
         _ => "the faces are lit from the upper left",
     };
     let plain = || {

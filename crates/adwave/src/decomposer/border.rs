@@ -8,11 +8,14 @@ use crate::{Cancelled, Progress};
 
 impl Decomposer {
     /// The welded vertices on the border of a mesh (ends of edges of a single triangle) or of a cloud (points with
-    /// a gap between their neighbors), and those next to masked vertices; in ascending order.
+    /// a gap between their neighbors), the ends of a curve, and those next to masked vertices; in ascending order.
     pub(crate) fn border(&self, progress: Progress<'_>) -> Result<Vec<usize>, Cancelled> {
         let geometry = self.geometry();
         if self.is_cloud() {
             return Ok(cloud_border(geometry.points(), self.neighbors()));
+        }
+        if geometry.curve_edges().is_some() {
+            return Ok(geometry.curve_ends());
         }
         let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles().len());
         for t in geometry.triangles().iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {

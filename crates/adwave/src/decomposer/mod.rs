@@ -15,8 +15,8 @@ use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
-    Diffusion, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator,
-    surface_diffusion,
+    Diffusion, EndPoints, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo,
+    local_operator, surface_diffusion,
 };
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
@@ -112,6 +112,9 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
+        let is_curve = geometry.curve_edges().is_some();
+        let kind = if is_curve { OperatorKind::Surface } else { params.kind };
+        let params = &params.with_kind(kind);
         let (diffusion, areas, mean_length, surface_info): (_, Arc<[f64]>, _, _) = match params.kind {
             OperatorKind::Walk => {
                 let operator = local_operator(&geometry, params, progress)?;
@@ -197,17 +200,13 @@ impl Decomposer {
 
     /// True if the shape has positions and no faces.
     pub(crate) fn is_cloud(&self) -> bool {
-        !self.geometry.points().is_empty() && self.geometry.triangles().is_empty()
+        matches!(self.geometry.shape(), Shape::Cloud(_))
     }
 
-    /// True if the vertices have positions.
-    pub(crate) fn has_positions(&self) -> bool {
-        !self.geometry.points().is_empty()
-    }
-
-    /// The local fit that smoothing a field about `fit` has on this shape: a constant one without positions.
+    /// The local fit that smoothing a field about `fit` has on this shape: a constant one on a graph or a curve, where
+    /// slopes along the curve are no bias.
     pub fn applied_local_fit(&self, fit: LocalFit) -> LocalFit {
-        if self.has_positions() { fit } else { LocalFit::Constant }
+        if matches!(self.geometry.shape(), Shape::Graph(_)) { LocalFit::Constant } else { fit }
     }
 
     /// Domain over which a field with a value at each welded vertex is fitted.
@@ -335,7 +334,8 @@ impl Decomposer {
         self.mean_length
     }
 
-    /// Area of each vertex of the shape in squared model units; welded vertices share theirs equally.
+    /// Area of each vertex of the shape in squared model units, on a curve its length in model units; welded vertices
+    /// share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
         let mut shares = vec![0_u32; self.geometry.n_vertices()];
         for &x in self.geometry.vertex_map().as_slice() {
@@ -400,7 +400,7 @@ impl Decomposer {
     }
 
     /// Scaling function and wavelet of one vertex of the shape on the last level of `schedule`, as functions on the
-    /// vertices of the shape; see [`one_vertex`].
+    /// vertices of the shape; see [`one_vertex`]. On a curve, end points count as free.
     ///
     /// # Errors
     /// [`BasisError`] if the vertex does not exist or the call is cancelled.
@@ -413,6 +413,12 @@ impl Decomposer {
         let n_vertices = self.n_vertices();
         if vertex >= n_vertices {
             return Err(BasisError::NoVertex { vertex, n_vertices });
+        }
+        if self.params.end_points == EndPoints::Keep && !self.geometry.curve_ends().is_empty() {
+            // An operator that keeps values is not self-adjoint, by which a row is computed.
+            let params = self.params.with_end_points(EndPoints::Free);
+            let free = Self::with_params(self.geometry.shape(), &params, progress)?;
+            return free.basis_of_vertex(vertex, schedule, progress);
         }
         let x = self.geometry.vertex_map().welded(vertex);
         if self.diffusion().semigroup() != Semigroup::Steps {

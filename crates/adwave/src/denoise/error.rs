@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DenoiseError {
-    /// The shape is a graph, which has no positions.
+    /// The shape is a graph without positions, or one whose parts were to be denoised separately.
     #[error("a graph has no positions to denoise; denoise a field of it")]
     NoPositions,
     /// A parameter is out of its range.

@@ -9,6 +9,7 @@
 //! probes `ramani2008`, mixtures of estimates `leung2006`.
 
 mod choice;
+mod curve;
 mod error;
 mod noise_level;
 mod params;
@@ -59,7 +60,10 @@ const FAR: f64 = 3.0;
 /// Number of reported stages.
 const STAGES: u64 = 5;
 
-/// Removes noise from the positions of a mesh or cloud. O(n log n) time, O(n) memory.
+/// Removes noise from the positions of a mesh, cloud or curve. O(n log n) time, O(n) memory.
+///
+/// On a curve, polynomials are fitted along it in windows that end at corners; its end points stay.
+/// [`DenoiseInfo::noise`] is then that of each coordinate. For surfaces:
 ///
 /// For unit normals `n₀` of the triangles, the result has the normals `Σ_k w_k·F_k(n₀)`. The `F_k` are the identity
 /// and 1, 2, 4, … 32 steps of two walks, one that hardly crosses creases and one that hardly notices them. The
@@ -88,7 +92,7 @@ const STAGES: u64 = 5;
 /// ```
 ///
 /// # Errors
-/// [`DenoiseError`] for a graph, a parameter out of its range, or if the call is cancelled.
+/// [`DenoiseError`] for a graph without positions, a parameter out of its range, or if the call is cancelled.
 pub fn denoise(
     geometry: &PreparedGeometry,
     params: &DenoiseParams,
@@ -96,6 +100,9 @@ pub fn denoise(
 ) -> Result<Denoised, DenoiseError> {
     params.check()?;
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
+    if let Shape::Graph(_) = geometry.shape() {
+        return curve::denoise_curve(geometry, params, progress);
+    }
     if let Some(members) = geometry.members(progress)? {
         // Random numbers are drawn in the order of the points, which the others must not change.
         let Denoised { points, info } = denoise(&members.geometry, params, progress)?;

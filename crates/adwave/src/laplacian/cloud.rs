@@ -66,7 +66,7 @@ pub(super) fn laplacian(
         weights.row(x).0.iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
     })?;
     let mean_length = total / weights.nnz().max(1) as f64;
-    Ok(Laplacian { weights, mass, unit: 1.0, mean_length, info: LaplacianInfo::default() })
+    Ok(Laplacian { weights, mass, unit: 1.0, mean_length, area_unit: 1.0, info: LaplacianInfo::default() })
 }
 
 /// Memory that a thread reuses for every point.

@@ -4,7 +4,8 @@
 //! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights
 //! (`pinkall1993`) of the intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its
 //! triangle areas, or where faces have more than three corners its Voronoi cells. On a mesh that is not a surface they are those of its double cover (`sharp2020`); on a cloud
-//! those of Voronoi cells in tangent planes.
+//! those of Voronoi cells in tangent planes. On a curve w is 1/length and M half of the adjacent lengths: the
+//! Laplacian of a line.
 
 mod cloud;
 mod gluing;
@@ -12,7 +13,7 @@ mod triangulation;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
-use crate::shape::{Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length};
+use crate::shape::{Adjacency, Graph, PreparedGeometry, Shape, edge_lengths, mean_edge_length};
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next, previous};
@@ -39,12 +40,14 @@ const NEIGHBORS_FOR_A_CELL: usize = 2;
 #[derive(Clone, Debug)]
 pub struct Laplacian {
     weights: CompressedRows<f64>,
-    /// Masses, in squares of `unit`.
+    /// Masses, in squares of `unit`; on a curve in `unit`.
     mass: Vec<f64>,
     /// Unit of length in model units, chosen so that its squares neither overflow nor underflow.
     unit: f64,
     /// Mean length of the edges, in units of `unit`.
     mean_length: f64,
+    /// Unit of the areas in model units: `unit` squared, on a curve `unit`.
+    area_unit: f64,
     info: LaplacianInfo,
 }
 
@@ -61,7 +64,7 @@ pub struct LaplacianInfo {
 }
 
 impl Laplacian {
-    /// Laplacian of a prepared shape; for a graph `D − W` with masses 1. `neighbors` is the number of nearest
+    /// Laplacian of a prepared shape; for a graph `D − W` with masses 1, for a curve w = 1/length. `neighbors` is the number of nearest
     /// points of a point of a cloud. O(n log n).
     ///
     /// All values are finite, whatever the shape: vertices without a triangle have neither weight nor mass.
@@ -73,10 +76,14 @@ impl Laplacian {
         neighbors: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        if let Shape::Graph(graph) = geometry.shape() {
-            return graph_laplacian(graph, geometry.vertex_map(), progress);
+        if let (Shape::Graph(graph), None) = (geometry.shape(), geometry.curve_edges()) {
+            return graph_laplacian(graph, geometry, progress);
         }
         let (points, unit) = geometry.unit_points(progress)?;
+        if let Some(edges) = geometry.curve_edges() {
+            let laplacian = curve_laplacian(&points, edges);
+            return Ok(Self { unit, area_unit: unit, ..laplacian });
+        }
         let mut laplacian = if let Shape::Cloud(_) = geometry.shape() {
             let near = geometry.nearest(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
             cloud::laplacian(&points, &near, progress)?
@@ -84,6 +91,7 @@ impl Laplacian {
             polygon_laplacian(geometry, &points, progress)?
         };
         laplacian.unit = unit;
+        laplacian.area_unit = unit * unit;
         laplacian.info.lengthened *= unit;
         Ok(laplacian)
     }
@@ -93,13 +101,14 @@ impl Laplacian {
         &self.weights
     }
 
-    /// Diagonal of M in squared model units (1 for a graph): ≥ 0, with the area of the surface as sum.
+    /// Diagonal of M in squared model units (1 for a graph; in model units on a curve): ≥ 0, with the area of the
+    /// surface or the length of the curve as sum.
     pub fn areas(&self) -> Vec<f64> {
-        self.mass.iter().map(|m| m * self.unit * self.unit).collect()
+        self.mass.iter().map(|m| m * self.area_unit).collect()
     }
 
-    /// Mean edge length of the mesh, or mean distance between neighboring points of a cloud, in model units (1 for
-    /// a graph).
+    /// Mean edge length, or mean distance between neighboring points of a cloud, in model units (1 for a graph
+    /// without positions).
     pub fn mean_length(&self) -> f64 {
         self.mean_length * self.unit
     }
@@ -109,7 +118,7 @@ impl Laplacian {
         &self.info
     }
 
-    /// The weights, the masses in squares of a unit, and that unit in model units.
+    /// The weights, the masses in squares of a unit (on a curve in that unit), and the unit in model units.
     pub fn into_parts(self) -> (CompressedRows<f64>, Vec<f64>, f64) {
         (self.weights, self.mass, self.unit)
     }
@@ -117,10 +126,11 @@ impl Laplacian {
 
 fn graph_laplacian(
     graph: &Graph,
-    vertex_map: &VertexMap,
+    geometry: &PreparedGeometry,
     progress: Progress<'_>,
 ) -> Result<Laplacian, Cancelled> {
     let n = graph.n_nodes();
+    let vertex_map = geometry.vertex_map();
     let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
     let row = |row: &mut Vec<(u32, f64)>, x: usize, columns: &mut Vec<u32>, weights: &mut Vec<f64>| {
         row.clear();
@@ -130,7 +140,22 @@ fn graph_laplacian(
         weights.extend(row.iter().map(|entry| entry.1));
     };
     let weights = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
-    Ok(Laplacian { weights, mass: vec![1.0; n], unit: 1.0, mean_length: 1.0, info: LaplacianInfo::default() })
+    let (mass, info) = (vec![1.0; n], LaplacianInfo::default());
+    let mean_length = match geometry.points() {
+        [] => 1.0,
+        points => mean_edge_length(points, weights.pattern(), progress)?,
+    };
+    Ok(Laplacian { weights, mass, unit: 1.0, mean_length, area_unit: 1.0, info })
+}
+
+/// Laplacian of a curve, `w(x,y) = 1/‖x−y‖` and `M(x) = ½Σ_y ‖x−y‖`, in the unit of `points`. Along a straight line
+/// a linear function is harmonic, however the vertices are spaced.
+fn curve_laplacian(points: &[[f64; 3]], edges: &Adjacency) -> Laplacian {
+    let lengths = edge_lengths(points, edges);
+    let mass = (0..points.len()).map(|x| 0.5 * lengths[edges.range(x)].iter().sum::<f64>()).collect();
+    let mean_length = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+    let weights = CompressedRows::new_unchecked(edges.clone(), lengths.iter().map(|l| 1.0 / l).collect());
+    Laplacian { weights, mass, unit: 1.0, mean_length, area_unit: 1.0, info: LaplacianInfo::default() }
 }
 
 /// Laplacian of a mesh of triangles or polygons with the welded vertices at `points`.
@@ -194,7 +219,7 @@ fn mesh_laplacian(
         share / 3.0 * areas.sum::<f64>()
     })?;
     let info = LaplacianInfo { n_flips, is_covered, lengthened };
-    Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, info })
+    Ok(Laplacian { weights, mass, unit: 1.0, mean_length: edges.mean_length, area_unit: 1.0, info })
 }
 
 /// Area of the Voronoi cell of `x`, whose triangles are `around`, in the surface of a Delaunay triangulation: at each

@@ -5,7 +5,7 @@ use super::guided::sharpness;
 use super::{CloudGraph, OperatorParams};
 use crate::rows::{CompressedRows, rows_at_a_time, try_visit_entries};
 use crate::shape::{
-    Adjacency, CloudArea, Graph, PreparedGeometry, Shape, VertexMap, mean_edge_length, squared_distance,
+    Adjacency, CloudArea, Graph, PreparedGeometry, Shape, mean_edge_length, squared_distance,
     try_cloud_areas, try_k_rings,
 };
 use crate::{Cancelled, Progress, parallel};
@@ -105,7 +105,7 @@ pub fn local_operator(
     let operator = match geometry.shape() {
         Shape::Mesh(_) => mesh_operator(geometry, params, progress),
         Shape::Cloud(_) => cloud_operator(geometry, params, progress),
-        Shape::Graph(graph) => graph_operator(graph, geometry.vertex_map(), params, progress),
+        Shape::Graph(graph) => graph_operator(graph, geometry, params, progress),
     }?;
     progress.step(STAGES, STAGES)?;
     Ok(operator)
@@ -303,15 +303,16 @@ impl OperatorKernel<'_> {
     }
 }
 
-/// Kernel of a graph: the weights themselves, with area 1 per node and length 1 per edge. Rows and columns are in
-/// the numbering of `vertex_map`.
+/// Kernel of a graph: the weights themselves, with area 1 per node, and length 1 per edge unless there are positions.
+/// Rows and columns are in the numbering of the prepared graph.
 fn graph_operator(
     graph: &Graph,
-    vertex_map: &VertexMap,
+    geometry: &PreparedGeometry,
     params: &OperatorParams,
     progress: Progress<'_>,
 ) -> Result<LocalOperator, Cancelled> {
     let n = graph.n_nodes();
+    let vertex_map = geometry.vertex_map();
     let (node_at, place) = (vertex_map.last_members(), vertex_map.as_slice());
     let largest_weight = |x: usize| {
         let weights = graph.rows().row(node_at[x] as usize).1;
@@ -352,14 +353,27 @@ fn graph_operator(
         let log = |(y, w): (u32, f64)| w.ln() - log_degree[place[y as usize] as usize];
         graph.neighbors(node_at[x] as usize).map(log).fold(f64::NEG_INFINITY, f64::max) - log_degree[x]
     })?;
+    let points = geometry.points();
+    let mean_square = |x: usize| {
+        let (columns, weights) = rows.row(x);
+        if points.is_empty() || !has_edges(x) {
+            return if has_edges(x) { 1.0 } else { 0.0 };
+        }
+        let square = |y: u32| squared_distance(&points[x], &points[y as usize]);
+        let sum: f64 = columns.iter().zip(weights).map(|(&y, w)| w * square(y)).sum();
+        sum / weights.iter().sum::<f64>()
+    };
+    let mean_square = parallel::try_collect(n, progress, mean_square)?;
+    let mean_length =
+        if points.is_empty() { 1.0 } else { mean_edge_length(points, rows.pattern(), progress)? };
     Ok(LocalOperator {
         rows,
         log_factor,
         areas: vec![1.0; n],
         measure: None,
-        mean_square: parallel::try_collect(n, progress, |x| if has_edges(x) { 1.0 } else { 0.0 })?,
-        mean_length: 1.0,
-        width: 1.0,
+        mean_square,
+        mean_length,
+        width: mean_length,
         is_reversible: true,
     })
 }

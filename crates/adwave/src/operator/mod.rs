@@ -47,6 +47,16 @@ named_values!(OperatorKind, "operator", {
     Surface => "surface", "Heat on the surface: widths that hardly depend on the mesh";
 });
 
+/// Treatment of the end points of a curve, the vertices with one neighbor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EndPoints {
+    /// End points keep their values, and smoothing neither shortens nor flattens the curve next to them.
+    #[default]
+    Keep,
+    /// End points are smoothed like other vertices, which draws them in.
+    Free,
+}
+
 /// Task that decides which operator is used if none is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -113,7 +123,7 @@ pub fn choose_operator(
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorParams {
-    /// Kind of operator.
+    /// Kind of operator. A curve ([`Graph::curve`](crate::shape::Graph::curve)) always has heat by arc length.
     pub kind: OperatorKind,
     /// Welding of vertices at equal positions.
     pub weld: WeldMode,
@@ -134,6 +144,8 @@ pub struct OperatorParams {
     /// of `‖n_x − n_y‖²` over neighbors (see [`Diffusion::weigh_by_guide`]). A graph has no normals and does not
     /// change.
     pub keep_creases: bool,
+    /// Curve: treatment of its end points.
+    pub end_points: EndPoints,
 }
 
 impl Default for OperatorParams {
@@ -148,6 +160,7 @@ impl Default for OperatorParams {
             cloud_area: CloudArea::default(),
             density_invariant: false,
             keep_creases: false,
+            end_points: EndPoints::default(),
         }
     }
 }
@@ -199,6 +212,12 @@ impl OperatorParams {
     #[must_use]
     pub fn with_density_invariant(self, density_invariant: bool) -> Self {
         Self { density_invariant, ..self }
+    }
+
+    /// Sets the treatment of the end points of a curve.
+    #[must_use]
+    pub fn with_end_points(self, end_points: EndPoints) -> Self {
+        Self { end_points, ..self }
     }
 
     /// Sets the preference for vertices with similar normals.

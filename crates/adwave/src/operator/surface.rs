@@ -1,11 +1,11 @@
-//! Diffusion operator of a surface: heat by its Laplace–Beltrami operator, instead of a walk over the mesh.
+//! Diffusion operator of a surface or a curve: heat by its Laplace–Beltrami operator, instead of a walk.
 
 use super::spectrum::largest_eigenvalue;
-use super::{Diffusion, OperatorParams, Semigroup};
+use super::{Diffusion, EndPoints, OperatorParams, Semigroup};
 use crate::laplacian::{Laplacian, LaplacianInfo};
 use crate::parallel;
-use crate::rows::try_visit_entries;
-use crate::shape::PreparedGeometry;
+use crate::rows::{CompressedRows, try_visit_entries};
+use crate::shape::{PreparedGeometry, Shape, squared_distance};
 use crate::{Cancelled, Progress};
 
 /// Share of vertices whose mass is raised.
@@ -23,7 +23,7 @@ const STAGES: u64 = 3;
 pub struct SurfaceDiffusion {
     /// The operator `Φ₁ = I − M⁻¹L/λ`; n steps of the bands are `exp(−n·rate·(I − Φ₁))`.
     pub diffusion: Diffusion,
-    /// Areas of the welded vertices in squared model units (1 for a graph).
+    /// Areas of the welded vertices in squared model units (1 for a graph; lengths in model units on a curve).
     pub areas: Vec<f64>,
     /// Mean edge length in model units (1 for a graph).
     pub mean_length: f64,
@@ -44,7 +44,12 @@ pub struct SurfaceInfo {
 ///
 /// One step is the time `τ = A/(4√3·N)`, with the area A and the number N of vertices that have neighbors. This
 /// equals a step of the walk (eq. 4) on equilateral triangles of that size, `σ² = 4τ = E²/2`. On a graph `σ² = ½`,
-/// as for the walk.
+/// as for the walk. On a curve of length ℓ, `τ = (ℓ/N)²/4`: half of the mean edge length squared is the variance
+/// along the curve after a step, and σ² = 4τ as on a surface, so that the kernel is `exp(−d²/σ²)` on both.
+///
+/// With [`EndPoints::Keep`] the rows of the end points of a curve are those of the identity: an end keeps its value,
+/// and a straight line its shape up to the ends. Such a row has no part in the bound of the error, which is at most
+/// doubled.
 ///
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0 and rows that sum to 1. Since λ is at least the largest eigenvalue of M⁻¹L,
 /// its eigenvalues are in [0, 1]; it is reversible, with π = M. The number of products grows with √λ, which the
@@ -62,10 +67,11 @@ pub fn surface_diffusion(
     let laplacian = Laplacian::new(geometry, params.neighbors, progress)?;
     progress.step(1, STAGES)?;
     let (mean_length, info) = (laplacian.mean_length(), *laplacian.info());
-    let is_graph = geometry.points().is_empty();
+    let is_curve = geometry.curve_edges().is_some();
+    let is_graph = matches!(geometry.shape(), Shape::Graph(_)) && !is_curve;
+    let areas = laplacian.areas();
     let (weights, mut mass, unit) = laplacian.into_parts();
     let n = mass.len();
-    let areas = parallel::try_collect(n, progress, |x| mass[x] * unit * unit)?;
     let stiffness = parallel::try_collect(n, progress, |x| weights.row(x).1.iter().sum::<f64>())?;
     let total = parallel::try_sum(n, progress, |x| mass[x])?;
     // Length of a step; see above. A vertex without neighbors takes no step and does not affect the others.
@@ -73,6 +79,8 @@ pub fn surface_diffusion(
     let tau = if is_graph {
         let mean_degree = parallel::try_sum(n, progress, |x| stiffness[x])? / n_moving.max(1.0);
         0.5 / mean_degree.max(f64::MIN_POSITIVE)
+    } else if is_curve {
+        0.25 * (total / n_moving.max(1.0)).powi(2)
     } else {
         total / (4.0 * 3.0_f64.sqrt() * n_moving.max(1.0))
     };
@@ -82,7 +90,9 @@ pub fn surface_diffusion(
     let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
     progress.step(2, STAGES)?;
     let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
+    let hop_square = if is_graph { mean_hop_square(geometry, &weights) } else { 0.0 };
     let (pattern, mut values) = weights.into_parts();
+    let is_kept = kept_ends(geometry, params.end_points);
     let moves = lambda > 0.0;
     let mut per_row = vec![(); n];
     try_visit_entries(&pattern, &mut values, &mut per_row, progress, |range, values, _| {
@@ -90,13 +100,13 @@ pub fn surface_diffusion(
         for x in range {
             let entries = pattern.range(x);
             for w in &mut values[entries.start - first..entries.end - first] {
-                *w = if moves { *w / (mass[x] * lambda) } else { 0.0 };
+                *w = if moves && !is_kept[x] { *w / (mass[x] * lambda) } else { 0.0 };
             }
         }
     })?;
     let step_length = match (is_graph, moves) {
         (_, false) => 0.0,
-        (true, true) => 0.5_f64.sqrt(),
+        (true, true) => (0.5 * hop_square).sqrt(),
         (false, true) => 2.0 * tau.sqrt() * unit,
     };
     let semigroup = Semigroup::Heat { rate: if moves { tau * lambda } else { 1.0 } };
@@ -104,6 +114,31 @@ pub fn surface_diffusion(
     progress.step(STAGES, STAGES)?;
     let added_mass = if total > 0.0 { added / total } else { 0.0 };
     Ok(SurfaceDiffusion { diffusion, areas, mean_length, info: SurfaceInfo { laplacian: info, added_mass } })
+}
+
+/// Mean square length of the edges of a graph with equal weight per unit of edge weight; 1 without positions.
+fn mean_hop_square(geometry: &PreparedGeometry, weights: &CompressedRows<f64>) -> f64 {
+    let points = geometry.points();
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for x in 0..points.len() {
+        let (columns, weights) = weights.row(x);
+        for (&y, w) in columns.iter().zip(weights) {
+            sum += w;
+            squares += w * squared_distance(&points[x], &points[y as usize]);
+        }
+    }
+    if sum > 0.0 { squares / sum } else { 1.0 }
+}
+
+/// Flags of the welded vertices that keep their values.
+fn kept_ends(geometry: &PreparedGeometry, end_points: EndPoints) -> Vec<bool> {
+    let mut is_kept = vec![false; geometry.n_vertices()];
+    if end_points == EndPoints::Keep {
+        for x in geometry.curve_ends() {
+            is_kept[x] = true;
+        }
+    }
+    is_kept
 }
 
 /// Raises masses until no vertex has a larger `stiffness/mass` than all but [`RAISED`] of them, or than

@@ -1,6 +1,7 @@
-//! Weighted undirected graphs.
+//! Weighted undirected graphs, with or without positions.
 
-use super::Adjacency;
+use super::curve::edge_lengths;
+use super::{Adjacency, ShapeError, check_points};
 use crate::rows::CompressedRows;
 use crate::{ClassifiedError, ErrorKind, Progress, parallel};
 use std::sync::Arc;
@@ -34,6 +35,17 @@ pub enum GraphError {
         /// The weight.
         weight: f64,
     },
+    /// The number of positions differs from the number of nodes.
+    #[error("a graph needs one position for each of its {n_nodes} nodes, got {found}")]
+    PositionCount {
+        /// Number of positions.
+        found: usize,
+        /// Number of nodes.
+        n_nodes: usize,
+    },
+    /// A position is not finite or too far away.
+    #[error(transparent)]
+    Position(#[from] ShapeError),
     /// The lists of nodes and weights have different lengths.
     #[error(
         "the lists of first nodes, second nodes and weights must have one entry per edge, got {n_rows}, {n_columns} and {n_weights}"
@@ -54,10 +66,16 @@ impl ClassifiedError for GraphError {
     }
 }
 
-/// An undirected graph with non-negative edge weights. Copies share the edges.
+/// An undirected graph with non-negative edge weights. Copies share the edges and positions.
+///
+/// A graph may have positions. If its weights follow from them, it is a *curve* ([`curve`](Self::curve)), on which
+/// signals diffuse by arc length. Weights that are given decide the steps whether there are positions or not
+/// ([`with_positions`](Self::with_positions)).
 #[derive(Clone, Debug)]
 pub struct Graph {
     rows: Arc<CompressedRows<f64>>,
+    positions: Option<Arc<Vec<[f64; 3]>>>,
+    is_curve: bool,
 }
 
 impl Graph {
@@ -135,7 +153,63 @@ impl Graph {
         let Ok(rows) = CompressedRows::from_sorted(n_nodes, directed) else {
             unreachable!("the edges have been checked and sorted")
         };
-        Ok(Self { rows: Arc::new(rows) })
+        Ok(Self { rows: Arc::new(rows), positions: None, is_curve: false })
+    }
+
+    /// Builds the curve of nodes at `points` (model units) and the undirected `edges`, with weights 1/length.
+    ///
+    /// Repeated edges count once and loops not at all. Edges of length 0 have a large weight here; the analysis joins
+    /// their nodes. O(edges log edges).
+    ///
+    /// # Errors
+    /// [`GraphError`] if there are no points, one is not finite, or an edge names a node that does not exist.
+    ///
+    /// ```
+    /// use adwave::shape::Graph;
+    /// let points = vec![[0.0; 3], [2.0, 0.0, 0.0], [2.5, 0.0, 0.0]];
+    /// let curve = Graph::curve(points, &[[0, 1], [1, 2], [2, 1]])?;
+    /// assert_eq!(curve.neighbors(1).collect::<Vec<_>>(), [(0, 0.5), (2, 2.0)]);
+    /// # Ok::<(), adwave::shape::GraphError>(())
+    /// ```
+    pub fn curve(points: impl Into<Arc<Vec<[f64; 3]>>>, edges: &[[u32; 2]]) -> Result<Self, GraphError> {
+        let points = points.into();
+        check_points(&points)?;
+        let given = Self::from_edges(points.len(), edges.iter().map(|&[u, v]| (u, v, 1.0)))?;
+        let lengths = edge_lengths(&points, given.adjacency());
+        let pattern = given.adjacency().clone();
+        let rows =
+            CompressedRows::new_unchecked(pattern, lengths.iter().map(|length| 1.0 / length).collect());
+        Ok(Self { rows: Arc::new(rows), positions: Some(points), is_curve: true })
+    }
+
+    /// This graph with its nodes at `points` (model units); the steps still follow the given weights.
+    ///
+    /// # Errors
+    /// [`GraphError`] unless there is one finite position per node.
+    ///
+    /// ```
+    /// use adwave::shape::{Graph, Shape};
+    /// let pair = Graph::new(2, &[(0, 1, 5.0)])?.with_positions(vec![[0.0; 3], [3.0, 4.0, 0.0]])?;
+    /// assert_eq!((pair.is_curve(), Shape::Graph(pair).diagonal()), (false, 5.0));
+    /// # Ok::<(), adwave::shape::GraphError>(())
+    /// ```
+    pub fn with_positions(self, points: impl Into<Arc<Vec<[f64; 3]>>>) -> Result<Self, GraphError> {
+        let points = points.into();
+        if points.len() != self.n_nodes() {
+            return Err(GraphError::PositionCount { found: points.len(), n_nodes: self.n_nodes() });
+        }
+        check_points(&points)?;
+        Ok(Self { positions: Some(points), is_curve: false, ..self })
+    }
+
+    /// Positions of the nodes in model units, if they have any.
+    pub fn positions(&self) -> Option<&[[f64; 3]]> {
+        self.positions.as_ref().map(|points| points.as_slice())
+    }
+
+    /// True if the weights follow from the lengths of the edges.
+    pub fn is_curve(&self) -> bool {
+        self.is_curve
     }
 
     /// Number of nodes.

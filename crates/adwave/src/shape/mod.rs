@@ -8,6 +8,7 @@
 mod adjacency;
 mod area;
 mod cloud;
+mod curve;
 mod face_incidence;
 mod graph;
 mod health;
@@ -29,6 +30,8 @@ pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
+pub use curve::curve_length;
+pub(crate) use curve::edge_lengths;
 pub(crate) use face_incidence::FaceIncidence;
 pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_vertex_normals, total_face_area};
 pub use graph::{Graph, GraphError};
@@ -61,7 +64,7 @@ pub enum Shape {
     Mesh(Mesh),
     /// A point cloud.
     Cloud(PointCloud),
-    /// A weighted graph.
+    /// A weighted graph, or a curve: a graph whose nodes have positions.
     Graph(Graph),
 }
 
@@ -75,17 +78,25 @@ impl Shape {
         }
     }
 
-    /// Positions in model units; `None` for a graph.
+    /// Positions in model units; `None` for a graph without positions.
     pub fn points(&self) -> Option<&[[f64; 3]]> {
         match self {
             Self::Mesh(mesh) => Some(mesh.points()),
             Self::Cloud(cloud) => Some(cloud.points()),
-            Self::Graph(_) => None,
+            Self::Graph(graph) => graph.positions(),
+        }
+    }
+
+    /// The graph of a curve: nodes with positions, and steps by the lengths of the edges ([`Graph::curve`]).
+    pub fn as_curve(&self) -> Option<&Graph> {
+        match self {
+            Self::Graph(graph) if graph.is_curve() => Some(graph),
+            _ => None,
         }
     }
 
     /// Size of the shape in model units, from which lengths in percent follow ([`PreparedGeometry::extent`]): the
-    /// diagonal of the bounding box of its largest part, without strays; 0 for a graph. O(n log n).
+    /// diagonal of the bounding box of its largest part, without strays; 0 without positions. O(n log n).
     ///
     /// ```
     /// use adwave::shape::{Mesh, Polygons, Shape};
@@ -101,7 +112,7 @@ impl Shape {
         }
     }
 
-    /// Length of the bounding box's diagonal in model units; 0 for a graph.
+    /// Length of the bounding box's diagonal in model units; 0 without positions.
     pub fn diagonal(&self) -> f64 {
         self.points().map_or(0.0, diagonal)
     }

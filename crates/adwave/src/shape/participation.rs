@@ -53,7 +53,7 @@ pub enum VertexRole {
     /// It takes part.
     #[default]
     Member,
-    /// No face connects it to another vertex.
+    /// No face of the mesh, or edge of the curve, connects it to another vertex.
     Unused,
     /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
     /// `0 0 0` far from everything.
@@ -81,8 +81,8 @@ impl VertexRole {
         match (self, n) {
             (Self::Member, 1) => "vertex that takes part",
             (Self::Member, _) => "vertices that take part",
-            (Self::Unused, 1) => "vertex of no face",
-            (Self::Unused, _) => "vertices of no face",
+            (Self::Unused, 1) => "vertex of no face or edge",
+            (Self::Unused, _) => "vertices of no face or edge",
             (Self::Placeholder, 1) => "placeholder without a real position",
             (Self::Placeholder, _) => "placeholders without a real position",
             (Self::Stray, 1) => "point far from all others",
@@ -244,6 +244,20 @@ impl Participation {
         let this = Self::new(roles, sets);
         let near = if n_strays == 0 { near } else { this.nearest(points, STRAY_NEIGHBORS, progress)? };
         Ok((this, near))
+    }
+
+    /// Roles in a curve with the given edges: vertices without edges are unused.
+    pub(super) fn from_curve(edges: &Pattern) -> Self {
+        let n = edges.n_rows();
+        let mut sets = DisjointSets::new(n);
+        for x in 0..n {
+            for &y in edges.row(x) {
+                sets.join(x as u32, y);
+            }
+        }
+        let role = |x: usize| if edges.row(x).is_empty() { VertexRole::Unused } else { VertexRole::Member };
+        let roles = if edges.nnz() == 0 { vec![VertexRole::Member; n] } else { (0..n).map(role).collect() };
+        Self::new(roles, sets)
     }
 
     fn new(roles: Vec<VertexRole>, mut sets: DisjointSets) -> Self {

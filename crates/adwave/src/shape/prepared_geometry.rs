@@ -1,5 +1,6 @@
 //! A shape prepared for the analysis: welded, triangulated, and numbered so that neighbors are close in memory.
 
+use super::curve::{WeldedCurve, weld_curve};
 use super::order::reverse_cuthill_mckee;
 use super::participation::{Participation, STRAY_NEIGHBORS};
 use super::seams::{SeamMatches, match_seams};
@@ -37,6 +38,8 @@ pub struct PreparedGeometry {
     participation: Arc<Participation>,
     /// Neighbors found while looking for strays, for the first that asks for them.
     near: Arc<Mutex<Option<Neighborhoods>>>,
+    /// Neighbors along a curve; `None` for other shapes.
+    curve: Option<Arc<Adjacency>>,
     /// Normals that separate sheets of a cloud; `None` if they separate nothing.
     sheet_normals: Option<Arc<Vec<[f64; 3]>>>,
     weld_mode: WeldMode,
@@ -71,6 +74,7 @@ impl PreparedGeometry {
         let prepared = |vertex_map, points, faces, triangles: Option<Vec<[u32; 3]>>| Self {
             participation: Arc::default(),
             near: Arc::default(),
+            curve: None,
             sheet_normals: None,
             weld_mode,
             seams: None,
@@ -83,9 +87,24 @@ impl PreparedGeometry {
         let mut given = None;
         let (points, faces) = match shape {
             Shape::Graph(graph) => {
-                let place = reverse_cuthill_mckee(graph.adjacency(), progress)?;
+                let points = graph.positions();
+                if let (Some(points), true) = (points, graph.is_curve()) {
+                    let WeldedCurve { vertex_map, edges } = weld_curve(graph, points, weld_mode, progress)?;
+                    let positions = vertex_map.try_positions(points, progress)?;
+                    progress.step(STAGES, STAGES)?;
+                    return Ok(Self {
+                        participation: Arc::new(Participation::from_curve(&edges)),
+                        curve: Some(Arc::new(edges)),
+                        ..prepared(vertex_map, positions, Polygons::new(), None)
+                    });
+                }
+                let vertex_map = VertexMap::from_places(reverse_cuthill_mckee(graph.adjacency(), progress)?);
+                let positions = match points {
+                    Some(points) => vertex_map.try_positions(points, progress)?,
+                    None => Vec::new(),
+                };
                 progress.step(STAGES, STAGES)?;
-                return Ok(prepared(VertexMap::from_places(place), Vec::new(), Polygons::new(), None));
+                return Ok(prepared(vertex_map, positions, Polygons::new(), None));
             }
             Shape::Cloud(cloud) => {
                 given = cloud.normals();
@@ -145,10 +164,13 @@ impl PreparedGeometry {
     /// Wraps a graph whose nodes keep the given order, for one that is already well numbered.
     pub fn from_ordered_graph(graph: Graph) -> Self {
         let vertex_map = VertexMap::identity(graph.n_nodes());
+        let curve = graph.is_curve().then(|| Arc::new(graph.adjacency().clone()));
+        let points = graph.positions().unwrap_or_default().to_vec();
         Self {
+            curve,
             shape: Shape::Graph(graph),
             vertex_map,
-            points: Arc::default(),
+            points: Arc::new(points),
             faces: Arc::default(),
             triangles: None,
             participation: Arc::default(),
@@ -169,7 +191,7 @@ impl PreparedGeometry {
         &self.vertex_map
     }
 
-    /// Positions of the welded vertices, in model units; empty for a graph.
+    /// Positions of the welded vertices, in model units; empty for a graph without positions.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
@@ -192,6 +214,17 @@ impl PreparedGeometry {
     /// ([`Polygons::with_canonical_starts`]).
     pub fn faces(&self) -> &Polygons {
         &self.faces
+    }
+
+    /// Neighbors of each welded vertex along a curve; `None` if the shape is not a curve.
+    pub fn curve_edges(&self) -> Option<&Adjacency> {
+        self.curve.as_deref()
+    }
+
+    /// End points of a curve, as welded vertices in ascending order: those with one neighbor. Empty for other shapes.
+    pub fn curve_ends(&self) -> Vec<usize> {
+        let Some(edges) = self.curve_edges() else { return Vec::new() };
+        (0..edges.n_rows()).filter(|&x| edges.row(x).len() == 1).collect()
     }
 
     /// Vertices that share a side of a face, for each welded vertex.

@@ -134,6 +134,15 @@ impl VertexMap {
         Self { welded: Arc::new(place), last_member: Arc::new(vertex_at) }
     }
 
+    /// A map with `welded(x) == class[x]`; each of the `n_classes` classes has a vertex.
+    pub(super) fn from_classes(class: Vec<u32>, n_classes: usize) -> Self {
+        let mut last_member = vec![0; n_classes];
+        for (x, &class) in (0..).zip(&class) {
+            last_member[class as usize] = x;
+        }
+        Self { welded: Arc::new(class), last_member: Arc::new(last_member) }
+    }
+
     /// A map without welding, in the given order: `welded(x) == x`.
     pub fn identity(n_vertices: usize) -> Self {
         let all = Arc::new((0..n_vertices as u32).collect::<Vec<_>>());

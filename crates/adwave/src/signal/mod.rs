@@ -105,8 +105,8 @@ impl SurfaceSignal {
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SignalError {
-    /// The shape is a graph, which has no positions.
-    #[error("a graph has no positions, so it has no {}; name a field", .kind.name())]
+    /// The shape is a graph or curve, which has no surface.
+    #[error("a graph has no surface, so it has no {}; name a field", .kind.name())]
     NoPositions {
         /// The requested signal.
         kind: SurfaceSignal,

@@ -4,6 +4,7 @@ mod basis;
 mod bump;
 mod cloud_normals;
 mod common;
+mod curves;
 mod denoise;
 mod density;
 mod editor;

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 The noise level is estimated from the shape. The amount of smoothing, and whether creases are kept, minimize an estimate of the
-error, so no option is needed. Points of a cloud move along their normals. Noise that is correlated between neighbors cannot be
+error, so no option is needed. Points of a cloud move along their normals. A curve is smoothed along its pieces: ends stay where
+they are, and corners stay sharp. Noise that is correlated between neighbors cannot be
 told from detail. Steps of a field (--signal) are kept; the result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
 
@@ -26,6 +27,7 @@ Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise tile.obj -o clean.obj --border keep
   adwave denoise lidar.laz -o clean.laz --only classification=2,9
+  adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --signal thickness

@@ -69,7 +69,8 @@ fn denoise_positions(
     let mut text = format!("{}: {}\n", input.name, count(n_vertices, "vertex", "vertices"));
     let unit = match input.shape {
         Shape::Mesh(_) => SamplingUnit::MeanEdges,
-        Shape::Cloud(_) | Shape::Graph(_) => SamplingUnit::NeighborDistances,
+        Shape::Graph(_) => SamplingUnit::CurveEdges,
+        Shape::Cloud(_) => SamplingUnit::NeighborDistances,
     };
     describe_denoising(&mut text, &denoised.info, unit);
     movement.describe(&mut text);

@@ -22,6 +22,7 @@ Examples:
   adwave filter bust.obj -o edit.obj --gains 3,2,1,1,1,1 --region 'ball:vertex=120,radius=10%'
   adwave filter bust.obj -o half.ply --preset enhance --region 'half-space:point=0 0 0,normal=1 0 0'
   adwave filter lidar.laz -o smooth.laz --preset smooth --along z --only classification=2
+  adwave filter centerline.vtk -o smooth.vtk --preset smooth --lengths 1,2,4
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress
   adwave filter land.laz -o even.laz --field classification --as-labels --preset suppress-paper --levels 3
   adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress --mask lh.cortex.label
@@ -72,10 +73,10 @@ pub(crate) struct EditArgs {
     /// Keep the volume of a closed mesh
     #[arg(long, value_name = "HOW", value_parser = parse_named::<KeepVolume>(), num_args = 0..=1, default_missing_value = "offset")]
     pub(crate) keep_volume: Option<KeepVolume>,
-    /// Directions in which vertices may move when coordinates are filtered [default: as in the recipe, else normal for a cloud and free for a mesh]
+    /// Directions in which vertices may move when coordinates are filtered [default: as in the recipe, else normal for a cloud and free for a mesh or curve]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<MoveDirection>())]
     pub(crate) along: Option<MoveDirection>,
-    /// Treatment of borders when coordinates are filtered [default: as in the recipe, else natural]
+    /// Treatment of borders, and of the ends of a curve, when coordinates are filtered [default: as in the recipe, else natural]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Borders>())]
     pub(crate) border: Option<Borders>,
     /// Apply the layers of a recipe

@@ -16,8 +16,8 @@ use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
-use adwave::operator::OperatorParams;
-use adwave::positions::{MoveDirection, PositionParams, Volume};
+use adwave::operator::{EndPoints, OperatorParams};
+use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave_io::{MovedNormals, Recipe, read_recipe};
 use std::path::Path;
 
@@ -91,6 +91,10 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     };
     check_operator(&input.shape, &operator)?;
     let positions = positions(edit, recipe);
+    let operator = match positions.borders {
+        Borders::Free => operator.with_end_points(EndPoints::Free),
+        _ => operator,
+    };
     let fit = resolve_local_fit(args.fit, recipe, &signal_name, positions)?;
     let saved_levels = if edit.save_steps { SavedLevels::Steps } else { SavedLevels::Widths };
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });

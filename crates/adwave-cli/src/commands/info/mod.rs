@@ -16,7 +16,7 @@ use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
 use crate::resolve::shape::{Input, load_shape};
 use adwave::operator::SurfaceInfo;
-use adwave::shape::{Health, Shape, VertexRole, bounding_box};
+use adwave::shape::{Health, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Field, Format, GraphChanges, LengthUnit, ReadError, cloud_levels};
 pub(crate) use args::InfoArgs;
@@ -97,6 +97,9 @@ impl ShapeFacts {
         if let Some(octree) = &self.octree {
             let _ = writeln!(text, "  octree        {}", octree_text(octree));
         }
+        if let Some(curve) = CurveFacts::new(decomposer) {
+            text += &curve.text();
+        }
         health_notes(&mut text, health);
         if self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0) {
             text += "  weights       (M + Mᵀ)/2, since the matrix M is not symmetric and the walk needs symmetric weights\n";
@@ -164,6 +167,7 @@ impl ShapeFacts {
             "dropped_loops": self.graph_changes().map(|changes| changes.n_loops),
             "asymmetric_pairs": self.graph_changes().map(|changes| changes.n_asymmetric),
             "health": health_json(health),
+            "curve": CurveFacts::new(decomposer).map(|curve| curve.json()),
             "diffusion": diffusion_json(decomposer),
             "levels": self.levels.schedule.n_levels(),
             "levels_reason": self.levels.reason,
@@ -172,6 +176,36 @@ impl ShapeFacts {
             "fwhm": fwhm_json(&sigma, diagonal),
             "detail": self.detail.as_ref().map(Detail::json),
         })
+    }
+}
+
+/// Length and kinds of vertices of a curve, or of a graph with positions.
+struct CurveFacts {
+    length: f64,
+    n_ends: usize,
+    n_branches: usize,
+}
+
+impl CurveFacts {
+    fn new(decomposer: &Decomposer) -> Option<Self> {
+        let geometry = decomposer.geometry();
+        let Shape::Graph(graph) = geometry.shape() else { return None };
+        let length = curve_length(graph, graph.positions()?);
+        let edges = geometry.curve_edges().unwrap_or(graph.adjacency());
+        let n_with = |is_counted: fn(usize) -> bool| {
+            (0..edges.n_rows()).filter(|&x| is_counted(edges.row(x).len())).count()
+        };
+        Some(Self { length, n_ends: n_with(|degree| degree == 1), n_branches: n_with(|degree| degree > 2) })
+    }
+
+    fn text(&self) -> String {
+        let ends = count(self.n_ends, "end point", "end points");
+        let branches = count(self.n_branches, "branch point", "branch points");
+        format!("  length        {}, {ends}, {branches}\n", number(self.length))
+    }
+
+    fn json(&self) -> Value {
+        json!({"length": self.length, "end_points": self.n_ends, "branch_points": self.n_branches})
     }
 }
 
@@ -259,6 +293,7 @@ fn surface_text(info: &SurfaceInfo, shape: &Shape) -> String {
     let mut changes = match shape {
         Shape::Mesh(_) => vec![format!("{} flipped", count(info.laplacian.n_flips, "edge", "edges"))],
         Shape::Cloud(_) => vec!["cells of the points in tangent planes".to_owned()],
+        Shape::Graph(graph) if graph.is_curve() => vec!["heat by arc length".to_owned()],
         Shape::Graph(_) => return "degrees minus weights".to_owned(),
     };
     if info.laplacian.is_covered {

@@ -14,7 +14,8 @@ use std::str::FromStr;
 #[command(after_help = "\
 Without --color a shape has the colors of its file, else a single color. A field with both signs gets a diverging map with 0 in the
 middle, other fields viridis, from the 1st to the 99th percentile; NaN is gray. The front view looks from +z with y up, or with
---up z from -y. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
+--up z from -y. A curve is drawn as
+round lines. --region shows the weights that 'adwave filter' would use; its help explains how regions are written.
 
 Examples:
   adwave render bunny.obj -o bunny.png

@@ -13,19 +13,22 @@ use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
 use crate::resolve::signal::{COORDS, Signal, load_signal};
 use crate::resolve::up::UpAxis;
 use adwave::operator::OperatorParams;
-use adwave::shape::{Shape, triangulate};
+use adwave::shape::{Graph, Shape, diagonal, picture_frame, triangulate};
 use adwave::signal::SurfaceSignal;
 use adwave::{Decomposer, Progress};
 use adwave_io::FieldValues;
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Frame, Paint, Panel, Picture, Projection, RenderParams,
-    SharedCamera, Surface, ValueRange, grid, render,
+    SharedCamera, Surface, Tubes, ValueRange, grid, render,
 };
 pub(crate) use args::RenderArgs;
 use args::{RangeArg, SizeArg};
 use balls::read_balls;
 use serde_json::json;
 use std::time::Instant;
+
+/// Radius of the line of a curve, in diagonals of what the picture shows: about five pixels wide at the usual size.
+const TUBE_RADIUS: f64 = 0.002;
 
 /// Name of the single color, instead of that of a signal.
 const PLAIN: &str = "plain";
@@ -133,10 +136,35 @@ fn color_map(args: &RenderArgs) -> Result<Option<ColorMap>, CliError> {
 struct ShownShape {
     input: Input,
     triangles: Vec<[u32; 3]>,
+    /// Tubes around the edges of a curve or graph.
+    tubes: Option<Tubes>,
     looks: Vec<Look>,
 }
 
+impl ShownShape {
+    /// Points and triangles that are drawn.
+    fn surface(&self) -> (&[[f64; 3]], &[[u32; 3]]) {
+        match &self.tubes {
+            Some(tubes) => (tubes.points(), tubes.triangles()),
+            None => (self.input.shape.points().unwrap_or_default(), &self.triangles),
+        }
+    }
+
+    /// Colors of the points that are drawn.
+    fn drawn_look(&self, look: &Look) -> Look {
+        let Some(tubes) = &self.tubes else { return look.clone() };
+        match look.clone() {
+            Look::Plain => Look::Plain,
+            Look::Colors { values, label } => Look::Colors { values: tubes.spread(&values), label },
+            Look::Field { values, label, unit, range } => {
+                Look::Field { values: tubes.spread(&values), label, unit, range }
+            }
+        }
+    }
+}
+
 /// The colors of one panel.
+#[derive(Clone)]
 enum Look {
     Plain,
     Colors { values: Vec<[u8; 3]>, label: String },
@@ -161,7 +189,13 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     let sample = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
     let input = load_source(&ShapeSource { shape: name, kind, sample, part, selection }, global)?;
     let Some(points) = input.shape.points() else {
-        return Err(CliError::Input(format!("{name}: a graph has no positions to draw")));
+        return Err(CliError::Input(format!(
+            "{name}: a graph has no positions to draw; only nodes with finite positions are drawn, as lines"
+        )));
+    };
+    let tubes = match &input.shape {
+        Shape::Graph(graph) => Some(tubes(graph, points)),
+        _ => None,
     };
     let triangles =
         if let Shape::Mesh(mesh) = &input.shape { triangulate(points, mesh.faces()) } else { Vec::new() };
@@ -173,7 +207,16 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     } else {
         args.color.iter().map(|color| look(args, global, &input, color)).collect::<Result<_, _>>()?
     };
-    Ok(ShownShape { input, triangles, looks })
+    Ok(ShownShape { input, triangles, tubes, looks })
+}
+
+/// Tubes around the edges of a graph, thin relative to what the picture shows.
+fn tubes(graph: &Graph, points: &[[f64; 3]]) -> Tubes {
+    let neighbors = |x: u32| graph.adjacency().row(x as usize).iter().map(move |&y| [x, y]);
+    let edges: Vec<[u32; 2]> = (0..points.len() as u32).flat_map(neighbors).filter(|[x, y]| x < y).collect();
+    let size = picture_frame(points, None).map_or(0.0, |(low, high)| diagonal(&[low, high]));
+    let size = if size > 0.0 { size } else { diagonal(points) };
+    Tubes::new(points, &edges, if size > 0.0 { TUBE_RADIUS * size } else { 1.0 })
 }
 
 /// The weights of the regions.
@@ -246,9 +289,13 @@ fn draw(
     progress: Progress<'_>,
 ) -> Result<Picture, CliError> {
     let color_map = color_map(args)?;
-    let panels: Vec<Panel<'_>> = shapes
+    let drawn: Vec<(&ShownShape, Look)> = shapes
         .iter()
-        .flat_map(|shape| shape.looks.iter().map(move |look| (shape, look)))
+        .flat_map(|shape| shape.looks.iter().map(move |look| (shape, shape.drawn_look(look))))
+        .collect();
+    let panels: Vec<Panel<'_>> = drawn
+        .iter()
+        .map(|(shape, look)| (*shape, look))
         .map(|(shape, look)| {
             let paint = match look {
                 Look::Plain => Paint::CLAY,
@@ -262,9 +309,9 @@ fn draw(
                     Paint::Field(FieldPaint { values, label, color_map, range })
                 }
             };
-            let points = shape.input.shape.points().unwrap_or_default();
+            let (points, triangles) = shape.surface();
             Panel {
-                surface: Surface { points, triangles: &shape.triangles, paint },
+                surface: Surface { points, triangles, paint },
                 balls: balls.to_vec(),
                 caption: caption(args, &shape.input.name, look.label()),
             }

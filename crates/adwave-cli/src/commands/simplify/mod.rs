@@ -44,6 +44,12 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     let simplified_shape = match &input.shape {
         Shape::Mesh(mesh) => simplify_mesh_file(args, &input, mesh, global)?,
         Shape::Cloud(cloud) => simplify_cloud_file(args, &input, cloud, global)?,
+        Shape::Graph(graph) if graph.positions().is_some() => {
+            return Err(CliError::Input(format!(
+                "{}: simplification is for surfaces and points, and this is a curve; give a mesh or a cloud",
+                input.name
+            )));
+        }
         Shape::Graph(_) => {
             return Err(CliError::Input(format!(
                 "{}: a graph has no positions, so it cannot be simplified; give a mesh or a cloud",

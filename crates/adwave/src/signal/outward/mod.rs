@@ -99,8 +99,8 @@ impl std::fmt::Display for OutwardInfo {
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OutwardError {
-    /// The shape is a graph, which has no positions.
-    #[error("a graph has no positions, so it has no outside")]
+    /// The shape is a graph or curve, which has no surface.
+    #[error("a graph has no surface, so it has no outside")]
     NoPositions,
     /// The number of normals does not match the shape.
     #[error(
