@@ -180,7 +180,7 @@ pub fn constrain_positions(
     let n = decomposer.n_vertices();
     assert!(before.len() == n && after.len() == n, "a position for each vertex");
     let after = match decomposer.geometry().shape() {
-        Shape::Graph(_) => directed_along_edges(decomposer, before, after, *params, progress)?,
+        Shape::Graph(_) => directed_along_edges(decomposer, before, &after, *params, progress)?,
         _ => directed(decomposer, before, after, *params, progress)?,
     };
     match params.volume {
@@ -268,7 +268,7 @@ fn directed(
 fn directed_along_edges(
     decomposer: &Decomposer,
     before: &[[f64; 3]],
-    after: Vec<[f64; 3]>,
+    after: &[[f64; 3]],
     params: PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {

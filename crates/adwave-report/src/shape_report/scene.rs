@@ -16,7 +16,7 @@ pub(super) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> Section
     }
     let what = match subject.shape {
         Shape::Cloud(_) | Shape::Graph(_) => "each point is a disc as wide as the distance to its neighbors",
-        _ => "the faces are lit from the upper left",
+        Shape::Mesh(_) => "the faces are lit from the upper left",
     };
     let plain = || {
         PictureSpec::plain(format!("{} from one side", subject.name), format!("Seen from one side: {what}."))
