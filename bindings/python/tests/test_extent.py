@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 import adwave as aw
+import numpy as np
 
 SPHERE = aw.sample("sphere", 2000)
 

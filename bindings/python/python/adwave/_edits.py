@@ -441,7 +441,9 @@ def denoise(
         if given != type(given)(weld=given.weld):
             raise TypeError("operator: denoising a shape takes no option but weld; leave the others out")
         with report_progress(progress, "denoising") as report:
-            points, info = _native.denoise_points(own._data, options, True if given.weld is None else given.weld, report)
+            points, info = _native.denoise_points(
+                own._data, options, True if given.weld is None else given.weld, report
+            )
         return DenoiseResult(own._with_positions(points), info)
     if creases != "auto":
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")

@@ -671,9 +671,7 @@ def read(
     return Shape._from_data(data)
 
 
-def read_bytes(
-    content: bytes, name: str | None = None, *, kind: Kind | None = None, all_points: bool = False
-) -> Shape:
+def read_bytes(content: bytes, name: str | None = None, *, kind: Kind | None = None, all_points: bool = False) -> Shape:
     """Read a shape from the content of a file.
 
     Parameters
