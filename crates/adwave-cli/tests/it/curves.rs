@@ -10,10 +10,15 @@ use std::path::Path;
 
 /// Points of a noisy helix.
 fn helix() -> Vec<[f64; 3]> {
-    let noise = |i: u32| (f64::from(i.wrapping_mul(2_654_435_761) >> 16 & 1023) / 1023.0 - 0.5) * 0.06;
+    let mut state = 1_u32;
+    let mut uniform = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1_u32 << 24) - 0.5
+    };
+    let mut noise = || 0.06 * (uniform() + uniform() + uniform()) / 3.0_f64.sqrt();
     (0..120_u32)
-        .map(|i| (i, f64::from(i) * 4.0 * std::f64::consts::PI / 119.0))
-        .map(|(i, t)| [t.cos() + noise(i), t.sin() + noise(i + 500), t / 5.0 + noise(i + 900)])
+        .map(|i| f64::from(i) * 4.0 * std::f64::consts::PI / 119.0)
+        .map(|t| [t.cos() + noise(), t.sin() + noise(), t / 5.0 + noise()])
         .collect()
 }
 
@@ -72,7 +77,7 @@ fn number(report: &Value, keys: &[&str]) -> f64 {
 
 /// Coordinates of a file, by its conversion to text.
 fn points(folder: &Path, name: &str) -> Vec<f64> {
-    adwave(folder).args(words(&format!("convert {name} points.xyz --as cloud"))).assert().success();
+    adwave(folder).args(words(&format!("convert {name} -o points.xyz"))).assert().success();
     let text = fs::read_to_string(folder.join("points.xyz")).unwrap();
     text.split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }

@@ -172,8 +172,9 @@ fn cut(steps: &[f64], rate: f64) -> Vec<Stage> {
         start /= RATIO;
         let off = |end: &f64| (end / start).ln().abs();
         let near = steps[1..].iter().copied().filter(|end| off(end) <= NEAR.ln());
-        // Walks take whole steps.
-        let end = near.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or_else(|| start.ceil().max(1.0));
+        // Walks take whole steps; only heat of many jumps per step is cut before the first.
+        let cut = if start < 1.0 { start } else { start.ceil() };
+        let end = near.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(cut);
         starts.push(end);
     }
     starts.push(0.0);
@@ -198,10 +199,16 @@ mod tests {
 
     #[test]
     fn stages_cover_every_level_once() {
-        let schedules: [&[f64]; 4] =
-            [&[0.0, 1e5], &[0.0, 1.0, 2.0, 1e9], &[0.0, 0.5, 3000.25, 2e5], &[0.0, 10.0, 5000.0]];
-        for steps in schedules {
-            let stages = cut(steps, 1.0);
+        let schedules: [&[f64]; 5] = [
+            &[0.0, 1e5],
+            &[0.0, 1.0, 2.0, 1e9],
+            &[0.0, 0.5, 3000.25, 2e5],
+            &[0.0, 10.0, 5000.0],
+            &[0.0, 1.0, 3.0],
+        ];
+        let rates = [1.0, 1.0, 1.0, 1.0, 1e6];
+        for (steps, rate) in schedules.into_iter().zip(rates) {
+            let stages = cut(steps, rate);
             let mut length = vec![0.0; steps.len() - 1];
             let mut start = 0.0;
             for stage in &stages {
