@@ -92,7 +92,12 @@ fn build_from_sdist(python: &Path, sdist: &Path) -> StepResult {
     let out = target().join("sdist-wheel");
     let _ = std::fs::remove_dir_all(&out);
     println!("> pip wheel {}", sdist.display());
+    // The build backend calls `maturin` by its name.
+    let mut folders: Vec<PathBuf> = python.parent().map(Path::to_path_buf).into_iter().collect();
+    folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()));
+    let path = std::env::join_paths(folders).map_err(|e| format!("cannot extend PATH: {e}"))?;
     run(Command::new(python)
+        .env("PATH", path)
         .args(["-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"])
         .args(["--no-build-isolation", "--wheel-dir"])
         .arg(&out)
