@@ -369,7 +369,7 @@ class PreparedShape:
         values, is_flat = self._signal_values(signal)
         if values is None:
             return self, None, is_flat
-        return self._masked_where(np.isnan(values).any(axis=1)), values, is_flat
+        return self._masked_where(np.atleast_1d(np.isnan(values).any(axis=1))), values, is_flat
 
     def _signal_values(self, signal: SignalLike) -> tuple[NDArray[np.float64] | None, bool]:
         """The n × channels values of a signal (None: coordinates), and whether it was 1-D."""
