@@ -267,7 +267,9 @@ def _map_channels(
     missing = np.isnan(values)
     patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
     if patterns.shape[1] <= 1:
-        return compute(decomposer._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(values.shape[1])))
+        return compute(
+            decomposer._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(values.shape[1]))
+        )
     result = np.array(values)
     for group in range(patterns.shape[1]):
         channels = np.flatnonzero(np.ravel(group_of_channel) == group)
