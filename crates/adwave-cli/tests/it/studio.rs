@@ -16,7 +16,9 @@ fn what_cannot_be_opened_is_refused_in_one_line() {
     assert!(refused("studio sample:creature --host 0.0.0.0").contains("--i-know"));
     let graph = "%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n";
     std::fs::write(folder.path().join("graph.mtx"), graph).unwrap();
-    assert!(refused("studio graph.mtx --no-open").contains("needs positions, and a graph has none"));
+    assert!(
+        refused("studio graph.mtx --no-open").contains("shows surfaces and points, and no graphs or curves")
+    );
     std::fs::write(folder.path().join("empty.obj"), "").unwrap();
     assert!(refused("studio empty.obj --no-open").contains("empty.obj"));
 }
