@@ -436,8 +436,8 @@ def test_a_part_is_computed_on_and_the_rest_comes_back(tmp_path: Path) -> None:
     cloud = aw.Shape(points, fields={"classification": np.where(is_ground, 2, 5).astype(np.uint8)})
     ground = cloud.select("classification=2")
     assert ground.kind == "cloud" and ground.file_rows.tolist() == np.flatnonzero(is_ground).tolist()
-    alone = aw.denoise(aw.Shape(points[is_ground])).points
-    np.testing.assert_array_equal(aw.denoise(ground).points, alone)
+    alone = aw.denoise(aw.Shape(points[is_ground])).result.points
+    np.testing.assert_array_equal(aw.denoise(ground).result.points, alone)
     assert np.isnan(ground.in_file_rows(ground.points[:, 2])[~is_ground]).all()
     path = tmp_path / "all.ply"
     ground.with_points(alone).write(path)

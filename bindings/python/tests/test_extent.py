@@ -5,7 +5,7 @@ from __future__ import annotations
 import adwave as aw
 import numpy as np
 
-SPHERE = aw.sample("sphere", 2000)
+SPHERE = aw.sample("sphere", vertices=2000)
 
 
 def test_a_vertex_of_no_face_changes_neither_the_extent_nor_the_levels() -> None:

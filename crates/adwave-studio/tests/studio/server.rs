@@ -292,7 +292,11 @@ fn what_is_wrong_is_said_in_one_line_and_changes_nothing() {
     assert_eq!(studio.post("/api/shapes/1/save", &json!({"name": "there.ply", "replace": true})).status, 200);
     for (name, body, said) in [
         ("a.obj", &b""[..], "a.obj"),
-        ("graph.mtx", b"%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n", "a graph has none"),
+        (
+            "graph.mtx",
+            b"%%MatrixMarket matrix coordinate pattern general\n2 2 1\n1 2\n",
+            "no graphs or curves",
+        ),
     ] {
         let refused = studio.ask("POST", &format!("/api/shapes?name={name}"), body);
         assert_eq!(refused.status, 400, "{name}");
