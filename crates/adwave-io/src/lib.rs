@@ -95,6 +95,7 @@ pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;
 pub use model::moved_attributes::{MovedAttributes, MovedNormals};
 pub use model::partial::FileRows;
+pub use model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};
 pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
@@ -109,8 +110,8 @@ pub use registry::read::{read_bytes, read_bytes_with, read_path, read_path_with}
 pub use registry::values::{parse_surface_values, read_surface_values, rewrite_values};
 pub use registry::write::{write_bytes, write_bytes_with, write_path, write_path_with};
 pub use selection::{
-    ClosedInterval, FieldCondition, FieldConditionError, FlaggedPoints, MaskFile, MaskSide, NOISE_CLASSES,
-    SelectedShape, Selection, SelectionError, WITHHELD_FLAG,
+    ClosedInterval, FieldCondition, FieldConditionError, FlaggedPoints, MaskFile, MaskSide, SelectedShape,
+    Selection, SelectionError,
 };
 pub use signal::{
     DEGREE, NamedSignal, NamedSignalError, SignalSource, SignalValues, default_signal, file_normals,

@@ -1,7 +1,7 @@
 //! The levels.
 
+use super::given_length::GivenLength;
 use super::parse::{count, length, number};
-use crate::resolve::shape::GivenLength;
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::region::Length;

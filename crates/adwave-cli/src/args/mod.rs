@@ -2,6 +2,7 @@
 
 mod analysis;
 mod cloud_part;
+mod given_length;
 mod global;
 mod labels;
 mod levels;
@@ -16,6 +17,7 @@ mod signal;
 
 pub(crate) use analysis::{BorderMaskArgs, DetectArgs, MapArgs};
 pub(crate) use cloud_part::CloudPartArgs;
+pub(crate) use given_length::GivenLength;
 pub(crate) use global::GlobalArgs;
 pub(crate) use labels::LabelArgs;
 pub(crate) use levels::LevelArgs;

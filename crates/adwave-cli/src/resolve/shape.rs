@@ -1,5 +1,6 @@
 //! From the SHAPE argument to a shape.
 
+pub(crate) use crate::args::GivenLength;
 use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg};
 use crate::error::CliError;
 use crate::global::Global;
@@ -26,14 +27,6 @@ pub(crate) struct Input {
     pub(crate) name: String,
     /// Lengths in model units are accepted although coordinates are degrees.
     pub(crate) allows_degrees: bool,
-}
-
-/// A length that an option of the command line gives.
-#[derive(Clone, Copy)]
-pub(crate) struct GivenLength {
-    /// The option, such as `--lengths`.
-    pub(crate) option: &'static str,
-    pub(crate) length: Length,
 }
 
 impl Input {

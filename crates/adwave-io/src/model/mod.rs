@@ -17,6 +17,7 @@ pub(crate) mod moved_attributes;
 pub(crate) mod numbers;
 pub(crate) mod partial;
 mod partial_subset;
+pub(crate) mod point_flags;
 pub(crate) mod report;
 pub(crate) mod shape;
 pub(crate) mod shape_file;

@@ -1,5 +1,6 @@
 //! Points of a LAS that its producer took out: flagged as withheld or classified as noise.
 
+use crate::model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};
 use crate::{Format, ShapeFile};
 
 /// Treatment of points of LAS, LAZ and EPT that are flagged as withheld or classified as noise.
@@ -12,12 +13,6 @@ pub enum FlaggedPoints {
     /// They take part like all other points.
     Included,
 }
-
-/// Classes of noise: low points, and high noise.
-pub const NOISE_CLASSES: [u8; 2] = [7, 18];
-
-/// Bit of the field `classification_flags` of withheld points, in all point formats.
-pub const WITHHELD_FLAG: u8 = 4;
 
 /// Rule for flagged points in the presence of conditions on the fields that flag them.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ mod mask;
 
 pub use condition::{ClosedInterval, FieldCondition, FieldConditionError};
 pub use error::SelectionError;
-pub use flagged::{FlaggedPoints, NOISE_CLASSES, WITHHELD_FLAG};
+pub use flagged::FlaggedPoints;
 pub use mask::{MaskFile, MaskSide};
 
 use crate::{Field, FieldValues, Precision, ShapeFile, named_axis};

@@ -71,41 +71,9 @@ impl PreparedGeometry {
     /// [`Cancelled`] if the call is cancelled.
     pub fn new(shape: &Shape, weld_mode: WeldMode, progress: Progress<'_>) -> Result<Self, Cancelled> {
         progress.step(0, STAGES)?;
-        let prepared = |vertex_map, points, faces, triangles: Option<Vec<[u32; 3]>>| Self {
-            participation: Arc::default(),
-            near: Arc::default(),
-            curve: None,
-            sheet_normals: None,
-            weld_mode,
-            seams: None,
-            shape: shape.clone(),
-            vertex_map,
-            points: Arc::new(points),
-            faces: Arc::new(faces),
-            triangles: triangles.map(Arc::new),
-        };
         let mut given = None;
         let (points, faces) = match shape {
-            Shape::Graph(graph) => {
-                let points = graph.positions();
-                if let (Some(points), true) = (points, graph.is_curve()) {
-                    let WeldedCurve { vertex_map, edges } = weld_curve(graph, points, weld_mode, progress)?;
-                    let positions = vertex_map.try_positions(points, progress)?;
-                    progress.step(STAGES, STAGES)?;
-                    return Ok(Self {
-                        participation: Arc::new(Participation::from_curve(&edges)),
-                        curve: Some(Arc::new(edges)),
-                        ..prepared(vertex_map, positions, Polygons::new(), None)
-                    });
-                }
-                let vertex_map = VertexMap::from_places(reverse_cuthill_mckee(graph.adjacency(), progress)?);
-                let positions = match points {
-                    Some(points) => vertex_map.try_positions(points, progress)?,
-                    None => Vec::new(),
-                };
-                progress.step(STAGES, STAGES)?;
-                return Ok(prepared(vertex_map, positions, Polygons::new(), None));
-            }
+            Shape::Graph(graph) => return Self::from_graph(shape, graph, weld_mode, progress),
             Shape::Cloud(cloud) => {
                 given = cloud.normals();
                 (cloud.points(), None)
@@ -151,14 +119,63 @@ impl PreparedGeometry {
             _ => None,
         };
         let near = near.filter(|_| sheet_normals.is_none());
-        let prepared = prepared(vertex_map, positions, faces, triangles);
         Ok(Self {
+            vertex_map,
+            points: Arc::new(positions),
+            faces: Arc::new(faces),
+            triangles: triangles.map(Arc::new),
             participation: Arc::new(participation),
             near: Arc::new(Mutex::new(near)),
             sheet_normals,
             seams,
-            ..prepared
+            ..Self::empty(shape, weld_mode)
         })
+    }
+
+    /// A graph, whose nodes are numbered by the reverse Cuthill–McKee order, or along a curve.
+    fn from_graph(
+        shape: &Shape,
+        graph: &Graph,
+        weld_mode: WeldMode,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let points = graph.positions();
+        if let (Some(points), true) = (points, graph.is_curve()) {
+            let WeldedCurve { vertex_map, edges } = weld_curve(graph, points, weld_mode, progress)?;
+            let positions = vertex_map.try_positions(points, progress)?;
+            progress.step(STAGES, STAGES)?;
+            return Ok(Self {
+                vertex_map,
+                points: Arc::new(positions),
+                participation: Arc::new(Participation::from_curve(&edges)),
+                curve: Some(Arc::new(edges)),
+                ..Self::empty(shape, weld_mode)
+            });
+        }
+        let vertex_map = VertexMap::from_places(reverse_cuthill_mckee(graph.adjacency(), progress)?);
+        let positions = match points {
+            Some(points) => vertex_map.try_positions(points, progress)?,
+            None => Vec::new(),
+        };
+        progress.step(STAGES, STAGES)?;
+        Ok(Self { vertex_map, points: Arc::new(positions), ..Self::empty(shape, weld_mode) })
+    }
+
+    /// A shape of which nothing is prepared.
+    fn empty(shape: &Shape, weld_mode: WeldMode) -> Self {
+        Self {
+            shape: shape.clone(),
+            vertex_map: VertexMap::identity(0),
+            points: Arc::default(),
+            faces: Arc::default(),
+            triangles: None,
+            participation: Arc::default(),
+            near: Arc::default(),
+            curve: None,
+            sheet_normals: None,
+            weld_mode,
+            seams: None,
+        }
     }
 
     /// Wraps a graph whose nodes keep the given order, for one that is already well numbered.
