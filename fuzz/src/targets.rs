@@ -271,8 +271,8 @@ fn las_file(bytes: &[u8], name: &str) -> Result<String, String> {
     };
     let whole = read_bytes(bytes.to_vec(), Some(name), &LIMITS);
     match whole {
-        Ok(file) if blocks == "ok" && file.n_vertices() != records.len() / record_bytes(bytes) => {
-            Err(format!("{} points at once, {} bytes in blocks", file.n_vertices(), records.len()))
+        Ok(file) if blocks == "ok" && file.n_file_rows() != records.len() / record_bytes(bytes) => {
+            Err(format!("{} points at once, {} bytes in blocks", file.n_file_rows(), records.len()))
         }
         _ => Ok(format!("{outcome}; {blocks}")),
     }
@@ -316,6 +316,13 @@ fn mesh_file(bytes: &[u8], name: &str) -> Result<String, String> {
         {
             let bits =
                 |points: &[[f64; 3]]| points.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            // Points without a position are left out of a whole cloud.
+            let points: Vec<[f64; 3]> = match whole.file_rows() {
+                Some(rows) if rows.n_rows() == points.len() => {
+                    rows.vertex_rows().iter().map(|&row| points[row as usize]).collect()
+                }
+                _ => points,
+            };
             if blocks != "ok"
                 || bits(&points) != bits(whole.points())
                 || &faces != whole.faces()

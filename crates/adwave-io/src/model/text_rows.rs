@@ -67,6 +67,22 @@ pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: Precision) {
     }
 }
 
+/// Length of the first cell of a row whose cells are separated by a byte. Quotes protect separators if they enclose the whole
+/// cell.
+pub(crate) fn cell_length(row: &[u8], separator: u8) -> usize {
+    let plain = || row.iter().position(|&b| b == separator).unwrap_or(row.len());
+    if row.first() != Some(&b'"') {
+        return plain();
+    }
+    let Some(closing) = row[1..].iter().position(|&b| b == b'"') else { return plain() };
+    let after = closing + 2;
+    let n_blanks = row[after..].iter().take_while(|&&b| is_blank(b) && b != separator).count();
+    match row.get(after + n_blanks) {
+        Some(&b) if b != separator => plain(),
+        _ => after + n_blanks,
+    }
+}
+
 fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
     let old = match precision {
         Precision::F32 => parse_f32(word).map(f64::from),
@@ -213,12 +229,9 @@ impl TextRows {
                 while bytes.get(begin).is_some_and(|&b| is_blank(b) && b != separator) {
                     begin += 1;
                 }
-                let mut is_quoted = false;
-                let is_end = |&b: &u8| {
-                    is_quoted ^= b == b'"';
-                    (b == separator && !is_quoted) || b == b'\n' || b == b'\r'
-                };
-                let end = bytes[begin..].iter().position(is_end).map_or(bytes.len(), |n| begin + n);
+                let is_end = |b: u8| b == b'\n' || b == b'\r';
+                let line = bytes[begin..].iter().position(|&b| is_end(b)).map_or(bytes.len(), |n| begin + n);
+                let end = begin + cell_length(&bytes[begin..line], separator);
                 if column > 0 || end > begin { Some((begin, end)) } else { None }
             }
             Separator::Blanks | Separator::BlanksUntilRemark => {

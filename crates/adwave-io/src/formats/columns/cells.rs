@@ -1,6 +1,6 @@
 //! Cells of a row of a table: numbers as different programs write them, and words.
 
-use crate::model::text_rows::{DecimalMark, Separator};
+use crate::model::text_rows::{DecimalMark, Separator, cell_length};
 use crate::text::{is_blank, parse_f64};
 
 /// Separator and decimal mark of a table, by its first row of values or names.
@@ -65,27 +65,25 @@ pub(crate) fn unquoted(cell: &[u8]) -> &[u8] {
     cell
 }
 
-/// Splits a row into its cells without blanks around them; quotes protect a separator.
+/// Splits a row into its cells without blanks around them; quotes around a cell protect a separator that is no blank.
 pub(crate) fn cells(line: &[u8], separator: Separator) -> Vec<&[u8]> {
-    let is_separator = |b: u8| match separator {
-        Separator::Blanks | Separator::BlanksUntilRemark => is_blank(b),
-        Separator::Byte(s) => b == s,
-        Separator::OverLines => crate::text::is_space(b),
+    let Separator::Byte(separator) = separator else {
+        let is_separator = |b: &u8| match separator {
+            Separator::OverLines => crate::text::is_space(*b),
+            _ => is_blank(*b),
+        };
+        return line.split(is_separator).map(<[u8]>::trim_ascii).filter(|cell| !cell.is_empty()).collect();
     };
-    let (mut cells, mut start, mut is_quoted) = (Vec::new(), 0, false);
-    for (k, &b) in line.iter().enumerate() {
-        is_quoted ^= b == b'"';
-        if is_separator(b) && !is_quoted {
-            cells.push(&line[start..k]);
-            start = k + 1;
+    let (mut cells, mut start) = (Vec::new(), 0);
+    loop {
+        start += line[start..].iter().take_while(|&&b| is_blank(b) && b != separator).count();
+        let end = start + cell_length(&line[start..], separator);
+        cells.push(line[start..end].trim_ascii());
+        if end == line.len() {
+            return cells;
         }
+        start = end + 1;
     }
-    cells.push(&line[start..]);
-    let mut cells: Vec<&[u8]> = cells.into_iter().map(<[u8]>::trim_ascii).collect();
-    if !matches!(separator, Separator::Byte(_)) {
-        cells.retain(|cell| !cell.is_empty());
-    }
-    cells
 }
 
 /// Words for a missing number, in any case.

@@ -202,7 +202,10 @@ fn row(bytes: &[u8], table: &mut NumberTable, line: &[u8], start: usize) -> Resu
                 return Ok(());
             }
         }
-        if n - n_words < 3 {
+        // In rows that blanks separate, a backslash continues a line and `#` begins a remark.
+        let is_risky = !matches!(table.style.separator, Separator::Byte(_))
+            && row_cells.iter().any(|cell| is_word(cell) && cell.iter().any(|b| matches!(b, b'\\' | b'#')));
+        if n - n_words < 3 || is_risky {
             return Err(word_error(bytes, start, &show(row_cells[c])));
         }
         table.words.resize(n.max(table.words.len()), None);

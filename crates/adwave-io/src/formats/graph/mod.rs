@@ -35,11 +35,12 @@ impl<'a> VertexNames<'a> {
         self.rows.len()
     }
 
-    /// All names in the order of their rows; `None` if they are the numbers of the rows from `first` on.
+    /// All names in the order of their rows; `None` if they are the numbers of the rows from `first` on, or not all are
+    /// UTF-8.
     pub(crate) fn to_texts(&self, first: usize) -> Option<Arc<Vec<String>>> {
         let mut texts = vec![String::new(); self.rows.len()];
         for (name, &row) in &self.rows {
-            texts[row as usize] = String::from_utf8_lossy(name).into_owned();
+            std::str::from_utf8(name).ok()?.clone_into(&mut texts[row as usize]);
         }
         names_unless_numbered(texts, "", first)
     }
