@@ -8,7 +8,7 @@ use crate::{Precision, ShapeFile};
 /// Steps of a file above this share of the distance between neighbors are reported: they tilt the edges between
 /// neighbors by more than a degree.
 const READ_SHARE: f64 = 0.1;
-/// The same for a file that is written, where the loss can still be avoided.
+/// Rounding of a written file above this share of the distance between neighbors is reported, since it can be avoided.
 const WRITE_SHARE: f64 = 0.01;
 /// Share of the coordinates that are odd multiples of the step. It is 1/2 if finer numbers were rounded to the step,
 /// and 0 for coordinates on a coarser grid, which lost nothing.

@@ -167,7 +167,7 @@ impl CoordinateSystem {
 pub(crate) enum UnitRoom {
     /// Numbers without a unit.
     None,
-    /// The same unit in all files.
+    /// One unit in all files.
     Fixed(&'static LengthUnit),
     /// One of several; files without one have the first.
     Stated(&'static [LengthUnit]),
