@@ -3,9 +3,9 @@
 //!
 //! `(M⁻¹L f)(x) = (1/M(x))·Σ_y w(x,y)·(f(x) − f(y))` with w ≥ 0. On a mesh w are the cotangent weights
 //! (`pinkall1993`) of the intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its
-//! triangle areas, or where faces have more than three corners its Voronoi cells. On a mesh that is not a surface they are those of its double cover (`sharp2020`); on a cloud
-//! those of Voronoi cells in tangent planes. On a curve w is 1/length and M half of the adjacent lengths: the
-//! Laplacian of a line.
+//! triangle areas, or the areas of its Voronoi cells if faces have more than three corners. On a mesh that is not a
+//! surface they are those of its double cover (`sharp2020`); on a cloud those of Voronoi cells in tangent planes. On a
+//! curve w is 1/length and M half of the adjacent lengths: the Laplacian of a line.
 
 mod cloud;
 mod gluing;
@@ -64,8 +64,8 @@ pub struct LaplacianInfo {
 }
 
 impl Laplacian {
-    /// Laplacian of a prepared shape; for a graph `D − W` with masses 1, for a curve w = 1/length. `neighbors` is the number of nearest
-    /// points of a point of a cloud. O(n log n).
+    /// Laplacian of a prepared shape; for a graph `D − W` with masses 1, for a curve w = 1/length. `neighbors` is the
+    /// number of nearest points of a point of a cloud. O(n log n).
     ///
     /// All values are finite, whatever the shape: vertices without a triangle have neither weight nor mass.
     ///
