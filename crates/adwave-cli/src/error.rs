@@ -71,6 +71,8 @@ by_kind!(
     adwave::bands::ScheduleError,
     adwave::filter::KeepVolumeError,
     adwave::positions::PositionsError,
+    adwave_io::NamedSignalError,
+    adwave_io::ShapeFileError,
     adwave_baselines::compare::CompareError,
     adwave_render::RenderError,
     adwave_report::demo::DemoError,
@@ -100,12 +102,6 @@ impl From<WriteError> for CliError {
             WriteError::Cancelled(_) => Self::Cancelled,
             _ => Self::Input(text),
         }
-    }
-}
-
-impl From<adwave_io::ShapeFileError> for CliError {
-    fn from(error: adwave_io::ShapeFileError) -> Self {
-        Self::input(error)
     }
 }
 

@@ -77,7 +77,7 @@ impl<'a> ResultFile<'a> {
                 Field::new(COORDS, 3, values)
             }
             EditedSignal::Field { field, channel_names } => {
-                keep_left_out_values(&mut input.file, signal, &field).map_err(CliError::input)?;
+                keep_left_out_values(&mut input.file, signal, &field)?;
                 if alone == Some(ValuesFile::Csv) && channel_names.len() == field.n_channels {
                     let columns = split_channels(&field, &channel_names);
                     return ValuesFile::Csv.write(global, self.path, &columns, &input.file);

@@ -10,7 +10,7 @@ use crate::output::{count, note, number};
 use adwave::mask::{MaskedChannels, channels_by_mask, missing};
 use adwave::operator::{CloudGraph, OperatorKind, OperatorParams, OperatorTask, choose_operator};
 use adwave::shape::{PreparedGeometry, Shape, VertexRole, describe_outsiders};
-use adwave::signal::find_close_sheets;
+use adwave::signal::CloseSheets;
 use adwave::{Decomposer, LevelSpec, Progress};
 
 /// How the diffusion operator is built for a task.
@@ -90,14 +90,8 @@ pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global:
 }
 
 /// Warns that points of a cloud have neighbors on two surfaces, which an edit of the positions joins.
-pub(crate) fn note_close_sheets(
-    geometry: &PreparedGeometry,
-    global: &Global<'_>,
-    progress: Progress<'_>,
-) -> Result<(), CliError> {
-    let Some(sheets) = find_close_sheets(geometry, progress).map_err(|_| CliError::Cancelled)? else {
-        return Ok(());
-    };
+pub(crate) fn note_close_sheets(sheets: Option<CloseSheets>, global: &Global<'_>) {
+    let Some(sheets) = sheets else { return };
     let text = format!(
         "{:.0} % of the points lie between two surfaces about {} apart, which is closer than their neighbors, and these \
          surfaces are joined; normals that point outwards (nx, ny, nz) keep them apart",
@@ -105,7 +99,6 @@ pub(crate) fn note_close_sheets(
         number(sheets.distance)
     );
     note(global, &text);
-    Ok(())
 }
 
 /// A signal split into channels that are NaN at the same vertices, with a decomposer that masks these, so that a gap in one channel

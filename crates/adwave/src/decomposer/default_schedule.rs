@@ -87,8 +87,8 @@ impl Decomposer {
         let points = self.unit_positions();
         let (area, volume) = (geometry.area_of(&points), geometry.volume_of(&points));
         let radius = 3.0 * volume.abs() / area;
-        // Whether the mesh is closed takes longer to find out.
-        let is_at_risk = radius > 0.0 && width / self.extent > SAFE_WIDTH * radius;
+        // The cheapest condition comes first.
+        let is_at_risk = radius > 0.0 && width / self.extent > SAFE_WIDTH * radius && !geometry.is_open();
         (is_at_risk && self.health().volume.is_some()).then_some(volume)
     }
 

@@ -21,6 +21,7 @@ use crate::operator::{
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
 use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
+use crate::signal::{CloseSheets, close_sheets};
 use crate::{Cancelled, Progress};
 use creases::respect_creases;
 use std::borrow::Cow;
@@ -343,6 +344,18 @@ impl Decomposer {
         }
         let share: Vec<f64> = self.areas.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
         self.geometry.vertex_map().scatter(&share, 1)
+    }
+
+    /// Sheets of a cloud that are closer to each other than its points, found by its neighbors ([`close_sheets`]); `None`
+    /// if the given normals keep them apart, or for another shape.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    pub fn close_sheets(&self, progress: Progress<'_>) -> Result<Option<CloseSheets>, Cancelled> {
+        if !self.is_cloud() || self.geometry.has_separate_sheets() {
+            return Ok(None);
+        }
+        close_sheets(self.geometry.points(), self.neighbors(), progress)
     }
 
     /// Counts of the elements of the shape.

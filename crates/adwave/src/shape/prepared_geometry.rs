@@ -3,7 +3,7 @@
 use super::curve::{WeldedCurve, weld_curve};
 use super::order::reverse_cuthill_mckee;
 use super::participation::{Participation, STRAY_NEIGHBORS};
-use super::seams::{SeamMatches, match_seams};
+use super::seams::{SeamMatches, is_open, match_seams};
 use super::sheets::{are_sheets_apart, nearest_on_sheet, welded_normals};
 use super::triangulate::try_triangulate;
 use super::{
@@ -257,6 +257,11 @@ impl PreparedGeometry {
     /// Volume that the mesh encloses with `points` as its welded vertices, in their cubed units.
     pub fn volume_of(&self, points: &[[f64; 3]]) -> f64 {
         enclosed_face_volume(points, &self.faces)
+    }
+
+    /// True if the mesh has a border, or faces that disagree on the orientation; it encloses no volume then.
+    pub(crate) fn is_open(&self) -> bool {
+        is_open(self.n_vertices(), &self.faces)
     }
 
     /// Size of the shape in model units: the diagonal of the bounding box of its largest part; 0 for a graph.

@@ -81,6 +81,12 @@ pub(super) fn match_seams(
     Ok((weld.n_vertices > 0).then_some(SeamMatches { roots, weld }))
 }
 
+/// True if edges of faces do not cancel at some vertex: the mesh has a border, or faces that disagree on the orientation.
+/// O(corners).
+pub(super) fn is_open(n: usize, faces: &Polygons) -> bool {
+    open_vertices(n, faces).contains(&true)
+}
+
 /// Flags of the vertices at which the edges of faces do not cancel: those at open borders, and some others.
 fn open_vertices(n: usize, faces: &Polygons) -> Vec<bool> {
     let mut sums = vec![0_u64; n];

@@ -20,6 +20,7 @@ use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
 use adwave::shape::{PreparedGeometry, Shape};
+use adwave::signal::find_close_sheets;
 pub(crate) use args::DenoiseArgs;
 use serde_json::json;
 use std::fmt::Write;
@@ -56,7 +57,8 @@ fn denoise_positions(
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
     note_outsiders(&geometry, &input, global);
-    note_close_sheets(&geometry, global, global.progress())?;
+    let sheets = find_close_sheets(&geometry, global.progress()).map_err(|_| CliError::Cancelled)?;
+    note_close_sheets(sheets, global);
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;

@@ -44,7 +44,8 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), &job.input, global);
         if job.signal_name == COORDS {
-            note_close_sheets(decomposer.geometry(), global, progress.quiet())?;
+            let sheets = decomposer.close_sheets(progress.quiet()).map_err(|_| CliError::Cancelled)?;
+            note_close_sheets(sheets, global);
         }
         let parts = SignalParts::new(&decomposer, &job.signal, &job.signal_name, global)?;
         let decomposer = parts.first().decomposer.clone();
