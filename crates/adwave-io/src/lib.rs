@@ -91,6 +91,7 @@ pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, wr
 pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
+pub use model::face_cells::FaceCells;
 pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;
 pub use model::moved_attributes::{MovedAttributes, MovedNormals};

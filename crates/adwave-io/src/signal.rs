@@ -195,8 +195,8 @@ pub fn named_signal(
     }
     if let Some(field) = file.face_fields().iter().find(|field| field.name == name) {
         return Err(NamedSignalError::Unknown(format!(
-            "{name} is a field of faces ({} values for {} faces), and signals have one row per vertex; \
-             convert it to a field of vertices first",
+            "{name} is a field of faces ({} values for {} faces), and this analysis needs one row per \
+             vertex; filter or denoise it, or convert it to a field of vertices first",
             field.len(),
             file.faces().len()
         )));

@@ -2,12 +2,12 @@
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::values_file::{ValuesFile, write_field};
+use crate::output::values_file::{ValuesFile, unsuitable_format_among, write_field};
 use crate::output::{check_writable, output_format, write_shape};
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, MovedNormals, ShapeFile, keep_left_out_values, named_axis, with_axis,
+    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, keep_left_out_values, named_axis, with_axis,
     written_signal,
 };
 use std::path::Path;
@@ -34,6 +34,17 @@ impl<'a> ResultFile<'a> {
         }
         check_writable(path)?;
         Ok(Self { path })
+    }
+
+    /// Refuses a path that fields of faces cannot be written to, if the signal is one.
+    pub(crate) fn check_cells(&self, input: &Input) -> Result<(), CliError> {
+        let is_suitable = ValuesFile::from_path(self.path).is_some()
+            || Format::from_path(self.path).is_some_and(Format::holds_face_fields);
+        if input.mesh_of_cells.is_none() || is_suitable {
+            return Ok(());
+        }
+        let others = [".npy", ".csv"];
+        Err(unsuitable_format_among(self.path, "fields of faces are", Format::holds_face_fields, &others))
     }
 
     pub(crate) fn path(&self) -> &'a Path {
@@ -77,6 +88,10 @@ impl<'a> ResultFile<'a> {
                 Field::new(COORDS, 3, values)
             }
             EditedSignal::Field { field, channel_names } => {
+                if let (Some(mesh), None) = (&mut input.mesh_of_cells, alone) {
+                    mesh.add_face_field(field)?;
+                    return write_shape(global, mesh, self.path).map(|_| ());
+                }
                 keep_left_out_values(&mut input.file, signal, &field)?;
                 if alone == Some(ValuesFile::Csv) && channel_names.len() == field.n_channels {
                     let columns = split_channels(&field, &channel_names);

@@ -11,7 +11,7 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{
-    CloudPart, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, read_bytes,
+    CloudPart, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, read_bytes,
     read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
@@ -27,9 +27,39 @@ pub(crate) struct Input {
     pub(crate) name: String,
     /// Lengths in model units are accepted although coordinates are degrees.
     pub(crate) allows_degrees: bool,
+    /// The mesh whose faces the shape has as nodes, for a field of faces.
+    pub(crate) mesh_of_cells: Option<Box<ShapeFile>>,
 }
 
 impl Input {
+    /// The words for one row of a signal and for several.
+    pub(crate) fn row_words(&self) -> [&'static str; 2] {
+        if self.mesh_of_cells.is_some() { ["face", "faces"] } else { ["vertex", "vertices"] }
+    }
+
+    /// The number of rows of a signal in words.
+    pub(crate) fn count_rows(&self) -> String {
+        let [one, many] = self.row_words();
+        count(self.shape.n_vertices(), one, many)
+    }
+
+    /// The faces of the mesh as the nodes of a shape if the signal is a field of faces; the input itself if not.
+    pub(crate) fn resolve_cells(self, signal: &str, global: &Global<'_>) -> Result<Self, CliError> {
+        let Shape::Mesh(mesh) = &self.shape else { return Ok(self) };
+        if !self.file.has_face_field(signal) {
+            return Ok(self);
+        }
+        let FaceCells { file, shape } = with_spinner(global, "preparing", || {
+            FaceCells::new(mesh, self.file.face_fields())
+                .map_err(|e| CliError::Input(format!("{}: {e}", self.name)))
+        })?;
+        global.inputs.add_remark(format!(
+            "{signal} is a field of faces: it diffuses between faces that share a side, weighted by their areas, and regions \
+             are taken at their centers"
+        ));
+        Ok(Self { file, shape, mesh_of_cells: Some(Box::new(self.file)), ..self })
+    }
+
     /// Refuses lengths in model units if coordinates are degrees, in which a length means nothing.
     pub(crate) fn check_lengths(&self, lengths: &[GivenLength]) -> Result<(), CliError> {
         let Some(system) = self.file.coordinate_system().filter(|system| system.is_geographic()) else {
@@ -129,7 +159,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         {
             global.inputs.add_remark(format!("{name}: {text}"));
         }
-        Ok(Input { file, shape, name, allows_degrees: false })
+        Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None })
     })
 }
 

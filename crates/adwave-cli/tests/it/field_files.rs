@@ -144,3 +144,51 @@ fn signals_have_the_same_names_everywhere() {
         );
     }
 }
+
+/// A square of 8 × 8 quads in a PLY with a pressure for each face.
+fn plate_with_pressures(path: &Path) -> Vec<f64> {
+    let n = 8;
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+         element face {}\nproperty list uchar int vertex_indices\nproperty double pressure\nend_header\n",
+        (n + 1) * (n + 1),
+        n * n
+    );
+    for v in 0..(n + 1) * (n + 1) {
+        text += &format!("{} {} 0\n", v % (n + 1), v / (n + 1));
+    }
+    let pressures: Vec<f64> = (0..n * n).map(|f| f64::from((f * f) % 7)).collect();
+    for (f, pressure) in (0..n * n).zip(&pressures) {
+        let a = f / n * (n + 1) + f % n;
+        text += &format!("4 {a} {} {} {} {pressure}\n", a + 1, a + n + 2, a + n + 1);
+    }
+    fs::write(path.join("plate.ply"), text).unwrap();
+    pressures
+}
+
+#[test]
+fn fields_of_faces_are_filtered_over_faces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let before = plate_with_pressures(path);
+    for verb in ["filter --gains 0,0", "denoise"] {
+        let (command, more) = verb.split_once(' ').unwrap_or((verb, ""));
+        let run = |out: &str| json(path, &format!("{command} plate.ply --field pressure {more} -o {out}"));
+        let report = run("out.ply");
+        assert_eq!((report["faces"].as_u64(), report["vertices"].as_u64()), (Some(64), None), "{report}");
+        run("out.npy");
+        let exact = array(&path.join("out.npy")).to_f64();
+        let shape = read_path(&path.join("out.ply"), &ReadLimits::default()).unwrap();
+        assert_eq!(shape.faces().len(), 64);
+        let field = shape.face_fields().iter().find(|field| field.name == "pressure").unwrap();
+        assert_eq!(field.to_f64(), exact);
+        // All faces have the same area, so that the sum stays, and smoothing brings the values together.
+        let sum = |values: &[f64]| values.iter().sum::<f64>();
+        assert!((sum(&before) - sum(&exact)).abs() < 1e-9 * sum(&before), "{verb}");
+        let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        assert!(command == "denoise" || square(&exact) < 0.9 * square(&before));
+    }
+    let error = refused(path, "filter plate.ply --field pressure --preset smooth -o out.obj");
+    assert!(error.contains("fields of faces are written as") && error.contains(".vtu"), "{error}");
+    assert!(!path.join("out.obj").exists());
+}

@@ -83,6 +83,6 @@ fn a_field_of_faces_is_shown_and_named_as_one() {
     assert_eq!(json(path, "info mesh.ply")["face_fields"][0]["name"], "pressure");
     let text = adwave(path).args(words("info mesh.ply")).output().unwrap().stdout;
     assert!(String::from_utf8(text).unwrap().contains("face fields   pressure (1)"));
-    let error = refused(path, "filter mesh.ply -o o.ply --field pressure --preset smooth");
+    let error = refused(path, "saliency mesh.ply -o o.ply --signal pressure");
     assert!(error.contains("pressure is a field of faces"), "{error}");
 }

@@ -154,6 +154,8 @@ pub(crate) struct FormatDescriptor {
     pub(crate) loses: &'static str,
     /// A file has a shape together with any fields of its vertices, by their names.
     pub(crate) holds_fields: bool,
+    /// A file also has any fields of its faces, by their names.
+    pub(crate) holds_face_fields: bool,
     /// Names of vertices are written, or reported by the writer.
     pub(crate) holds_names: bool,
     /// Points without a position are written, as NaN, so that rows keep their numbers.
@@ -199,6 +201,7 @@ impl FormatDescriptor {
         keeps: "",
         loses: "",
         holds_fields: false,
+        holds_face_fields: false,
         holds_names: false,
         holds_missing: false,
         coordinates: CoordinateType::Double,

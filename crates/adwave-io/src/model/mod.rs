@@ -5,6 +5,7 @@ pub(crate) mod binary_rows;
 pub(crate) mod cells;
 pub(crate) mod context;
 pub(crate) mod f32_limits;
+pub(crate) mod face_cells;
 pub(crate) mod field;
 pub(crate) mod file_head;
 pub(crate) mod float_steps;

@@ -76,6 +76,11 @@ impl Format {
         self.descriptor().holds_fields
     }
 
+    /// Tells if a file of it also has any fields of its faces, by their names.
+    pub fn holds_face_fields(self) -> bool {
+        self.descriptor().holds_face_fields
+    }
+
     /// Tells if it has room for the [`Provenance`](crate::Provenance) of a shape, beside its content.
     pub fn holds_provenance(self) -> bool {
         self.descriptor().provenance == ProvenanceRoom::Metadata

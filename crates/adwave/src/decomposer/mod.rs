@@ -113,8 +113,11 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
-        let is_curve = geometry.curve_edges().is_some();
-        let kind = if is_curve { OperatorKind::Surface } else { params.kind };
+        let has_measure = match shape {
+            Shape::Graph(graph) => graph.is_curve() || graph.cell_areas().is_some(),
+            Shape::Mesh(_) | Shape::Cloud(_) => false,
+        };
+        let kind = if has_measure { OperatorKind::Surface } else { params.kind };
         let params = &params.with_kind(kind);
         let (diffusion, areas, mean_length, surface_info): (_, Arc<[f64]>, _, _) = match params.kind {
             OperatorKind::Walk => {
@@ -205,9 +208,12 @@ impl Decomposer {
     }
 
     /// The local fit that smoothing a field about `fit` has on this shape: a constant one on a graph or a curve, where
-    /// slopes along the curve are no bias.
+    /// slopes along the curve are no bias, unless the nodes are cells of a surface.
     pub fn applied_local_fit(&self, fit: LocalFit) -> LocalFit {
-        if matches!(self.geometry.shape(), Shape::Graph(_)) { LocalFit::Constant } else { fit }
+        match self.geometry.shape() {
+            Shape::Graph(graph) if graph.cell_areas().is_none() => LocalFit::Constant,
+            _ => fit,
+        }
     }
 
     /// Domain over which a field with a value at each welded vertex is fitted.

@@ -5,7 +5,8 @@
 //! (`pinkall1993`) of the intrinsic Delaunay triangulation (`bobenko2007`) of its surface, and M a third of its
 //! triangle areas, or the areas of its Voronoi cells if faces have more than three corners. On a mesh that is not a
 //! surface they are those of its double cover (`sharp2020`); on a cloud those of Voronoi cells in tangent planes. On a
-//! curve w is 1/length and M half of the adjacent lengths: the Laplacian of a line.
+//! curve w is 1/length and M half of the adjacent lengths: the Laplacian of a line. On a graph of cells w is given, and
+//! M are the areas of the cells.
 
 mod cloud;
 mod gluing;
@@ -140,7 +141,14 @@ fn graph_laplacian(
         weights.extend(row.iter().map(|entry| entry.1));
     };
     let weights = CompressedRows::from_rows(n, rows_at_a_time(n), progress, Vec::new, row)?;
-    let (mass, info) = (vec![1.0; n], LaplacianInfo::default());
+    let info = LaplacianInfo::default();
+    if let Some(areas) = graph.cell_areas() {
+        let (points, unit) = geometry.unit_points(progress)?;
+        let mean_length = mean_edge_length(&points, weights.pattern(), progress)?;
+        let mass = node_at.iter().map(|&node| areas[node as usize] / unit / unit).collect();
+        return Ok(Laplacian { weights, mass, unit, mean_length, area_unit: unit * unit, info });
+    }
+    let mass = vec![1.0; n];
     let mean_length = match geometry.points() {
         [] => 1.0,
         points => mean_edge_length(points, weights.pattern(), progress)?,

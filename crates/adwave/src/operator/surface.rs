@@ -68,7 +68,8 @@ pub fn surface_diffusion(
     progress.step(1, STAGES)?;
     let (mean_length, info) = (laplacian.mean_length(), *laplacian.info());
     let is_curve = geometry.curve_edges().is_some();
-    let is_graph = matches!(geometry.shape(), Shape::Graph(_)) && !is_curve;
+    let is_graph =
+        matches!(geometry.shape(), Shape::Graph(graph) if graph.cell_areas().is_none()) && !is_curve;
     let areas = laplacian.areas();
     let (weights, mut mass, unit) = laplacian.into_parts();
     let n = mass.len();

@@ -153,7 +153,7 @@ pub(crate) fn vector_area(points: &[[f64; 3]], corners: &[u32]) -> Vector3<f64> 
 }
 
 /// Mean of the corners of a face, and the corners relative to it.
-fn centered(points: &[[f64; 3]], corners: &[u32]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+pub(super) fn centered(points: &[[f64; 3]], corners: &[u32]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
     let Some(&first) = corners.first() else { return (Vector3::zeros(), Vec::new()) };
     // Measured from a corner, because far from the origin the mean would lose digits.
     let origin = Vector3::from(points[first as usize]);

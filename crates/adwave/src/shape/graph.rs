@@ -43,6 +43,22 @@ pub enum GraphError {
         /// Number of nodes.
         n_nodes: usize,
     },
+    /// The number of areas differs from the number of nodes.
+    #[error("a graph of cells needs one area for each of its {n_nodes} nodes, got {found}")]
+    AreaCount {
+        /// Number of areas.
+        found: usize,
+        /// Number of nodes.
+        n_nodes: usize,
+    },
+    /// An area is negative, NaN or infinite.
+    #[error("node {node} (counted from 0) has the area {area}; areas are finite and at least 0")]
+    BadArea {
+        /// The node, from 0.
+        node: usize,
+        /// The area.
+        area: f64,
+    },
     /// A position is not finite or too far away.
     #[error(transparent)]
     Position(#[from] ShapeError),
@@ -76,6 +92,7 @@ pub struct Graph {
     rows: Arc<CompressedRows<f64>>,
     positions: Option<Arc<Vec<[f64; 3]>>>,
     is_curve: bool,
+    cell_areas: Option<Arc<Vec<f64>>>,
 }
 
 impl Graph {
@@ -153,7 +170,7 @@ impl Graph {
         let Ok(rows) = CompressedRows::from_sorted(n_nodes, directed) else {
             unreachable!("the edges have been checked and sorted")
         };
-        Ok(Self { rows: Arc::new(rows), positions: None, is_curve: false })
+        Ok(Self { rows: Arc::new(rows), positions: None, is_curve: false, cell_areas: None })
     }
 
     /// Builds the curve of nodes at `points` (model units) and the undirected `edges`, with weights 1/length.
@@ -179,7 +196,7 @@ impl Graph {
         let pattern = given.adjacency().clone();
         let rows =
             CompressedRows::new_unchecked(pattern, lengths.iter().map(|length| 1.0 / length).collect());
-        Ok(Self { rows: Arc::new(rows), positions: Some(points), is_curve: true })
+        Ok(Self { rows: Arc::new(rows), positions: Some(points), is_curve: true, cell_areas: None })
     }
 
     /// This graph with its nodes at `points` (model units); the steps still follow the given weights.
@@ -199,7 +216,41 @@ impl Graph {
             return Err(GraphError::PositionCount { found: points.len(), n_nodes: self.n_nodes() });
         }
         check_points(&points)?;
-        Ok(Self { positions: Some(points), is_curve: false, ..self })
+        Ok(Self { positions: Some(points), is_curve: false, cell_areas: None, ..self })
+    }
+
+    /// This graph with its nodes as cells of a surface: `centers` in model units, `areas` in squared model units, and
+    /// weights that conduct heat between cells, of no unit ([`dual_graph`](super::dual_graph)).
+    ///
+    /// Signals on it diffuse by heat, with cells weighted by their areas.
+    ///
+    /// # Errors
+    /// [`GraphError`] unless there is one finite position, and one finite area of at least 0, per node.
+    ///
+    /// ```
+    /// use adwave::{Decomposer, shape::{Graph, Shape}};
+    /// let pair = Graph::new(2, &[(0, 1, 1.0)])?.with_cells(vec![[0.0; 3], [1.0, 0.0, 0.0]], vec![1.0, 3.0])?;
+    /// let decomposer = Decomposer::new(&Shape::Graph(pair));
+    /// assert_eq!(decomposer.areas(), [1.0, 3.0]);
+    /// # Ok::<(), adwave::shape::GraphError>(())
+    /// ```
+    pub fn with_cells(
+        self,
+        centers: impl Into<Arc<Vec<[f64; 3]>>>,
+        areas: Vec<f64>,
+    ) -> Result<Self, GraphError> {
+        if areas.len() != self.n_nodes() {
+            return Err(GraphError::AreaCount { found: areas.len(), n_nodes: self.n_nodes() });
+        }
+        if let Some(node) = areas.iter().position(|area| !(area.is_finite() && *area >= 0.0)) {
+            return Err(GraphError::BadArea { node, area: areas[node] });
+        }
+        Ok(Self { cell_areas: Some(Arc::new(areas)), ..self.with_positions(centers)? })
+    }
+
+    /// Areas of the nodes in squared model units, if they are cells of a surface.
+    pub fn cell_areas(&self) -> Option<&[f64]> {
+        self.cell_areas.as_ref().map(|areas| areas.as_slice())
     }
 
     /// Positions of the nodes in model units, if they have any.

@@ -9,6 +9,7 @@ mod adjacency;
 mod area;
 mod cloud;
 mod curve;
+mod dual;
 mod face_incidence;
 mod graph;
 mod health;
@@ -32,6 +33,7 @@ pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh
 pub use cloud::PointCloud;
 pub use curve::curve_length;
 pub(crate) use curve::edge_lengths;
+pub use dual::dual_graph;
 pub(crate) use face_incidence::FaceIncidence;
 pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_vertex_normals, total_face_area};
 pub use graph::{Graph, GraphError};

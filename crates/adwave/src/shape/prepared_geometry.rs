@@ -157,8 +157,17 @@ impl PreparedGeometry {
             Some(points) => vertex_map.try_positions(points, progress)?,
             None => Vec::new(),
         };
+        let participation = match graph.cell_areas() {
+            Some(_) => Participation::from_curve(graph.rows().permute(vertex_map.as_slice()).pattern()),
+            None => Participation::default(),
+        };
         progress.step(STAGES, STAGES)?;
-        Ok(Self { vertex_map, points: Arc::new(positions), ..Self::empty(shape, weld_mode) })
+        Ok(Self {
+            vertex_map,
+            points: Arc::new(positions),
+            participation: Arc::new(participation),
+            ..Self::empty(shape, weld_mode)
+        })
     }
 
     /// A shape of which nothing is prepared.

@@ -10,6 +10,7 @@ mod density;
 mod editor;
 mod engine;
 mod examples;
+mod face_fields;
 mod filters;
 mod laws;
 mod local_fit;

@@ -27,7 +27,8 @@ use std::fmt::Write;
 
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     let result = ResultFile::new(&args.output)?;
-    let input = load_shape(&args.shape, global)?;
+    let input = load_shape(&args.shape, global)?.resolve_cells(args.signal.name(), global)?;
+    result.check_cells(&input)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
     if args.signal.name() == COORDS {
@@ -154,8 +155,7 @@ fn denoise_field(
     let edited = result.place_values(&input.file, name, &signal, values);
     result.write(&mut input, name, edited, args.normals.to_rule(), global)?;
 
-    let n_vertices = input.shape.n_vertices();
-    let mut text = format!("{}: {}, {name}\n", input.name, count(n_vertices, "vertex", "vertices"));
+    let mut text = format!("{}: {}, {name}\n", input.name, input.count_rows());
     let fit = decomposer.applied_local_fit(args.to_params().local_fit);
     describe_local_fit(&mut text, fit);
     for info in &infos {
@@ -166,7 +166,7 @@ fn denoise_field(
         "shape": input.name,
         "output": args.output.display().to_string(),
         "field": name,
-        "vertices": n_vertices,
+        input.row_words()[1]: input.shape.n_vertices(),
         "local_fit": fit,
         "denoise": infos,
     });

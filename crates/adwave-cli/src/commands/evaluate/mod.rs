@@ -277,6 +277,7 @@ fn find_again(
             shape: shape.clone(),
             name: analysis.input.name.clone(),
             allows_degrees: analysis.input.allows_degrees,
+            mesh_of_cells: None,
         };
         let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())

@@ -77,7 +77,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let operator = operator(args, recipe)?;
     let in_recipe = recipe.map_or(COORDS, |recipe| recipe.field.as_str());
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
-    let input = load_shape(&args.shape, global)?;
+    let input = load_shape(&args.shape, global)?.resolve_cells(&signal_name, global)?;
+    result.check_cells(&input)?;
     input.check_lengths(&given_lengths(&levels.spec))?;
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;

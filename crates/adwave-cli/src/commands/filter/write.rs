@@ -25,7 +25,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
     let mut text = format!(
         "{}: {}, {}\n",
         job.input.name,
-        count(n_vertices, "vertex", "vertices"),
+        job.input.count_rows(),
         count(schedule.n_levels(), "level", "levels")
     );
     let mut report = json!({
@@ -33,7 +33,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         "output": output,
         "field": signal,
         "operator": decomposer.operator_kind().name(),
-        "vertices": n_vertices,
+        job.input.row_words()[1]: n_vertices,
         "steps": steps_json(&schedule.steps_from_zero()),
         "sigma": sigma,
         "layers": layers,
@@ -57,12 +57,12 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
             "{signal}: {}, changed at {} of {}",
             count(n_labels, "label", "labels"),
             change.n_changed,
-            count(n_vertices, "vertex", "vertices")
+            job.input.count_rows()
         );
         report["labels"] = json!({"different": n_labels, "changed": change.n_changed});
     } else {
-        let (rms, max) = (number(change.rms), number(change.max));
-        let _ = writeln!(text, "{signal} changed by {rms} (rms over the vertices), {max} at most");
+        let (rms, max, rows) = (number(change.rms), number(change.max), job.input.row_words()[1]);
+        let _ = writeln!(text, "{signal} changed by {rms} (rms over the {rows}), {max} at most");
         report["changed"] = json!({"rms": change.rms, "max": change.max});
     }
     job.result.write(&mut job.input, &signal, edited, job.normals, global)?;

@@ -31,6 +31,7 @@ pub(crate) static MSH: FormatDescriptor = FormatDescriptor {
     keeps: "all sections, cells and bytes except changed coordinates and fields",
     loses: "polygons of more than four corners, edges beside faces",
     holds_fields: true,
+    holds_face_fields: true,
     recognize: |file| {
         let begins = [&b"$MeshFormat"[..], b"$Comments", b"$NOD"];
         begins.iter().any(|begin| file.text.starts_with(begin)).then_some(Evidence::Signature)

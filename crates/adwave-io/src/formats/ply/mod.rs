@@ -30,6 +30,7 @@ pub(crate) static PLY: FormatDescriptor = FormatDescriptor {
     keeps: "header, elements, properties, byte order",
     loses: "texture coordinates and normals of face corners, groups, materials",
     holds_fields: true,
+    holds_face_fields: true,
     coordinates: CoordinateType::OfShape,
     holds_missing: true,
     provenance: ProvenanceRoom::Comment { begin: "comment", lines_before: 2 },

@@ -26,6 +26,7 @@ pub(crate) static VTK: FormatDescriptor = FormatDescriptor {
     writes: "points, faces, lines, all fields, binary",
     loses: "the interior of volumes, field data, tables of colors, values of lines",
     holds_fields: true,
+    holds_face_fields: true,
     coordinates: CoordinateType::OfShape,
     recognize: |file| file.bytes.starts_with(read::MAGIC).then_some(Evidence::Signature),
     read: Some(|bytes, c| read::read_vtk(&bytes, c.limits, c.progress)),
