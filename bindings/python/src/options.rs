@@ -6,7 +6,7 @@ use adwave::denoise::Creases;
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::local_fit::LocalFit;
-use adwave::operator::{CloudGraph, OperatorKind, OperatorParams};
+use adwave::operator::{CloudGraph, EndPoints, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
@@ -57,6 +57,7 @@ pub(crate) const WEIGHTINGS: &[(&str, Option<Weighting>)] = &[
 ];
 const OPERATORS: &[(&str, OperatorKind)] =
     &[("walk", OperatorKind::Walk), ("surface", OperatorKind::Surface)];
+const END_POINTS: &[(&str, EndPoints)] = &[("keep", EndPoints::Keep), ("free", EndPoints::Free)];
 const MESH_AREAS: &[(&str, MeshArea)] =
     &[("barycentric", MeshArea::Barycentric), ("mixed-voronoi", MeshArea::MixedVoronoi)];
 const CLOUD_AREAS: &[(&str, CloudArea)] = &[
@@ -100,6 +101,7 @@ pub(crate) struct OperatorOptions {
     area: Option<String>,
     density_invariant: Option<bool>,
     keep_creases: Option<bool>,
+    end_points: Option<String>,
 }
 
 impl OperatorOptions {
@@ -129,6 +131,9 @@ impl OperatorOptions {
         }
         if let Some(keep) = self.keep_creases {
             params = params.with_keep_creases(keep);
+        }
+        if let Some(ends) = &self.end_points {
+            params = params.with_end_points(word("end_points", ends, END_POINTS)?);
         }
         if params.density_invariant && params.cloud_graph == CloudGraph::Directed {
             return Err(value_error("density_invariant steps both ways; leave out directed"));

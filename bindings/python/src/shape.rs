@@ -187,14 +187,17 @@ impl ShapeData {
         Ok(Self::new(ShapeFile::from_mesh(points, faces), kind, "arrays".to_owned()))
     }
 
-    /// A graph from its edges; if it is not `undirected`, both directions are listed.
+    /// A graph from its edges; if it is not `undirected`, both directions are listed. With points and without weights it
+    /// is a curve.
     #[staticmethod]
+    #[pyo3(signature = (n_vertices, rows, columns, weights, undirected, points=None))]
     fn from_graph(
         n_vertices: usize,
         rows: PyReadonlyArray1<'_, u32>,
         columns: PyReadonlyArray1<'_, u32>,
         weights: Option<PyReadonlyArray1<'_, f64>>,
         undirected: bool,
+        points: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let (rows, columns) = (rows.as_slice()?, columns.as_slice()?);
         if rows.len() != columns.len() {
@@ -211,7 +214,10 @@ impl ShapeData {
             weights,
             direction: if undirected { Direction::Both } else { Direction::RowToColumn },
         };
-        let file = ShapeFile::from_graph(n_vertices, edges);
+        let file = match points {
+            Some(points) => ShapeFile::from_curve(arrays::points(&points, "points")?.to_vec(), edges),
+            None => ShapeFile::from_graph(n_vertices, edges),
+        };
         Ok(Self::new(file, Some(ShapeKind::Graph), "graph".to_owned()))
     }
 

@@ -88,6 +88,7 @@ class ShapeData:
         columns: NDArray[np.uint32],
         weights: _Floats | None,
         undirected: bool,
+        points: _Floats | None = None,
     ) -> ShapeData: ...
     @staticmethod
     def sample(name: str, vertices: int | None = None, noise: float | None = None, seed: int = 1) -> ShapeData: ...

@@ -158,6 +158,8 @@ class Operator:
         Walk: remove the effect of the sampling density.
     keep_creases : bool, optional
         Do not step across creases, where the normals turn sharply.
+    end_points : {'keep', 'free'}, optional
+        Whether the ends of a curve keep their values, the default, or are smoothed like other vertices.
 
     Examples
     --------
@@ -175,6 +177,7 @@ class Operator:
     area: Union[str, None] = None
     density_invariant: Union[bool, None] = None
     keep_creases: Union[bool, None] = None
+    end_points: Union[Literal["keep", "free"], None] = None
 
     def with_default_kind(self, kind: OperatorKind) -> Operator:
         """Options with this kind if none was given."""
@@ -218,7 +221,7 @@ class Constraints:
         Direction in which vertices may move. By default clouds move along their normals, and meshes freely except for
         their open borders; ``'free'`` also frees borders.
     border : {'natural', 'keep', 'free'}
-        Treatment of open borders.
+        Treatment of open borders; on a curve ``'free'`` frees the end points too.
     volume : {'free', 'keep'}
         Whether a closed surface keeps its volume, by an offset along the normals.
 

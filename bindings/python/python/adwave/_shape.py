@@ -485,9 +485,10 @@ class Shape:
 
     def __reduce__(self) -> tuple[Any, ...]:
         data = self._data
-        if not data.points.size:
+        if data.kind == "graph" and not data.n_faces:
             pairs, weights, undirected = data.edges()
-            connected: tuple[Any, ...] = (pairs, weights, undirected)
+            points = np.array(data.points) if data.points.size else None
+            connected: tuple[Any, ...] = (pairs, weights, undirected, points)
         else:
             connected = (np.array(data.points), *data.polygons())
         fields = {name: self.fields[name] for name in self.fields}
@@ -499,9 +500,10 @@ def _restore_shape(
     kind: Kind, n: int, connected: tuple[Any, ...], fields: dict[str, Any], face_fields: dict[str, Any]
 ) -> Shape:
     if isinstance(connected[2], bool):
-        pairs, weights, undirected = connected
+        pairs, weights, undirected, points = connected
         pairs = np.ascontiguousarray(pairs.T)
-        data = _native.ShapeData.from_graph(n, pairs[0], pairs[1], weights if len(weights) else None, undirected)
+        weights = weights if len(weights) else None
+        data = _native.ShapeData.from_graph(n, pairs[0], pairs[1], weights, undirected, points)
     else:
         points, offsets, corners = connected
         data = _native.ShapeData.from_arrays(points, corners, offsets, kind)
@@ -729,8 +731,12 @@ def sample(name: str = "creature", *, vertices: int | None = None, noise: float 
     return Shape._from_data(_native.ShapeData.sample(name, vertices, noise, seed))
 
 
-def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -> Shape:
-    """A graph from a list of edges, each listed once.
+def graph(
+    n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None, *, points: ArrayLike | None = None
+) -> Shape:
+    """A graph from a list of edges, each listed once; with positions and without weights, a curve.
+
+    On a curve signals diffuse by arc length, and `filter` and `denoise` move its vertices.
 
     Parameters
     ----------
@@ -740,16 +746,30 @@ def graph(n_vertices: int, edges: ArrayLike, weights: ArrayLike | None = None) -
         Nodes at both ends, counted from 0.
     weights : (e,) array_like, optional
         Positive weights; 1 by default.
+    points : (n_vertices, 3) array_like, optional
+        Positions of the nodes, in model units. If there are weights too, these decide the steps.
 
     Raises
     ------
     ValueError
-        If an edge has a node that is not there, or a weight is not positive.
+        If an edge has a node that is not there, a weight is not positive, or there is not one position per node.
 
     Examples
     --------
     >>> import adwave as aw
     >>> aw.graph(3, [[0, 1], [1, 2]])
     <adwave.Shape: graph, 3 vertices>
+    >>> track = aw.graph(3, [[0, 1], [1, 2]], points=[[0, 0, 0], [1, 0.2, 0], [2, 0, 0]])
+    >>> aw.filter(track, "smooth", levels=2).points[[0, 2]].tolist()
+    [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]
     """
-    return Shape._from_data(_data_from_parts(_adapt.graph_parts(n_vertices, edges, weights)))
+    parts = _adapt.graph_parts(n_vertices, edges, weights)
+    if points is None:
+        return Shape._from_data(_data_from_parts(parts))
+    positions = _adapt.points_array(points)
+    if len(positions) != parts.n_vertices:
+        raise ValueError(
+            f"points: a graph of {parts.n_vertices} nodes needs one row for each, (n_vertices, 3), got {len(positions)}"
+        )
+    data = _native.ShapeData.from_graph(parts.n_vertices, parts.rows, parts.cols, parts.weights, True, positions)
+    return Shape._from_data(data)

@@ -167,6 +167,11 @@ impl ShapeFile {
         Self { n_vertices, edges, ..Self::empty() }
     }
 
+    /// Creates a graph with coordinates and without an original file; without weights it is a curve.
+    pub fn from_curve(points: Vec<[f64; 3]>, edges: Edges) -> Self {
+        Self { edges, ..Self::from_cloud(points) }
+    }
+
     /// Number of vertices, also for a graph without coordinates.
     pub fn n_vertices(&self) -> usize {
         self.n_vertices

@@ -1,0 +1,46 @@
+"""Curves: graphs with positions and without weights."""
+
+import pickle
+
+import adwave as aw
+import numpy as np
+import pytest
+
+
+def helix(noise: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    t = np.linspace(0, 6 * np.pi, 400)
+    points = np.stack([np.cos(t), np.sin(t), 0.1 * t], axis=1)
+    points += noise * np.random.default_rng(1).normal(size=points.shape)
+    return points, np.stack([np.arange(399), np.arange(1, 400)], axis=1)
+
+
+def test_ends_stay_unless_they_are_free() -> None:
+    points, edges = helix(0.02)
+    curve = aw.graph(400, edges, points=points)
+    kept = aw.filter(curve, "smooth", levels=5)
+    assert np.array_equal(kept.points[[0, -1]], points[[0, -1]])
+    assert not np.array_equal(kept.points[1:-1], points[1:-1])
+    free = aw.filter(curve, "smooth", levels=5, constraints=aw.Constraints(border="free"))
+    assert np.all(np.linalg.norm(free.points[[0, -1]] - points[[0, -1]], axis=1) > 1e-6)
+
+
+def test_noise_of_a_curve_is_removed() -> None:
+    (truth, edges), (noisy, _) = helix(), helix(0.02)
+    denoised = aw.denoise(aw.graph(400, edges, points=noisy)).points
+    error = np.sqrt(((denoised - truth) ** 2).mean())
+    assert error < 0.7 * np.sqrt(((noisy - truth) ** 2).mean())
+
+
+def test_pickled_curves_keep_their_edges() -> None:
+    points, edges = helix()
+    copy = pickle.loads(pickle.dumps(aw.graph(400, edges, points=points).with_field("s", np.arange(400))))
+    assert copy.kind == "graph" and np.array_equal(copy.points, points)
+    assert np.array_equal(copy.edges()[0], edges) and copy["s"][7] == 7
+    signal = np.random.default_rng(2).normal(size=400)
+    before = aw.decompose(aw.graph(400, edges, points=points), signal, levels=3).coarsest
+    assert np.array_equal(aw.decompose(copy, signal, levels=3).coarsest, before)
+
+
+def test_a_graph_needs_one_position_per_node() -> None:
+    with pytest.raises(ValueError, match="a graph of 3 nodes needs one row for each"):
+        aw.graph(3, [[0, 1]], points=np.zeros((2, 3)))
