@@ -7,12 +7,13 @@ use crate::options::length;
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::shape::{Shape, surface_area};
+use adwave::shape::Shape;
 use adwave::signal::outward_normals;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, PairParams, ShapeFeatures, Surface,
-    align as fit_motion, common_lengths, consensus, describe_shape, pairs_under, signed_distances,
+    AlignParams, Motion, PairParams, Registrand, Registration, SearchParams, ShapeFeatures, Surface,
+    align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place, pairs_under, register,
+    signed_distances,
 };
 use adwave_simplify::{Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud, simplify_mesh};
 use pyo3::prelude::*;
@@ -112,23 +113,25 @@ fn match_shapes<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (a, b) = (first.get(), second.get());
     let work = |p: Progress<'_>| -> Stage<_> {
-        let (one, two, motion) = motion_between(a, b, options.theta, options.scaled, p)?;
-        let other = &b.decomposer;
-        let pairs = motion.as_ref().map_or_else(Vec::new, |(motion, _)| {
-            let area = match other.geometry().triangles() {
-                [] => other.areas().iter().sum(),
-                triangles => surface_area(other.geometry().points(), triangles),
-            };
-            pairs_under(&one.keys, &two.keys, motion, area, &PairParams { sigmas: options.within })
+        let [one, two] = registrands(a, b, options.theta, options.scaled, p)?;
+        let params = SearchParams { scaled: options.scaled, ..SearchParams::default() };
+        let registration = stage(register(&one, &two, &params, p))?;
+        let pairs = registration.clear().map_or_else(Vec::new, |found| {
+            let params = PairParams { sigmas: options.within, confidence: registration.confidence() };
+            pairs_under(&one.features.keys, &two.features.keys, &found.motion, two.area, &params)
         });
-        Ok((one, two, motion, pairs))
+        Ok((one.features, two.features, registration, pairs))
     };
-    let (one, two, motion, pairs) = run(py, usize::MAX, progress.as_ref(), work)?;
+    let (one, two, registration, pairs): (ShapeFeatures, ShapeFeatures, Registration, _) =
+        run(py, usize::MAX, progress.as_ref(), work)?;
+    let clear = registration.clear();
     let found = PyDict::new(py);
     found.set_item("n_features", (one.features.len(), two.features.len()))?;
-    found.set_item("motion", motion.as_ref().map(|(motion, _)| matrix(py, motion)).transpose()?)?;
-    found.set_item("median", motion.as_ref().map(|(_, info)| info.median))?;
-    found.set_item("overlap", motion.as_ref().map(|(_, info)| info.overlap))?;
+    found.set_item("motion", clear.map(|found| matrix(py, &found.motion)).transpose()?)?;
+    let equal: PyResult<Vec<_>> = registration.equal.iter().map(|found| matrix(py, &found.motion)).collect();
+    found.set_item("equal_motions", equal?)?;
+    found.set_item("median", clear.map(|found| found.fit.median))?;
+    found.set_item("overlap", clear.map(|found| found.fit.overlap))?;
     let indices = |vertex: &dyn Fn(&adwave_register::Pair) -> usize| -> Vec<i64> {
         pairs.iter().map(|pair| vertex(pair) as i64).collect()
     };
@@ -142,17 +145,14 @@ fn match_shapes<'py>(
     Ok(found)
 }
 
-/// Features of two shapes, and the motion between them if one is clear.
-type FeaturesAndMotion = (ShapeFeatures, ShapeFeatures, Option<(Motion, AlignInfo)>);
-
-/// Features of both shapes, and the motion from the first to the second that most of them agree on, fitted to the surfaces.
-fn motion_between(
+/// Prepares two shapes for registration, with features at common widths unless their sizes may differ.
+fn registrands(
     a: &Prepared,
     b: &Prepared,
     theta: f64,
     scaled: bool,
     p: Progress<'_>,
-) -> Stage<FeaturesAndMotion> {
+) -> Stage<[Registrand; 2]> {
     let (decomposer, other) = (&a.decomposer, &b.decomposer);
     let lengths = if scaled {
         [stage(common_lengths(decomposer, decomposer))?, stage(common_lengths(other, other))?]
@@ -160,19 +160,33 @@ fn motion_between(
         let both = stage(common_lengths(decomposer, other))?;
         [both.clone(), both]
     };
-    let describe = |side: &Prepared, lengths: &[f64]| -> Stage<ShapeFeatures> {
-        stage(describe_shape(&side.decomposer, side.normals.as_deref(), lengths, theta, p))
+    let prepare = |side: &Prepared, lengths: &[f64]| -> Stage<Registrand> {
+        let found = stage(describe_shape(&side.decomposer, side.normals.as_deref(), lengths, theta, p))?;
+        registrand(side, found, p)
     };
-    let (one, two) = (describe(a, &lengths[0])?, describe(b, &lengths[1])?);
-    let params = ConsensusParams { scaled, ..ConsensusParams::default() };
-    let found = stage(consensus(&one, &two, &params, p))?;
-    let clear = found.filter(Consensus::is_clear);
-    let (Some(found), Some(surface)) = (clear, Surface::new(other.geometry())) else {
-        return Ok((one, two, None));
+    Ok([prepare(a, &lengths[0])?, prepare(b, &lengths[1])?])
+}
+
+/// Prepares a shape with its features.
+fn registrand(side: &Prepared, features: ShapeFeatures, p: Progress<'_>) -> Stage<Registrand> {
+    // Shapes without a surface are refused before.
+    Ok(stage(Registrand::new(&side.decomposer, features, p))?.expect("a surface"))
+}
+
+/// Motion that brings the points of `a` closest to `b`, from where they are or from anywhere.
+fn aligning_motion(a: &Prepared, b: &Prepared, surface: &Surface, p: Progress<'_>) -> Stage<Motion> {
+    let plain = |side: &Prepared| -> Stage<Registrand> {
+        let outward = stage(outward_normals(side.decomposer.geometry(), side.normals.as_deref(), p))?;
+        registrand(side, ShapeFeatures::without_features(outward), p)
     };
-    let params = AlignParams { scaled, ..AlignParams::default() };
-    let motion = stage(fit_motion(decomposer.geometry().points(), &surface, found.motion, &params, p))?;
-    Ok((one, two, Some(motion)))
+    let start = if let Some(found) = stage(fit_in_place(&plain(a)?, &plain(b)?, p))? {
+        found.motion
+    } else {
+        let [one, two] = registrands(a, b, THETA, false, p)?;
+        stage(closest_fit(&one, &two, p))?.map_or_else(Motion::default, |found| found.motion)
+    };
+    let points = a.decomposer.geometry().points();
+    Ok(stage(fit_motion(points, surface, start, &AlignParams::default(), p))?.0)
 }
 
 fn matrix<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyAny>> {
@@ -203,10 +217,7 @@ fn distances<'py>(
     let work = |p: Progress<'_>| -> Stage<_> {
         let mut motion = Motion::default();
         if align {
-            // Without a clear motion of the features, the shapes are assumed to lie near each other.
-            let start = motion_between(b, a, THETA, false, p)?.2.map_or(motion, |(motion, _)| motion);
-            let other = b.decomposer.geometry().points();
-            motion = stage(fit_motion(other, &own, start, &AlignParams::default(), p))?.0;
+            motion = aligning_motion(b, a, &own, p)?;
         }
         let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.

@@ -13,13 +13,18 @@ pub struct AlignParams {
     pub max_points: usize,
     /// Largest number of rounds.
     pub max_rounds: usize,
-    /// True to fit a similarity, with a change of size, instead of a rigid motion.
+    /// True to fit a similarity, with a change of size, instead of a rigid motion. The scale stays within a factor of
+    /// [`MAX_GROWTH`] of its start.
     pub scaled: bool,
+    /// Distance in model units up to which points take part in the first round. It shrinks from round to round until the median
+    /// distance decides; with 0 that decides from the start. It should be as far as points lie apart at the start, so that
+    /// few parts that differ, such as the bumps of a ball, turn the shape.
+    pub reach: f64,
 }
 
 impl Default for AlignParams {
     fn default() -> Self {
-        Self { max_points: 20_000, max_rounds: 100, scaled: false }
+        Self { max_points: 20_000, max_rounds: 100, scaled: false, reach: 0.0 }
     }
 }
 
@@ -40,6 +45,12 @@ const TUKEY: f64 = 4.685;
 const MAD: f64 = 1.4826;
 /// Residuals caused by rounding, relative to the size of the shape.
 const ROUNDING: f64 = 1e-9;
+/// Largest change of the scale of a similarity, as a factor.
+pub const MAX_GROWTH: f64 = 1.5;
+/// Factor by which the reach shrinks in a round.
+const SHRINKING: f64 = 0.7;
+/// The same after a round that moved little.
+const FAST_SHRINKING: f64 = 0.2;
 /// Movement of a round relative to the residual below which the iteration ends.
 const MIN_PROGRESS: f64 = 0.01;
 
@@ -65,20 +76,25 @@ pub fn align(
     let used: Vec<[f64; 3]> = points.iter().step_by(step).copied().collect();
     let size = half_extent(&used);
     let mut motion = start;
-    let mut rounds = 0;
+    let (mut rounds, mut reach) = (0, params.reach);
     while rounds < params.max_rounds {
         progress.check()?;
         rounds += 1;
         let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
         let Some(Round { motion: small, movement, residual }) =
-            align_round(&moved, surface, size, params.scaled)
+            align_round(&moved, surface, size, reach, params.scaled)
         else {
             break;
         };
-        motion = motion.then(&small);
-        if movement < (ROUNDING * size).max(MIN_PROGRESS * residual) {
+        let growth = motion.scale() * small.scale() / start.scale();
+        if !(1.0 / MAX_GROWTH..=MAX_GROWTH).contains(&growth) {
             break;
         }
+        motion = motion.then(&small);
+        if movement < (ROUNDING * size).max(MIN_PROGRESS * residual) && reach <= TUKEY * MAD * residual {
+            break;
+        }
+        reach *= if movement < MIN_PROGRESS * reach { FAST_SHRINKING } else { SHRINKING };
     }
     let moved: Vec<[f64; 3]> = used.iter().map(|p| motion.apply(p)).collect();
     let mut distances: Vec<f64> =
@@ -111,7 +127,13 @@ struct Round {
 }
 
 /// Performs one round; `None` if too few points have a closest point.
-fn align_round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -> Option<Round> {
+fn align_round(
+    moved: &[[f64; 3]],
+    surface: &Surface,
+    size: f64,
+    reach: f64,
+    scaled: bool,
+) -> Option<Round> {
     let pairs: Vec<([f64; 3], ClosestPoint)> = interior_pairs(moved, surface).collect();
     if pairs.len() < 6 || size <= 0.0 {
         return None;
@@ -123,7 +145,7 @@ fn align_round(moved: &[[f64; 3]], surface: &Surface, size: f64, scaled: bool) -
     let residual = |(p, c): &([f64; 3], ClosestPoint)| dot(&subtract(p, &c.point), &c.normal);
     let mut absolute: Vec<f64> = pairs.iter().map(|pair| residual(pair).abs()).collect();
     let typical = median(&mut absolute);
-    let width = (TUKEY * MAD * typical).max(ROUNDING * size);
+    let width = (TUKEY * MAD * typical).max(reach).max(ROUNDING * size);
     let (mut a, mut b) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
     for pair in &pairs {
         let r = residual(pair);

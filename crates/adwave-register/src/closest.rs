@@ -138,6 +138,22 @@ fn closest_on_cloud(
     ClosestPoint { point, normal, corners: [nearest as u32; 3], weights: [1.0, 0.0, 0.0], is_border }
 }
 
+/// Edges with a single triangle, ascending.
+fn border_edges(triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
+    let mut edges: Vec<(u32, u32)> =
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(sort_edge).collect();
+    edges.sort_unstable();
+    edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+}
+
+/// Vertices of edges with a single triangle, ascending.
+pub(crate) fn border_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut vertices: Vec<u32> = border_edges(triangles).into_iter().flat_map(|(a, b)| [a, b]).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
 /// Edges with a single triangle, and their vertices.
 struct BorderEdges {
     edges: HashSet<(u32, u32)>,
@@ -146,11 +162,7 @@ struct BorderEdges {
 
 impl BorderEdges {
     fn new(triangles: &[[u32; 3]]) -> Self {
-        let mut edges: Vec<(u32, u32)> =
-            triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).map(sort_edge).collect();
-        edges.sort_unstable();
-        let edges: HashSet<_> =
-            edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect();
+        let edges: HashSet<_> = border_edges(triangles).into_iter().collect();
         let vertices = edges.iter().flat_map(|&(a, b)| [a, b]).collect();
         Self { edges, vertices }
     }

@@ -1,11 +1,11 @@
-//! Consensus: the motion that most features of two shapes agree on.
+//! Motions that features agree on.
 
-use crate::{Motion, ShapeFeatures};
+use crate::Motion;
+use crate::shape_features::Landmarks;
 use adwave::features::Feature;
-use adwave::vector::{dot, norm, subtract};
+use adwave::vector::{cross, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
 
 /// Properties of a feature that are used in matching.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,17 @@ impl Key {
         Some(Self { position: feature.position?, normal, sigma: feature.sigma, sign: feature.sign() })
     }
 
+    /// Feature of the mirror image at x = 0.
+    pub(crate) fn mirrored(&self) -> Self {
+        let mirror = crate::registrand::mirror;
+        Self { position: mirror(&self.position), normal: mirror(&self.normal), ..*self }
+    }
+
+    /// Feature of the surface with its other side outside.
+    pub(crate) fn flipped(&self) -> Self {
+        Self { normal: self.normal.map(|c| -c), sign: -self.sign, ..*self }
+    }
+
     /// Tells if another feature, `scale` times as large, has the same sign and a similar size ([`MAX_OCTAVES`]).
     pub(crate) fn is_alike(&self, other: &Self, scale: f64) -> bool {
         self.sign == other.sign && (other.sigma / (scale * self.sigma)).log2().abs() <= MAX_OCTAVES
@@ -41,133 +52,95 @@ impl Key {
 
 /// Largest difference of σ of the same feature on two meshes, in octaves.
 const MAX_OCTAVES: f64 = 0.75;
+/// Most candidate pairs: those of the most similar descriptors.
+const MAX_CANDIDATES: usize = 1536;
+/// Distance of two features in their summed σ below which they determine no direction.
+const LEAST_SPREAD: f64 = 1.0;
+/// Largest difference between the cosines of the angles that two features form on the two shapes.
+const COSINE_SLACK: f64 = 0.35;
+/// Most couples of a candidate pair from which motions are fitted.
+const MAX_COUPLES_OF_PAIR: usize = 4;
+/// Most couples from which motions are fitted.
+const MAX_COUPLES: usize = 700;
+/// Weight of normals in the fit of a motion to few pairs, relative to positions.
+const NORMAL_WEIGHT: f64 = 0.1;
+/// Most rounds of a fit to the pairs that agree with it.
+const REFINING_ROUNDS: usize = 3;
 
-/// Smallest number of tried triples.
-const MIN_TRIES: usize = 2000;
-/// Inverse probability of missing the correct motion.
-const INVERSE_MISS_RATE: f64 = 1e4;
-/// Number of random rotations for the chance level.
-const N_RANDOM_TURNS: usize = 50;
-
-/// Options of the search for a motion.
+/// Options of the search for motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConsensusParams {
-    /// Largest number of tried triples of pairs.
-    pub tries: usize,
+pub(crate) struct ConsensusParams {
     /// Number of most similar features of the other shape that are candidates for each feature.
-    pub candidates: usize,
+    pub(crate) candidates: usize,
     /// Distance after the motion up to which features agree with it, in their σ.
-    pub sigmas: f64,
-    /// True to search for a similarity, with a change of size, instead of a rigid motion.
-    pub scaled: bool,
-    /// Seed of the triples.
-    pub seed: u64,
+    pub(crate) sigmas: f64,
+    /// True to search for similarities, with a change of size, instead of rigid motions.
+    pub(crate) scaled: bool,
+    /// Largest number of motions.
+    pub(crate) motions: usize,
 }
 
 impl Default for ConsensusParams {
     fn default() -> Self {
-        Self { tries: 200_000, candidates: 5, sigmas: 1.0, scaled: false, seed: 1 }
+        Self { candidates: 5, sigmas: 1.0, scaled: false, motions: 150 }
     }
 }
 
-/// Motion that most features agree on.
+/// Motion with the candidate pairs that agree with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Consensus {
+pub(crate) struct Consensus {
     /// Motion from the first shape to the second.
-    pub motion: Motion,
-    /// Number of pairs of features that agree with it.
-    pub n_agreeing: usize,
-    /// Largest number of agreeing pairs after one of 50 random rotations about the center of the second shape.
-    pub n_by_chance: usize,
+    pub(crate) motion: Motion,
+    /// Number of features of the first shape with a similar feature of the second within [`ConsensusParams::sigmas`].
+    pub(crate) n_agreeing: usize,
 }
 
-impl Consensus {
-    /// Returns true if at least six pairs agree, and more than 1.5 times as many as by chance.
-    pub fn is_clear(&self) -> bool {
-        self.n_agreeing >= 6 && 2 * self.n_agreeing > 3 * self.n_by_chance
-    }
-}
-
-/// Finds the motion from `first` to `second` that most features agree on, by random triples of similar pairs (RANSAC).
+/// Finds distinct motions from `first` to `second` that many features agree on, the one with most features first.
 ///
-/// Returns `None` if no triple fits. The same seed gives the same motion. O(tries + hundreds × first × second).
+/// Two candidate pairs are compatible if distances and angles between their features are equal on both shapes, up to the
+/// precision of features. Two compatible pairs, with their normals, give a motion; those that share most compatible pairs come
+/// first. The motion is fitted to all pairs that agree with it. O(candidates³ / 64) at most, typically O(candidates²).
 ///
-/// Source: `fischler1981`.
+/// Source: `chen2022`.
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
-pub fn consensus(
-    first: &ShapeFeatures,
-    second: &ShapeFeatures,
+pub(crate) fn consensus(
+    first: &Landmarks,
+    second: &Landmarks,
     params: &ConsensusParams,
     progress: Progress<'_>,
-) -> Result<Option<Consensus>, Cancelled> {
-    let (keys, others) = (first.keys.as_slice(), second.keys.as_slice());
-    let candidates = candidate_pairs(first, second, params);
-    if candidates.len() < 3 {
-        return Ok(None);
+) -> Result<Vec<Consensus>, Cancelled> {
+    let pairs = candidate_pairs(first, second, params);
+    let places: Vec<PairedKeys> =
+        pairs.iter().map(|pair| PairedKeys { from: first.keys[pair.first], to: second.keys[pair.second] }).collect();
+    if pairs.len() < 2 {
+        return Ok(Vec::new());
     }
-    let mut random = Pcg64Mcg::seed_from_u64(params.seed);
-    let mut draw = || candidates[(random.next_u64() % candidates.len() as u64) as usize];
-    let mut best: Option<(Motion, usize)> = None;
-    let spread = adwave::shape::diagonal(&keys.iter().map(|k| k.position).collect::<Vec<_>>());
-    let (mut tried, mut enough) = (0, params.tries);
-    while tried < enough {
-        if tried % 1024 == 0 {
-            progress.check()?;
-        }
-        tried += 1;
-        let triple = [draw(), draw(), draw()];
-        let Some(motion) = fit_triple(&triple, keys, others, spread, params) else { continue };
-        let count = agreeing_pairs(keys, others, &motion, params.sigmas).len();
-        if best.is_none_or(|(_, most)| count > most) {
-            let refined = refine(keys, others, motion, count, params);
-            enough = params.tries.min(required_tries(&candidates, keys, others, &refined.0, params));
-            best = Some(refined);
-        }
-    }
-    let Some((motion, n_agreeing)) = best else { return Ok(None) };
-    let n_by_chance = count_by_chance(keys, others, &motion, params, &mut random);
-    Ok(Some(Consensus { motion, n_agreeing, n_by_chance }))
+    progress.check()?;
+    let graph = CompatiblePairs::new(&pairs, &places, params);
+    progress.check()?;
+    let fit = |couple: &Couple| fit_members(&[couple.first, couple.second], &pairs, &places, params);
+    let mut found: Vec<Consensus> = graph.best_couples().par_iter().filter_map(fit).collect();
+    found.sort_by_key(|consensus| std::cmp::Reverse(consensus.n_agreeing));
+    Ok(distinct(found, first, params.motions))
 }
 
-/// Number of triples after which three correct pairs have been drawn, except for one run in [`INVERSE_MISS_RATE`], assuming that
-/// the motion is correct.
-fn required_tries(
-    candidates: &[CandidatePair],
-    keys: &[Key],
-    others: &[Key],
-    motion: &Motion,
-    params: &ConsensusParams,
-) -> usize {
-    let n_right = candidates.iter().filter(|pair| is_fitting(pair, keys, others, motion, params)).count();
-    let share = (n_right as f64 / candidates.len() as f64).powi(3);
-    // Only some correct triples are far apart and precise; a factor of ten compensates for this.
-    MIN_TRIES.max((10.0 * INVERSE_MISS_RATE.ln() / -(-share).ln_1p()).ceil() as usize)
-}
-
-/// Counts the features that agree by chance: the largest number after [`N_RANDOM_TURNS`] random rotations of the second shape
-/// about its center.
-fn count_by_chance(
-    keys: &[Key],
-    others: &[Key],
-    motion: &Motion,
-    params: &ConsensusParams,
-    random: &mut Pcg64Mcg,
-) -> usize {
-    let sum = others.iter().fold([0.0; 3], |sum, k| std::array::from_fn(|c| sum[c] + k.position[c]));
-    let center = sum.map(|c| c / others.len().max(1) as f64);
-    let mut number = || random.next_u64() as f64 / u64::MAX as f64 - 0.5;
-    let count = |_| {
-        let axis: [f64; 3] = std::array::from_fn(|_| number());
-        let angle = 0.5 + 2.0 * (number() + 0.5);
-        let length = norm(&axis).max(f64::MIN_POSITIVE);
-        let turn = Motion::new(axis.map(|c| c * angle / length), [0.0; 3]);
-        let moved = turn.apply(&center);
-        let back = Motion::new([0.0; 3], std::array::from_fn(|c| center[c] - moved[c]));
-        agreeing_pairs(keys, others, &motion.then(&turn).then(&back), params.sigmas).len()
-    };
-    (0..N_RANDOM_TURNS).map(count).max().unwrap_or(0)
+/// Keeps the first of motions that differ by less than 4 % of the extent of the features.
+fn distinct(found: Vec<Consensus>, first: &Landmarks, most: usize) -> Vec<Consensus> {
+    let points: Vec<[f64; 3]> = first.keys.iter().map(|key| key.position).collect();
+    let extent = adwave::shape::diagonal(&points);
+    let points: Vec<[f64; 3]> = points.into_iter().step_by(1 + first.keys.len() / 12).collect();
+    let mut kept: Vec<Consensus> = Vec::new();
+    for consensus in found {
+        let size = consensus.motion.scale() * extent;
+        if kept.len() < most
+            && kept.iter().all(|other| consensus.motion.difference(&other.motion, &points) > 0.04 * size)
+        {
+            kept.push(consensus);
+        }
+    }
+    kept
 }
 
 /// Two features that may be the same, by their indices.
@@ -175,67 +148,230 @@ fn count_by_chance(
 struct CandidatePair {
     first: usize,
     second: usize,
+    /// Squared distance of the descriptors.
+    distance: f64,
 }
 
-/// Lists the most similar features of the second shape for each feature of the first.
+/// Keys of the two features of a candidate pair.
+#[derive(Clone, Copy)]
+struct PairedKeys {
+    from: Key,
+    to: Key,
+}
+
+/// Lists the most similar features of the second shape for each feature of the first, and the reverse.
 fn candidate_pairs(
-    first: &ShapeFeatures,
-    second: &ShapeFeatures,
+    first: &Landmarks,
+    second: &Landmarks,
     params: &ConsensusParams,
 ) -> Vec<CandidatePair> {
-    let mut pairs = Vec::new();
-    for (a, (key, descriptor)) in first.keys.iter().zip(&first.descriptors).enumerate() {
-        let alike = |b: &usize| {
-            let other = &second.keys[*b];
-            if params.scaled { key.sign == other.sign } else { key.is_alike(other, 1.0) }
-        };
-        let distance = |b: usize| -> f64 {
-            descriptor.iter().zip(&second.descriptors[b]).map(|(x, y)| (x - y) * (x - y)).sum()
-        };
-        let mut near: Vec<(f64, usize)> =
-            (0..second.keys.len()).filter(alike).map(|b| (distance(b), b)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let nearest = near.iter().take(params.candidates);
-        pairs.extend(nearest.map(|&(_, b)| CandidatePair { first: a, second: b }));
+    let (firsts, seconds): (Vec<usize>, Vec<usize>) = ((0..first.keys.len()).collect(), (0..second.keys.len()).collect());
+    let rate = |&a: &usize, &b: &usize| -> Option<CandidatePair> {
+        let (key, other) = (&first.keys[a], &second.keys[b]);
+        let is_alike = if params.scaled { key.sign == other.sign } else { key.is_alike(other, 1.0) };
+        let squares = first.descriptors[a].iter().zip(&second.descriptors[b]).map(|(x, y)| (x - y) * (x - y));
+        is_alike.then(|| CandidatePair { first: a, second: b, distance: squares.sum() })
+    };
+    let forward = firsts.iter().map(|a| seconds.iter().filter_map(|b| rate(a, b)).collect::<Vec<_>>());
+    let backward = seconds.iter().map(|b| firsts.iter().filter_map(|a| rate(a, b)).collect::<Vec<_>>());
+    let mut pairs: Vec<CandidatePair> = Vec::new();
+    for mut near in forward.chain(backward) {
+        near.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second))));
+        near.truncate(params.candidates);
+        pairs.extend(near);
+    }
+    pairs.sort_by_key(|pair| (pair.first, pair.second));
+    pairs.dedup_by_key(|pair| (pair.first, pair.second));
+    if pairs.len() > MAX_CANDIDATES {
+        pairs.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second))));
+        pairs.truncate(MAX_CANDIDATES);
+        pairs.sort_by_key(|pair| (pair.first, pair.second));
     }
     pairs
 }
 
-/// Fits a motion to three pairs that are far apart and at equal distances on both shapes; `None` otherwise.
-fn fit_triple(
-    triple: &[CandidatePair; 3],
-    keys: &[Key],
-    others: &[Key],
-    spread: f64,
-    params: &ConsensusParams,
-) -> Option<Motion> {
-    let p = triple.map(|pair| keys[pair.first].position);
-    let q = triple.map(|pair| others[pair.second].position);
-    let scale =
-        if params.scaled { others[triple[0].second].sigma / keys[triple[0].first].sigma } else { 1.0 };
-    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
-        let (before, after) = (norm(&subtract(&p[i], &p[j])), norm(&subtract(&q[i], &q[j])));
-        let slack = params.sigmas * (others[triple[i].second].sigma + others[triple[j].second].sigma);
-        let slack = if params.scaled { slack + 0.5 * after } else { slack };
-        if before < 0.15 * spread || (after - scale * before).abs() > slack {
-            return None;
-        }
-    }
-    let motion = Motion::fit(&p, &q, &[1.0; 3], params.scaled)?;
-    triple.iter().all(|pair| is_fitting(pair, keys, others, &motion, params)).then_some(motion)
+/// Candidate pairs that are compatible with each candidate pair, as bits.
+struct CompatiblePairs {
+    n_words: usize,
+    words: Vec<u64>,
 }
 
-/// Tells if a motion brings the features of a pair together.
-fn is_fitting(
-    pair: &CandidatePair,
-    keys: &[Key],
-    others: &[Key],
-    motion: &Motion,
+/// Two compatible candidate pairs, which determine a motion with their normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Couple {
+    /// Rank among the couples of the first pair, so that motions that few pairs agree on come early too.
+    rank: usize,
+    /// Number of candidate pairs that are not compatible with both.
+    missing: usize,
+    first: usize,
+    second: usize,
+}
+
+impl CompatiblePairs {
+    fn new(pairs: &[CandidatePair], places: &[PairedKeys], params: &ConsensusParams) -> Self {
+        let n_words = pairs.len().div_ceil(64);
+        // Bits above the diagonal, then their mirror image.
+        let row = |i: usize| -> Vec<u64> {
+            let mut words = vec![0_u64; n_words];
+            for j in i + 1..pairs.len() {
+                let is_one = pairs[i].first == pairs[j].first || pairs[i].second == pairs[j].second;
+                if !is_one && are_compatible(&places[i], &places[j], params) {
+                    words[j / 64] |= 1 << (j % 64);
+                }
+            }
+            words
+        };
+        let mut words: Vec<u64> = (0..pairs.len()).into_par_iter().flat_map_iter(row).collect();
+        for i in 0..pairs.len() {
+            for j in i + 1..pairs.len() {
+                if words[i * n_words + j / 64] >> (j % 64) & 1 == 1 {
+                    words[j * n_words + i / 64] |= 1 << (i % 64);
+                }
+            }
+        }
+        Self { n_words, words }
+    }
+
+    fn row(&self, i: usize) -> &[u64] {
+        &self.words[i * self.n_words..][..self.n_words]
+    }
+
+    /// Couples that share most compatible pairs.
+    fn best_couples(&self) -> Vec<Couple> {
+        let n_pairs = self.words.len() / self.n_words;
+        let couples_of = |i: usize| -> Vec<Couple> {
+            let own = self.row(i);
+            let is_near = |j: &usize| own[j / 64] >> (j % 64) & 1 == 1;
+            let couple = |j: usize| {
+                let shared: u32 = own.iter().zip(self.row(j)).map(|(a, b)| (a & b).count_ones()).sum();
+                Couple { rank: 0, missing: n_pairs - shared as usize, first: i, second: j }
+            };
+            let mut couples: Vec<Couple> = (i + 1..n_pairs).filter(is_near).map(couple).collect();
+            couples.sort_unstable();
+            couples.truncate(MAX_COUPLES_OF_PAIR);
+            couples.iter_mut().enumerate().for_each(|(rank, couple)| couple.rank = rank);
+            couples
+        };
+        let mut couples: Vec<Couple> = (0..n_pairs).into_par_iter().flat_map_iter(couples_of).collect();
+        couples.sort_unstable();
+        couples.truncate(MAX_COUPLES);
+        couples
+    }
+}
+
+/// Tells if two candidate pairs have equal distances and angles on both shapes, up to the precision of features.
+fn are_compatible(a: &PairedKeys, b: &PairedKeys, params: &ConsensusParams) -> bool {
+    let (before, after) = (subtract(&b.from.position, &a.from.position), subtract(&b.to.position, &a.to.position));
+    let (length, other_length) = (norm(&before), norm(&after));
+    let scale = if params.scaled { other_length / length } else { 1.0 };
+    if params.scaled {
+        let is_near = |pair: &PairedKeys| (pair.to.sigma / (scale * pair.from.sigma)).log2().abs() <= MAX_OCTAVES;
+        if !(is_near(a) && is_near(b)) {
+            return false;
+        }
+    }
+    let reach = a.to.sigma + b.to.sigma;
+    if other_length.min(scale * length) < LEAST_SPREAD * reach
+        || (other_length - scale * length).abs() > 0.5 * params.sigmas * reach
+    {
+        return false;
+    }
+    let [p, q, r, s] = [&a.from.normal, &b.from.normal, &a.to.normal, &b.to.normal];
+    if [p, q, r, s].contains(&&[0.0; 3]) {
+        return true;
+    }
+    // The triple product tells a shape from its mirror image.
+    let cosines = |d: &[f64; 3], n: &[f64; 3], m: &[f64; 3], length: f64| {
+        [dot(n, m), dot(d, n) / length, dot(d, m) / length, dot(d, &cross(n, m)) / length]
+    };
+    let (before, after) = (cosines(&before, p, q, length), cosines(&after, r, s, other_length));
+    before.iter().zip(after).all(|(x, y)| (x - y).abs() <= COSINE_SLACK)
+}
+
+/// Fits a motion to some candidate pairs, then to all candidate pairs that agree with it.
+fn fit_members(
+    members: &[usize],
+    pairs: &[CandidatePair],
+    places: &[PairedKeys],
     params: &ConsensusParams,
-) -> bool {
-    let (key, other) = (&keys[pair.first], &others[pair.second]);
-    let distance = norm(&subtract(&motion.apply(&key.position), &other.position));
-    distance <= params.sigmas * other.sigma && key.is_alike_after(other, motion)
+) -> Option<Consensus> {
+    let mut motion = fit_keys(members.iter().map(|&i| places[i]), params.scaled)?;
+    let mut n_best = 0;
+    let mut best = None;
+    for _ in 0..REFINING_ROUNDS {
+        let agreeing = agreeing_candidates(pairs, places, &motion, params.sigmas);
+        if agreeing.len() <= n_best || agreeing.len() < 3 {
+            break;
+        }
+        n_best = agreeing.len();
+        best = Some(Consensus { motion, n_agreeing: n_best });
+        let Some(next) = fit_keys(agreeing.iter().map(|&i| places[i]), params.scaled) else { break };
+        motion = next;
+    }
+    best.filter(|best| best.motion.scale() > 0.0)
+}
+
+/// Lists the nearest agreeing candidate pair of each feature of the first shape, no feature of the second twice.
+fn agreeing_candidates(
+    pairs: &[CandidatePair],
+    places: &[PairedKeys],
+    motion: &Motion,
+    sigmas: f64,
+) -> Vec<usize> {
+    let mut near: Vec<(f64, usize)> = Vec::new();
+    for (i, place) in places.iter().enumerate() {
+        let offset = subtract(&motion.apply(&place.from.position), &place.to.position);
+        let distance = norm(&offset) / place.to.sigma;
+        if distance <= sigmas && place.from.is_alike_after(&place.to, motion) {
+            near.push((distance, i));
+        }
+    }
+    near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let size = |index: fn(&CandidatePair) -> usize| pairs.iter().map(index).max().map_or(0, |most| most + 1);
+    let (mut firsts, mut seconds) = (vec![false; size(|p| p.first)], vec![false; size(|p| p.second)]);
+    near.retain(|&(_, i)| {
+        let CandidatePair { first, second, .. } = pairs[i];
+        let is_free = !firsts[first] && !seconds[second];
+        if is_free {
+            (firsts[first], seconds[second]) = (true, true);
+        }
+        is_free
+    });
+    near.into_iter().map(|(_, i)| i).collect()
+}
+
+/// Fits a motion to the positions of paired features, and with little weight to their normals.
+fn fit_keys(places: impl Iterator<Item = PairedKeys>, scaled: bool) -> Option<Motion> {
+    let places: Vec<PairedKeys> = places.collect();
+    let positions: Vec<[f64; 3]> = places.iter().map(|place| place.from.position).collect();
+    let arm = 0.5 * adwave::shape::diagonal(&positions);
+    let normal_weight = if places.len() < 4 { 1.0 } else { NORMAL_WEIGHT };
+    let scale = if scaled { scale_of(&places)? } else { 1.0 };
+    let (mut from, mut to, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    for PairedKeys { from: p, to: q } in &places {
+        // The positions of fine features are more precise.
+        let weight = q.sigma.powi(-2);
+        from.push(p.position);
+        to.push(q.position);
+        weights.push(weight);
+        if p.normal != [0.0; 3] && q.normal != [0.0; 3] {
+            from.push(adwave::vector::add_scaled(&p.position, arm, &p.normal));
+            to.push(adwave::vector::add_scaled(&q.position, scale * arm, &q.normal));
+            weights.push(normal_weight * weight);
+        }
+    }
+    Motion::fit(&from, &to, &weights, scaled)
+}
+
+/// Ratio of the extents of paired features about their means; `None` if one of them is 0.
+fn scale_of(places: &[PairedKeys]) -> Option<f64> {
+    let spread = |key: fn(&PairedKeys) -> [f64; 3]| -> f64 {
+        let sum = places.iter().map(key).fold([0.0; 3], |sum, p| std::array::from_fn(|c| sum[c] + p[c]));
+        let mean = sum.map(|c| c / places.len() as f64);
+        places.iter().map(|place| norm(&subtract(&key(place), &mean)).powi(2)).sum::<f64>().sqrt()
+    };
+    let scale = spread(|place| place.to.position) / spread(|place| place.from.position);
+    (scale.is_finite() && scale > 0.0).then_some(scale)
 }
 
 /// Two features that a motion brings together.
@@ -273,31 +409,4 @@ pub(crate) fn agreeing_pairs(
         }
     }
     forward.into_iter().filter(|pair| nearest_of[pair.second].1 == pair.first).collect()
-}
-
-/// Fits the motion to all features that agree with it, repeatedly while their number grows.
-fn refine(
-    keys: &[Key],
-    others: &[Key],
-    mut motion: Motion,
-    mut count: usize,
-    params: &ConsensusParams,
-) -> (Motion, usize) {
-    for _ in 0..10 {
-        let agreeing = agreeing_pairs(keys, others, &motion, params.sigmas);
-        let (p, q): (Vec<_>, Vec<_>) =
-            agreeing.iter().map(|pair| (keys[pair.first].position, others[pair.second].position)).unzip();
-        // The positions of fine features are more precise.
-        let weights: Vec<f64> = agreeing.iter().map(|pair| others[pair.second].sigma.powi(-2)).collect();
-        let Some(next) = Motion::fit(&p, &q, &weights, params.scaled) else { break };
-        let n = agreeing_pairs(keys, others, &next, params.sigmas).len();
-        if n < count {
-            break;
-        }
-        (motion, count) = (next, n);
-        if n == agreeing.len() && n == count {
-            break;
-        }
-    }
-    (motion, count)
 }

@@ -1,5 +1,6 @@
-//! Registration of two shapes: closest points of a surface ([`Surface`]), motions ([`Motion`], [`align`]), a motion that
-//! features agree on ([`consensus`], [`pairs_under`]), and signed distances ([`signed_distances`]).
+//! Registration of two shapes: closest points of a surface ([`Surface`]), motions ([`Motion`], [`align`]), pairs of
+//! features ([`pairs_under`]), the motion between two shapes that is better than chance and those that fit equally well
+//! ([`register()`]), and signed distances ([`signed_distances`]).
 //!
 //! All lengths are in model units. The crate reads no files.
 
@@ -9,12 +10,20 @@ mod consensus;
 mod distance;
 mod motion;
 mod pairs;
+mod register;
+mod registrand;
+mod search;
 mod shape_features;
+mod two_way_fit;
 
-pub use align::{AlignInfo, AlignParams, align};
+pub use align::{AlignInfo, AlignParams, MAX_GROWTH, align};
 pub use closest::{ClosestPoint, Surface};
-pub use consensus::{Consensus, ConsensusParams, Key, consensus};
+pub use consensus::Key;
 pub use distance::{SignedDistances, Summary, signed_distances};
 pub use motion::Motion;
-pub use pairs::{Pair, PairParams, pairs_under};
+pub use pairs::{Pair, PairParams, descriptor_pairs, pairs_under};
+pub use register::{ClosestFit, RegisteredMotion, Registration, closest_fit, fit_in_place, fit_under, register};
+pub use registrand::Registrand;
+pub use search::{FoundMotion, MotionSearch, SearchParams, search_motions};
 pub use shape_features::{DescribeError, ShapeFeatures, common_lengths, describe_shape};
+pub use two_way_fit::TwoWayFit;

@@ -15,6 +15,13 @@ pub struct Motion {
     translation: Vector3<f64>,
 }
 
+/// Point with three orthonormal, right-handed axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Frame {
+    pub(crate) origin: [f64; 3],
+    pub(crate) axes: [[f64; 3]; 3],
+}
+
 impl Default for Motion {
     fn default() -> Self {
         Self { rotation: Rotation3::identity(), scale: 1.0, translation: Vector3::zeros() }
@@ -35,6 +42,14 @@ impl Motion {
     #[must_use]
     pub fn scaled_by(self, factor: f64) -> Self {
         Self { scale: factor * self.scale, translation: factor * self.translation, ..self }
+    }
+
+    /// Creates a rigid motion that takes an orthonormal, right-handed frame at a point to another one.
+    pub(crate) fn from_frames(from: &Frame, to: &Frame) -> Self {
+        let matrix = |frame: &Frame| Matrix3::from_columns(&frame.axes.map(Vector3::from));
+        let rotation = Rotation3::from_matrix_unchecked(matrix(to) * matrix(from).transpose());
+        let translation = Vector3::from(to.origin) - rotation * Vector3::from(from.origin);
+        Self { rotation, scale: 1.0, translation }
     }
 
     /// Fits the motion that takes the points `from` to `to` with the least weighted sum of squares, in O(pairs).
@@ -138,7 +153,18 @@ impl Motion {
 
     /// Rotation angle in degrees, in [0, 180].
     pub fn degrees(&self) -> f64 {
-        self.rotation.angle().to_degrees()
+        let m = self.rotation.matrix();
+        let axis = [m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]];
+        // The arc cosine of the trace has no digits near 0, and is not a number if rounding takes it above 1.
+        adwave::vector::norm(&axis).atan2(m.trace() - 1.0).to_degrees()
+    }
+
+    /// Root mean square distance between the images of `points` under two motions.
+    pub fn difference(&self, other: &Self, points: &[[f64; 3]]) -> f64 {
+        let square = |p: &[f64; 3]| {
+            adwave::vector::norm(&adwave::vector::subtract(&self.apply(p), &other.apply(p))).powi(2)
+        };
+        (points.iter().map(square).sum::<f64>() / points.len().max(1) as f64).sqrt()
     }
 
     /// Translation t, the image of the origin.

@@ -1,18 +1,21 @@
-//! Corresponding features under a motion.
+//! Corresponding features, under a motion or by their descriptors.
 
 use crate::consensus::{AgreeingPair, agreeing_pairs};
-use crate::{Key, Motion};
+use crate::{Key, Motion, ShapeFeatures};
+use adwave::features::match_features;
 
 /// Options of the pairing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairParams {
     /// Largest distance after the motion, in σ of the second feature.
     pub sigmas: f64,
+    /// Probability that the motion is the true one, in [0, 1].
+    pub confidence: f64,
 }
 
 impl Default for PairParams {
     fn default() -> Self {
-        Self { sigmas: 2.0 }
+        Self { sigmas: 1.0, confidence: 1.0 }
     }
 }
 
@@ -23,7 +26,7 @@ pub struct Pair {
     pub first: usize,
     /// Index among the second features.
     pub second: usize,
-    /// Distance after the motion, in σ of the second feature.
+    /// Distance after the motion, in σ of the second feature; NaN without a motion.
     pub sigmas: f64,
     /// Confidence in [0, 1].
     pub confidence: f64,
@@ -32,8 +35,9 @@ pub struct Pair {
 /// Lists the mutually nearest similar features after a motion, within [`PairParams::sigmas`] of σ, by rising index of the
 /// first. O(first × second).
 ///
-/// The confidence `exp(−m·π·d²/area)` is the probability that none of the m similar features of the second shape would lie
-/// within the distance d if they were placed at random on its surface, whose `area` is in squared model units.
+/// The confidence is [`PairParams::confidence`] times `exp(−m·π·d²/area)`, the probability that none of the m similar features
+/// of the second shape would lie within the distance d if they were placed at random on its surface, whose `area` is in
+/// squared model units.
 pub fn pairs_under(
     first: &[Key],
     second: &[Key],
@@ -44,7 +48,21 @@ pub fn pairs_under(
     let to_pair = |AgreeingPair { first: a, second: b, sigmas }| {
         let n_similar = second.iter().filter(|other| first[a].is_alike_after(other, motion)).count();
         let disk = std::f64::consts::PI * (sigmas * second[b].sigma).powi(2);
-        Pair { first: a, second: b, sigmas, confidence: (-(n_similar as f64) * disk / area).exp() }
+        let confidence = params.confidence * (-(n_similar as f64) * disk / area).exp();
+        Pair { first: a, second: b, sigmas, confidence }
     };
     agreeing_pairs(first, second, motion, params.sigmas).into_iter().map(to_pair).collect()
+}
+
+/// Lists the features with the most similar descriptors, in both directions, nearer than `ratio` times the second nearest, by
+/// rising index of the first. O(first × second).
+pub fn descriptor_pairs(first: &ShapeFeatures, second: &ShapeFeatures, ratio: f64) -> Vec<Pair> {
+    let pair = |m: adwave::features::Match| Pair {
+        first: m.first,
+        second: m.second,
+        sigmas: f64::NAN,
+        // Twice the distance between two descriptors that have nothing in common is 2·√2.
+        confidence: (1.0 - m.distance / std::f64::consts::SQRT_2).clamp(0.0, 1.0),
+    };
+    match_features(&first.descriptors, &second.descriptors, ratio).into_iter().map(pair).collect()
 }

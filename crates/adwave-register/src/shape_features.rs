@@ -1,13 +1,14 @@
 //! Features of a shape with their descriptors, for matching.
 
 use crate::Key;
-use adwave::bands::{BandsError, Schedule, ScheduleError};
+use adwave::bands::{BandsError, Schedule, ScheduleError, Wavelets};
 use adwave::features::{
-    Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe, features,
+    DESCRIPTOR_LENGTH, Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe, features,
 };
 use adwave::shape::Shape;
-use adwave::signal::{OutwardError, outward_normals};
+use adwave::signal::{OutwardError, OutwardNormals, outward_normals};
 use adwave::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Width of the last level relative to the diagonal.
@@ -16,6 +17,14 @@ const MAX_RELATIVE_WIDTH: f64 = 0.08;
 const MIN_LEVELS: usize = 6;
 /// Relative accuracy of the bands, far below the differences between features.
 const ACCURACY: f64 = 1e-6;
+
+/// Most landmarks of a shape: the strongest.
+const MAX_LANDMARKS: usize = 250;
+/// Smallest σ of a landmark, in mean spacings: finer bands are mostly noise.
+const LANDMARK_SPACINGS: f64 = 2.0;
+
+/// Largest σ of a landmark relative to the diagonal: few wider ones lie off the borders of an overlap.
+const LANDMARK_EXTENT: f64 = 0.06;
 
 /// Failure to describe a shape for matching.
 #[derive(Debug, Error)]
@@ -65,8 +74,107 @@ pub struct ShapeFeatures {
     pub keys: Vec<Key>,
     /// Descriptors of the surroundings, in the same order.
     pub descriptors: Vec<Descriptor>,
+    /// Places at which a band is extremal on the surface, whatever other levels say. They are more than the features, and the
+    /// search for a motion starts from them.
+    pub(crate) landmarks: Landmarks,
     /// True if the shape has an outside, so that + is convex and − concave.
     pub is_signed: bool,
+    /// True if the outside of a part was guessed, so that another scan of it may have the other side outside.
+    pub is_guessed: bool,
+    /// Bands in which the features were found, one channel; `None` without features.
+    pub bands: Option<Arc<Wavelets>>,
+    /// Outward normals at the welded vertices; zero if the shape has no outside.
+    pub normals: Arc<Vec<[f64; 3]>>,
+}
+
+/// Places at which a band is extremal on the surface.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Landmarks {
+    pub(crate) keys: Vec<Key>,
+    pub(crate) descriptors: Vec<Descriptor>,
+}
+
+impl Landmarks {
+    /// Finds the [`MAX_LANDMARKS`] strongest on levels an octave apart, from [`LANDMARK_SPACINGS`] upward. O(n × levels).
+    fn new(decomposer: &Decomposer, bands: &Wavelets, normal: impl Fn(usize) -> [f64; 3]) -> Self {
+        let geometry = decomposer.geometry();
+        let (neighbors, map) = (decomposer.neighbors(), geometry.vertex_map().as_slice());
+        let mut first = vec![usize::MAX; geometry.n_vertices()];
+        for (vertex, &x) in map.iter().enumerate().rev() {
+            first[x as usize] = vertex;
+        }
+        let mut found: Vec<Feature> = Vec::new();
+        let finest = LANDMARK_SPACINGS * decomposer.mean_length();
+        let Some(start) = (1..=bands.n_levels()).find(|&j| bands.sigma[j] >= finest) else {
+            return Self::default();
+        };
+        let widest = LANDMARK_EXTENT * decomposer.extent();
+        for level in (start..=bands.n_levels()).step_by(2).filter(|&j| j == start || bands.sigma[j] <= widest) {
+            let band = bands.wavelet(level);
+            let mean = band.iter().map(|r| r.abs()).sum::<f64>() / band.len().max(1) as f64;
+            let is_extremal = |x: usize| {
+                let (r, sign) = (band[x].abs(), band[x].signum());
+                let is_less = |&y: &u32| y as usize == x || sign * band[y as usize] < r;
+                let ring = neighbors.row(x);
+                r > mean && ring.iter().all(|y| is_less(y) && neighbors.row(*y as usize).iter().all(is_less))
+            };
+            found.extend((0..band.len()).filter(|&x| first[x] != usize::MAX && is_extremal(x)).map(|x| Feature {
+                vertex: first[x],
+                position: geometry.points().get(x).copied(),
+                level,
+                sigma: bands.sigma[level],
+                response: band[x],
+                strength: band[x].abs() / mean,
+                channel: None,
+            }));
+        }
+        found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+        found.truncate(MAX_LANDMARKS);
+        let keys = found.iter().filter_map(|f| Key::new(f, normal(f.vertex))).collect();
+        Self { keys, descriptors: describe(decomposer, bands, &found) }
+    }
+
+    fn map(&self, key: impl Fn(&Key) -> Key, descriptor: impl Fn(&Descriptor) -> Descriptor) -> Self {
+        Self {
+            keys: self.keys.iter().map(key).collect(),
+            descriptors: self.descriptors.iter().map(descriptor).collect(),
+        }
+    }
+
+    /// Landmarks of the surface with its other side outside.
+    pub(crate) fn flipped(&self) -> Self {
+        self.map(Key::flipped, flip_descriptor)
+    }
+
+    /// Landmarks of the mirror image at x = 0. Descriptors stay as they are.
+    pub(crate) fn mirrored(&self) -> Self {
+        self.map(Key::mirrored, Descriptor::clone)
+    }
+}
+
+impl ShapeFeatures {
+    /// Normals alone, for comparisons of surfaces that need no features.
+    pub fn without_features(outward: OutwardNormals) -> Self {
+        Self {
+            features: Vec::new(),
+            keys: Vec::new(),
+            descriptors: Vec::new(),
+            landmarks: Landmarks::default(),
+            is_signed: outward.info.has_outside(),
+            is_guessed: outward.info.n_by_majority > 0,
+            bands: None,
+            normals: Arc::new(outward.normals),
+        }
+    }
+
+    /// Keys of the mirror image at x = 0, with the other side outside if `is_flipped`.
+    pub(crate) fn keys_of_view(&self, is_mirrored: bool, is_flipped: bool) -> Vec<Key> {
+        let view = |key: &Key| {
+            let key = if is_mirrored { key.mirrored() } else { *key };
+            if is_flipped { key.flipped() } else { key }
+        };
+        self.keys.iter().map(view).collect()
+    }
 }
 
 /// Common widths σ of two shapes, in model units: half an octave apart, from the larger mean edge length to 8 % of the
@@ -108,6 +216,7 @@ pub fn describe_shape(
     let points = geometry.shape().points().ok_or(DescribeError::NoPositions)?;
     let outward = outward_normals(geometry, normals, progress.quiet())?;
     let is_signed = outward.info.has_outside();
+    let is_guessed = outward.info.n_by_majority > 0;
     let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
     let request =
         decomposer.request(points.as_flattened(), 3, &schedule).accuracy(ACCURACY).progress(progress);
@@ -118,8 +227,23 @@ pub fn describe_shape(
         .with_refinement(Refinement::Quadratic);
     let features = features(decomposer, &wavelets, &params, progress.quiet())?;
     let welded = geometry.vertex_map();
-    let normal = |f: &Feature| if is_signed { outward.normals[welded.welded(f.vertex)] } else { [0.0; 3] };
-    let keys = features.iter().filter_map(|f| Key::new(f, normal(f))).collect();
+    let vertex_normal = |x: usize| if is_signed { outward.normals[welded.welded(x)] } else { [0.0; 3] };
+    let keys = features.iter().filter_map(|f| Key::new(f, vertex_normal(f.vertex))).collect();
     let descriptors = describe(decomposer, &wavelets, &features);
-    Ok(ShapeFeatures { features, keys, descriptors, is_signed })
+    let landmarks = Landmarks::new(decomposer, &wavelets, vertex_normal);
+    let (bands, normals) = (Some(Arc::new(wavelets)), Arc::new(outward.normals));
+    Ok(ShapeFeatures { features, keys, descriptors, landmarks, is_signed, is_guessed, bands, normals })
+}
+
+/// Numbers of a level in a descriptor, of five levels: pairs of a positive and a negative part, and the response itself.
+const PER_LEVEL: usize = DESCRIPTOR_LENGTH / 5;
+
+/// Descriptor of the same feature of the negated signal.
+fn flip_descriptor(descriptor: &Descriptor) -> Descriptor {
+    let mut flipped = *descriptor;
+    for level in flipped.chunks_exact_mut(PER_LEVEL) {
+        level.chunks_exact_mut(2).for_each(|parts| parts.swap(0, 1));
+        level[PER_LEVEL - 1] = -level[PER_LEVEL - 1];
+    }
+    flipped
 }

@@ -5,9 +5,12 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
-    AlignParams, ConsensusParams, DescribeError, Motion, PairParams, ShapeFeatures, Surface, align,
-    common_lengths, consensus, describe_shape, pairs_under, signed_distances,
+    AlignParams, DescribeError, Motion, PairParams, Registrand, Registration, SearchParams, Surface, align,
+    closest_fit, common_lengths, describe_shape, fit_in_place, pairs_under, register, signed_distances,
 };
+use cases::Terrain;
+
+mod cases;
 
 fn prepared(shape: &Shape) -> Decomposer {
     let params = OperatorParams::default().with_kind(OperatorKind::Surface);
@@ -26,13 +29,24 @@ fn geometry(shape: &Shape) -> PreparedGeometry {
     PreparedGeometry::new(shape, WeldMode::EqualPositions, Progress::none()).unwrap()
 }
 
-fn both(first: &Shape, second: &Shape) -> [(Decomposer, ShapeFeatures); 2] {
-    let walks = [prepared(first), prepared(second)];
-    let lengths = common_lengths(&walks[0], &walks[1]).unwrap();
-    walks.map(|decomposer| {
+fn both(first: &Shape, second: &Shape) -> [Registrand; 2] {
+    let decomposers = [prepared(first), prepared(second)];
+    let lengths = common_lengths(&decomposers[0], &decomposers[1]).unwrap();
+    decomposers.map(|decomposer| {
         let found = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
-        (decomposer, found)
+        Registrand::new(&decomposer, found, Progress::none()).unwrap().unwrap()
     })
+}
+
+fn registration(first: &Shape, second: &Shape, params: &SearchParams) -> Registration {
+    let [a, b] = both(first, second);
+    register(&a, &b, params, Progress::none()).unwrap()
+}
+
+/// Largest distance between the images of points under two motions, relative to their extent.
+fn farthest(points: &[[f64; 3]], motion: &Motion, truth: &Motion) -> f64 {
+    let distance = points.iter().map(|p| off(&motion.apply(p), &truth.apply(p))).fold(0.0, f64::max);
+    distance / adwave::shape::diagonal(points)
 }
 
 fn off(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -43,37 +57,21 @@ fn off(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let truth = Motion::new([0.3, -2.0, 1.1], [4.0, -1.0, 0.5]);
     let (first, second) = (creature(9000, 0.1, 1, &Motion::default()), creature(14_000, 0.1, 2, &truth));
-    let [(decomposer, a), (other, b)] = both(&first, &second);
-    assert!(a.is_signed && b.is_signed);
-    let params = ConsensusParams::default();
-    let found = consensus(&a, &b, &params, Progress::none());
-    let found = found.unwrap().unwrap();
-    assert!(found.is_clear(), "{} of {}", found.n_agreeing, found.n_by_chance);
-    let surface = Surface::new(other.geometry()).unwrap();
-    let (motion, info) = align(
-        decomposer.geometry().points(),
-        &surface,
-        found.motion,
-        &AlignParams::default(),
-        Progress::none(),
-    )
-    .unwrap();
-    let diagonal = decomposer.diagonal();
-    let farthest = decomposer
-        .geometry()
-        .points()
-        .iter()
-        .map(|p| off(&motion.apply(p), &truth.apply(p)))
-        .fold(0.0, f64::max);
-    assert!(farthest < 0.002 * diagonal && info.overlap > 0.99, "{farthest}, {info:?}");
-    let area = surface_area(other.geometry().points(), other.geometry().triangles());
-    let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams::default());
+    let [a, b] = both(&first, &second);
+    assert!(a.features.is_signed && b.features.is_signed);
+    let found = register(&a, &b, &SearchParams::default(), Progress::none()).unwrap();
+    let best = found.clear().unwrap_or_else(|| panic!("{found:?}"));
+    let error = farthest(first.points().unwrap(), &best.motion, &truth);
+    assert!(error < 0.002 && best.fit.overlap > 0.99, "{error}, {best:?}");
+    assert!(found.equal.is_empty() && found.confidence() == 1.0, "{:?}", found.equal);
+    let pairs =
+        pairs_under(&a.features.keys, &b.features.keys, &best.motion, b.area, &PairParams::default());
     let right = |p: &&adwave_register::Pair| {
-        off(&truth.apply(&a.keys[p.first].position), &b.keys[p.second].position)
-            <= 2.0 * b.keys[p.second].sigma
+        off(&truth.apply(&a.features.keys[p.first].position), &b.features.keys[p.second].position)
+            <= 1.05 * b.features.keys[p.second].sigma
     };
     let n_right = pairs.iter().filter(right).count();
-    assert!(pairs.len() >= 30 && 10 * n_right >= 8 * pairs.len(), "{n_right} of {}", pairs.len());
+    assert!(pairs.len() >= 30 && n_right == pairs.len(), "{n_right} of {}", pairs.len());
     assert!(pairs.iter().all(|p| (0.0..=1.0).contains(&p.confidence)));
     // No feature is in two pairs.
     let mut seconds: Vec<usize> = pairs.iter().map(|p| p.second).collect();
@@ -83,14 +81,114 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
 
 #[test]
 fn no_motion_is_clear_between_shapes_that_have_nothing_in_common() {
-    let torus = Sample::from_name("torus", Some(6000)).unwrap();
-    let mut torus = torus;
+    let mut torus = Sample::from_name("torus", Some(6000)).unwrap();
     torus.add_noise(NoiseSigma::MeanEdge(0.3), 3).unwrap();
     let torus = Shape::Mesh(Mesh::new(torus.points, torus.faces).unwrap());
-    let [(_, a), (_, b)] = both(&creature(6000, 0.1, 1, &Motion::default()), &torus);
-    let params = ConsensusParams { tries: 20_000, ..ConsensusParams::default() };
-    let found = consensus(&a, &b, &params, Progress::none());
-    assert!(found.unwrap().is_none_or(|found| !found.is_clear()));
+    let creature = creature(6000, 0.1, 1, &Motion::default());
+    for scaled in [false, true] {
+        let params = SearchParams { scaled, ..SearchParams::default() };
+        let found = registration(&creature, &torus, &params);
+        assert!(found.clear().is_none(), "{:?}", found.best);
+        assert!(found.candidates.iter().all(|found| found.motion.scale() > 0.0));
+    }
+    for seed in 0..3 {
+        let patches = [2 * seed, 2 * seed + 1].map(|s| Terrain::new(s).patch(0.0, 0.0, 60, 60).shape());
+        let found = registration(&patches[0], &patches[1], &SearchParams::default());
+        assert!(found.clear().is_none(), "terrains {seed}: {:?}", found.best);
+    }
+}
+
+#[test]
+fn halves_that_share_no_vertex_have_no_motion() {
+    let creature = Sample::from_name("creature", Some(8000)).unwrap();
+    let triangles = adwave::shape::triangulate(&creature.points, &creature.faces);
+    let surface = cases::Surface { points: creature.points, triangles };
+    for direction in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] {
+        let [a, b] = surface.parts(&direction, 0.45, 0.55);
+        let found = registration(&a.shape(), &b.shape(), &SearchParams::default());
+        assert!(found.clear().is_none(), "{direction:?}: {:?}", found.best);
+    }
+}
+
+#[test]
+fn overlapping_terrains_are_brought_together() {
+    for (seed, overlap) in [(0, 0.5), (1, 0.5), (2, 0.3)] {
+        let terrain = Terrain::new(seed);
+        let shift = (80.0 * (1.0 - overlap) as f64).round();
+        let truth = cases::Random::new(seed).motion(30.0);
+        let first = terrain.patch(0.0, 0.0, 80, 80).noisy(0.1, 1);
+        // The second grid lies between the points of the first.
+        let second = terrain.patch(shift + 0.4, 0.6, 80, 79).noisy(0.1, 2).moved(&truth);
+        let found = registration(&first.shape(), &second.shape(), &SearchParams::default());
+        let best = found.clear().unwrap_or_else(|| panic!("{seed}: {found:?}"));
+        let error = farthest(&first.points, &best.motion, &truth);
+        assert!(error < 0.005, "{seed}: {error}");
+    }
+}
+
+#[test]
+fn equal_motions_are_all_listed() {
+    // A cross of four equal bumps on a round, flat dish fits after every quarter turn.
+    let height = |x: f64, y: f64| {
+        let bump = |cx: f64, cy: f64| (-((x - cx).powi(2) + (y - cy).powi(2)) / 6.0).exp();
+        let dent = |cx: f64, cy: f64| -0.7 * (-((x - cx).powi(2) + (y - cy).powi(2)) / 3.0).exp();
+        [(12.0, 3.0), (-3.0, 12.0), (-12.0, -3.0), (3.0, -12.0)].map(|(cx, cy)| 2.0 * bump(cx, cy)).iter().sum::<f64>()
+            + [(5.0, 8.0), (-8.0, 5.0), (-5.0, -8.0), (8.0, -5.0)].map(|(cx, cy)| 2.0 * dent(cx, cy)).iter().sum::<f64>()
+    };
+    let mut dish = Terrain::new(1).patch(-20.0, -20.0, 41, 41);
+    for p in &mut dish.points {
+        p[2] = height(p[0], p[1]);
+    }
+    let dish = dish.cut_round(19.0);
+    let truth = Motion::new([0.4, 0.2, -0.3], [1.0, 2.0, 3.0]);
+    let (first, second) = (dish.clone().noisy(0.02, 1), dish.noisy(0.02, 2).moved(&truth));
+    let found = registration(&first.shape(), &second.shape(), &SearchParams::default());
+    let best = found.clear().unwrap_or_else(|| panic!("{found:?}"));
+    assert_eq!(found.equal.len(), 3, "{found:?}");
+    assert!((found.confidence() - 0.25).abs() < 1e-12);
+    let is_right = |motion: &Motion| farthest(&first.points, motion, &truth) < 0.01;
+    let n_right = found.equal.iter().chain([best]).filter(|found| is_right(&found.motion)).count();
+    assert_eq!(n_right, 1);
+}
+
+#[test]
+fn a_motion_and_its_angle_are_numbers_for_equal_shapes() {
+    let points: Vec<[f64; 3]> = creature(2000, 0.0, 1, &Motion::default()).points().unwrap().to_vec();
+    let found = Motion::fit(&points, &points, &vec![1.0; points.len()], false).unwrap();
+    assert!(found.degrees() < 1e-6, "{}", found.degrees());
+    for degrees in [1e-7_f64, 0.3, 90.0, 179.9, 180.0] {
+        let turn = Motion::new([0.0, degrees.to_radians(), 0.0], [1.0; 3]);
+        assert!((turn.degrees() - degrees).abs() < 1e-9 * degrees.max(1.0), "{degrees}: {}", turn.degrees());
+    }
+}
+
+#[test]
+fn a_ball_with_bumps_is_turned_back_and_a_plain_ball_has_no_motion() {
+    let ball = |bumps: bool, seed: u64| {
+        let mut sample = Sample::from_name("sphere", Some(6000)).unwrap();
+        sample.add_noise(NoiseSigma::MeanEdge(0.01), seed).unwrap();
+        let sizes = [([0.9, 0.3, 0.2], 0.1, 0.1), ([0.0, 0.0, 1.0], 0.06, 0.15), ([0.0, 1.0, 0.0], 0.05, 0.2)];
+        for p in sample.points.iter_mut().filter(|_| bumps) {
+            let height = |(c, a, w): &([f64; 3], f64, f64)| a * (-off(p, c).powi(2) / (2.0 * w * w)).exp();
+            let growth = 1.0 + sizes.iter().map(height).sum::<f64>();
+            *p = p.map(|c| growth * c);
+        }
+        Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
+    };
+    let first = ball(true, 1);
+    for degrees in [10.0_f64, 100.0] {
+        let truth = Motion::new([0.3, -0.6, 0.7416].map(|c| c * degrees.to_radians()), [0.0; 3]);
+        let points = first.points().unwrap().iter().map(|p| truth.apply(p)).collect();
+        let Shape::Mesh(mesh) = &first else { unreachable!() };
+        let second = Shape::Mesh(Mesh::new(points, mesh.faces().clone()).unwrap());
+        let [a, b] = both(&first, &second);
+        assert!(fit_in_place(&a, &b, Progress::none()).unwrap().is_none());
+        let found = closest_fit(&a, &b, Progress::none()).unwrap().unwrap();
+        let error = farthest(first.points().unwrap(), &found.motion, &truth);
+        assert!(error < 0.002 && found.is_certain, "{degrees}: {error}, {found:?}");
+    }
+    let found = registration(&ball(false, 1), &ball(false, 2), &SearchParams::default());
+    assert!(found.clear().is_none(), "{:?}", found.best);
 }
 
 #[test]

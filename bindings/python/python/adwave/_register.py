@@ -130,13 +130,15 @@ class MatchResult(NamedTuple):
         first, second: the vertices; sigma: the size (rms width, model units); distance after the motion, in sigma;
         confidence in [0, 1].
     motion : (4, 4) array or None
-        From the first shape to the second; None if no motion explains the features better than chance.
+        From the first shape to the second; None if no motion fits better than chance.
     median : float or None
         Median distance of the surfaces after the motion, in model units.
     overlap : float or None
         Share of the first shape that has a closest point on the second.
     n_features : (int, int)
         Number of features of both shapes.
+    equal_motions : list of (4, 4) arrays
+        Other motions that fit equally well, such as those between repeated windows. Confidences are shared among them.
 
     Examples
     --------
@@ -154,6 +156,7 @@ class MatchResult(NamedTuple):
     median: float | None
     overlap: float | None
     n_features: tuple[int, int]
+    equal_motions: list[NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ def match(
     second: object,
     *,
     theta: float = 1.0,
-    within: float = 2.0,
+    within: float = 1.0,
     scaled: bool = False,
     operator: OperatorLike = None,
     progress: ProgressLike = None,
@@ -218,7 +221,9 @@ def match(
     pairs = np.empty(len(found["first"]), dtype=_PAIR)
     for name in _PAIR.names or ():
         pairs[name] = found[name]
-    return MatchResult(pairs, found["motion"], found["median"], found["overlap"], found["n_features"])
+    return MatchResult(
+        pairs, found["motion"], found["median"], found["overlap"], found["n_features"], found["equal_motions"]
+    )
 
 
 def _surface_decomposer(shape: object, operator: OperatorLike = None) -> Decomposer:

@@ -14,15 +14,13 @@ use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, SignedDistances, Summary, Surface, align,
-    common_lengths, consensus, describe_shape, signed_distances,
+    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Summary, Surface, align,
+    closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
 
-/// Median distance of a fit, as a share of the diagonal, beyond which the fit starts again from features.
-const POOR: f64 = 0.005;
-/// Share of points with a closest point off the border below which the fit starts again from features.
+/// Share of points with a closest point off the border below which that is said.
 const LEAST_OVERLAP: f64 = 0.3;
 
 /// Difference at the vertices of the first shape, in its order; NaN where there is none.
@@ -120,18 +118,17 @@ fn closest_differences(
     global: &Global<'_>,
 ) -> Result<Difference, CliError> {
     let mut how = Vec::new();
-    let mut motion = None;
+    let (mut motion, mut alignment) = (None, None);
     if args.align {
-        let (found, info) = fit(first, second, decomposer, global)?;
-        how.push(moved_sentence(&second.name, &found));
-        if info.overlap < LEAST_OVERLAP || info.median.is_nan() {
-            note(
-                global,
-                &format!("only {:.0} % of {} lie over {}", 100.0 * info.overlap, second.name, first.name),
-            );
+        let found = fit(first, second, decomposer, global)?;
+        how.push(moved_sentence(&second.name, &found.motion));
+        if let Some(doubt) = doubt(&found, [&first.name, &second.name]) {
+            note(global, &doubt);
+            how.push(doubt);
         }
-        move_shape(second, &found)?;
-        motion = Some(found);
+        move_shape(second, &found.motion)?;
+        motion = Some(found.motion);
+        alignment = Some(found);
     }
     let geometry = prepare_geometry(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
@@ -170,8 +167,12 @@ fn closest_differences(
     let summary = Summary::new(&values, 1, &decomposer.areas());
     let summary = Summary { vertex: first.file.file_row(summary.vertex), ..summary };
     let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
+    let alignment = alignment.map(|found| json!({
+        "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
+        "median_distance": found.median, "overlap": found.overlap,
+    }));
     let json = json!({
-        "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
+        "alignment": alignment, "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
         "greatest_back": greatest_back, "beyond_border": there.n_beyond_border, "too_far": there.n_too_far,
         "signed": outward.info.has_outside(),
     });
@@ -227,56 +228,110 @@ fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError>
     Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 
-/// Motion that aligns the second shape with the first, starting from where it is, or from features if that fit is poor.
+/// Alignment of the second shape with the first.
+struct Alignment {
+    motion: Motion,
+    /// Share of the second shape that has a partner.
+    overlap: f64,
+    median: f64,
+    is_certain: bool,
+    /// Number of other motions that fit equally well.
+    n_equal: usize,
+}
+
+/// Motion that aligns the second shape with the first: from where it is, or, if parts then remain apart, the best of those
+/// from features and from a grid of rotations.
 fn fit(
     first: &Input,
     second: &Input,
     decomposer: &Decomposer,
     global: &Global<'_>,
-) -> Result<(Motion, AlignInfo), CliError> {
-    let (geometry, target) =
-        (prepare_geometry(&second.shape, global)?, surface(decomposer.geometry(), &first.name)?);
-    let from = |start: Motion| {
-        with_progress(global, "fitting", |progress| {
-            align(geometry.points(), &target, start, &AlignParams::default(), progress)
-        })
-        .map_err(|_| CliError::Cancelled)
-    };
-    let direct = from(Motion::default())?;
-    let is_poor = |info: &AlignInfo| {
-        info.median.is_nan() || info.median > POOR * decomposer.extent() || info.overlap < LEAST_OVERLAP
-    };
-    if !is_poor(&direct.1) {
-        return Ok(direct);
-    }
-    let Some(start) = motion_from_features(first, second, decomposer, global)? else { return Ok(direct) };
-    let fitted = from(start)?;
-    let is_better = direct.1.median.is_nan() || fitted.1.median < direct.1.median;
-    Ok(if is_better { fitted } else { direct })
-}
-
-/// Motion that the features of both shapes agree on.
-fn motion_from_features(
-    first: &Input,
-    second: &Input,
-    decomposer: &Decomposer,
-    global: &Global<'_>,
-) -> Result<Option<Motion>, CliError> {
+) -> Result<Alignment, CliError> {
     let params: &OperatorParams = decomposer.operator_params();
     let other = prepare(global, second, params)?;
-    let Ok(lengths) = common_lengths(&other, decomposer) else { return Ok(None) };
-    let features_of = |input: &Input, decomposer: &Decomposer| {
-        with_progress(global, "finding features", |progress| {
-            describe_shape(decomposer, file_normals(&input.file).as_deref(), &lengths, 1.0, progress)
-        })
-        .map_err(|e| CliError::classify(&e))
+    let plain = |input: &Input, decomposer: &Decomposer| {
+        let normals = file_normals(&input.file);
+        let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
+            .map_err(|e| CliError::classify(&e))?;
+        registrand(input, decomposer, ShapeFeatures::without_features(outward), global)
     };
-    let (a, b) = (features_of(second, &other)?, features_of(first, decomposer)?);
-    let found = with_progress(global, "matching", |progress| {
-        consensus(&a, &b, &ConsensusParams::default(), progress)
+    let (moving, target) = (plain(second, &other)?, plain(first, decomposer)?);
+    let in_place = with_progress(global, "fitting", |progress| fit_in_place(&moving, &target, progress))
+        .map_err(|_| CliError::Cancelled)?;
+    let found = match in_place {
+        Some(found) => Some(found),
+        None => fit_from_anywhere([second, first], [&other, decomposer], global)?,
+    };
+    let found = found.ok_or_else(|| {
+        CliError::Input(format!(
+            "--align found no motion between {} and {}; leave it out, or move one near the other first",
+            second.name, first.name
+        ))
+    })?;
+    let points = other.geometry().points();
+    let (motion, info) = with_progress(global, "fitting", |progress| {
+        align(points, &target.surface, found.motion, &AlignParams::default(), progress)
     })
     .map_err(|_| CliError::Cancelled)?;
-    Ok(found.filter(Consensus::is_clear).map(|found| found.motion))
+    Ok(Alignment {
+        motion,
+        overlap: info.overlap,
+        median: info.median,
+        is_certain: found.is_certain,
+        n_equal: found.n_equal,
+    })
+}
+
+/// Best motion of the first of two shapes to the second, from features and from a grid of rotations.
+fn fit_from_anywhere(
+    inputs: [&Input; 2],
+    decomposers: [&Decomposer; 2],
+    global: &Global<'_>,
+) -> Result<Option<ClosestFit>, CliError> {
+    let lengths =
+        common_lengths(decomposers[0], decomposers[1]).map_err(|e| CliError::classify(&e))?;
+    let described = |k: usize| {
+        let normals = file_normals(&inputs[k].file);
+        let features = with_progress(global, "finding features", |progress| {
+            describe_shape(decomposers[k], normals.as_deref(), &lengths, 1.0, progress)
+        })
+        .map_err(|e| CliError::classify(&e))?;
+        registrand(inputs[k], decomposers[k], features, global)
+    };
+    let (moving, target) = (described(0)?, described(1)?);
+    with_progress(global, "matching", |progress| closest_fit(&moving, &target, progress))
+        .map_err(|_| CliError::Cancelled)
+}
+
+fn registrand(
+    input: &Input,
+    decomposer: &Decomposer,
+    features: ShapeFeatures,
+    global: &Global<'_>,
+) -> Result<Registrand, CliError> {
+    Registrand::new(decomposer, features, global.progress())
+        .map_err(|_| CliError::Cancelled)?
+        .ok_or_else(|| CliError::Input(format!("{}: the shape has no points", input.name)))
+}
+
+/// Sentence on how certain an alignment is; `None` if nothing speaks against it.
+fn doubt(alignment: &Alignment, names: [&str; 2]) -> Option<String> {
+    let [first, second] = names;
+    if !alignment.is_certain {
+        Some(format!(
+            "the alignment is not certain: {second} differs from {first} in many places after the best motion, and no features agree on \
+             another; look at the result with -o FILE.html"
+        ))
+    } else if alignment.n_equal > 0 {
+        Some(format!(
+            "the alignment is not certain: {} equally well",
+            count(alignment.n_equal, "other motion fits", "other motions fit")
+        ))
+    } else if alignment.overlap < LEAST_OVERLAP || alignment.median.is_nan() {
+        Some(format!("only {:.0} % of {second} lie over {first}", 100.0 * alignment.overlap))
+    } else {
+        None
+    }
 }
 
 /// Moves the points of a shape.

@@ -8,10 +8,15 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Features of both shapes are found on levels of the same widths. The rigid motion that most of them agree on (RANSAC over similar
-features) is refined on the surfaces (ICP), and every feature is paired with one that lies where the motion puts it. The
-confidence of a pair is the probability that no other feature lies so near by chance. Both shapes must be in the same unit;
---motion similarity finds the scale too, and --motion none pairs features by similarity alone, for bent shapes.
+Features of both shapes are found on levels of the same widths. Motions that many of them agree on, and rotations about the
+centers, are refined on the surfaces (ICP) and judged by their fit in both directions: the distances, and how the bands of one
+shape correlate with those of the other. A motion is reported only if it is much better than the best motion of the mirror image,
+which is searched in the same way. Motions that fit equally well, such as those between repeated windows, are listed, and share the
+confidence.
+
+Every feature is paired with one that lies where the motion puts it. The confidence of a pair is the probability that the motion is
+right and that no other feature lies so near by chance. Both shapes must be in the same unit; --motion similarity finds the scale
+too, and --motion none pairs features by similarity alone, for bent shapes.
 
 Examples:
   adwave match scan1.ply scan2.ply                                  the motion and pairs of features

@@ -14,12 +14,11 @@ use crate::resolve::operator::{operator_for_task, prepare};
 use crate::resolve::shape::{Input, load_shape, move_points};
 use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
-use adwave::features::match_features;
 use adwave::operator::OperatorTask;
 use adwave_io::MovedNormals;
 use adwave_register::{
-    AlignInfo, AlignParams, Consensus, ConsensusParams, Motion, Pair, PairParams, ShapeFeatures, Surface,
-    align, common_lengths, consensus, describe_shape, pairs_under,
+    Motion, Pair, PairParams, Registrand, RegisteredMotion, Registration, SearchParams, ShapeFeatures,
+    common_lengths, describe_shape, descriptor_pairs, pairs_under, register,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -31,28 +30,40 @@ use std::path::Path;
 /// Most pairs that are printed.
 const MAX_PRINTED: usize = 20;
 
+/// Most equal motions that are printed.
+const MAX_EQUAL: usize = 8;
+/// Ratio of two diagonals beyond which the units are likely to differ.
+const UNIT_RATIO: f64 = 1.7;
+
 /// One of the two shapes.
 struct Side {
     input: Input,
     decomposer: Decomposer,
-    described: ShapeFeatures,
+    registrand: Registrand,
+}
+
+impl Side {
+    fn features(&self) -> &ShapeFeatures {
+        &self.registrand.features
+    }
 }
 
 /// The motion between two shapes, and the pairs of their features.
 struct Matching {
-    /// None if there is no clear one.
-    motion: Option<FittedMotion>,
+    /// None if features are paired without a motion.
+    registration: Option<Registration>,
     pairs: Vec<Pair>,
-    sigma: Vec<f64>,
 }
 
-/// A motion from the first shape to the second.
-struct FittedMotion {
-    motion: Motion,
-    /// Features that agree with it.
-    consensus: Consensus,
-    /// Quality of its fit.
-    fit: AlignInfo,
+impl Matching {
+    fn motion(&self) -> Option<&RegisteredMotion> {
+        self.registration.as_ref().and_then(Registration::clear)
+    }
+
+    /// Other motions that fit equally well.
+    fn equal(&self) -> &[RegisteredMotion] {
+        self.registration.as_ref().map_or(&[], |registration| &registration.equal)
+    }
 }
 
 pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -60,17 +71,17 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     let [mut first, mut second] = sides(args, global)?;
     let found = find(args, &first, &second, global)?;
     for side in [&mut first, &mut second] {
-        for feature in &mut side.described.features {
+        for feature in &mut side.registrand.features.features {
             feature.vertex = side.input.file.file_row(feature.vertex);
         }
     }
-    let mut text = describe(&first, &second, &found);
+    let mut text = describe(args, &first, &second, &found);
     if let Some(path) = &args.output {
         write_pairs(path, &first, &second, &found, global)?;
         let _ = writeln!(text, "{}", path.display());
     }
     if let Some(path) = &args.moved {
-        let Some(FittedMotion { motion, .. }) = &found.motion else {
+        let Some(RegisteredMotion { motion, .. }) = found.motion() else {
             return Err(CliError::Input("no motion was found that --moved could apply to SHAPE".to_owned()));
         };
         let mut file = first.input.file.clone();
@@ -80,10 +91,7 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
         let _ = writeln!(text, "{}", path.display());
     }
     if let Some(path) = &args.picture {
-        let motion = found.motion.as_ref().map_or_else(Motion::default, |fitted| fitted.motion);
-        with_spinner(global, "drawing", || {
-            picture::write(path, args, [&first, &second], &motion, &found.pairs, global)
-        })?;
+        with_spinner(global, "drawing", || picture::write(path, args, [&first, &second], &found, global))?;
         let _ = writeln!(text, "{}", path.display());
     }
     print(global, &text, &report(&first, &second, &found))
@@ -135,91 +143,121 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
             describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
         })
         .map_err(|e| CliError::classify(&e))?;
-        sides.push(Side { input, decomposer, described });
+        let registrand = with_progress(global, "preparing", |progress| {
+            Registrand::new(&decomposer, described, progress)
+        })
+        .map_err(|_| CliError::Cancelled)?
+        .ok_or_else(|| CliError::Input(format!("{}: the shape has no points", input.name)))?;
+        sides.push(Side { input, decomposer, registrand });
     }
     sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
 }
 
 fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> Result<Matching, CliError> {
-    let (a, b) = (&first.described, &second.described);
-    let sigma: Vec<f64> = a.features.iter().map(|f| f.sigma).collect();
+    let (a, b) = (first.features(), second.features());
     if args.motion == MotionArg::None {
-        let pair = |m: adwave::features::Match| Pair {
-            first: m.first,
-            second: m.second,
-            sigmas: f64::NAN,
-            // Twice the distance between two descriptors that have nothing in common is 2·√2.
-            confidence: (1.0 - m.distance / std::f64::consts::SQRT_2).clamp(0.0, 1.0),
-        };
-        let pairs =
-            match_features(&a.descriptors, &b.descriptors, args.ratio).into_iter().map(pair).collect();
-        return Ok(Matching { motion: None, pairs, sigma });
+        return Ok(Matching { registration: None, pairs: descriptor_pairs(a, b, args.ratio) });
     }
     let params =
-        ConsensusParams { scaled: args.motion == MotionArg::Similarity, ..ConsensusParams::default() };
-    let found = with_progress(global, "matching", |progress| consensus(a, b, &params, progress))
-        .map_err(|_| CliError::Cancelled)?;
-    let clear = found.filter(Consensus::is_clear);
-    let (Some(found), Some(surface)) = (clear, Surface::new(second.decomposer.geometry())) else {
-        return Ok(Matching { motion: None, pairs: Vec::new(), sigma });
-    };
-    let points = first.decomposer.geometry().points();
-    let (motion, info) = with_progress(global, "fitting", |progress| {
-        align(
-            points,
-            &surface,
-            found.motion,
-            &AlignParams { scaled: params.scaled, ..AlignParams::default() },
-            progress,
-        )
+        SearchParams { scaled: args.motion == MotionArg::Similarity, ..SearchParams::default() };
+    let registration = with_progress(global, "matching", |progress| {
+        register(&first.registrand, &second.registrand, &params, progress)
     })
     .map_err(|_| CliError::Cancelled)?;
-    let geometry = second.decomposer.geometry();
-    let area = if geometry.faces().is_empty() {
-        second.decomposer.areas().iter().sum()
-    } else {
-        geometry.area_of(geometry.points())
-    };
-    let pairs = pairs_under(&a.keys, &b.keys, &motion, area, &PairParams { sigmas: args.within });
-    let fitted = FittedMotion { motion, consensus: found, fit: info };
-    Ok(Matching { motion: Some(fitted), pairs, sigma })
+    let pairs = registration.clear().map_or_else(Vec::new, |found| {
+        let params = PairParams { sigmas: args.within, confidence: registration.confidence() };
+        pairs_under(&a.keys, &b.keys, &found.motion, second.registrand.area, &params)
+    });
+    Ok(Matching { registration: Some(registration), pairs })
 }
 
-fn describe(first: &Side, second: &Side, found: &Matching) -> String {
+/// Sentences on the motion, on what it rests, and on the motions that fit equally well.
+fn describe_motion(found: &RegisteredMotion, registration: &Registration, second: &Side) -> String {
+    let chance = registration.chance.map_or(0.0, |fit| fit.agreement.max(0.0));
+    let mut text = format!("motion: {}\n", motion_text(&found.motion));
+    let _ = writeln!(
+        text,
+        "rests on: {} within 1 σ of each other, {} after the best motion of the mirror image; bands correlate by {:.2}, mirrored by {chance:.2}",
+        count(found.n_agreeing, "pair of features", "pairs of features"),
+        registration.n_by_chance,
+        found.fit.agreement,
+    );
+    let _ = writeln!(
+        text,
+        "fit: median distance {} ({} mean edges), {:.0} % overlap, {:.1} % of it farther apart than 1 % of the diagonal",
+        number(found.fit.median),
+        number(found.fit.median / second.decomposer.mean_length()),
+        100.0 * found.fit.overlap,
+        100.0 * found.fit.conflict,
+    );
+    let n_equal = registration.equal.len();
+    if n_equal > 0 {
+        let _ = writeln!(
+            text,
+            "not certain: {} equally well, so that confidences are at most {:.2}:",
+            count(n_equal, "other motion fits", "other motions fit"),
+            registration.confidence()
+        );
+        for other in registration.equal.iter().take(MAX_EQUAL) {
+            let _ = writeln!(
+                text,
+                "  {}; median distance {}, {:.0} % overlap",
+                motion_text(&other.motion),
+                number(other.fit.median),
+                100.0 * other.fit.overlap
+            );
+        }
+        if n_equal > MAX_EQUAL {
+            let _ = writeln!(text, "  … {} more; write them with -o FILE.json", n_equal - MAX_EQUAL);
+        }
+    }
+    text
+}
+
+fn motion_text(motion: &Motion) -> String {
+    let scale =
+        if motion.scale() == 1.0 { String::new() } else { format!(", scale {}", number(motion.scale())) };
+    format!(
+        "rotation by {:.2}°, translation by ({}){scale}",
+        motion.degrees(),
+        motion.translation().map(number).join(", ")
+    )
+}
+
+/// A sentence on why no motion is claimed, with a suggestion that applies to these shapes.
+fn describe_none(args: &MatchArgs, first: &Side, second: &Side) -> String {
+    let fewest = first.features().keys.len().min(second.features().keys.len());
+    let ratio = second.decomposer.extent() / first.decomposer.extent();
+    let reason = if fewest < 3 {
+        "no motion: a shape without features, such as a ball, fits in every direction".to_owned()
+    } else {
+        "no motion fits better than the best motion of the mirror image: the shapes differ, or share less than a \
+         quarter of their surface"
+            .to_owned()
+    };
+    if args.motion == MotionArg::Rigid && !(1.0 / UNIT_RATIO..=UNIT_RATIO).contains(&ratio) {
+        format!(
+            "{reason}; {} is {} times as large, so that --motion similarity may apply\n",
+            second.input.name,
+            number(ratio)
+        )
+    } else {
+        format!("{reason}; --motion none pairs features without a motion, for bent shapes\n")
+    }
+}
+
+fn describe(args: &MatchArgs, first: &Side, second: &Side, found: &Matching) -> String {
     let mut text = String::new();
     for side in [first, second] {
-        let (n, n_features) = (side.decomposer.n_vertices(), side.described.features.len());
+        let (n, n_features) = (side.decomposer.n_vertices(), side.features().features.len());
         let (n, n_features) = (count(n, "vertex", "vertices"), count(n_features, "feature", "features"));
         let _ = writeln!(text, "{}: {n}, {n_features}", side.input.name);
     }
-    match &found.motion {
-        Some(FittedMotion { motion, consensus, fit }) => {
-            let scale = if motion.scale() == 1.0 {
-                String::new()
-            } else {
-                format!(", scale {}", number(motion.scale()))
-            };
-            let _ = writeln!(
-                text,
-                "motion: rotation by {:.2}°, translation by ({}){scale}; {} agree with it, at most {} by chance",
-                motion.degrees(),
-                motion.translation().map(number).join(", "),
-                count(consensus.n_agreeing, "feature", "features"),
-                consensus.n_by_chance
-            );
-            let _ = writeln!(
-                text,
-                "fit: median distance {} ({} mean edges), {:.0} % overlap",
-                number(fit.median),
-                number(fit.median / second.decomposer.mean_length()),
-                100.0 * fit.overlap
-            );
-        }
-        None if found.pairs.is_empty() => {
-            text += "no motion explains the features better than chance; try --theta 0.7 for more features, --motion similarity if the units \
-                     differ, or --motion none for bent shapes\n";
-        }
-        None => {}
+    if let Some(registration) = &found.registration {
+        text += &match registration.clear() {
+            Some(motion) => describe_motion(motion, registration, second),
+            None => describe_none(args, first, second),
+        };
     }
     let _ = writeln!(text, "{}\n", count(found.pairs.len(), "pair", "pairs"));
     let mut by_confidence: Vec<&Pair> = found.pairs.iter().collect();
@@ -228,12 +266,12 @@ fn describe(first: &Side, second: &Side, found: &Matching) -> String {
         text += &table(
             ["vertex", "other vertex", "sigma", "apart, σ", "confidence"],
             by_confidence.iter().take(MAX_PRINTED).map(|p| {
-                let (a, b) = (&first.described.features[p.first], &second.described.features[p.second]);
+                let (a, b) = (&first.features().features[p.first], &second.features().features[p.second]);
                 let apart = if p.sigmas.is_nan() { "–".to_owned() } else { format!("{:.2}", p.sigmas) };
                 [
                     a.vertex.to_string(),
                     b.vertex.to_string(),
-                    number(found.sigma[p.first]),
+                    number(a.sigma),
                     apart,
                     format!("{:.2}", p.confidence),
                 ]
@@ -249,7 +287,7 @@ fn describe(first: &Side, second: &Side, found: &Matching) -> String {
 /// A pair with its two features.
 fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
     let feature = |side: &Side, k: usize| {
-        let f = &side.described.features[k];
+        let f = &side.features().features[k];
         json!({"vertex": f.vertex, "position": f.position, "sigma": f.sigma, "sign": f.sign()})
     };
     json!({
@@ -259,21 +297,32 @@ fn pair_json(first: &Side, second: &Side, pair: &Pair) -> Value {
     })
 }
 
+/// A motion with its evidence.
+fn motion_json(found: &RegisteredMotion, matching: &Matching) -> Value {
+    let RegisteredMotion { motion, fit, n_agreeing, .. } = found;
+    let registration = matching.registration.as_ref();
+    json!({
+        "matrix": motion.matrix(), "degrees": motion.degrees(), "scale": motion.scale(),
+        "agreeing": n_agreeing, "by_chance": registration.map(|r| r.n_by_chance),
+        "median_distance": fit.median, "overlap": fit.overlap, "conflict": fit.conflict,
+        "agreement": fit.agreement,
+        "agreement_by_chance": registration.and_then(|r| r.chance).map(|fit| fit.agreement),
+        "confidence": registration.map(Registration::confidence),
+    })
+}
+
 fn report(first: &Side, second: &Side, found: &Matching) -> Value {
     let side = |side: &Side| {
         json!({
-            "shape": side.input.name, "vertices": side.decomposer.n_vertices(), "features": side.described.features.len(),
-            "signed": side.described.is_signed,
+            "shape": side.input.name, "vertices": side.decomposer.n_vertices(), "features": side.features().features.len(),
+            "signed": side.features().is_signed,
         })
     };
     json!({
         "first": side(first),
         "second": side(second),
-        "motion": found.motion.as_ref().map(|FittedMotion { motion, consensus, fit }| json!({
-            "matrix": motion.matrix(), "degrees": motion.degrees(), "scale": motion.scale(),
-            "agreeing": consensus.n_agreeing, "by_chance": consensus.n_by_chance,
-            "median_distance": fit.median, "overlap": fit.overlap,
-        })),
+        "motion": found.motion().map(|motion| motion_json(motion, found)),
+        "equal_motions": found.equal().iter().map(|motion| motion_json(motion, found)).collect::<Vec<_>>(),
         "pairs": found.pairs.iter().map(|p| pair_json(first, second, p)).collect::<Vec<_>>(),
     })
 }
@@ -305,7 +354,7 @@ fn write_pairs(
         let mut table = Table::new("pairs.csv", "", &head);
         for pair in &found.pairs {
             let mut row = Vec::new();
-            for f in [&first.described.features[pair.first], &second.described.features[pair.second]] {
+            for f in [&first.features().features[pair.first], &second.features().features[pair.second]] {
                 row.push(f.vertex.to_string());
                 row.extend(f.position.unwrap_or([f64::NAN; 3]).map(|c| c.to_string()));
                 row.push(f.sigma.to_string());

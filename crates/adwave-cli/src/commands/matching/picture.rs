@@ -1,6 +1,6 @@
 //! Two shapes side by side, with lines between their pairs.
 
-use super::{MatchArgs, Side};
+use super::{MatchArgs, Matching, Side};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::write_file;
@@ -14,19 +14,25 @@ use std::path::Path;
 const THICKNESS: f64 = 0.001;
 /// Most lines that are drawn: those of the highest confidence.
 const MAX_LINES: usize = 120;
+/// Most boxes of equal motions that are drawn.
+const MAX_BOXES: usize = 9;
+/// Pairs of corners of a box that differ in one axis.
+const BOX_EDGES: [(usize, usize); 12] =
+    [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (0, 4), (1, 5), (2, 6), (3, 7)];
 /// Empty space between the shapes, as a share of their width.
 const GAP: f64 = 0.15;
 
-/// Draws SHAPE after the motion to the left of OTHER, and the lines.
+/// Draws SHAPE after the motion to the left of OTHER, and the lines. If several motions fit equally well, the box of SHAPE is
+/// drawn where each of them puts it on OTHER.
 pub(super) fn write(
     path: &Path,
     args: &MatchArgs,
     sides: [&Side; 2],
-    motion: &Motion,
-    pairs: &[Pair],
+    found: &Matching,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     let [first, second] = sides;
+    let motion = found.motion().map_or_else(Motion::default, |found| found.motion);
     let moved: Vec<[f64; 3]> =
         first.input.shape.points().unwrap_or_default().iter().map(|p| motion.apply(p)).collect();
     let others = second.input.shape.points().unwrap_or_default();
@@ -43,21 +49,46 @@ pub(super) fn write(
     if n_triangles.contains(&0) {
         triangles.clear();
     }
-    let mut by_confidence: Vec<&Pair> = pairs.iter().collect();
+    let mut by_confidence: Vec<&Pair> = found.pairs.iter().collect();
     by_confidence.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     let radius = THICKNESS * adwave::shape::diagonal(&points);
     let line = |(k, pair): (usize, &&Pair)| {
-        let from = motion.apply(&first.described.features[pair.first].position?);
-        let to = second.described.features[pair.second].position?;
+        let from = motion.apply(&first.features().features[pair.first].position?);
+        let to = second.features().features[pair.second].position?;
         let from = std::array::from_fn(|c| from[c] + offset[c]);
         Some(beads(&from, &to, radius, color((k as f64 * GOLDEN).fract())))
     };
-    let lines: Vec<Ball> =
+    let mut lines: Vec<Ball> =
         by_confidence.iter().take(MAX_LINES).enumerate().filter_map(line).flatten().collect();
+    if !found.equal().is_empty() {
+        let corners = box_corners(first.input.shape.points().unwrap_or_default());
+        for (k, other) in found.motion().into_iter().chain(found.equal()).take(MAX_BOXES).enumerate() {
+            let corners = corners.map(|p| other.motion.apply(&p));
+            let edge = |&(a, b): &(usize, usize)| beads(&corners[a], &corners[b], 2.0 * radius, box_color(k));
+            lines.extend(BOX_EDGES.iter().flat_map(edge));
+        }
+    }
     let surface = Surface { points: &points, triangles: &triangles, paint: Paint::CLAY };
     let picture = render(&surface, &lines, &params, global.progress())?;
     let png = picture.png()?;
     write_file(global, path, &png)
+}
+
+/// Corners of the bounding box; corner k is at the end of axis c if bit c of k is set.
+fn box_corners(points: &[[f64; 3]]) -> [[f64; 3]; 8] {
+    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for p in points {
+        for c in 0..3 {
+            ends[0][c] = ends[0][c].min(p[c]);
+            ends[1][c] = ends[1][c].max(p[c]);
+        }
+    }
+    std::array::from_fn(|k| std::array::from_fn(|c| ends[k >> c & 1][c]))
+}
+
+/// Color of the box of a motion: dark for the first, else one of its own.
+fn box_color(k: usize) -> [u8; 3] {
+    if k == 0 { [30, 30, 30] } else { color((k as f64 * GOLDEN).fract()) }
 }
 
 fn triangles(shape: &Shape) -> Vec<[u32; 3]> {

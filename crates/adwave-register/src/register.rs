@@ -1,0 +1,274 @@
+//! Motions between two shapes that are claimed, and what the claim rests on.
+
+use crate::consensus::agreeing_pairs;
+use crate::registrand::RegistrandView;
+use crate::search::{FoundMotion, MotionSearch, SearchParams, search_motions};
+use crate::two_way_fit::{precision, two_way_fit};
+use crate::{AlignInfo, AlignParams, Motion, Registrand, TwoWayFit, align};
+use adwave::{Cancelled, Progress};
+
+/// Least correlation of the bands of a claimed motion.
+const MIN_AGREEMENT: f64 = 0.6;
+/// Least information of a claimed motion, in nats.
+const MIN_INFORMATION: f64 = 20.0;
+/// Least ratio to the information of the mirror image.
+const MIN_GAIN: f64 = 2.0;
+/// Largest conflict of a claimed motion.
+const MAX_CONFLICT: f64 = 0.4;
+/// Candidates that are refined to the end.
+const N_REFINED: usize = 6;
+/// Least information of a candidate that is refined to the end, relative to the best.
+const LEAST_SHARE: f64 = 0.15;
+/// Points of a refinement of all candidates; only the best is refined with more.
+const REFINED_POINTS: usize = 1200;
+/// Rounds of this refinement.
+const REFINED_ROUNDS: usize = 20;
+/// Rounds of the last refinement of the best.
+const LAST_ROUNDS: usize = 15;
+/// Largest surplus of conflict of an equal motion.
+const EQUAL_CONFLICT: f64 = 0.02;
+/// Largest surplus of cost of an equal motion.
+const EQUAL_COST: f64 = 0.7;
+/// Least information of an equal motion, relative to the best.
+const EQUAL_INFORMATION: f64 = 0.15;
+
+/// Least overlap of a fit that is preferred for its cost.
+const LEAST_OVERLAP: f64 = 0.3;
+/// Largest ratio of the distance that 99.5 % of the places keep to the median distance, if nothing but noise is left.
+const MAX_TAIL: f64 = 6.0;
+
+/// Motion between two shapes with its evidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegisteredMotion {
+    /// Motion from the first shape to the second.
+    pub motion: Motion,
+    /// Fit of the surfaces and bands in both directions.
+    pub fit: TwoWayFit,
+    /// Diagnostics of the last alignment.
+    pub alignment: AlignInfo,
+    /// Number of pairs of features within 1 σ after the motion.
+    pub n_agreeing: usize,
+}
+
+/// Result of a registration.
+#[derive(Clone, Debug, Default)]
+pub struct Registration {
+    /// Motion that fits best, if any was found.
+    pub best: Option<RegisteredMotion>,
+    /// True if the best motion fits better than chance: see [`Registration`].
+    pub is_clear: bool,
+    /// Other motions that fit as well as the best, if it is clear.
+    pub equal: Vec<RegisteredMotion>,
+    /// All refined candidates, the best included.
+    pub candidates: Vec<RegisteredMotion>,
+    /// Best motion of the mirror image of the first shape, found by the same search.
+    pub chance: Option<TwoWayFit>,
+    /// Number of pairs of features within 1 σ after that motion.
+    pub n_by_chance: usize,
+}
+
+impl Registration {
+    /// The best motion, if it is clear.
+    pub fn clear(&self) -> Option<&RegisteredMotion> {
+        self.best.as_ref().filter(|_| self.is_clear)
+    }
+
+    /// Probability that the best motion is the true one, if it is clear: shared with the equal ones.
+    pub fn confidence(&self) -> f64 {
+        if self.is_clear { 1.0 / (1 + self.equal.len()) as f64 } else { 0.0 }
+    }
+}
+
+/// Finds the motion from `first` to `second`, judges whether it is better than chance, and lists the motions that fit equally
+/// well.
+///
+/// Candidates come from places where bands are extremal and from rotations about the centers. Each is refined on
+/// the surfaces and judged by its fit in both directions: how far partners are apart, and how the bands of the one shape
+/// correlate with those of the other. The same search on the mirror image of `first` shows what chance achieves. A motion
+/// is clear if its bands correlate, carry much more information than those of the mirror image, and few places contradict. A
+/// shape that equals its own mirror image is judged by correlation and conflict alone.
+///
+/// # Errors
+/// Returns [`Cancelled`] on cancellation.
+pub fn register(
+    first: &Registrand,
+    second: &Registrand,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<Registration, Cancelled> {
+    let MotionSearch { motions, chance } = search_motions(first, second, params, progress)?;
+    let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
+    let most = motions.first().map_or(0.0, |found| found.fit.information);
+    let mut refined: Vec<RegisteredMotion> = Vec::new();
+    let is_near_best = |found: &&FoundMotion| found.fit.information >= LEAST_SHARE * most;
+    for found in motions.iter().filter(is_near_best).take(N_REFINED.max(params.equal)) {
+        refined.push(refine(&view, &target, found, params, progress)?);
+    }
+    let by_score = |a: &RegisteredMotion, b: &RegisteredMotion| score(&b.fit).total_cmp(&score(&a.fit));
+    refined.sort_by(by_score);
+    let mut refined = distinct(refined, first);
+    if let Some(best) = refined.first_mut() {
+        *best = refine_best(&view, &target, best, params, progress)?;
+    }
+    let Some((best, others)) = refined.split_first() else { return Ok(Registration::default()) };
+    let null = chance.first();
+    let is_clear = is_clear(best, null.map(|found| &found.fit));
+    let is_equal = |other: &&RegisteredMotion| is_clear && is_equal(&best.fit, &other.fit, second);
+    let equal = others.iter().filter(is_equal).copied().collect();
+    let n_by_chance = null.map_or(0, |found| {
+        agreeing_pairs(&first.features.keys_of_view(true, found.fit.is_flipped), &second.features.keys, &found.motion, 1.0).len()
+    });
+    let candidates = refined.clone();
+    Ok(Registration { best: Some(*best), is_clear, equal, candidates, chance: null.map(|found| found.fit), n_by_chance })
+}
+
+/// Information that is left after the conflict.
+fn score(fit: &TwoWayFit) -> f64 {
+    fit.information * (1.0 - fit.conflict)
+}
+
+/// Tells if a motion is better than chance.
+fn is_clear(found: &RegisteredMotion, chance: Option<&TwoWayFit>) -> bool {
+    let fit = &found.fit;
+    let chance = chance.copied().unwrap_or_default();
+    let is_own_mirror_image = chance.agreement >= MIN_AGREEMENT && chance.conflict <= fit.conflict + EQUAL_CONFLICT;
+    fit.agreement >= MIN_AGREEMENT
+        && fit.information >= MIN_INFORMATION
+        && fit.conflict <= MAX_CONFLICT
+        && found.n_agreeing > 0
+        && (is_own_mirror_image || fit.information >= MIN_GAIN * chance.information)
+}
+
+/// Tells if another motion fits as well as the best.
+fn is_equal(best: &TwoWayFit, other: &TwoWayFit, second: &Registrand) -> bool {
+    other.agreement >= MIN_AGREEMENT
+        && other.information >= EQUAL_INFORMATION * best.information
+        && other.conflict <= best.conflict + EQUAL_CONFLICT
+        && (other.cost <= best.cost + EQUAL_COST || other.median <= best.median.max(0.05 * second.spacing))
+}
+
+/// Refines a motion on more points.
+fn refine(
+    view: &RegistrandView<'_>,
+    target: &RegistrandView<'_>,
+    found: &FoundMotion,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<RegisteredMotion, Cancelled> {
+    let points: Vec<[f64; 3]> = view.samples.iter().map(|sample| sample.point).collect();
+    let params = AlignParams {
+        max_points: REFINED_POINTS,
+        max_rounds: REFINED_ROUNDS,
+        scaled: params.scaled,
+        reach: 10.0 * precision(view, target, &found.motion),
+    };
+    let (motion, alignment) = align(&points, &target.shape.surface, found.motion, &params, progress)?;
+    Ok(measure(view, target, motion, alignment))
+}
+
+/// Refines a motion once more, on vertices.
+fn refine_best(
+    view: &RegistrandView<'_>,
+    target: &RegistrandView<'_>,
+    found: &RegisteredMotion,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<RegisteredMotion, Cancelled> {
+    let params = AlignParams { max_rounds: LAST_ROUNDS, scaled: params.scaled, ..AlignParams::default() };
+    let (motion, alignment) =
+        align(&view.shape.vertices, &target.shape.surface, found.motion, &params, progress)?;
+    Ok(measure(view, target, motion, alignment))
+}
+
+/// Measures the fit of a motion.
+fn measure(
+    view: &RegistrandView<'_>,
+    target: &RegistrandView<'_>,
+    motion: Motion,
+    alignment: AlignInfo,
+) -> RegisteredMotion {
+    let fit = two_way_fit(view, target, &motion, 1);
+    let keys = view.shape.features.keys_of_view(false, fit.is_flipped);
+    let n_agreeing = agreeing_pairs(&keys, &target.shape.features.keys, &motion, 1.0).len();
+    RegisteredMotion { motion, fit, alignment, n_agreeing }
+}
+
+/// Keeps the first of motions that differ by less than 2 % of the extent.
+fn distinct(refined: Vec<RegisteredMotion>, first: &Registrand) -> Vec<RegisteredMotion> {
+    let points = first.sample_points();
+    let mut kept: Vec<RegisteredMotion> = Vec::new();
+    for candidate in refined {
+        let least = 0.02 * candidate.motion.scale() * first.extent;
+        if kept.iter().all(|other| candidate.motion.difference(&other.motion, &points) > least) {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+/// Motion that brings two shapes closest together, whether or not it is clear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestFit {
+    /// Motion from the first shape to the second.
+    pub motion: Motion,
+    /// Fit in both directions.
+    pub fit: TwoWayFit,
+    /// True if the motion is clear, or if the surfaces coincide nearly everywhere.
+    pub is_certain: bool,
+    /// Number of other motions that fit equally well.
+    pub n_equal: usize,
+}
+
+/// Aligns `first` with `second` from where they are; `None` if places remain that are much farther apart than most.
+///
+/// # Errors
+/// Returns [`Cancelled`] on cancellation.
+pub fn fit_in_place(
+    first: &Registrand,
+    second: &Registrand,
+    progress: Progress<'_>,
+) -> Result<Option<ClosestFit>, Cancelled> {
+    let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
+    let start = FoundMotion { motion: Motion::default(), fit: TwoWayFit::default() };
+    let found = refine(&view, &target, &start, &SearchParams::default(), progress)?;
+    let fits = is_even(&found.fit, precision(&view, &target, &found.motion)) && found.fit.overlap >= LEAST_OVERLAP;
+    Ok(fits.then_some(ClosestFit { motion: found.motion, fit: found.fit, is_certain: true, n_equal: 0 }))
+}
+
+/// Finds the motion that brings `first` closest to `second`: the clear one, or else the one with the least mean of
+/// `ln(1 + d²/ε²)` over both directions, which no part that differs can outweigh.
+///
+/// # Errors
+/// Returns [`Cancelled`] on cancellation.
+pub fn closest_fit(
+    first: &Registrand,
+    second: &Registrand,
+    progress: Progress<'_>,
+) -> Result<Option<ClosestFit>, Cancelled> {
+    let params = SearchParams { in_place: true, grid: true, ..SearchParams::default() };
+    let registration = register(first, second, &params, progress)?;
+    let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
+    let has_overlap = |found: &&RegisteredMotion| found.fit.overlap >= LEAST_OVERLAP;
+    let by_cost = |a: &&RegisteredMotion, b: &&RegisteredMotion| a.fit.cost.total_cmp(&b.fit.cost);
+    let best = if registration.is_clear {
+        registration.best.iter().chain(&registration.equal).min_by(by_cost)
+    } else {
+        registration.candidates.iter().filter(has_overlap).min_by(by_cost).or(registration.best.as_ref())
+    };
+    Ok(best.map(|best| ClosestFit {
+        motion: best.motion,
+        fit: best.fit,
+        is_certain: registration.is_clear || is_even(&best.fit, precision(&view, &target, &best.motion)),
+        n_equal: registration.equal.len(),
+    }))
+}
+
+/// Tells if no place is much farther apart than most are.
+fn is_even(fit: &TwoWayFit, precision: f64) -> bool {
+    fit.tail <= MAX_TAIL * fit.median.max(precision)
+}
+
+/// Fit of `first` on `second` under a motion.
+pub fn fit_under(first: &Registrand, second: &Registrand, motion: &Motion) -> TwoWayFit {
+    two_way_fit(&RegistrandView::new(first), &RegistrandView::new(second), motion, 1)
+}

@@ -1,0 +1,246 @@
+//! Search for the motions between two shapes.
+
+use crate::registrand::{RegistrandView, centered_motions, principal_motions};
+use crate::two_way_fit::{precision, RoughFit, two_way_fit};
+use crate::consensus::{ConsensusParams, consensus};
+use crate::shape_features::Landmarks;
+use crate::{AlignParams, Motion, Registrand, TwoWayFit, align};
+use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// Motion that was refined on the surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundMotion {
+    /// Motion from the first shape to the second.
+    pub motion: Motion,
+    /// Fit of the surfaces.
+    pub fit: TwoWayFit,
+}
+
+/// Options of a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchParams {
+    /// True to search for similarities, with a change of size, instead of rigid motions.
+    pub scaled: bool,
+    /// True to start from the rotations between the principal axes too, for shapes that are whole.
+    pub centered: bool,
+    /// True to start from where the shapes are too.
+    pub in_place: bool,
+    /// True to start from a grid of rotations about the centers.
+    pub grid: bool,
+    /// Largest number of motions that are compared to the end.
+    pub equal: usize,
+}
+
+impl Default for SearchParams {
+    fn default() -> Self {
+        Self { scaled: false, centered: true, in_place: false, grid: false, equal: 16 }
+    }
+}
+
+/// Result of a search.
+#[derive(Clone, Debug, Default)]
+pub struct MotionSearch {
+    /// Distinct motions, the one with the most information first.
+    pub motions: Vec<FoundMotion>,
+    /// The same for the mirror image of the first shape, found by the same procedure.
+    pub chance: Vec<FoundMotion>,
+}
+
+/// Correlation of bands below which a motion is not compared with chance, since it is not claimed.
+const PLAUSIBLE_AGREEMENT: f64 = 0.3;
+
+/// Correlation of bands above which a motion is so plausible that no further starts are tried.
+const SURE_AGREEMENT: f64 = 0.6;
+/// Most candidates that are refined on more points.
+const MAX_CANDIDATES: usize = 16;
+/// Step between the samples of a rough fit.
+const ROUGH_STEP: usize = 30;
+/// Numbers of starts that are tried, and of those that are refined: few first, then all.
+const BATCHES: [(usize, usize); 2] = [(72, 20), (usize::MAX, 48)];
+
+/// Stage of the refinement.
+struct Stage {
+    /// Points of the alignment.
+    points: usize,
+    /// Rounds of the alignment.
+    rounds: usize,
+    /// Reach of the alignment, as a share of the extent.
+    reach: f64,
+    /// Step between the samples by which the refined motions are judged.
+    step: usize,
+    /// Difference below which two refined motions are one, as a share of the extent.
+    distance: f64,
+}
+
+/// Stages of the refinement, from many rough motions to few precise ones.
+const STAGES: [Stage; 2] = [
+    Stage { points: 150, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
+    Stage { points: 300, rounds: 8, reach: 0.02, step: 2, distance: 0.02 },
+];
+/// Rotations of the grid; no rotation is farther than about 40° from one of them.
+const N_TURNS: usize = 96;
+
+/// Searches for distinct motions from `first` to `second`, and by the same procedure for those of the mirror image of `first`.
+///
+/// # Errors
+/// Returns [`Cancelled`] on cancellation.
+pub fn search_motions(
+    first: &Registrand,
+    second: &Registrand,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<MotionSearch, Cancelled> {
+    let target = RegistrandView::new(second);
+    let motions = refined_candidates(&RegistrandView::new(first), &target, params, progress)?;
+    if !motions.first().is_some_and(|found| found.fit.agreement > PLAUSIBLE_AGREEMENT) {
+        return Ok(MotionSearch { motions, chance: Vec::new() });
+    }
+    let chance = refined_candidates(&RegistrandView::mirrored(first), &target, params, progress)?;
+    Ok(MotionSearch { motions, chance })
+}
+
+/// Candidates of one shape, the one with the most information first. If some of the best starts lead to motions that are
+/// plausible, the others are left out.
+fn refined_candidates(
+    first: &RegistrandView<'_>,
+    second: &RegistrandView<'_>,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<Vec<FoundMotion>, Cancelled> {
+    let starts = starts(first, second, params, progress)?;
+    let mut found = Vec::new();
+    for (batch, kept) in BATCHES {
+        let starts = &starts[..batch.min(starts.len())];
+        found = refine_starts(first, second, starts, &StartParams { kept, scaled: params.scaled }, progress)?;
+        if found.first().is_some_and(|found| found.fit.agreement > SURE_AGREEMENT) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// Options of the refinement of starts.
+struct StartParams {
+    /// Number of starts that are refined: those of the best rough fit.
+    kept: usize,
+    scaled: bool,
+}
+
+/// Refines the best starts on few points, and the best of these on more.
+fn refine_starts(
+    first: &RegistrandView<'_>,
+    second: &RegistrandView<'_>,
+    starts: &[Motion],
+    params: &StartParams,
+    progress: Progress<'_>,
+) -> Result<Vec<FoundMotion>, Cancelled> {
+    progress.check()?;
+    let rough: Vec<RoughFit> =
+        starts.par_iter().map(|motion| RoughFit::new(first, second, motion, ROUGH_STEP)).collect();
+    let mut medians: Vec<f64> = rough.iter().map(RoughFit::median).filter(|d| d.is_finite()).collect();
+    medians.sort_by(f64::total_cmp);
+    // Most motions are wrong.
+    let typical = medians.get(medians.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+    let mut rated: Vec<(f64, Motion)> =
+        rough.iter().map(|fit| fit.gain(typical)).zip(starts.iter().copied()).collect();
+    rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+    rated.truncate(params.kept);
+    let mut motions: Vec<Motion> = rated.into_iter().map(|(_, motion)| motion).collect();
+    let points: Vec<[f64; 3]> = first.samples.iter().map(|sample| sample.point).collect();
+    let mut found: Vec<FoundMotion> = Vec::new();
+    for stage in &STAGES {
+        progress.check()?;
+        let refine = |start: &Motion| {
+            let extent = (start.scale() * first.shape.extent).min(second.shape.extent);
+            let align_params = AlignParams {
+                max_points: stage.points,
+                max_rounds: stage.rounds,
+                scaled: params.scaled,
+                reach: (stage.reach * extent).max(10.0 * precision(first, second, start)),
+            };
+            let (motion, _) = align(&points, &second.shape.surface, *start, &align_params, progress)?;
+            Ok(FoundMotion { motion, fit: two_way_fit(first, second, &motion, stage.step) })
+        };
+        let refined: Result<Vec<FoundMotion>, Cancelled> = motions.par_iter().map(refine).collect();
+        found = refined?;
+        found.sort_by(|a, b| b.fit.information.total_cmp(&a.fit.information));
+        found = distinct(found, first, &points, stage.distance);
+        let n_plausible = found.iter().filter(|found| found.fit.agreement > PLAUSIBLE_AGREEMENT).count();
+        motions = found.iter().take(n_plausible.clamp(3, MAX_CANDIDATES)).map(|found| found.motion).collect();
+    }
+    Ok(found)
+}
+
+/// Starts of all kinds.
+fn starts(
+    first: &RegistrandView<'_>,
+    second: &RegistrandView<'_>,
+    params: &SearchParams,
+    progress: Progress<'_>,
+) -> Result<Vec<Motion>, Cancelled> {
+    let consensus_params = ConsensusParams { scaled: params.scaled, ..ConsensusParams::default() };
+    let (landmarks, others) = (first.landmarks(), &second.shape.features);
+    let mut starts: Vec<Motion> = Vec::new();
+    if params.in_place {
+        starts.push(Motion::default());
+    }
+    if params.centered {
+        let scale = if params.scaled { (second.shape.area / first.shape.area).sqrt() } else { 1.0 };
+        starts.extend(principal_motions(first, second, scale));
+    }
+    let mut lists: Vec<Vec<Motion>> = Vec::new();
+    let mut add = |landmarks: &Landmarks| -> Result<(), Cancelled> {
+        let found = consensus(landmarks, &others.landmarks, &consensus_params, progress)?;
+        lists.push(found.into_iter().map(|found| found.motion).collect());
+        Ok(())
+    };
+    add(&landmarks)?;
+    let own = &first.shape.features;
+    if own.is_signed && others.is_signed && (own.is_guessed || others.is_guessed) {
+        add(&landmarks.flipped())?;
+    }
+    // The best of both orientations come first.
+    for k in 0..lists.iter().map(Vec::len).max().unwrap_or(0) {
+        starts.extend(lists.iter().filter_map(|list| list.get(k)));
+    }
+    if params.grid {
+        starts.extend(centered_motions(first, second, &rotation_grid(N_TURNS)));
+    }
+    Ok(starts)
+}
+
+/// Keeps the first of motions that differ by less than a share of the extent.
+fn distinct(
+    found: Vec<FoundMotion>,
+    first: &RegistrandView<'_>,
+    points: &[[f64; 3]],
+    share: f64,
+) -> Vec<FoundMotion> {
+    let points: Vec<[f64; 3]> = points.iter().copied().step_by(100).collect();
+    let mut kept: Vec<FoundMotion> = Vec::new();
+    for candidate in found {
+        let least = share * candidate.motion.scale() * first.shape.extent;
+        if kept.iter().all(|other| candidate.motion.difference(&other.motion, &points) > least) {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+/// Rotation vectors that cover all rotations evenly, on a spiral.
+///
+/// Source: `alexa2022`.
+fn rotation_grid(n: usize) -> Vec<[f64; 3]> {
+    const PSI: f64 = 1.533_751_168_755_204_3;
+    let turn = |i: usize| {
+        let s = i as f64 + 0.5;
+        let (r, rest) = ((s / n as f64).sqrt(), (1.0 - s / n as f64).sqrt());
+        let (a, b) = (std::f64::consts::TAU * s / std::f64::consts::SQRT_2, std::f64::consts::TAU * s / PSI);
+        let (x, y, z, w) = (r * a.sin(), r * a.cos(), rest * b.sin(), rest * b.cos());
+        let length = (x * x + y * y + z * z).sqrt().max(f64::MIN_POSITIVE);
+        let angle = 2.0 * length.atan2(w);
+        [x, y, z].map(|c| c * angle / length)
+    };
+    (0..n).map(turn).collect()
+}
