@@ -10,7 +10,13 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
 
-struct Case { name: String, first: Surface, second: Surface, truth: Option<Motion>, scaled: bool }
+struct Case {
+    name: String,
+    first: Surface,
+    second: Surface,
+    truth: Option<Motion>,
+    scaled: bool,
+}
 
 fn load(path: &str) -> Surface {
     let file = read_path(Path::new(path), &ReadLimits::default()).unwrap();
@@ -23,7 +29,11 @@ fn make(kind: &str, seed: u64, files: &[String]) -> Option<Case> {
     let noise = [0.0, 0.1, 0.2][(seed % 3) as usize];
     let file = |k: u64| load(&files[(k % files.len() as u64) as usize]);
     let (first, second, truth) = match kind {
-        "t-un" => (Terrain::new(2 * seed).patch(0.0, 0.0, 70, 70), Terrain::new(2 * seed + 1).patch(0.3, 0.4, 70, 70), false),
+        "t-un" => (
+            Terrain::new(2 * seed).patch(0.0, 0.0, 70, 70),
+            Terrain::new(2 * seed + 1).patch(0.3, 0.4, 70, 70),
+            false,
+        ),
         "t-25" | "t-30" | "t-50" => {
             let o: f64 = kind[2..].parse::<f64>().unwrap() / 100.0;
             let t = Terrain::new(2 * seed);
@@ -36,8 +46,14 @@ fn make(kind: &str, seed: u64, files: &[String]) -> Option<Case> {
             let [a, b] = file(seed).overlapping(&r.direction(), o);
             (a, b, true)
         }
-        "s-dis" => { let [a, b] = file(seed).parts(&r.direction(), 0.45, 0.55); (a, b, false) }
-        "s-id" => { let s = file(seed); (s.clone(), s, true) }
+        "s-dis" => {
+            let [a, b] = file(seed).parts(&r.direction(), 0.45, 0.55);
+            (a, b, false)
+        }
+        "s-id" => {
+            let s = file(seed);
+            (s.clone(), s, true)
+        }
         "v-60" | "v-90" | "v-120" => {
             let s = file(seed);
             let degrees: f64 = kind[2..].parse().unwrap();
@@ -51,14 +67,22 @@ fn make(kind: &str, seed: u64, files: &[String]) -> Option<Case> {
         _ => return None,
     };
     let motion = r.motion(50.0);
-    let (first, second) = (first.noisy(noise, 7 * seed + 1), second.noisy(noise, 7 * seed + 2).moved(&motion));
-    Some(Case { name: format!("{kind} {seed}"), first, second, truth: truth.then_some(motion), scaled: false })
+    let (first, second) =
+        (first.noisy(noise, 7 * seed + 1), second.noisy(noise, 7 * seed + 2).moved(&motion));
+    Some(Case {
+        name: format!("{kind} {seed}"),
+        first,
+        second,
+        truth: truth.then_some(motion),
+        scaled: false,
+    })
 }
 
 fn run(case: &Case) -> String {
     let t0 = Instant::now();
     let params = OperatorParams::default().with_kind(OperatorKind::Surface);
-    let d = [&case.first, &case.second].map(|s| Decomposer::with_params(&s.shape(), &params, Progress::none()).unwrap());
+    let d = [&case.first, &case.second]
+        .map(|s| Decomposer::with_params(&s.shape(), &params, Progress::none()).unwrap());
     let lengths = common_lengths(&d[0], &d[1]).unwrap();
     let theta = std::env::var("TH").map_or(1.0, |t| t.parse().unwrap());
     let f = [0, 1].map(|k| describe_shape(&d[k], None, &lengths, theta, Progress::none()).unwrap());
@@ -67,28 +91,83 @@ fn run(case: &Case) -> String {
     let t1 = Instant::now();
     let a = Registrand::new(&d[0], fa, Progress::none()).unwrap().unwrap();
     let b = Registrand::new(&d[1], fb, Progress::none()).unwrap().unwrap();
-    let found = search_motions(&a, &b, &SearchParams { scaled: case.scaled, ..SearchParams::default() }, Progress::none()).unwrap();
+    let found = search_motions(
+        &a,
+        &b,
+        &SearchParams { scaled: case.scaled, ..SearchParams::default() },
+        Progress::none(),
+    )
+    .unwrap();
     let t2 = Instant::now();
-    let mut out = format!("# {} verts {} {} features {} {} describe {:.2} search {:.2}\n", case.name, case.first.points.len(), case.second.points.len(), n[0], n[1], (t1 - t0).as_secs_f64(), (t2 - t1).as_secs_f64());
+    let mut out = format!(
+        "# {} verts {} {} features {} {} describe {:.2} search {:.2}\n",
+        case.name,
+        case.first.points.len(),
+        case.second.points.len(),
+        n[0],
+        n[1],
+        (t1 - t0).as_secs_f64(),
+        (t2 - t1).as_secs_f64()
+    );
     if let Some(t) = &case.truth {
-        let pairs = adwave_register::pairs_under(&a.features.keys, &b.features.keys, t, b.area, &adwave_register::PairParams::default());
+        let pairs = adwave_register::pairs_under(
+            &a.features.keys,
+            &b.features.keys,
+            t,
+            b.area,
+            &adwave_register::PairParams::default(),
+        );
         let close = pairs.iter().filter(|p| p.sigmas < 0.5).count();
         let mut rank = [0usize; 12];
         for p in &pairs {
-            let d = |i: usize| -> f64 { a.features.descriptors[p.first].iter().zip(&b.features.descriptors[i]).map(|(x, y)| (x-y)*(x-y)).sum() };
+            let d = |i: usize| -> f64 {
+                a.features.descriptors[p.first]
+                    .iter()
+                    .zip(&b.features.descriptors[i])
+                    .map(|(x, y)| (x - y) * (x - y))
+                    .sum()
+            };
             let own = d(p.second);
-            let r = (0..b.features.keys.len()).filter(|&i| b.features.keys[i].sign == a.features.keys[p.first].sign && (b.features.keys[i].sigma / a.features.keys[p.first].sigma).log2().abs() < 0.75 && d(i) < own).count();
+            let r = (0..b.features.keys.len())
+                .filter(|&i| {
+                    b.features.keys[i].sign == a.features.keys[p.first].sign
+                        && (b.features.keys[i].sigma / a.features.keys[p.first].sigma).log2().abs() < 0.75
+                        && d(i) < own
+                })
+                .count();
             rank[r.min(11)] += 1;
         }
         let f = adwave_register::fit_under(&a, &b, t);
-        out += &format!("truth {} pairs {} close {close} ranks {rank:?} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5}\n", case.name, pairs.len(), f.information, f.agreement, f.cost, f.conflict, f.overlap, f.median / a.extent);
+        out += &format!(
+            "truth {} pairs {} close {close} ranks {rank:?} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5}\n",
+            case.name,
+            pairs.len(),
+            f.information,
+            f.agreement,
+            f.cost,
+            f.conflict,
+            f.overlap,
+            f.median / a.extent
+        );
     }
     for (label, list) in [("real", &found.motions), ("null", &found.chance)] {
         for m in list.iter().take(if label == "real" { 2 } else { 1 }) {
-            let err = case.truth.as_ref().map_or(-1.0, |t| 100.0 * m.motion.difference(t, &case.first.points) / a.extent);
+            let err = case
+                .truth
+                .as_ref()
+                .map_or(-1.0, |t| 100.0 * m.motion.difference(t, &case.first.points) / a.extent);
             let f = m.fit;
-            out += &format!("{label} {} err {err:.3} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5} medprec {:.2}\n",
-                case.name, f.information, f.agreement, f.cost, f.conflict, f.overlap, f.median / a.extent, f.median / a.spacing);
+            out += &format!(
+                "{label} {} err {err:.3} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5} medprec {:.2}\n",
+                case.name,
+                f.information,
+                f.agreement,
+                f.cost,
+                f.conflict,
+                f.overlap,
+                f.median / a.extent,
+                f.median / a.spacing
+            );
         }
     }
     out
@@ -102,9 +181,13 @@ fn main() {
     let jobs: Vec<(String, u64)> = (lo..hi).flat_map(|s| kinds.iter().map(move |k| (k.clone(), s))).collect();
     let start = Instant::now();
     jobs.par_iter().for_each(|(k, s)| {
-        if start.elapsed().as_secs() > 170 { return }
+        if start.elapsed().as_secs() > 170 {
+            return;
+        }
         let case = make(k, *s, &files).unwrap();
-        if case.first.points.len() < 50 || case.second.points.len() < 50 { return }
+        if case.first.points.len() < 50 || case.second.points.len() < 50 {
+            return;
+        }
         print!("{}", run(&case));
     });
 }

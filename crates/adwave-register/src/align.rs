@@ -127,13 +127,7 @@ struct Round {
 }
 
 /// Performs one round; `None` if too few points have a closest point.
-fn align_round(
-    moved: &[[f64; 3]],
-    surface: &Surface,
-    size: f64,
-    reach: f64,
-    scaled: bool,
-) -> Option<Round> {
+fn align_round(moved: &[[f64; 3]], surface: &Surface, size: f64, reach: f64, scaled: bool) -> Option<Round> {
     let pairs: Vec<([f64; 3], ClosestPoint)> = interior_pairs(moved, surface).collect();
     if pairs.len() < 6 || size <= 0.0 {
         return None;

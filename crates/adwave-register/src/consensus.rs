@@ -112,8 +112,10 @@ pub(crate) fn consensus(
     progress: Progress<'_>,
 ) -> Result<Vec<Consensus>, Cancelled> {
     let pairs = candidate_pairs(first, second, params);
-    let places: Vec<PairedKeys> =
-        pairs.iter().map(|pair| PairedKeys { from: first.keys[pair.first], to: second.keys[pair.second] }).collect();
+    let places: Vec<PairedKeys> = pairs
+        .iter()
+        .map(|pair| PairedKeys { from: first.keys[pair.first], to: second.keys[pair.second] })
+        .collect();
     if pairs.len() < 2 {
         return Ok(Vec::new());
     }
@@ -160,12 +162,9 @@ struct PairedKeys {
 }
 
 /// Lists the most similar features of the second shape for each feature of the first, and the reverse.
-fn candidate_pairs(
-    first: &Landmarks,
-    second: &Landmarks,
-    params: &ConsensusParams,
-) -> Vec<CandidatePair> {
-    let (firsts, seconds): (Vec<usize>, Vec<usize>) = ((0..first.keys.len()).collect(), (0..second.keys.len()).collect());
+fn candidate_pairs(first: &Landmarks, second: &Landmarks, params: &ConsensusParams) -> Vec<CandidatePair> {
+    let (firsts, seconds): (Vec<usize>, Vec<usize>) =
+        ((0..first.keys.len()).collect(), (0..second.keys.len()).collect());
     let rate = |&a: &usize, &b: &usize| -> Option<CandidatePair> {
         let (key, other) = (&first.keys[a], &second.keys[b]);
         let is_alike = if params.scaled { key.sign == other.sign } else { key.is_alike(other, 1.0) };
@@ -176,14 +175,18 @@ fn candidate_pairs(
     let backward = seconds.iter().map(|b| firsts.iter().filter_map(|a| rate(a, b)).collect::<Vec<_>>());
     let mut pairs: Vec<CandidatePair> = Vec::new();
     for mut near in forward.chain(backward) {
-        near.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second))));
+        near.sort_by(|x, y| {
+            x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second)))
+        });
         near.truncate(params.candidates);
         pairs.extend(near);
     }
     pairs.sort_by_key(|pair| (pair.first, pair.second));
     pairs.dedup_by_key(|pair| (pair.first, pair.second));
     if pairs.len() > MAX_CANDIDATES {
-        pairs.sort_by(|x, y| x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second))));
+        pairs.sort_by(|x, y| {
+            x.distance.total_cmp(&y.distance).then((x.first, x.second).cmp(&(y.first, y.second)))
+        });
         pairs.truncate(MAX_CANDIDATES);
         pairs.sort_by_key(|pair| (pair.first, pair.second));
     }
@@ -259,20 +262,34 @@ impl CompatiblePairs {
     }
 }
 
+/// Difference of two points; inlined, since it is taken millions of times.
+#[inline]
+fn offset(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Length of a vector; inlined like [`offset`].
+#[inline]
+fn length(v: &[f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
 /// Tells if two candidate pairs have equal distances and angles on both shapes, up to the precision of features.
 fn are_compatible(a: &PairedKeys, b: &PairedKeys, params: &ConsensusParams) -> bool {
-    let (before, after) = (subtract(&b.from.position, &a.from.position), subtract(&b.to.position, &a.to.position));
-    let (length, other_length) = (norm(&before), norm(&after));
-    let scale = if params.scaled { other_length / length } else { 1.0 };
+    let (before, after) =
+        (offset(&b.from.position, &a.from.position), offset(&b.to.position, &a.to.position));
+    let (own_length, other_length) = (length(&before), length(&after));
+    let scale = if params.scaled { other_length / own_length } else { 1.0 };
     if params.scaled {
-        let is_near = |pair: &PairedKeys| (pair.to.sigma / (scale * pair.from.sigma)).log2().abs() <= MAX_OCTAVES;
+        let is_near =
+            |pair: &PairedKeys| (pair.to.sigma / (scale * pair.from.sigma)).log2().abs() <= MAX_OCTAVES;
         if !(is_near(a) && is_near(b)) {
             return false;
         }
     }
     let reach = a.to.sigma + b.to.sigma;
-    if other_length.min(scale * length) < LEAST_SPREAD * reach
-        || (other_length - scale * length).abs() > 0.5 * params.sigmas * reach
+    if other_length.min(scale * own_length) < LEAST_SPREAD * reach
+        || (other_length - scale * own_length).abs() > 0.5 * params.sigmas * reach
     {
         return false;
     }
@@ -284,7 +301,7 @@ fn are_compatible(a: &PairedKeys, b: &PairedKeys, params: &ConsensusParams) -> b
     let cosines = |d: &[f64; 3], n: &[f64; 3], m: &[f64; 3], length: f64| {
         [dot(n, m), dot(d, n) / length, dot(d, m) / length, dot(d, &cross(n, m)) / length]
     };
-    let (before, after) = (cosines(&before, p, q, length), cosines(&after, r, s, other_length));
+    let (before, after) = (cosines(&before, p, q, own_length), cosines(&after, r, s, other_length));
     before.iter().zip(after).all(|(x, y)| (x - y).abs() <= COSINE_SLACK)
 }
 
@@ -320,8 +337,8 @@ fn agreeing_candidates(
 ) -> Vec<usize> {
     let mut near: Vec<(f64, usize)> = Vec::new();
     for (i, place) in places.iter().enumerate() {
-        let offset = subtract(&motion.apply(&place.from.position), &place.to.position);
-        let distance = norm(&offset) / place.to.sigma;
+        let distance =
+            length(&offset(&motion.apply(&place.from.position), &place.to.position)) / place.to.sigma;
         if distance <= sigmas && place.from.is_alike_after(&place.to, motion) {
             near.push((distance, i));
         }

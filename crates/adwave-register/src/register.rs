@@ -4,27 +4,25 @@ use crate::consensus::agreeing_pairs;
 use crate::registrand::RegistrandView;
 use crate::search::{FoundMotion, MotionSearch, SearchParams, search_motions};
 use crate::two_way_fit::{precision, two_way_fit};
-use crate::{AlignInfo, AlignParams, Motion, Registrand, TwoWayFit, align};
+use crate::{AlignParams, Motion, Registrand, TwoWayFit, align};
 use adwave::{Cancelled, Progress};
 
 /// Least correlation of the bands of a claimed motion.
-const MIN_AGREEMENT: f64 = 0.6;
+const MIN_AGREEMENT: f64 = 0.65;
 /// Least information of a claimed motion, in nats.
-const MIN_INFORMATION: f64 = 20.0;
+const MIN_INFORMATION: f64 = 18.0;
 /// Least ratio to the information of the mirror image.
 const MIN_GAIN: f64 = 2.0;
 /// Largest conflict of a claimed motion.
-const MAX_CONFLICT: f64 = 0.4;
-/// Candidates that are refined to the end.
-const N_REFINED: usize = 6;
+const MAX_CONFLICT: f64 = 0.15;
 /// Least information of a candidate that is refined to the end, relative to the best.
 const LEAST_SHARE: f64 = 0.15;
 /// Points of a refinement of all candidates; only the best is refined with more.
 const REFINED_POINTS: usize = 1200;
 /// Rounds of this refinement.
-const REFINED_ROUNDS: usize = 20;
+const REFINED_ROUNDS: usize = 12;
 /// Rounds of the last refinement of the best.
-const LAST_ROUNDS: usize = 15;
+const LAST_ROUNDS: usize = 6;
 /// Largest surplus of conflict of an equal motion.
 const EQUAL_CONFLICT: f64 = 0.02;
 /// Largest surplus of cost of an equal motion.
@@ -34,6 +32,8 @@ const EQUAL_INFORMATION: f64 = 0.15;
 
 /// Least overlap of a fit that is preferred for its cost.
 const LEAST_OVERLAP: f64 = 0.3;
+/// Largest median distance that is noise, in multiples of the precision.
+const MAX_NOISE: f64 = 5.0;
 /// Largest ratio of the distance that 99.5 % of the places keep to the median distance, if nothing but noise is left.
 const MAX_TAIL: f64 = 6.0;
 
@@ -44,8 +44,6 @@ pub struct RegisteredMotion {
     pub motion: Motion,
     /// Fit of the surfaces and bands in both directions.
     pub fit: TwoWayFit,
-    /// Diagnostics of the last alignment.
-    pub alignment: AlignInfo,
     /// Number of pairs of features within 1 σ after the motion.
     pub n_agreeing: usize,
 }
@@ -99,10 +97,18 @@ pub fn register(
     let MotionSearch { motions, chance } = search_motions(first, second, params, progress)?;
     let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
     let most = motions.first().map_or(0.0, |found| found.fit.information);
+    let is_plausible = |found: &&FoundMotion| {
+        found.fit.agreement >= MIN_AGREEMENT && found.fit.information >= LEAST_SHARE * most
+    };
+    let n_plausible = motions.iter().filter(is_plausible).count();
     let mut refined: Vec<RegisteredMotion> = Vec::new();
-    let is_near_best = |found: &&FoundMotion| found.fit.information >= LEAST_SHARE * most;
-    for found in motions.iter().filter(is_near_best).take(N_REFINED.max(params.equal)) {
-        refined.push(refine(&view, &target, found, params, progress)?);
+    // Without a plausible motion the fit may still serve someone who wants the closest one.
+    for found in motions.iter().filter(|found| n_plausible == 0 || is_plausible(found)).take(params.equal) {
+        refined.push(if n_plausible == 1 {
+            measure(&view, &target, found.motion)
+        } else {
+            refine(&view, &target, found, params, progress)?
+        });
     }
     let by_score = |a: &RegisteredMotion, b: &RegisteredMotion| score(&b.fit).total_cmp(&score(&a.fit));
     refined.sort_by(by_score);
@@ -116,10 +122,23 @@ pub fn register(
     let is_equal = |other: &&RegisteredMotion| is_clear && is_equal(&best.fit, &other.fit, second);
     let equal = others.iter().filter(is_equal).copied().collect();
     let n_by_chance = null.map_or(0, |found| {
-        agreeing_pairs(&first.features.keys_of_view(true, found.fit.is_flipped), &second.features.keys, &found.motion, 1.0).len()
+        agreeing_pairs(
+            &first.features.keys_of_view(true, found.fit.is_flipped),
+            &second.features.keys,
+            &found.motion,
+            1.0,
+        )
+        .len()
     });
     let candidates = refined.clone();
-    Ok(Registration { best: Some(*best), is_clear, equal, candidates, chance: null.map(|found| found.fit), n_by_chance })
+    Ok(Registration {
+        best: Some(*best),
+        is_clear,
+        equal,
+        candidates,
+        chance: null.map(|found| found.fit),
+        n_by_chance,
+    })
 }
 
 /// Information that is left after the conflict.
@@ -131,7 +150,8 @@ fn score(fit: &TwoWayFit) -> f64 {
 fn is_clear(found: &RegisteredMotion, chance: Option<&TwoWayFit>) -> bool {
     let fit = &found.fit;
     let chance = chance.copied().unwrap_or_default();
-    let is_own_mirror_image = chance.agreement >= MIN_AGREEMENT && chance.conflict <= fit.conflict + EQUAL_CONFLICT;
+    let is_own_mirror_image =
+        chance.agreement >= MIN_AGREEMENT && chance.conflict <= fit.conflict + EQUAL_CONFLICT;
     fit.agreement >= MIN_AGREEMENT
         && fit.information >= MIN_INFORMATION
         && fit.conflict <= MAX_CONFLICT
@@ -162,8 +182,8 @@ fn refine(
         scaled: params.scaled,
         reach: 10.0 * precision(view, target, &found.motion),
     };
-    let (motion, alignment) = align(&points, &target.shape.surface, found.motion, &params, progress)?;
-    Ok(measure(view, target, motion, alignment))
+    let (motion, _) = align(&points, &target.shape.surface, found.motion, &params, progress)?;
+    Ok(measure(view, target, motion))
 }
 
 /// Refines a motion once more, on vertices.
@@ -175,22 +195,21 @@ fn refine_best(
     progress: Progress<'_>,
 ) -> Result<RegisteredMotion, Cancelled> {
     let params = AlignParams { max_rounds: LAST_ROUNDS, scaled: params.scaled, ..AlignParams::default() };
-    let (motion, alignment) =
-        align(&view.shape.vertices, &target.shape.surface, found.motion, &params, progress)?;
-    Ok(measure(view, target, motion, alignment))
+    let points = match view.shape.surface.is_mesh() && view.shape.vertices.len() < view.samples.len() {
+        // The vertices of machined parts are few.
+        true => view.samples.iter().map(|sample| sample.point).collect(),
+        false => view.shape.vertices.clone(),
+    };
+    let (motion, _) = align(&points, &target.shape.surface, found.motion, &params, progress)?;
+    Ok(measure(view, target, motion))
 }
 
 /// Measures the fit of a motion.
-fn measure(
-    view: &RegistrandView<'_>,
-    target: &RegistrandView<'_>,
-    motion: Motion,
-    alignment: AlignInfo,
-) -> RegisteredMotion {
+fn measure(view: &RegistrandView<'_>, target: &RegistrandView<'_>, motion: Motion) -> RegisteredMotion {
     let fit = two_way_fit(view, target, &motion, 1);
     let keys = view.shape.features.keys_of_view(false, fit.is_flipped);
     let n_agreeing = agreeing_pairs(&keys, &target.shape.features.keys, &motion, 1.0).len();
-    RegisteredMotion { motion, fit, alignment, n_agreeing }
+    RegisteredMotion { motion, fit, n_agreeing }
 }
 
 /// Keeps the first of motions that differ by less than 2 % of the extent.
@@ -231,7 +250,8 @@ pub fn fit_in_place(
     let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
     let start = FoundMotion { motion: Motion::default(), fit: TwoWayFit::default() };
     let found = refine(&view, &target, &start, &SearchParams::default(), progress)?;
-    let fits = is_even(&found.fit, precision(&view, &target, &found.motion)) && found.fit.overlap >= LEAST_OVERLAP;
+    let fits =
+        is_even(&found.fit, precision(&view, &target, &found.motion)) && found.fit.overlap >= LEAST_OVERLAP;
     Ok(fits.then_some(ClosestFit { motion: found.motion, fit: found.fit, is_certain: true, n_equal: 0 }))
 }
 
@@ -263,9 +283,9 @@ pub fn closest_fit(
     }))
 }
 
-/// Tells if no place is much farther apart than most are.
+/// Tells if the surfaces coincide up to noise, and no place is much farther apart than most are.
 fn is_even(fit: &TwoWayFit, precision: f64) -> bool {
-    fit.tail <= MAX_TAIL * fit.median.max(precision)
+    fit.median <= MAX_NOISE * precision && fit.tail <= MAX_TAIL * fit.median.max(precision)
 }
 
 /// Fit of `first` on `second` under a motion.

@@ -15,7 +15,7 @@ use std::collections::BinaryHeap;
 const N_SAMPLES: usize = 1200;
 
 /// Most vertices of the last alignment.
-const N_VERTICES: usize = 6000;
+const N_VERTICES: usize = 3000;
 
 /// A shape prepared for registration.
 pub struct Registrand {
@@ -82,7 +82,12 @@ impl Registrand {
             extent: decomposer.extent(),
             area: areas.iter().sum(),
             border_distance: distance_from_border(decomposer, 2.0 * widest),
-            vertices: geometry.points().iter().copied().step_by(geometry.points().len().div_ceil(N_VERTICES).max(1)).collect(),
+            vertices: geometry
+                .points()
+                .iter()
+                .copied()
+                .step_by(geometry.points().len().div_ceil(N_VERTICES).max(1))
+                .collect(),
             samples,
         }))
     }
@@ -266,7 +271,9 @@ pub(crate) fn principal_motions(
     to: &RegistrandView<'_>,
     scale: f64,
 ) -> Vec<Motion> {
-    let (Some(first), Some(second)) = (from.principal_frame(), to.principal_frame()) else { return Vec::new() };
+    let (Some(first), Some(second)) = (from.principal_frame(), to.principal_frame()) else {
+        return Vec::new();
+    };
     let axes = |frame: &Frame| Frame { origin: [0.0; 3], ..*frame };
     let turn = |turn: &[(usize, f64); 3]| Motion::from_frames(&turned(&axes(&first), turn), &axes(&second));
     let motion = |axes| about_centers(&first, &second, turn(axes).scaled_by(scale));
@@ -279,7 +286,9 @@ pub(crate) fn centered_motions(
     to: &RegistrandView<'_>,
     turns: &[[f64; 3]],
 ) -> Vec<Motion> {
-    let (Some(first), Some(second)) = (from.principal_frame(), to.principal_frame()) else { return Vec::new() };
+    let (Some(first), Some(second)) = (from.principal_frame(), to.principal_frame()) else {
+        return Vec::new();
+    };
     turns.iter().map(|turn| about_centers(&first, &second, Motion::new(*turn, [0.0; 3]))).collect()
 }
 

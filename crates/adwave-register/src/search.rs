@@ -1,9 +1,9 @@
 //! Search for the motions between two shapes.
 
-use crate::registrand::{RegistrandView, centered_motions, principal_motions};
-use crate::two_way_fit::{precision, RoughFit, two_way_fit};
 use crate::consensus::{ConsensusParams, consensus};
+use crate::registrand::{RegistrandView, centered_motions, principal_motions};
 use crate::shape_features::Landmarks;
+use crate::two_way_fit::{RoughFit, precision, two_way_fit};
 use crate::{AlignParams, Motion, Registrand, TwoWayFit, align};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -57,7 +57,10 @@ const MAX_CANDIDATES: usize = 16;
 /// Step between the samples of a rough fit.
 const ROUGH_STEP: usize = 30;
 /// Numbers of starts that are tried, and of those that are refined: few first, then all.
-const BATCHES: [(usize, usize); 2] = [(72, 20), (usize::MAX, 48)];
+const BATCHES: [(usize, usize); 3] = [(44, 10), (88, 20), (usize::MAX, 48)];
+
+/// Starts of the landmarks that come before those of the principal axes.
+const N_FIRST: usize = 16;
 
 /// Stage of the refinement.
 struct Stage {
@@ -75,8 +78,8 @@ struct Stage {
 
 /// Stages of the refinement, from many rough motions to few precise ones.
 const STAGES: [Stage; 2] = [
-    Stage { points: 150, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
-    Stage { points: 300, rounds: 8, reach: 0.02, step: 2, distance: 0.02 },
+    Stage { points: 120, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
+    Stage { points: 300, rounds: 6, reach: 0.02, step: 2, distance: 0.02 },
 ];
 /// Rotations of the grid; no rotation is farther than about 40° from one of them.
 const N_TURNS: usize = 96;
@@ -167,7 +170,7 @@ fn refine_starts(
         found.sort_by(|a, b| b.fit.information.total_cmp(&a.fit.information));
         found = distinct(found, first, &points, stage.distance);
         let n_plausible = found.iter().filter(|found| found.fit.agreement > PLAUSIBLE_AGREEMENT).count();
-        motions = found.iter().take(n_plausible.clamp(3, MAX_CANDIDATES)).map(|found| found.motion).collect();
+        motions = found.iter().take(n_plausible.clamp(2, MAX_CANDIDATES)).map(|found| found.motion).collect();
     }
     Ok(found)
 }
@@ -185,10 +188,6 @@ fn starts(
     if params.in_place {
         starts.push(Motion::default());
     }
-    if params.centered {
-        let scale = if params.scaled { (second.shape.area / first.shape.area).sqrt() } else { 1.0 };
-        starts.extend(principal_motions(first, second, scale));
-    }
     let mut lists: Vec<Vec<Motion>> = Vec::new();
     let mut add = |landmarks: &Landmarks| -> Result<(), Cancelled> {
         let found = consensus(landmarks, &others.landmarks, &consensus_params, progress)?;
@@ -200,10 +199,16 @@ fn starts(
     if own.is_signed && others.is_signed && (own.is_guessed || others.is_guessed) {
         add(&landmarks.flipped())?;
     }
-    // The best of both orientations come first.
-    for k in 0..lists.iter().map(Vec::len).max().unwrap_or(0) {
-        starts.extend(lists.iter().filter_map(|list| list.get(k)));
+    // The best of both orientations come first, then the principal axes.
+    let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+    let ranks =
+        |range: std::ops::Range<usize>| range.flat_map(|k| lists.iter().filter_map(move |list| list.get(k)));
+    starts.extend(ranks(0..N_FIRST.min(longest)));
+    if params.centered {
+        let scale = if params.scaled { (second.shape.area / first.shape.area).sqrt() } else { 1.0 };
+        starts.extend(principal_motions(first, second, scale));
     }
+    starts.extend(ranks(N_FIRST.min(longest)..longest));
     if params.grid {
         starts.extend(centered_motions(first, second, &rotation_grid(N_TURNS)));
     }

@@ -3,7 +3,8 @@
 use crate::Key;
 use adwave::bands::{BandsError, Schedule, ScheduleError, Wavelets};
 use adwave::features::{
-    DESCRIPTOR_LENGTH, Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe, features,
+    DESCRIPTOR_LENGTH, Descriptor, Feature, FeatureError, FeatureParams, Refinement, Response, describe,
+    features,
 };
 use adwave::shape::Shape;
 use adwave::signal::{OutwardError, OutwardNormals, outward_normals};
@@ -109,7 +110,8 @@ impl Landmarks {
             return Self::default();
         };
         let widest = LANDMARK_EXTENT * decomposer.extent();
-        for level in (start..=bands.n_levels()).step_by(2).filter(|&j| j == start || bands.sigma[j] <= widest) {
+        for level in (start..=bands.n_levels()).step_by(2).filter(|&j| j == start || bands.sigma[j] <= widest)
+        {
             let band = bands.wavelet(level);
             let mean = band.iter().map(|r| r.abs()).sum::<f64>() / band.len().max(1) as f64;
             let is_extremal = |x: usize| {
@@ -118,14 +120,16 @@ impl Landmarks {
                 let ring = neighbors.row(x);
                 r > mean && ring.iter().all(|y| is_less(y) && neighbors.row(*y as usize).iter().all(is_less))
             };
-            found.extend((0..band.len()).filter(|&x| first[x] != usize::MAX && is_extremal(x)).map(|x| Feature {
-                vertex: first[x],
-                position: geometry.points().get(x).copied(),
-                level,
-                sigma: bands.sigma[level],
-                response: band[x],
-                strength: band[x].abs() / mean,
-                channel: None,
+            found.extend((0..band.len()).filter(|&x| first[x] != usize::MAX && is_extremal(x)).map(|x| {
+                Feature {
+                    vertex: first[x],
+                    position: geometry.points().get(x).copied(),
+                    level,
+                    sigma: bands.sigma[level],
+                    response: band[x],
+                    strength: band[x].abs() / mean,
+                    channel: None,
+                }
             }));
         }
         found.sort_by(|a, b| b.strength.total_cmp(&a.strength));

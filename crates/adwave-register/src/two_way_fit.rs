@@ -146,8 +146,7 @@ impl RoughFit {
         let back = motion.inverse();
         let extent = (motion.scale() * first.shape.extent).min(second.shape.extent);
         let (mut distances, mut overlap) = (Vec::new(), 0.0_f64);
-        for (from, to, motion, unit) in
-            [(first, second, motion, 1.0), (second, first, &back, motion.scale())]
+        for (from, to, motion, unit) in [(first, second, motion, 1.0), (second, first, &back, motion.scale())]
         {
             let distance = |sample: &SurfaceSample| {
                 let moved = motion.apply(&sample.point);
@@ -253,7 +252,8 @@ fn band_agreement(
         let bound = (correlation.min(0.999_999).atanh() - 2.0 / (n_patches - 3.0).sqrt()).tanh();
         agreement = agreement.max(bound);
         // Levels are half an octave apart and share half of their content.
-        information -= 0.25 * n_patches * (1.0 - correlation.abs().min(0.999_999).powi(2)).ln() * correlation.signum();
+        information -=
+            0.25 * n_patches * (1.0 - correlation.abs().min(0.999_999).powi(2)).ln() * correlation.signum();
     }
     (agreement, information)
 }

@@ -64,8 +64,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let error = farthest(first.points().unwrap(), &best.motion, &truth);
     assert!(error < 0.002 && best.fit.overlap > 0.99, "{error}, {best:?}");
     assert!(found.equal.is_empty() && found.confidence() == 1.0, "{:?}", found.equal);
-    let pairs =
-        pairs_under(&a.features.keys, &b.features.keys, &best.motion, b.area, &PairParams::default());
+    let pairs = pairs_under(&a.features.keys, &b.features.keys, &best.motion, b.area, &PairParams::default());
     let right = |p: &&adwave_register::Pair| {
         off(&truth.apply(&a.features.keys[p.first].position), &b.features.keys[p.second].position)
             <= 1.05 * b.features.keys[p.second].sigma
@@ -132,8 +131,14 @@ fn equal_motions_are_all_listed() {
     let height = |x: f64, y: f64| {
         let bump = |cx: f64, cy: f64| (-((x - cx).powi(2) + (y - cy).powi(2)) / 6.0).exp();
         let dent = |cx: f64, cy: f64| -0.7 * (-((x - cx).powi(2) + (y - cy).powi(2)) / 3.0).exp();
-        [(12.0, 3.0), (-3.0, 12.0), (-12.0, -3.0), (3.0, -12.0)].map(|(cx, cy)| 2.0 * bump(cx, cy)).iter().sum::<f64>()
-            + [(5.0, 8.0), (-8.0, 5.0), (-5.0, -8.0), (8.0, -5.0)].map(|(cx, cy)| 2.0 * dent(cx, cy)).iter().sum::<f64>()
+        [(12.0, 3.0), (-3.0, 12.0), (-12.0, -3.0), (3.0, -12.0)]
+            .map(|(cx, cy)| 2.0 * bump(cx, cy))
+            .iter()
+            .sum::<f64>()
+            + [(5.0, 8.0), (-8.0, 5.0), (-5.0, -8.0), (8.0, -5.0)]
+                .map(|(cx, cy)| 2.0 * dent(cx, cy))
+                .iter()
+                .sum::<f64>()
     };
     let mut dish = Terrain::new(1).patch(-20.0, -20.0, 41, 41);
     for p in &mut dish.points {
@@ -167,7 +172,8 @@ fn a_ball_with_bumps_is_turned_back_and_a_plain_ball_has_no_motion() {
     let ball = |bumps: bool, seed: u64| {
         let mut sample = Sample::from_name("sphere", Some(6000)).unwrap();
         sample.add_noise(NoiseSigma::MeanEdge(0.01), seed).unwrap();
-        let sizes = [([0.9, 0.3, 0.2], 0.1, 0.1), ([0.0, 0.0, 1.0], 0.06, 0.15), ([0.0, 1.0, 0.0], 0.05, 0.2)];
+        let sizes =
+            [([0.9, 0.3, 0.2], 0.1, 0.1), ([0.0, 0.0, 1.0], 0.06, 0.15), ([0.0, 1.0, 0.0], 0.05, 0.2)];
         for p in sample.points.iter_mut().filter(|_| bumps) {
             let height = |(c, a, w): &([f64; 3], f64, f64)| a * (-off(p, c).powi(2) / (2.0 * w * w)).exp();
             let growth = 1.0 + sizes.iter().map(height).sum::<f64>();

@@ -167,10 +167,12 @@ fn closest_differences(
     let summary = Summary::new(&values, 1, &decomposer.areas());
     let summary = Summary { vertex: first.file.file_row(summary.vertex), ..summary };
     let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
-    let alignment = alignment.map(|found| json!({
-        "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
-        "median_distance": found.median, "overlap": found.overlap,
-    }));
+    let alignment = alignment.map(|found| {
+        json!({
+            "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
+            "median_distance": found.median, "overlap": found.overlap,
+        })
+    });
     let json = json!({
         "alignment": alignment, "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
         "greatest_back": greatest_back, "beyond_border": there.n_beyond_border, "too_far": there.n_too_far,
@@ -288,8 +290,7 @@ fn fit_from_anywhere(
     decomposers: [&Decomposer; 2],
     global: &Global<'_>,
 ) -> Result<Option<ClosestFit>, CliError> {
-    let lengths =
-        common_lengths(decomposers[0], decomposers[1]).map_err(|e| CliError::classify(&e))?;
+    let lengths = common_lengths(decomposers[0], decomposers[1]).map_err(|e| CliError::classify(&e))?;
     let described = |k: usize| {
         let normals = file_normals(&inputs[k].file);
         let features = with_progress(global, "finding features", |progress| {

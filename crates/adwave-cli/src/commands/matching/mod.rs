@@ -17,7 +17,7 @@ use adwave::Decomposer;
 use adwave::operator::OperatorTask;
 use adwave_io::MovedNormals;
 use adwave_register::{
-    Motion, Pair, PairParams, Registrand, RegisteredMotion, Registration, SearchParams, ShapeFeatures,
+    Motion, Pair, PairParams, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures,
     common_lengths, describe_shape, descriptor_pairs, pairs_under, register,
 };
 use adwave_report::Table;
@@ -143,11 +143,10 @@ fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
             describe_shape(&decomposer, normals.as_deref(), &lengths, args.theta, progress)
         })
         .map_err(|e| CliError::classify(&e))?;
-        let registrand = with_progress(global, "preparing", |progress| {
-            Registrand::new(&decomposer, described, progress)
-        })
-        .map_err(|_| CliError::Cancelled)?
-        .ok_or_else(|| CliError::Input(format!("{}: the shape has no points", input.name)))?;
+        let registrand =
+            with_progress(global, "preparing", |progress| Registrand::new(&decomposer, described, progress))
+                .map_err(|_| CliError::Cancelled)?
+                .ok_or_else(|| CliError::Input(format!("{}: the shape has no points", input.name)))?;
         sides.push(Side { input, decomposer, registrand });
     }
     sides.try_into().map_err(|_| CliError::Input("two shapes are needed".to_owned()))
@@ -158,8 +157,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     if args.motion == MotionArg::None {
         return Ok(Matching { registration: None, pairs: descriptor_pairs(a, b, args.ratio) });
     }
-    let params =
-        SearchParams { scaled: args.motion == MotionArg::Similarity, ..SearchParams::default() };
+    let params = SearchParams { scaled: args.motion == MotionArg::Similarity, ..SearchParams::default() };
     let registration = with_progress(global, "matching", |progress| {
         register(&first.registrand, &second.registrand, &params, progress)
     })
