@@ -11,9 +11,8 @@ use adwave::shape::Shape;
 use adwave::signal::outward_normals;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignParams, Motion, PairParams, Registrand, Registration, SearchParams, ShapeFeatures, Surface,
-    align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place, pairs_under, register,
-    signed_distances,
+    AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Surface, align as fit_motion,
+    closest_fit, common_lengths, describe_shape, fit_in_place, register, signed_distances,
 };
 use adwave_simplify::{Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud, simplify_mesh};
 use pyo3::prelude::*;
@@ -116,10 +115,7 @@ fn match_shapes<'py>(
         let [one, two] = registrands(a, b, options.theta, options.scaled, p)?;
         let params = SearchParams { scaled: options.scaled, ..SearchParams::default() };
         let registration = stage(register(&one, &two, &params, p))?;
-        let pairs = registration.clear().map_or_else(Vec::new, |found| {
-            let params = PairParams { sigmas: options.within, confidence: registration.confidence() };
-            pairs_under(&one.features.keys, &two.features.keys, &found.motion, two.area, &params)
-        });
+        let pairs = registration.pairs(&one, &two, options.within);
         Ok((one.features, two.features, registration, pairs))
     };
     let (one, two, registration, pairs): (ShapeFeatures, ShapeFeatures, Registration, _) =

@@ -1,193 +1,222 @@
-//! Experiments.
+//! Matching of shapes with a known motion, or with none: rates of right and wrong claims, and the calibration of confidences.
+//!
+//! ```sh
+//! cargo run --release -p adwave-register --example match_cases -- choose 40 SECONDS shape.ply …
+//! ```
+//!
+//! The seeds `choose` serve to choose constants, the seeds `final` to measure. Terrains need no file; cuts and views are of the
+//! given files.
+
 #[path = "../tests/cases/mod.rs"]
 mod cases;
+
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::{Decomposer, Progress};
 use adwave_io::{ReadLimits, read_path};
-use adwave_register::{Motion, Registrand, SearchParams, common_lengths, describe_shape, search_motions};
+use adwave_register::{
+    Motion, PairParams, Registrand, SearchParams, common_lengths, describe_shape, register,
+};
 use cases::{Random, Surface, Terrain};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+/// Largest error of a right motion, as a share of the extent.
+const RIGHT: f64 = 0.01;
+/// First seed of the second half.
+const FINAL_SEED: u64 = 10_000;
+/// Noise in mean edges, by turns.
+const NOISES: [f64; 3] = [0.0, 0.1, 0.2];
+
+/// Kinds of cases: of terrains, and of files.
+const TERRAINS: [&str; 4] = ["terrain unrelated", "terrain 25", "terrain 30", "terrain 50"];
+const FILES: [&str; 8] = [
+    "shapes unrelated",
+    "halves disjoint",
+    "cut 25",
+    "cut 30",
+    "cut 50",
+    "views 45",
+    "views 60",
+    "whole 100",
+];
+
+/// Two surfaces, and the motion between them if there is one.
 struct Case {
-    name: String,
     first: Surface,
     second: Surface,
     truth: Option<Motion>,
-    scaled: bool,
 }
 
-fn load(path: &str) -> Surface {
-    let file = read_path(Path::new(path), &ReadLimits::default()).unwrap();
-    let triangles = adwave::shape::triangulate(file.points(), file.faces());
-    Surface { points: file.points().to_vec(), triangles }
+/// Result of a case.
+struct Outcome {
+    kind: &'static str,
+    has_truth: bool,
+    /// Errors of the best motion and of those that fit equally well, as shares of the extent; empty without a claim. Without a
+    /// true motion they are infinite.
+    errors: Vec<f64>,
+    /// Confidence of each pair, and if it is right.
+    pairs: Vec<RatedPair>,
+    elapsed: Duration,
 }
 
-fn make(kind: &str, seed: u64, files: &[String]) -> Option<Case> {
-    let mut r = Random::new(1000 + seed);
-    let noise = [0.0, 0.1, 0.2][(seed % 3) as usize];
-    let file = |k: u64| load(&files[(k % files.len() as u64) as usize]);
-    let (first, second, truth) = match kind {
-        "t-un" => (
-            Terrain::new(2 * seed).patch(0.0, 0.0, 70, 70),
-            Terrain::new(2 * seed + 1).patch(0.3, 0.4, 70, 70),
-            false,
-        ),
-        "t-25" | "t-30" | "t-50" => {
-            let o: f64 = kind[2..].parse::<f64>().unwrap() / 100.0;
-            let t = Terrain::new(2 * seed);
-            let shift = (80.0 * (1.0 - o)).round();
-            (t.patch(0.0, 0.0, 80, 80), t.patch(shift + 0.37, 0.61, 80, 79), true)
-        }
-        "s-un" => (file(seed), file(seed + 1 + seed / files.len() as u64), false),
-        "s-25" | "s-30" | "s-50" => {
-            let o: f64 = kind[2..].parse::<f64>().unwrap() / 100.0;
-            let [a, b] = file(seed).overlapping(&r.direction(), o);
-            (a, b, true)
-        }
-        "s-dis" => {
-            let [a, b] = file(seed).parts(&r.direction(), 0.45, 0.55);
-            (a, b, false)
-        }
-        "s-id" => {
-            let s = file(seed);
-            (s.clone(), s, true)
-        }
-        "v-60" | "v-90" | "v-120" => {
-            let s = file(seed);
-            let degrees: f64 = kind[2..].parse().unwrap();
-            let (a, b) = (r.direction(), r.direction());
-            let c = adwave::vector::unit(&adwave::vector::cross(&a, &b)).unwrap();
-            let (sin, cos) = degrees.to_radians().sin_cos();
-            let e = adwave::vector::cross(&c, &a);
-            let d: [f64; 3] = std::array::from_fn(|k| cos * a[k] + sin * e[k]);
-            (s.view(&a), s.view(&d), true)
-        }
-        _ => return None,
-    };
-    let motion = r.motion(50.0);
-    let (first, second) =
-        (first.noisy(noise, 7 * seed + 1), second.noisy(noise, 7 * seed + 2).moved(&motion));
-    Some(Case {
-        name: format!("{kind} {seed}"),
-        first,
-        second,
-        truth: truth.then_some(motion),
-        scaled: false,
-    })
-}
-
-fn run(case: &Case) -> String {
-    let t0 = Instant::now();
-    let params = OperatorParams::default().with_kind(OperatorKind::Surface);
-    let d = [&case.first, &case.second]
-        .map(|s| Decomposer::with_params(&s.shape(), &params, Progress::none()).unwrap());
-    let lengths = common_lengths(&d[0], &d[1]).unwrap();
-    let theta = std::env::var("TH").map_or(1.0, |t| t.parse().unwrap());
-    let f = [0, 1].map(|k| describe_shape(&d[k], None, &lengths, theta, Progress::none()).unwrap());
-    let n = [f[0].features.len(), f[1].features.len()];
-    let [fa, fb] = f;
-    let t1 = Instant::now();
-    let a = Registrand::new(&d[0], fa, Progress::none()).unwrap().unwrap();
-    let b = Registrand::new(&d[1], fb, Progress::none()).unwrap().unwrap();
-    let found = search_motions(
-        &a,
-        &b,
-        &SearchParams { scaled: case.scaled, ..SearchParams::default() },
-        Progress::none(),
-    )
-    .unwrap();
-    let t2 = Instant::now();
-    let mut out = format!(
-        "# {} verts {} {} features {} {} describe {:.2} search {:.2}\n",
-        case.name,
-        case.first.points.len(),
-        case.second.points.len(),
-        n[0],
-        n[1],
-        (t1 - t0).as_secs_f64(),
-        (t2 - t1).as_secs_f64()
-    );
-    if let Some(t) = &case.truth {
-        let pairs = adwave_register::pairs_under(
-            &a.features.keys,
-            &b.features.keys,
-            t,
-            b.area,
-            &adwave_register::PairParams::default(),
-        );
-        let close = pairs.iter().filter(|p| p.sigmas < 0.5).count();
-        let mut rank = [0usize; 12];
-        for p in &pairs {
-            let d = |i: usize| -> f64 {
-                a.features.descriptors[p.first]
-                    .iter()
-                    .zip(&b.features.descriptors[i])
-                    .map(|(x, y)| (x - y) * (x - y))
-                    .sum()
-            };
-            let own = d(p.second);
-            let r = (0..b.features.keys.len())
-                .filter(|&i| {
-                    b.features.keys[i].sign == a.features.keys[p.first].sign
-                        && (b.features.keys[i].sigma / a.features.keys[p.first].sigma).log2().abs() < 0.75
-                        && d(i) < own
-                })
-                .count();
-            rank[r.min(11)] += 1;
-        }
-        let f = adwave_register::fit_under(&a, &b, t);
-        out += &format!(
-            "truth {} pairs {} close {close} ranks {rank:?} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5}\n",
-            case.name,
-            pairs.len(),
-            f.information,
-            f.agreement,
-            f.cost,
-            f.conflict,
-            f.overlap,
-            f.median / a.extent
-        );
-    }
-    for (label, list) in [("real", &found.motions), ("null", &found.chance)] {
-        for m in list.iter().take(if label == "real" { 2 } else { 1 }) {
-            let err = case
-                .truth
-                .as_ref()
-                .map_or(-1.0, |t| 100.0 * m.motion.difference(t, &case.first.points) / a.extent);
-            let f = m.fit;
-            out += &format!(
-                "{label} {} err {err:.3} info {:.1} agree {:.3} cost {:.3} conflict {:.3} overlap {:.3} median {:.5} medprec {:.2}\n",
-                case.name,
-                f.information,
-                f.agreement,
-                f.cost,
-                f.conflict,
-                f.overlap,
-                f.median / a.extent,
-                f.median / a.spacing
-            );
-        }
-    }
-    out
+struct RatedPair {
+    confidence: f64,
+    is_right: bool,
 }
 
 fn main() {
-    let mut args = std::env::args().skip(1);
-    let kinds: Vec<String> = args.next().unwrap().split(',').map(str::to_owned).collect();
-    let (lo, hi): (u64, u64) = (args.next().unwrap().parse().unwrap(), args.next().unwrap().parse().unwrap());
-    let files: Vec<String> = args.collect();
-    let jobs: Vec<(String, u64)> = (lo..hi).flat_map(|s| kinds.iter().map(move |k| (k.clone(), s))).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [half, n, seconds, names @ ..] = &arguments[..] else {
+        eprintln!("usage: match_cases choose|final CASES SECONDS FILE…");
+        std::process::exit(2);
+    };
+    let first_seed = if half == "final" { FINAL_SEED } else { 0 };
+    let n: u64 = n.parse().expect("a number of cases of each kind");
+    let limit = Duration::from_secs(seconds.parse().expect("a number of seconds"));
+    let files: Vec<Surface> = names.iter().map(|name| load(Path::new(name))).collect();
+    let kinds = TERRAINS.iter().chain(if files.is_empty() { &[][..] } else { &FILES[..] });
+    let kinds: Vec<&'static str> = kinds.copied().collect();
+    let jobs: Vec<(u64, &'static str)> =
+        (first_seed..first_seed + n).flat_map(|seed| kinds.iter().map(move |&kind| (seed, kind))).collect();
     let start = Instant::now();
-    jobs.par_iter().for_each(|(k, s)| {
-        if start.elapsed().as_secs() > 170 {
-            return;
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    for chunk in jobs.chunks(2 * rayon::current_num_threads()) {
+        if start.elapsed() > limit {
+            break;
         }
-        let case = make(k, *s, &files).unwrap();
-        if case.first.points.len() < 50 || case.second.points.len() < 50 {
-            return;
+        outcomes
+            .par_extend(chunk.par_iter().filter_map(|&(seed, kind)| run(kind, &case(kind, seed, &files))));
+    }
+    print_rates(&kinds, &outcomes);
+    print_calibration(&outcomes);
+}
+
+fn load(path: &Path) -> Surface {
+    let file = read_path(path, &ReadLimits::default()).unwrap_or_else(|e| panic!("{e}"));
+    Surface {
+        points: file.points().to_vec(),
+        triangles: adwave::shape::triangulate(file.points(), file.faces()),
+    }
+}
+
+fn case(kind: &str, seed: u64, files: &[Surface]) -> Case {
+    let mut random = Random::new(seed);
+    let percent = kind.rsplit(' ').next().and_then(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
+    let overlap = percent / 100.0;
+    let file = |k: u64| &files[(k % files.len() as u64) as usize];
+    let is_related = !kind.ends_with("unrelated") && !kind.ends_with("disjoint");
+    let [first, second] = match kind.split(' ').next() {
+        Some("terrain") if is_related => {
+            let (terrain, shift) = (Terrain::new(seed), (80.0 * (1.0 - overlap)).round());
+            // The second grid lies between the points of the first.
+            let (u, v) = (random.uniform(), random.uniform());
+            [terrain.patch(0.0, 0.0, 80, 80), terrain.patch(shift + u, v, 80, 79)]
         }
-        print!("{}", run(&case));
+        Some("terrain") => [
+            Terrain::new(2 * seed).patch(0.0, 0.0, 70, 70),
+            Terrain::new(2 * seed + 1).patch(0.0, 0.0, 70, 70),
+        ],
+        Some("shapes") => {
+            // Every pair of different files comes in turn.
+            let other = 1 + (seed / files.len() as u64) % (files.len() as u64 - 1).max(1);
+            [file(seed).clone(), file(seed + other).clone()]
+        }
+        Some("halves") => file(seed).parts(&random.direction(), 0.45, 0.55),
+        Some("cut") => file(seed).overlapping(&random.direction(), overlap),
+        Some("views") => {
+            let (a, b) = (random.direction(), random.direction());
+            [file(seed).view(&a), file(seed).view(&turned(&a, &b, percent.to_radians()))]
+        }
+        _ => [file(seed).clone(), file(seed).clone()],
+    };
+    let noise = NOISES[(seed % 3) as usize];
+    let motion = random.motion(50.0);
+    let first = first.noisy(noise, 2 * seed);
+    let second = second.noisy(noise, 2 * seed + 1).moved(&motion);
+    Case { first, second, truth: is_related.then_some(motion) }
+}
+
+/// Direction at an angle from `a`, towards `b`.
+fn turned(a: &[f64; 3], b: &[f64; 3], angle: f64) -> [f64; 3] {
+    let axis = adwave::vector::unit(&adwave::vector::cross(a, b)).unwrap_or([0.0, 0.0, 1.0]);
+    let side = adwave::vector::cross(&axis, a);
+    std::array::from_fn(|k| angle.cos() * a[k] + angle.sin() * side[k])
+}
+
+/// Runs a case; `None` if a surface is too small to have features.
+fn run(kind: &'static str, case: &Case) -> Option<Outcome> {
+    if case.first.points.len().min(case.second.points.len()) < 500 {
+        return None;
+    }
+    let start = Instant::now();
+    let params = OperatorParams::default().with_kind(OperatorKind::Surface);
+    let decomposers = [&case.first, &case.second]
+        .map(|surface| Decomposer::with_params(&surface.shape(), &params, Progress::none()).unwrap());
+    let lengths = common_lengths(&decomposers[0], &decomposers[1]).unwrap();
+    let [a, b] = decomposers.map(|decomposer| {
+        let features = describe_shape(&decomposer, None, &lengths, 1.0, Progress::none()).unwrap();
+        Registrand::new(&decomposer, features, Progress::none()).unwrap().unwrap()
     });
+    let found = register(&a, &b, &SearchParams::default(), Progress::none()).unwrap();
+    let elapsed = start.elapsed();
+    let error = |motion: &Motion| {
+        let truth = case.truth.as_ref();
+        truth.map_or(f64::INFINITY, |truth| motion.difference(truth, &case.first.points) / a.extent)
+    };
+    let clear = found.clear();
+    let errors = clear.into_iter().chain(&found.equal).map(|found| error(&found.motion)).collect();
+    let rate = |pair: adwave_register::Pair| {
+        let (own, other) = (&a.features.keys[pair.first], &b.features.keys[pair.second]);
+        let is_right = case.truth.as_ref().is_some_and(|truth| {
+            cases::distance(&truth.apply(&own.position), &other.position) <= other.sigma
+        });
+        RatedPair { confidence: pair.confidence, is_right }
+    };
+    let pairs = found.pairs(&a, &b, PairParams::default().sigmas).into_iter().map(rate).collect();
+    Some(Outcome { kind, has_truth: case.truth.is_some(), errors, pairs, elapsed })
+}
+
+fn print_rates(kinds: &[&str], outcomes: &[Outcome]) {
+    println!("| cases | number | claimed | right | right among equal ones | wrong | seconds |");
+    println!("|---|---|---|---|---|---|---|");
+    for kind in kinds {
+        let of_kind: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.kind == *kind).collect();
+        let number = |is: &dyn Fn(&Outcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
+        let claimed = number(&|o| !o.errors.is_empty());
+        let right = number(&|o| o.errors.first().is_some_and(|e| *e < RIGHT));
+        let listed = number(&|o| {
+            o.has_truth
+                && o.errors.first().is_some_and(|e| *e >= RIGHT)
+                && o.errors.iter().any(|e| *e < RIGHT)
+        });
+        let seconds: f64 = of_kind.iter().map(|o| o.elapsed.as_secs_f64()).sum();
+        println!(
+            "| {kind} | {} | {claimed} | {right} | {listed} | {} | {:.2} |",
+            of_kind.len(),
+            claimed - right - listed,
+            seconds / of_kind.len().max(1) as f64
+        );
+    }
+}
+
+fn print_calibration(outcomes: &[Outcome]) {
+    // Number of pairs, sum of the confidences, and number of right pairs, by tenth of the confidence.
+    let mut tenths: BTreeMap<usize, (usize, f64, usize)> = BTreeMap::new();
+    for pair in outcomes.iter().flat_map(|outcome| &outcome.pairs) {
+        let tenth = tenths.entry(((10.0 * pair.confidence) as usize).min(9)).or_default();
+        *tenth = (tenth.0 + 1, tenth.1 + pair.confidence, tenth.2 + usize::from(pair.is_right));
+    }
+    println!("\n| confidence | pairs | mean confidence | share right |");
+    println!("|---|---|---|---|");
+    for (tenth, (n, sum, right)) in tenths {
+        let low = tenth as f64 / 10.0;
+        println!(
+            "| {low:.1} … {:.1} | {n} | {:.3} | {:.3} |",
+            low + 0.1,
+            sum / n as f64,
+            right as f64 / n as f64
+        );
+    }
 }

@@ -35,9 +35,10 @@ pub struct Pair {
 /// Lists the mutually nearest similar features after a motion, within [`PairParams::sigmas`] of σ, by rising index of the
 /// first. O(first × second).
 ///
-/// The confidence is [`PairParams::confidence`] times `exp(−m·π·d²/area)`, the probability that none of the m similar features
-/// of the second shape would lie within the distance d if they were placed at random on its surface, whose `area` is in
-/// squared model units.
+/// The confidence is that the true motion brings the two within one σ of each other: [`PairParams::confidence`], the probability
+/// that the motion is right, for pairs within one σ. For pairs farther apart it is that times `exp(−m·π·(d² − σ²)/area)`, the
+/// probability that none of the m similar features of the second shape would lie between σ and d if they were placed at
+/// random on its surface, whose `area` is in squared model units.
 pub fn pairs_under(
     first: &[Key],
     second: &[Key],
@@ -47,7 +48,7 @@ pub fn pairs_under(
 ) -> Vec<Pair> {
     let to_pair = |AgreeingPair { first: a, second: b, sigmas }| {
         let n_similar = second.iter().filter(|other| first[a].is_alike_after(other, motion)).count();
-        let disk = std::f64::consts::PI * (sigmas * second[b].sigma).powi(2);
+        let disk = std::f64::consts::PI * (sigmas.powi(2) - 1.0).max(0.0) * second[b].sigma.powi(2);
         let confidence = params.confidence * (-(n_similar as f64) * disk / area).exp();
         Pair { first: a, second: b, sigmas, confidence }
     };

@@ -4,7 +4,7 @@ use crate::consensus::agreeing_pairs;
 use crate::registrand::RegistrandView;
 use crate::search::{FoundMotion, MotionSearch, SearchParams, search_motions};
 use crate::two_way_fit::{precision, two_way_fit};
-use crate::{AlignParams, Motion, Registrand, TwoWayFit, align};
+use crate::{AlignParams, Motion, Pair, PairParams, Registrand, TwoWayFit, align, pairs_under};
 use adwave::{Cancelled, Progress};
 
 /// Least correlation of the bands of a claimed motion.
@@ -12,7 +12,7 @@ const MIN_AGREEMENT: f64 = 0.65;
 /// Least information of a claimed motion, in nats.
 const MIN_INFORMATION: f64 = 18.0;
 /// Least ratio to the information of the mirror image.
-const MIN_GAIN: f64 = 2.0;
+const MIN_GAIN: f64 = 1.4;
 /// Largest conflict of a claimed motion.
 const MAX_CONFLICT: f64 = 0.15;
 /// Least information of a candidate that is refined to the end, relative to the best.
@@ -36,6 +36,9 @@ const LEAST_OVERLAP: f64 = 0.3;
 const MAX_NOISE: f64 = 5.0;
 /// Largest ratio of the distance that 99.5 % of the places keep to the median distance, if nothing but noise is left.
 const MAX_TAIL: f64 = 6.0;
+
+/// Share of clear motions that are right, measured on shapes with a known motion (`cargo xtask bench-match`).
+pub const CLEAR_CONFIDENCE: f64 = 0.99;
 
 /// Motion between two shapes with its evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,9 +74,19 @@ impl Registration {
         self.best.as_ref().filter(|_| self.is_clear)
     }
 
-    /// Probability that the best motion is the true one, if it is clear: shared with the equal ones.
+    /// Probability that the best motion is the true one, if it is clear: [`CLEAR_CONFIDENCE`], shared with the equal ones.
     pub fn confidence(&self) -> f64 {
-        if self.is_clear { 1.0 / (1 + self.equal.len()) as f64 } else { 0.0 }
+        if self.is_clear { CLEAR_CONFIDENCE / (1 + self.equal.len()) as f64 } else { 0.0 }
+    }
+}
+
+impl Registration {
+    /// Pairs of features within `sigmas` of σ after the best motion, with its confidence; empty if it is not clear.
+    pub fn pairs(&self, first: &Registrand, second: &Registrand, sigmas: f64) -> Vec<Pair> {
+        let Some(best) = self.clear() else { return Vec::new() };
+        let keys = first.features.keys_of_view(false, best.fit.is_flipped);
+        let params = PairParams { sigmas, confidence: self.confidence() };
+        pairs_under(&keys, &second.features.keys, &best.motion, second.area, &params)
     }
 }
 
@@ -150,8 +163,8 @@ fn score(fit: &TwoWayFit) -> f64 {
 fn is_clear(found: &RegisteredMotion, chance: Option<&TwoWayFit>) -> bool {
     let fit = &found.fit;
     let chance = chance.copied().unwrap_or_default();
-    let is_own_mirror_image =
-        chance.agreement >= MIN_AGREEMENT && chance.conflict <= fit.conflict + EQUAL_CONFLICT;
+    // A shape that is nearly its own mirror image says nothing about chance.
+    let is_own_mirror_image = chance.agreement >= MIN_AGREEMENT && chance.conflict <= MAX_CONFLICT;
     fit.agreement >= MIN_AGREEMENT
         && fit.information >= MIN_INFORMATION
         && fit.conflict <= MAX_CONFLICT
@@ -286,9 +299,4 @@ pub fn closest_fit(
 /// Tells if the surfaces coincide up to noise, and no place is much farther apart than most are.
 fn is_even(fit: &TwoWayFit, precision: f64) -> bool {
     fit.median <= MAX_NOISE * precision && fit.tail <= MAX_TAIL * fit.median.max(precision)
-}
-
-/// Fit of `first` on `second` under a motion.
-pub fn fit_under(first: &Registrand, second: &Registrand, motion: &Motion) -> TwoWayFit {
-    two_way_fit(&RegistrandView::new(first), &RegistrandView::new(second), motion, 1)
 }

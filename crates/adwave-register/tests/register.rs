@@ -5,8 +5,9 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
-    AlignParams, DescribeError, Motion, PairParams, Registrand, Registration, SearchParams, Surface, align,
-    closest_fit, common_lengths, describe_shape, fit_in_place, pairs_under, register, signed_distances,
+    AlignParams, CLEAR_CONFIDENCE, DescribeError, Motion, PairParams, Registrand, Registration, SearchParams,
+    Surface, align, closest_fit, common_lengths, describe_shape, fit_in_place, pairs_under, register,
+    signed_distances,
 };
 use cases::Terrain;
 
@@ -63,7 +64,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let best = found.clear().unwrap_or_else(|| panic!("{found:?}"));
     let error = farthest(first.points().unwrap(), &best.motion, &truth);
     assert!(error < 0.002 && best.fit.overlap > 0.99, "{error}, {best:?}");
-    assert!(found.equal.is_empty() && found.confidence() == 1.0, "{:?}", found.equal);
+    assert!(found.equal.is_empty() && found.confidence() == CLEAR_CONFIDENCE, "{:?}", found.equal);
     let pairs = pairs_under(&a.features.keys, &b.features.keys, &best.motion, b.area, &PairParams::default());
     let right = |p: &&adwave_register::Pair| {
         off(&truth.apply(&a.features.keys[p.first].position), &b.features.keys[p.second].position)
@@ -150,7 +151,7 @@ fn equal_motions_are_all_listed() {
     let found = registration(&first.shape(), &second.shape(), &SearchParams::default());
     let best = found.clear().unwrap_or_else(|| panic!("{found:?}"));
     assert_eq!(found.equal.len(), 3, "{found:?}");
-    assert!((found.confidence() - 0.25).abs() < 1e-12);
+    assert!((found.confidence() - CLEAR_CONFIDENCE / 4.0).abs() < 1e-12);
     let is_right = |motion: &Motion| farthest(&first.points, motion, &truth) < 0.01;
     let n_right = found.equal.iter().chain([best]).filter(|found| is_right(&found.motion)).count();
     assert_eq!(n_right, 1);
@@ -188,8 +189,10 @@ fn a_ball_with_bumps_is_turned_back_and_a_plain_ball_has_no_motion() {
         let Shape::Mesh(mesh) = &first else { unreachable!() };
         let second = Shape::Mesh(Mesh::new(points, mesh.faces().clone()).unwrap());
         let [a, b] = both(&first, &second);
-        assert!(fit_in_place(&a, &b, Progress::none()).unwrap().is_none());
-        let found = closest_fit(&a, &b, Progress::none()).unwrap().unwrap();
+        let in_place = fit_in_place(&a, &b, Progress::none()).unwrap();
+        // A start at 10° may end at the bumps, a start at 100° cannot.
+        assert!(degrees < 90.0 || in_place.is_none());
+        let found = in_place.or(closest_fit(&a, &b, Progress::none()).unwrap()).unwrap();
         let error = farthest(first.points().unwrap(), &found.motion, &truth);
         assert!(error < 0.002 && found.is_certain, "{degrees}: {error}, {found:?}");
     }

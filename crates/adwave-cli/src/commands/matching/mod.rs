@@ -17,8 +17,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorTask;
 use adwave_io::MovedNormals;
 use adwave_register::{
-    Motion, Pair, PairParams, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures,
-    common_lengths, describe_shape, descriptor_pairs, pairs_under, register,
+    Motion, Pair, RegisteredMotion, Registrand, Registration, SearchParams, ShapeFeatures, common_lengths,
+    describe_shape, descriptor_pairs, register,
 };
 use adwave_report::Table;
 pub(crate) use args::MatchArgs;
@@ -162,10 +162,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
         register(&first.registrand, &second.registrand, &params, progress)
     })
     .map_err(|_| CliError::Cancelled)?;
-    let pairs = registration.clear().map_or_else(Vec::new, |found| {
-        let params = PairParams { sigmas: args.within, confidence: registration.confidence() };
-        pairs_under(&a.keys, &b.keys, &found.motion, second.registrand.area, &params)
-    });
+    let pairs = registration.pairs(&first.registrand, &second.registrand, args.within);
     Ok(Matching { registration: Some(registration), pairs })
 }
 
