@@ -2,6 +2,7 @@
 
 mod clouds;
 mod denoise;
+mod matching;
 mod meshings;
 mod notices;
 mod package;
@@ -41,6 +42,10 @@ usage: cargo xtask COMMAND
             process a scan of ten million points by tiles and by other programs: seconds and memory, as a table
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
+  bench-match [--seeds choose|final] [--cases N] [--seconds N]
+            match terrains and, if ../shared/data exists, cuts and views of surfaces with a known motion or with none: rates
+            of right and wrong claims and the calibration of confidences, as tables; constants are chosen by the seeds
+            `choose` and measured by the seeds `final`
   docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
   same-outputs --before PROGRAM
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
@@ -76,6 +81,7 @@ fn main() -> ExitCode {
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
+        ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
         ["same-outputs", ref rest @ ..] => same_outputs(rest),
         ["notices"] => notices::write(),

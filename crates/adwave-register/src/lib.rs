@@ -22,8 +22,10 @@ pub use consensus::Key;
 pub use distance::{SignedDistances, Summary, signed_distances};
 pub use motion::Motion;
 pub use pairs::{Pair, PairParams, descriptor_pairs, pairs_under};
-pub use register::{ClosestFit, RegisteredMotion, Registration, closest_fit, fit_in_place, register};
+pub use register::{
+    CLEAR_CONFIDENCE, ClosestFit, RegisteredMotion, Registration, closest_fit, fit_in_place, register,
+};
 pub use registrand::Registrand;
-pub use search::{FoundMotion, MotionSearch, SearchParams, search_motions};
+pub use search::{SearchParams, SearchStarts};
 pub use shape_features::{DescribeError, ShapeFeatures, common_lengths, describe_shape};
 pub use two_way_fit::TwoWayFit;

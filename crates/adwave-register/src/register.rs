@@ -2,7 +2,7 @@
 
 use crate::consensus::agreeing_pairs;
 use crate::registrand::RegistrandView;
-use crate::search::{FoundMotion, MotionSearch, SearchParams, search_motions};
+use crate::search::{FoundMotion, MotionSearch, SearchParams, SearchStarts, search_motions};
 use crate::two_way_fit::{precision, two_way_fit};
 use crate::{AlignParams, Motion, Pair, PairParams, Registrand, TwoWayFit, align, pairs_under};
 use adwave::{Cancelled, Progress};
@@ -11,6 +11,8 @@ use adwave::{Cancelled, Progress};
 const MIN_AGREEMENT: f64 = 0.65;
 /// Least information of a claimed motion, in nats.
 const MIN_INFORMATION: f64 = 18.0;
+/// Number of features below which a motion needs no pair of them: a machined part may have none.
+const FEW_FEATURES: usize = 6;
 /// Least ratio to the information of the mirror image.
 const MIN_GAIN: f64 = 1.4;
 /// Largest conflict of a claimed motion.
@@ -131,7 +133,9 @@ pub fn register(
     }
     let Some((best, others)) = refined.split_first() else { return Ok(Registration::default()) };
     let null = chance.first();
-    let is_clear = is_clear(best, null.map(|found| &found.fit));
+    let fewest = first.features.keys.len().min(second.features.keys.len());
+    let has_pairs = best.n_agreeing > 0 || fewest < FEW_FEATURES;
+    let is_clear = has_pairs && is_clear(&best.fit, null.map(|found| &found.fit));
     let is_equal = |other: &&RegisteredMotion| is_clear && is_equal(&best.fit, &other.fit, second);
     let equal = others.iter().filter(is_equal).copied().collect();
     let n_by_chance = null.map_or(0, |found| {
@@ -160,15 +164,13 @@ fn score(fit: &TwoWayFit) -> f64 {
 }
 
 /// Tells if a motion is better than chance.
-fn is_clear(found: &RegisteredMotion, chance: Option<&TwoWayFit>) -> bool {
-    let fit = &found.fit;
+fn is_clear(fit: &TwoWayFit, chance: Option<&TwoWayFit>) -> bool {
     let chance = chance.copied().unwrap_or_default();
     // A shape that is nearly its own mirror image says nothing about chance.
     let is_own_mirror_image = chance.agreement >= MIN_AGREEMENT && chance.conflict <= MAX_CONFLICT;
     fit.agreement >= MIN_AGREEMENT
         && fit.information >= MIN_INFORMATION
         && fit.conflict <= MAX_CONFLICT
-        && found.n_agreeing > 0
         && (is_own_mirror_image || fit.information >= MIN_GAIN * chance.information)
 }
 
@@ -208,11 +210,9 @@ fn refine_best(
     progress: Progress<'_>,
 ) -> Result<RegisteredMotion, Cancelled> {
     let params = AlignParams { max_rounds: LAST_ROUNDS, scaled: params.scaled, ..AlignParams::default() };
-    let points = match view.shape.surface.is_mesh() && view.shape.vertices.len() < view.samples.len() {
-        // The vertices of machined parts are few.
-        true => view.samples.iter().map(|sample| sample.point).collect(),
-        false => view.shape.vertices.clone(),
-    };
+    // The vertices of machined parts are few.
+    let are_few = view.shape.vertices.len() < view.samples.len();
+    let points = if are_few { view.shape.sample_points() } else { view.shape.vertices.clone() };
     let (motion, _) = align(&points, &target.shape.surface, found.motion, &params, progress)?;
     Ok(measure(view, target, motion))
 }
@@ -278,7 +278,7 @@ pub fn closest_fit(
     second: &Registrand,
     progress: Progress<'_>,
 ) -> Result<Option<ClosestFit>, Cancelled> {
-    let params = SearchParams { in_place: true, grid: true, ..SearchParams::default() };
+    let params = SearchParams { starts: SearchStarts::Everywhere, ..SearchParams::default() };
     let registration = register(first, second, &params, progress)?;
     let (view, target) = (RegistrandView::new(first), RegistrandView::new(second));
     let has_overlap = |found: &&RegisteredMotion| found.fit.overlap >= LEAST_OVERLAP;

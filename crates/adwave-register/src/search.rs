@@ -10,11 +10,20 @@ use rayon::prelude::*;
 
 /// Motion that was refined on the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoundMotion {
+pub(crate) struct FoundMotion {
     /// Motion from the first shape to the second.
-    pub motion: Motion,
+    pub(crate) motion: Motion,
     /// Fit of the surfaces.
-    pub fit: TwoWayFit,
+    pub(crate) fit: TwoWayFit,
+}
+
+/// Starts of a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchStarts {
+    /// Places where bands are extremal, and the rotations between the principal axes.
+    Surfaces,
+    /// These, where the shapes are, and a grid of rotations about the centers.
+    Everywhere,
 }
 
 /// Options of a search.
@@ -22,29 +31,25 @@ pub struct FoundMotion {
 pub struct SearchParams {
     /// True to search for similarities, with a change of size, instead of rigid motions.
     pub scaled: bool,
-    /// True to start from the rotations between the principal axes too, for shapes that are whole.
-    pub centered: bool,
-    /// True to start from where the shapes are too.
-    pub in_place: bool,
-    /// True to start from a grid of rotations about the centers.
-    pub grid: bool,
+    /// Starts of the search.
+    pub starts: SearchStarts,
     /// Largest number of motions that are compared to the end.
     pub equal: usize,
 }
 
 impl Default for SearchParams {
     fn default() -> Self {
-        Self { scaled: false, centered: true, in_place: false, grid: false, equal: 16 }
+        Self { scaled: false, starts: SearchStarts::Surfaces, equal: 16 }
     }
 }
 
 /// Result of a search.
 #[derive(Clone, Debug, Default)]
-pub struct MotionSearch {
+pub(crate) struct MotionSearch {
     /// Distinct motions, the one with the most information first.
-    pub motions: Vec<FoundMotion>,
+    pub(crate) motions: Vec<FoundMotion>,
     /// The same for the mirror image of the first shape, found by the same procedure.
-    pub chance: Vec<FoundMotion>,
+    pub(crate) chance: Vec<FoundMotion>,
 }
 
 /// Correlation of bands below which a motion is not compared with chance, since it is not claimed.
@@ -88,7 +93,7 @@ const N_TURNS: usize = 96;
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
-pub fn search_motions(
+pub(crate) fn search_motions(
     first: &Registrand,
     second: &Registrand,
     params: &SearchParams,
@@ -185,7 +190,7 @@ fn starts(
     let consensus_params = ConsensusParams { scaled: params.scaled, ..ConsensusParams::default() };
     let (landmarks, others) = (first.landmarks(), &second.shape.features);
     let mut starts: Vec<Motion> = Vec::new();
-    if params.in_place {
+    if params.starts == SearchStarts::Everywhere {
         starts.push(Motion::default());
     }
     let mut lists: Vec<Vec<Motion>> = Vec::new();
@@ -204,12 +209,10 @@ fn starts(
     let ranks =
         |range: std::ops::Range<usize>| range.flat_map(|k| lists.iter().filter_map(move |list| list.get(k)));
     starts.extend(ranks(0..N_FIRST.min(longest)));
-    if params.centered {
-        let scale = if params.scaled { (second.shape.area / first.shape.area).sqrt() } else { 1.0 };
-        starts.extend(principal_motions(first, second, scale));
-    }
+    let scale = if params.scaled { (second.shape.area / first.shape.area).sqrt() } else { 1.0 };
+    starts.extend(principal_motions(first, second, scale));
     starts.extend(ranks(N_FIRST.min(longest)..longest));
-    if params.grid {
+    if params.starts == SearchStarts::Everywhere {
         starts.extend(centered_motions(first, second, &rotation_grid(N_TURNS)));
     }
     Ok(starts)

@@ -15,6 +15,8 @@ const MISFIT: f64 = 0.01;
 const FACING: f64 = 0.3;
 /// Correlations of bands are read at places farther from borders than this multiple of σ.
 const BORDER_SIGMAS: f64 = 1.0;
+/// Least standard deviation of a band, in mean spacings: finer relief, as that of a ball, is that of the triangles.
+const LEAST_RELIEF: f64 = 0.01;
 /// Area that a band varies over, in σ².
 const PATCH: f64 = 2.0 * std::f64::consts::PI;
 /// Least number of patches from which a correlation is read.
@@ -248,6 +250,10 @@ fn band_agreement(
         if n_patches < MIN_PATCHES {
             continue;
         }
+        let least = shapes.map(|view| LEAST_RELIEF * view.shape.spacing);
+        if sums.deviations().into_iter().zip(least).any(|(deviation, least)| deviation < least) {
+            continue;
+        }
         let correlation = sums.correlation();
         let bound = (correlation.min(0.999_999).atanh() - 2.0 / (n_patches - 3.0).sqrt()).tanh();
         agreement = agreement.max(bound);
@@ -279,6 +285,12 @@ impl PearsonSums {
             self.yy += y * y;
             self.xy += x * y;
         }
+    }
+
+    /// Standard deviations of both values.
+    fn deviations(&self) -> [f64; 2] {
+        let deviation = |sum: f64, squares: f64| ((squares - sum * sum / self.n).max(0.0) / self.n).sqrt();
+        [deviation(self.x, self.xx), deviation(self.y, self.yy)]
     }
 
     /// Correlation in [−1, 1]; 0 if one of the values does not vary.

@@ -114,3 +114,87 @@ fn two_shapes_that_cannot_be_compared_are_refused_in_one_line() {
     let found = json(path, "match sample:sphere sample:torus --vertices 900");
     assert!(found["motion"].is_null() && found["pairs"].as_array().unwrap().is_empty(), "{found}");
 }
+
+/// A wall of identical windows from x = `start` on, 10 wide.
+fn facade(path: &std::path::Path, name: &str, start: f64) {
+    let (columns, rows) = (100, 40);
+    let step = |d: f64| 1.0 / (1.0 + (-d / 0.05).exp());
+    let mut lines =
+        vec!["OFF".to_owned(), format!("{} {} 0", columns * rows, 2 * (columns - 1) * (rows - 1))];
+    for i in 0..columns {
+        for j in 0..rows {
+            let (x, y) = (start + 0.1 * i as f64, 0.1 * j as f64);
+            let inside = (0.5 - ((x % 2.0) - 1.0).abs()).min(0.8 - (y - 2.1).abs());
+            let sill = step(0.12 - (y - 1.1).abs()) * step(0.7 - ((x % 2.0) - 1.0).abs());
+            lines.push(format!("{x} {y} {}", 0.12 * sill - 0.3 * step(inside)));
+        }
+    }
+    for i in 0..columns - 1 {
+        for j in 0..rows - 1 {
+            let a = i * rows + j;
+            lines.push(format!("3 {a} {} {}", a + rows, a + rows + 1));
+            lines.push(format!("3 {a} {} {}", a + rows + 1, a + 1));
+        }
+    }
+    std::fs::write(path.join(name), lines.join("\n")).unwrap();
+}
+
+#[test]
+fn motions_between_repeated_windows_are_listed_and_share_the_confidence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    facade(path, "left.off", 0.0);
+    facade(path, "right.off", 4.0);
+    let line = "match left.off right.off -o pairs.json --picture windows.png";
+    let found = json(path, line);
+    let equal = found["equal_motions"].as_array().unwrap();
+    assert!(!found["motion"].is_null() && equal.len() >= 2, "{found}");
+    // The windows repeat every 2, and 0 is the true motion.
+    let is_true = |motion: &serde_json::Value| {
+        motion["matrix"][0][3].as_f64().unwrap().abs() < 0.02 && motion["degrees"].as_f64().unwrap() < 0.5
+    };
+    assert!(equal.iter().chain([&found["motion"]]).any(is_true), "{found}");
+    let confidence = |pair: &serde_json::Value| pair["confidence"].as_f64().unwrap();
+    assert!(found["pairs"].as_array().unwrap().iter().all(|pair| confidence(pair) <= 0.5));
+    let output = adwave(path).args(words(line)).assert().success().get_output().stdout.clone();
+    let text = String::from_utf8(output).unwrap();
+    assert!(text.contains("not certain") && text.contains("fit equally well"), "{text}");
+}
+
+#[test]
+fn a_shape_matches_itself_and_the_angle_is_a_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for name in ["bracket", "creature"] {
+        let found = json(path, &format!("match sample:{name} sample:{name} --vertices 4000"));
+        assert!(found["motion"]["degrees"].is_number(), "{found}");
+        let motions = found["equal_motions"].as_array().unwrap().iter().chain([&found["motion"]]);
+        assert!(motions.into_iter().any(|motion| motion["degrees"].as_f64().unwrap() < 0.01), "{found}");
+        let found =
+            json(path, &format!("diff sample:{name} sample:{name} --vertices 4000 --by closest --align"));
+        assert!(found["motion"]["degrees"].as_f64().unwrap() < 0.01, "{found}");
+        assert!(found["difference"]["rms"].as_f64().unwrap() < 1e-6, "{found}");
+    }
+}
+
+#[test]
+fn what_match_suggests_applies() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    adwave(path).args(words("sample creature --vertices 4000 -o a.off")).assert().success();
+    let text = std::fs::read_to_string(path.join("a.off")).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let n: usize = lines[1].split_whitespace().next().unwrap().parse().unwrap();
+    for line in &mut lines[2..2 + n] {
+        *line = numbers(line).map(|c| (25.4 * c).to_string()).join(" ");
+    }
+    std::fs::write(path.join("b.off"), lines.join("\n")).unwrap();
+    let output = adwave(path).args(words("match a.off b.off")).assert().success().get_output().stdout.clone();
+    let text = String::from_utf8(output).unwrap();
+    assert!(text.contains("no motion") && text.contains("--motion similarity"), "{text}");
+    let found = json(path, "match a.off b.off --motion similarity");
+    assert!((found["motion"]["scale"].as_f64().unwrap() - 25.4).abs() < 0.05, "{found}");
+    let output = adwave(path).args(words("match sample:sphere sample:sphere")).assert().success();
+    let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("no motion") && !text.contains("similarity"), "{text}");
+}
