@@ -227,7 +227,7 @@ impl CompatiblePairs {
         let mut words: Vec<u64> = (0..pairs.len()).into_par_iter().flat_map_iter(row).collect();
         for i in 0..pairs.len() {
             for j in i + 1..pairs.len() {
-                if words[i * n_words + j / 64] >> (j % 64) & 1 == 1 {
+                if (words[i * n_words + j / 64] >> (j % 64)) & 1 == 1 {
                     words[j * n_words + i / 64] |= 1 << (i % 64);
                 }
             }
@@ -244,7 +244,7 @@ impl CompatiblePairs {
         let n_pairs = self.words.len() / self.n_words;
         let couples_of = |i: usize| -> Vec<Couple> {
             let own = self.row(i);
-            let is_near = |j: &usize| own[j / 64] >> (j % 64) & 1 == 1;
+            let is_near = |j: &usize| (own[j / 64] >> (j % 64)) & 1 == 1;
             let couple = |j: usize| {
                 let shared: u32 = own.iter().zip(self.row(j)).map(|(a, b)| (a & b).count_ones()).sum();
                 Couple { rank: 0, missing: n_pairs - shared as usize, first: i, second: j }

@@ -17,7 +17,7 @@ pub struct Motion {
 
 /// Point with three orthonormal, right-handed axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Frame {
+pub(crate) struct PrincipalFrame {
     pub(crate) origin: [f64; 3],
     pub(crate) axes: [[f64; 3]; 3],
 }
@@ -45,8 +45,8 @@ impl Motion {
     }
 
     /// Creates a rigid motion that takes an orthonormal, right-handed frame at a point to another one.
-    pub(crate) fn from_frames(from: &Frame, to: &Frame) -> Self {
-        let matrix = |frame: &Frame| Matrix3::from_columns(&frame.axes.map(Vector3::from));
+    pub(crate) fn from_frames(from: &PrincipalFrame, to: &PrincipalFrame) -> Self {
+        let matrix = |frame: &PrincipalFrame| Matrix3::from_columns(&frame.axes.map(Vector3::from));
         let rotation = Rotation3::from_matrix_unchecked(matrix(to) * matrix(from).transpose());
         let translation = Vector3::from(to.origin) - rotation * Vector3::from(from.origin);
         Self { rotation, scale: 1.0, translation }

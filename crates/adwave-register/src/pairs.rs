@@ -19,6 +19,9 @@ impl Default for PairParams {
     }
 }
 
+/// Distance of descriptors at which the confidence of a pair is 1/e, fitted to 164 pairs between two meshings of five shapes.
+const DESCRIPTOR_DISTANCE: f64 = 0.2;
+
 /// Two features at the same place of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
@@ -57,13 +60,15 @@ pub fn pairs_under(
 
 /// Lists the features with the most similar descriptors, in both directions, nearer than `ratio` times the second nearest, by
 /// rising index of the first. O(first × second).
+///
+/// The confidence is `exp(−d/0.2)` for the distance d of the descriptors. It follows the share of right pairs between two meshings
+/// of one whole shape, and says nothing about shapes that differ.
 pub fn descriptor_pairs(first: &ShapeFeatures, second: &ShapeFeatures, ratio: f64) -> Vec<Pair> {
     let pair = |m: adwave::features::Match| Pair {
         first: m.first,
         second: m.second,
         sigmas: f64::NAN,
-        // Twice the distance between two descriptors that have nothing in common is 2·√2.
-        confidence: (1.0 - m.distance / std::f64::consts::SQRT_2).clamp(0.0, 1.0),
+        confidence: (-m.distance / DESCRIPTOR_DISTANCE).exp(),
     };
     match_features(&first.descriptors, &second.descriptors, ratio).into_iter().map(pair).collect()
 }

@@ -1,7 +1,7 @@
 //! Shapes prepared for registration: search structure, features, and samples of the surface.
 
 use crate::closest::border_vertices;
-use crate::motion::Frame;
+use crate::motion::PrincipalFrame;
 use crate::shape_features::Landmarks;
 use crate::{ClosestPoint, Motion, ShapeFeatures, Surface};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
@@ -148,7 +148,7 @@ impl<'a> RegistrandView<'a> {
     }
 
     /// Mean of the samples and the axes of their second moments, the widest first.
-    pub(crate) fn principal_frame(&self) -> Option<Frame> {
+    pub(crate) fn principal_frame(&self) -> Option<PrincipalFrame> {
         let n = self.samples.len() as f64;
         let sum = self.samples.iter().fold([0.0; 3], |sum, s| add_scaled(&sum, 1.0, &s.point));
         let origin = sum.map(|c| c / n);
@@ -163,7 +163,7 @@ impl<'a> RegistrandView<'a> {
         let axis = |k: usize| -> [f64; 3] { eigen.eigenvectors.column(order[k]).into_owned().into() };
         let (x, y) = (unit(&axis(0))?, unit(&axis(1))?);
         let axes = [x, y, unit(&cross(&x, &y))?];
-        Some(Frame { origin, axes })
+        Some(PrincipalFrame { origin, axes })
     }
 }
 
@@ -274,7 +274,7 @@ pub(crate) fn principal_motions(
     let (Some(first), Some(second)) = (from.principal_frame(), to.principal_frame()) else {
         return Vec::new();
     };
-    let axes = |frame: &Frame| Frame { origin: [0.0; 3], ..*frame };
+    let axes = |frame: &PrincipalFrame| PrincipalFrame { origin: [0.0; 3], ..*frame };
     let turn = |turn: &[(usize, f64); 3]| Motion::from_frames(&turned(&axes(&first), turn), &axes(&second));
     let motion = |axes| about_centers(&first, &second, turn(axes).scaled_by(scale));
     axis_turns().iter().map(motion).collect()
@@ -293,14 +293,14 @@ pub(crate) fn centered_motions(
 }
 
 /// A rotation between the origins of two frames.
-fn about_centers(first: &Frame, second: &Frame, turn: Motion) -> Motion {
+fn about_centers(first: &PrincipalFrame, second: &PrincipalFrame, turn: Motion) -> Motion {
     let to_origin = Motion::new([0.0; 3], first.origin.map(|c| -c));
     to_origin.then(&turn).then(&Motion::new([0.0; 3], second.origin))
 }
 
 /// A frame with its axes permuted and reversed.
-fn turned(frame: &Frame, axes: &[(usize, f64); 3]) -> Frame {
-    Frame { origin: frame.origin, axes: axes.map(|(k, sign)| frame.axes[k].map(|c| sign * c)) }
+fn turned(frame: &PrincipalFrame, axes: &[(usize, f64); 3]) -> PrincipalFrame {
+    PrincipalFrame { origin: frame.origin, axes: axes.map(|(k, sign)| frame.axes[k].map(|c| sign * c)) }
 }
 
 /// The 24 permutations and reversals of the axes that are rotations, as axis and sign.

@@ -68,7 +68,7 @@ const BATCHES: [(usize, usize); 3] = [(44, 10), (88, 20), (usize::MAX, 48)];
 const N_FIRST: usize = 16;
 
 /// Stage of the refinement.
-struct Stage {
+struct RefinementStage {
     /// Points of the alignment.
     points: usize,
     /// Rounds of the alignment.
@@ -82,9 +82,9 @@ struct Stage {
 }
 
 /// Stages of the refinement, from many rough motions to few precise ones.
-const STAGES: [Stage; 2] = [
-    Stage { points: 120, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
-    Stage { points: 300, rounds: 6, reach: 0.02, step: 2, distance: 0.02 },
+const STAGES: [RefinementStage; 2] = [
+    RefinementStage { points: 120, rounds: 6, reach: 0.05, step: 6, distance: 0.01 },
+    RefinementStage { points: 300, rounds: 6, reach: 0.02, step: 2, distance: 0.02 },
 ];
 /// Rotations of the grid; no rotation is farther than about 40° from one of them.
 const N_TURNS: usize = 96;

@@ -8,35 +8,35 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// Random numbers by seed.
-pub struct Random(Pcg64Mcg);
+pub(crate) struct Random(Pcg64Mcg);
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         random.next_u64();
         Self(random)
     }
 
     /// Uniform in [0, 1).
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// Normal with mean 0 and variance 1.
-    pub fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         let (u, v) = (self.uniform().max(1e-300), self.uniform());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     }
 
     /// Uniform on the unit sphere.
-    pub fn direction(&mut self) -> [f64; 3] {
+    pub(crate) fn direction(&mut self) -> [f64; 3] {
         let v: [f64; 3] = std::array::from_fn(|_| self.normal());
         let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
         v.map(|c| c / length)
     }
 
     /// Rotation by up to half a turn about a random axis, and a translation of about `size`.
-    pub fn motion(&mut self, size: f64) -> Motion {
+    pub(crate) fn motion(&mut self, size: f64) -> Motion {
         let angle = std::f64::consts::PI * (2.0 * self.uniform() - 1.0);
         let axis = self.direction().map(|c| angle * c);
         Motion::new(axis, std::array::from_fn(|_| size * self.normal()))
@@ -45,28 +45,28 @@ impl Random {
 
 /// Surface as points and triangles.
 #[derive(Clone)]
-pub struct Surface {
-    pub points: Vec<[f64; 3]>,
-    pub triangles: Vec<[u32; 3]>,
+pub(crate) struct Surface {
+    pub(crate) points: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Surface {
-    pub fn shape(&self) -> Shape {
+    pub(crate) fn shape(&self) -> Shape {
         Shape::Mesh(Mesh::new(self.points.clone(), Polygons::from_triangles(&self.triangles)).unwrap())
     }
 
-    pub fn moved(&self, motion: &Motion) -> Self {
+    pub(crate) fn moved(&self, motion: &Motion) -> Self {
         let points = self.points.iter().map(|p| motion.apply(p)).collect();
         Self { points, triangles: self.triangles.clone() }
     }
 
-    pub fn mean_edge(&self) -> f64 {
+    pub(crate) fn mean_edge(&self) -> f64 {
         let length = |t: &[u32; 3]| distance(&self.points[t[0] as usize], &self.points[t[1] as usize]);
         self.triangles.iter().map(length).sum::<f64>() / self.triangles.len() as f64
     }
 
     /// Displaces every coordinate by normal noise of `edges` mean edges.
-    pub fn noisy(mut self, edges: f64, seed: u64) -> Self {
+    pub(crate) fn noisy(mut self, edges: f64, seed: u64) -> Self {
         let (mut random, sigma) = (Random::new(seed), edges * self.mean_edge());
         for p in &mut self.points {
             *p = p.map(|c| c + sigma * random.normal());
@@ -75,7 +75,7 @@ impl Surface {
     }
 
     /// Keeps the triangles whose three vertices are kept.
-    pub fn cut(&self, is_kept: impl Fn(usize) -> bool) -> Self {
+    pub(crate) fn cut(&self, is_kept: impl Fn(usize) -> bool) -> Self {
         let flags: Vec<bool> = (0..self.points.len()).map(is_kept).collect();
         let triangles: Vec<[u32; 3]> =
             self.triangles.iter().copied().filter(|t| t.iter().all(|&x| flags[x as usize])).collect();
@@ -91,12 +91,12 @@ impl Surface {
     }
 
     /// The part within a distance of the z axis.
-    pub fn cut_round(&self, radius: f64) -> Self {
+    pub(crate) fn cut_round(&self, radius: f64) -> Self {
         self.cut(|x| self.points[x][0].hypot(self.points[x][1]) <= radius)
     }
 
     /// The parts before the quantile `upper` and behind the quantile `lower` of the vertices along a direction.
-    pub fn parts(&self, direction: &[f64; 3], upper: f64, lower: f64) -> [Self; 2] {
+    pub(crate) fn parts(&self, direction: &[f64; 3], upper: f64, lower: f64) -> [Self; 2] {
         let along: Vec<f64> = self.points.iter().map(|p| (0..3).map(|c| p[c] * direction[c]).sum()).collect();
         let mut sorted = along.clone();
         sorted.sort_by(f64::total_cmp);
@@ -106,13 +106,13 @@ impl Surface {
     }
 
     /// The two parts of which a share `overlap` is in the other too.
-    pub fn overlapping(&self, direction: &[f64; 3], overlap: f64) -> [Self; 2] {
+    pub(crate) fn overlapping(&self, direction: &[f64; 3], overlap: f64) -> [Self; 2] {
         let size = 1.0 / (2.0 - overlap);
         self.parts(direction, size, 1.0 - size)
     }
 
     /// The triangles that face a direction.
-    pub fn view(&self, direction: &[f64; 3]) -> Self {
+    pub(crate) fn view(&self, direction: &[f64; 3]) -> Self {
         let mut is_facing = vec![false; self.points.len()];
         for t in &self.triangles {
             let [a, b, c] = t.map(|x| self.points[x as usize]);
@@ -126,15 +126,15 @@ impl Surface {
     }
 }
 
-pub fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+pub(crate) fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Random heights: the sum of waves whose power falls with the cube of the frequency.
-pub struct Terrain(Vec<[f64; 4]>);
+pub(crate) struct Terrain(Vec<[f64; 4]>);
 
 impl Terrain {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let wave = |_| {
             // Equal numbers of waves per octave of the wavelength, from 4 to 120.
@@ -146,12 +146,12 @@ impl Terrain {
         Self((0..400).map(wave).collect())
     }
 
-    pub fn height(&self, x: f64, y: f64) -> f64 {
+    pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
         self.0.iter().map(|[a, b, phase, amplitude]| amplitude * (a * x + b * y + phase).cos()).sum()
     }
 
     /// Grid of rows × columns whose first point is at (x, y).
-    pub fn patch(&self, x: f64, y: f64, rows: u32, columns: u32) -> Surface {
+    pub(crate) fn patch(&self, x: f64, y: f64, rows: u32, columns: u32) -> Surface {
         let mut points = Vec::new();
         for i in 0..rows {
             for j in 0..columns {

@@ -76,14 +76,10 @@ pub(super) fn write(
 
 /// Corners of the bounding box; corner k is at the end of axis c if bit c of k is set.
 fn box_corners(points: &[[f64; 3]]) -> [[f64; 3]; 8] {
-    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for p in points {
-        for c in 0..3 {
-            ends[0][c] = ends[0][c].min(p[c]);
-            ends[1][c] = ends[1][c].max(p[c]);
-        }
-    }
-    std::array::from_fn(|k| std::array::from_fn(|c| ends[k >> c & 1][c]))
+    let ends = points.iter().fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
+        [std::array::from_fn(|c| low[c].min(p[c])), std::array::from_fn(|c| high[c].max(p[c]))]
+    });
+    std::array::from_fn(|k| std::array::from_fn(|c| ends[(k >> c) & 1][c]))
 }
 
 /// Color of the box of a motion: dark for the first, else one of its own.
