@@ -2,7 +2,7 @@
 
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::sample::{NoiseSigma, Sample};
-use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, surface_area};
+use adwave::shape::{Graph, Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::{Decomposer, Progress};
 use adwave_register::{
     AlignParams, CLEAR_CONFIDENCE, DescribeError, Motion, PairParams, Registrand, Registration, SearchParams,
@@ -112,9 +112,9 @@ fn halves_that_share_no_vertex_have_no_motion() {
 
 #[test]
 fn overlapping_terrains_are_brought_together() {
-    for (seed, overlap) in [(0, 0.5), (1, 0.5), (2, 0.3)] {
+    for (seed, overlap) in [(0, 0.5_f64), (1, 0.5), (2, 0.3)] {
         let terrain = Terrain::new(seed);
-        let shift = (80.0 * (1.0 - overlap) as f64).round();
+        let shift = (80.0 * (1.0 - overlap)).round();
         let truth = cases::Random::new(seed).motion(30.0);
         let first = terrain.patch(0.0, 0.0, 80, 80).noisy(0.1, 1);
         // The second grid lies between the points of the first.

@@ -119,7 +119,9 @@ impl Surface {
             let (u, v) = (adwave::vector::subtract(&b, &a), adwave::vector::subtract(&c, &a));
             let n = adwave::vector::cross(&u, &v);
             if adwave::vector::dot(&n, direction) > 0.2 * adwave::vector::norm(&n) {
-                t.iter().for_each(|&x| is_facing[x as usize] = true);
+                for &x in t {
+                    is_facing[x as usize] = true;
+                }
             }
         }
         self.cut(|x| is_facing[x])
