@@ -123,7 +123,7 @@ fn facade(path: &std::path::Path, name: &str, start: f64) {
         vec!["OFF".to_owned(), format!("{} {} 0", columns * rows, 2 * (columns - 1) * (rows - 1))];
     for i in 0..columns {
         for j in 0..rows {
-            let (x, y) = (start + 0.1 * i as f64, 0.1 * j as f64);
+            let (x, y) = (start + 0.1 * f64::from(i), 0.1 * f64::from(j));
             let inside = (0.5 - ((x % 2.0) - 1.0).abs()).min(0.8 - (y - 2.1).abs());
             let sill = step(0.12 - (y - 1.1).abs()) * step(0.7 - ((x % 2.0) - 1.0).abs());
             lines.push(format!("{x} {y} {}", 0.12 * sill - 0.3 * step(inside)));

@@ -223,13 +223,14 @@ fn motion_text(motion: &Motion) -> String {
 fn describe_none(args: &MatchArgs, first: &Side, second: &Side) -> String {
     let fewest = first.features().keys.len().min(second.features().keys.len());
     let ratio = second.decomposer.extent() / first.decomposer.extent();
-    let reason = if fewest < 3 {
-        "no motion: a shape without features, such as a ball, fits in every direction".to_owned()
-    } else {
-        "no motion fits better than the best motion of the mirror image: the shapes differ, or share less than a \
-         quarter of their surface"
-            .to_owned()
-    };
+    if fewest < 3 {
+        return format!(
+            "no motion: {}, too few to tell one motion from another, as on a ball or a mesh of few vertices\n",
+            count(fewest, "feature", "features")
+        );
+    }
+    let reason = "no motion fits better than the best motion of the mirror image: the shapes differ, or share less \
+                  than a quarter of their surface";
     if args.motion == MotionArg::Rigid && !(1.0 / UNIT_RATIO..=UNIT_RATIO).contains(&ratio) {
         format!(
             "{reason}; {} is {} times as large, so that --motion similarity may apply\n",
