@@ -1,7 +1,7 @@
 //! Matching of shapes with a known motion, or with none: rates of right and wrong claims, and the calibration of confidences.
 //!
 //! ```sh
-//! cargo run --release -p adwave-register --example match_cases -- choose 40 SECONDS shape.ply …
+//! cargo run --release -p adwave-register --example match_cases -- choose 40 600 shape.ply …
 //! ```
 //!
 //! The seeds `choose` serve to choose constants, the seeds `final` to measure. Terrains need no file; cuts and views are of the

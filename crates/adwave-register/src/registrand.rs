@@ -275,7 +275,8 @@ pub(crate) fn principal_motions(
         return Vec::new();
     };
     let axes = |frame: &PrincipalFrame| PrincipalFrame { origin: [0.0; 3], ..*frame };
-    let turn = |turn: &[(usize, f64); 3]| Motion::from_frames(&turned(&axes(&first), turn), &axes(&second));
+    let turn =
+        |turn: &[(usize, f64); 3]| Motion::from_frames(&turn_axes(&axes(&first), turn), &axes(&second));
     let motion = |axes| about_centers(&first, &second, turn(axes).scaled_by(scale));
     axis_turns().iter().map(motion).collect()
 }
@@ -299,7 +300,7 @@ fn about_centers(first: &PrincipalFrame, second: &PrincipalFrame, turn: Motion) 
 }
 
 /// A frame with its axes permuted and reversed.
-fn turned(frame: &PrincipalFrame, axes: &[(usize, f64); 3]) -> PrincipalFrame {
+fn turn_axes(frame: &PrincipalFrame, axes: &[(usize, f64); 3]) -> PrincipalFrame {
     PrincipalFrame { origin: frame.origin, axes: axes.map(|(k, sign)| frame.axes[k].map(|c| sign * c)) }
 }
 
