@@ -47,6 +47,10 @@ usage: cargo xtask COMMAND
             of right and wrong claims and the calibration of confidences, as tables; constants are chosen by the seeds
             `choose` and measured by the seeds `final`
   docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
+  command-check
+            all cases of the systematic tests of the command, of which every test run takes a sample: each documented command,
+            each option on each kind of input, odd numbers, equal inputs, names of results, closed and full streams, wording,
+            numbers of reports, suggested commands
   same-outputs --before PROGRAM
             run a fixed list of commands with an older build of adwave and with this one, and compare the bytes of every file
   notices   write the notices and licenses of all that the program contains
@@ -83,6 +87,7 @@ fn main() -> ExitCode {
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
         ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),
+        ["command-check"] => command_check(),
         ["same-outputs", ref rest @ ..] => same_outputs(rest),
         ["notices"] => notices::write(),
         ["package-check"] => publish::check(),
@@ -120,6 +125,13 @@ fn print_style(folder: &str) -> StepResult {
 fn same_outputs(arguments: &[&str]) -> StepResult {
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;
     xtask::outputs::compare(arguments, &root(), &target().join("release/adwave"), &data())
+}
+
+/// All cases of the systematic tests of the command; they tell this by the variable.
+fn command_check() -> StepResult {
+    compiler()?;
+    let test = ["test", "--locked", "--quiet", "-p", "adwave-cli", "--test", "promises"];
+    cargo(&test, &[("ADWAVE_COMMAND_CHECK", "full")])
 }
 
 fn studio_test() -> StepResult {

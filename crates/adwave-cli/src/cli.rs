@@ -47,7 +47,8 @@ Examples:
   adwave studio bunny.obj                             a slider for each band, in a browser
 
 A SHAPE is a file, '-' for the standard input, or sample:NAME for a built-in shape (see 'adwave sample').
-Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C."
+Exit codes: 0 done, 1 the machine failed (disk, permissions), 2 bad usage or input, 130 stopped by Ctrl-C (143 by SIGTERM).
+An option that would change nothing is refused, with a line that says when it applies."
 )]
 pub(crate) struct Cli {
     #[command(flatten)]

@@ -1,6 +1,7 @@
 //! Context of one run: how to print, what was read, where results go, and when to stop.
 
 use crate::args::GlobalArgs;
+use crate::given::GivenOptions;
 use crate::inputs::Inputs;
 use adwave::Progress;
 use adwave_io::{ReadLimits, Transaction};
@@ -29,6 +30,10 @@ pub(crate) struct Global<'a> {
     pub(crate) quiet: bool,
     /// The command line, its program's name first.
     pub(crate) arguments: &'a [OsString],
+    /// The options of the command line.
+    pub(crate) given: &'a GivenOptions,
+    /// Whether --max-input was given.
+    pub(crate) has_max_input: bool,
     /// Limits on what is read.
     pub(crate) limits: ReadLimits,
     /// Whether the result goes to the standard output, so that reports go to the standard error.
@@ -46,6 +51,7 @@ pub(crate) struct Global<'a> {
 pub(crate) struct RunContext<'a> {
     /// The command line, its program's name first.
     pub(crate) arguments: &'a [OsString],
+    pub(crate) given: &'a GivenOptions,
     pub(crate) inputs: &'a Inputs,
     pub(crate) files: &'a Transaction,
     /// Becomes true when the run is to stop.
@@ -57,13 +63,15 @@ impl<'a> Global<'a> {
     pub(crate) fn new(args: &GlobalArgs, context: RunContext<'a>) -> Self {
         let mut limits = ReadLimits::default();
         limits.max_bytes = args.max_input.unwrap_or(limits.max_bytes);
-        let RunContext { arguments, inputs, files, cancel, tune_heap } = context;
+        let RunContext { arguments, given, inputs, files, cancel, tune_heap } = context;
         Self {
             json: args.json,
             quiet: args.quiet,
             arguments,
+            given,
+            has_max_input: args.max_input.is_some(),
             limits,
-            is_piped: is_piped(arguments),
+            is_piped: given.is_piped(),
             inputs,
             files,
             cancel,
@@ -80,12 +88,4 @@ impl<'a> Global<'a> {
     pub(crate) fn tune_heap(&self, heap_use: HeapUse) {
         (self.tune_heap)(heap_use);
     }
-}
-
-/// Whether a command line contains `-o -`.
-fn is_piped(arguments: &[OsString]) -> bool {
-    let words = || arguments.iter().filter_map(|word| word.to_str());
-    let is_apart =
-        words().zip(words().skip(1)).any(|(flag, value)| matches!(flag, "-o" | "--output") && value == "-");
-    is_apart || words().any(|word| matches!(word, "-o-" | "-o=-" | "--output=-"))
 }

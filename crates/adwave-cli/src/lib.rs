@@ -8,6 +8,7 @@ mod args;
 mod cli;
 mod commands;
 mod error;
+mod given;
 mod global;
 mod inputs;
 mod output;
@@ -17,11 +18,19 @@ use adwave_io::Transaction;
 use clap::FromArgMatches;
 use cli::{Cli, Command};
 use error::CliError;
+use given::GivenOptions;
 pub use global::HeapUse;
 use global::{Global, RunContext};
 use inputs::Inputs;
 use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Definition of the command line, from which help, completions and the manual pages are made.
+pub fn definition() -> clap::Command {
+    let mut definition = cli::command();
+    definition.build();
+    definition
+}
 
 /// Runs one command line, the program's name first, and returns its exit code: 0 done, 1 the machine failed, 2 bad usage or
 /// input, 130 stopped because `cancel` became true.
@@ -46,10 +55,13 @@ pub fn run_with_heap(
     tune_heap: fn(HeapUse),
 ) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
-    let parsed =
-        cli::command().try_get_matches_from(&arguments).and_then(|matches| Cli::from_arg_matches(&matches));
-    let cli = match parsed {
-        Ok(cli) => cli,
+    let definition = cli::command();
+    let parsed = definition
+        .clone()
+        .try_get_matches_from(&arguments)
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, GivenOptions::new(&matches, &definition))));
+    let (cli, given) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => {
             let error = cli::improve_tips(error);
             // Help and the version are errors that succeed; if they cannot be printed nothing else can be either.
@@ -59,10 +71,17 @@ pub fn run_with_heap(
     };
     let inputs = Inputs::new(cli.global.provenance);
     let files = transaction(&cli.command);
-    let context = RunContext { arguments: &arguments, inputs: &inputs, files: &files, cancel, tune_heap };
+    let context = RunContext {
+        arguments: &arguments,
+        given: &given,
+        inputs: &inputs,
+        files: &files,
+        cancel,
+        tune_heap,
+    };
     let global = Global::new(&cli.global, context);
     global.tune_heap(heap_use(&cli.command));
-    let outcome = run_in_threads(&cli, &global);
+    let outcome = given.check().and_then(|()| run_in_threads(&cli, &global));
     let outcome = outcome.and_then(|()| Ok(files.commit()?));
     // Ctrl-C may remove the temporary files at once; a write that fails because of that is part of the stop.
     let outcome = match outcome {
@@ -73,7 +92,7 @@ pub fn run_with_heap(
         // With `adwave … | head` the reader has seen what it wanted.
         Ok(()) | Err(CliError::ClosedPipe) => 0,
         Err(error) => {
-            eprintln!("adwave: {error}");
+            output::tell(&format!("adwave: {}", output::plain_text(&error.to_string())));
             error.exit_code()
         }
     }
@@ -172,8 +191,8 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Sample(args) => commands::sample::run(args, global),
         Command::Demo(args) => commands::demo::run(args, global),
         Command::Reproduce(args) => commands::reproduce::run(args, global),
-        Command::Completions(args) => commands::shell::completions(args, cli::command()),
-        Command::Man(args) => commands::shell::man(args, cli::command()),
-        Command::Notices => commands::shell::notices(),
+        Command::Completions(args) => commands::shell::completions(args, cli::command(), global),
+        Command::Man(args) => commands::shell::man(args, cli::command(), global),
+        Command::Notices => commands::shell::notices(global),
     }
 }

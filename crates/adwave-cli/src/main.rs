@@ -1,12 +1,19 @@
 //! The program `adwave`: the command line, the answer to Ctrl-C, and the settings of the allocator.
 
 use adwave_cli::HeapUse;
+use std::io::Write as _;
 use std::process::{ExitCode, exit};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::Duration;
 
 /// Becomes true when the user wants to stop.
 static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Exit code of a run that a signal stopped, as shells have it: 128 and the number of the signal.
+static STOP_CODE: AtomicU8 = AtomicU8::new(CANCELLED);
+
+/// Exit code of a run that Ctrl-C stopped.
+const CANCELLED: u8 = 130;
 
 /// Time in which a computation has to notice that it is to stop.
 const PATIENCE: Duration = Duration::from_millis(1500);
@@ -24,8 +31,36 @@ fn main() -> ExitCode {
             end();
         });
     });
-    ExitCode::from(adwave_cli::run_with_heap(std::env::args_os(), &STOP, tune_heap))
+    remember_signals();
+    let code = adwave_cli::run_with_heap(std::env::args_os(), &STOP, tune_heap);
+    // A server that was asked to end by another signal than Ctrl-C says so too.
+    let is_stopped = code == CANCELLED || (code == 0 && STOP.load(Ordering::SeqCst));
+    let stop_code = STOP_CODE.load(Ordering::SeqCst);
+    ExitCode::from(if is_stopped && (code == CANCELLED || stop_code != CANCELLED) { stop_code } else { code })
 }
+
+/// Keeps the numbers of the signals that end a program, and handles all of them as Ctrl-C.
+#[cfg(unix)]
+#[allow(unsafe_code)]
+fn remember_signals() {
+    extern "C" fn stop(signal: libc::c_int) {
+        STOP_CODE.store(u8::try_from(128 + signal).unwrap_or(CANCELLED), Ordering::SeqCst);
+        // SAFETY: raise is among the calls that a handler may make.
+        unsafe {
+            libc::raise(libc::SIGINT);
+        }
+    }
+    let handler: extern "C" fn(libc::c_int) = stop;
+    for signal in [libc::SIGTERM, libc::SIGHUP] {
+        // SAFETY: the handler stores a number and raises another signal.
+        unsafe {
+            libc::signal(signal, handler as libc::sighandler_t);
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn remember_signals() {}
 
 /// Sets the thresholds of the C library's allocator. By default it keeps freed vectors of up to 32 MiB, which most commands never
 /// ask for again: an eighth of the peak of a mesh of a million vertices. Where vectors of one size come again and again, keeping them
@@ -88,6 +123,6 @@ fn report_exhausted_memory() {}
 /// Removes files that are half-written and ends; every old file stays as it was.
 fn end() -> ! {
     adwave_io::remove_temporaries();
-    eprintln!("adwave: stopped; no file was left half-written");
-    exit(130)
+    let _ = writeln!(std::io::stderr(), "adwave: stopped; no file was left half-written");
+    exit(STOP_CODE.load(Ordering::SeqCst).into())
 }

@@ -122,9 +122,9 @@ impl Params {
         let input = |message: String| Err(TilesError::Input(message));
         if !self.gains.is_empty() && self.gains.len() != self.levels {
             return input(format!(
-                "there must be one gain per level, from fine to coarse: got {} gains for {} levels",
-                self.gains.len(),
-                self.levels
+                "the number of gains must be that of the levels, {}, one per level from fine to coarse; got {}",
+                self.levels,
+                self.gains.len()
             ));
         }
         if let Some(gain) = self.gains.iter().find(|gain| !gain.is_finite()) {

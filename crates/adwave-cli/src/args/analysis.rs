@@ -1,10 +1,11 @@
 //! Saliency maps, features, and what is masked near borders.
 
-use super::parse::{count, number, parse_named};
+use super::parse::{count, count_from_one, number, parse_named};
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
 use adwave::saliency::{MapWeighting, SaliencyParams, Sign};
 use adwave::vector::Axis;
 use clap::Args;
+use std::num::NonZeroUsize;
 
 /// The mask near a border.
 #[derive(Debug, Args)]
@@ -66,8 +67,8 @@ pub(crate) struct DetectArgs {
     #[arg(long, value_name = "R", value_parser = number, allow_negative_numbers = true)]
     pub(crate) edge_ratio: Option<f64>,
     /// Keep only the N strongest features that are well spread
-    #[arg(long, value_name = "N", value_parser = count)]
-    pub(crate) best: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = count_from_one)]
+    pub(crate) best: Option<NonZeroUsize>,
 }
 
 impl DetectArgs {
@@ -79,7 +80,7 @@ impl DetectArgs {
             refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
             max_edge_ratio: self.edge_ratio,
             border_sigmas: border.sigmas,
-            best: self.best,
+            best: self.best.map(NonZeroUsize::get),
         }
     }
 }

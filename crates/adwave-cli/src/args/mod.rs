@@ -2,6 +2,7 @@
 
 mod analysis;
 mod cloud_part;
+mod file_name;
 mod given_length;
 mod global;
 mod labels;
@@ -17,6 +18,7 @@ mod signal;
 
 pub(crate) use analysis::{BorderMaskArgs, DetectArgs, MapArgs};
 pub(crate) use cloud_part::CloudPartArgs;
+pub(crate) use file_name::{file_name, shown_text, to_path};
 pub(crate) use given_length::GivenLength;
 pub(crate) use global::GlobalArgs;
 pub(crate) use labels::LabelArgs;

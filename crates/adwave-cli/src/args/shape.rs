@@ -1,5 +1,6 @@
 //! The shape.
 
+use super::file_name::file_name;
 use super::parse::{count, number, seed};
 use super::{CloudPartArgs, OperatorArgs, SelectionArgs};
 use adwave_io::ShapeKind;
@@ -9,7 +10,7 @@ use clap::{Args, ValueEnum};
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
-    #[arg(value_name = "SHAPE")]
+    #[arg(value_name = "SHAPE", value_parser = file_name())]
     pub(crate) shape: String,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,

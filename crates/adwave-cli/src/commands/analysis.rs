@@ -170,6 +170,10 @@ impl Analysis {
             }
             _ => (self.wavelets(global, None)?, self.signal.n_channels == 1),
         };
+        if !has_sign {
+            let applies = "applies to maps with a sign, and this signal gives none";
+            global.given.refuse(&["--unsigned"], applies)?;
+        }
         let params = map.to_params(border);
         let mut watch = Stopwatch::start();
         let mut saliency = saliency(&self.decomposer, &wavelets, &params, global.progress())
@@ -209,10 +213,10 @@ impl Analysis {
         format!("{}: {n}{masked}, {signal}\n{}\n", self.input.name, self.levels_reason)
     }
 
-    /// A width in % of the diagonal; 0 on a graph.
-    pub(crate) fn percent(&self, sigma: f64) -> f64 {
+    /// A width in % of the diagonal; none on a graph.
+    pub(crate) fn percent(&self, sigma: f64) -> Option<f64> {
         let diagonal = self.decomposer.extent();
-        if diagonal > 0.0 { 100.0 * sigma / diagonal } else { 0.0 }
+        (diagonal > 0.0).then(|| 100.0 * sigma / diagonal)
     }
 
     /// A line of times, ending in that of one further part.

@@ -36,7 +36,7 @@ pub(crate) struct BasisArgs {
     #[arg(long, value_name = "V", value_parser = parse_count, requires = "level", required_unless_present = "levels")]
     pub(crate) vertex: Option<usize>,
     /// Level of the vertex's functions, from 1
-    #[arg(long, value_name = "J", value_parser = parse_count, requires = "vertex")]
+    #[arg(long, value_name = "J", value_parser = parse_count, requires = "vertex", conflicts_with = "levels")]
     pub(crate) level: Option<usize>,
     /// Number of dyadic levels, for the functions of all vertices
     #[arg(long, short = 'j', value_name = "J", value_parser = parse_count, conflicts_with = "vertex")]
@@ -51,6 +51,9 @@ pub(crate) struct BasisArgs {
 
 pub(crate) fn run(args: &BasisArgs, global: &Global<'_>) -> Result<(), CliError> {
     check_writable(&args.output)?;
+    if args.vertex.is_some() {
+        global.given.refuse(&["--drop-tolerance"], "applies to matrices (--levels)")?;
+    }
     match (args.vertex, args.level, args.levels) {
         (Some(vertex), Some(level), _) => write_functions_of_vertex(args, global, vertex, level),
         (_, _, Some(levels)) => write_matrices(args, global, levels),

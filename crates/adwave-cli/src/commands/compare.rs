@@ -57,6 +57,9 @@ pub(crate) struct CompareArgs {
 const CURVATURE: &str = "mean-curvature";
 
 pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliError> {
+    if args.method != Method::Harmonics {
+        global.given.refuse(&["--harmonics"], "applies to --with mht")?;
+    }
     let params = check_levels(&args.levels)?;
     make_folder(&args.output)?;
     let method = args.method.name();
@@ -102,7 +105,8 @@ pub(crate) fn run(args: &CompareArgs, global: &Global<'_>) -> Result<(), CliErro
         write(global, &path, &input, field, outcomes)?;
         text += &format!("{}\n", path.display());
     }
-    let json = report(&input, field, method, &comparison);
+    let mut json = report(&input, field, method, &comparison);
+    json["output"] = json!(args.output.display().to_string());
     let path = args.output.join("comparison.json");
     write_file(global, &path, format!("{json:#}\n").as_bytes())?;
     text += &path.display().to_string();

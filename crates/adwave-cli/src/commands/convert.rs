@@ -1,9 +1,10 @@
 //! `adwave convert`: a shape in another format.
 
-use crate::args::{CloudPartArgs, SelectionArgs};
+use crate::args::{CloudPartArgs, SelectionArgs, file_name};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::{check_writable, count, output_format, print, write_shape};
+use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{Rest, SelectionUse, ShapeSource, load_source, select};
 use clap::Args;
 use serde_json::json;
@@ -25,7 +26,7 @@ Examples:
   adwave convert scan.ply -o - | other-program")]
 pub(crate) struct ConvertArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
-    #[arg(value_name = "SHAPE")]
+    #[arg(value_name = "SHAPE", value_parser = file_name())]
     shape: String,
     #[command(flatten)]
     part: CloudPartArgs,
@@ -42,6 +43,7 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
     let source = ShapeSource { part: args.part.to_part(), ..ShapeSource::new(&args.shape) };
     let selection = args.selection.to_selection()?;
     let mut input = load_source(&source, global)?;
+    check_source_options(&[&input], global)?;
     if selection.is_restricted() {
         let selection = SelectionUse { selection, rest: Rest::IsDropped };
         input.file = select(input.file, &input.name, selection, global)?;

@@ -20,7 +20,7 @@ Examples:
   adwave formats --markdown                     the list of docs/FORMATS.md")]
 pub(crate) struct FormatsArgs {
     /// Print a table in Markdown
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub(crate) markdown: bool,
 }
 

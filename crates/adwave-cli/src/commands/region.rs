@@ -49,9 +49,13 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
         check(path)?;
     }
     let input = load_shape(&args.shape, global)?;
+    let region = union_of_regions(&args.region);
+    if !names_field(&region) {
+        let applies = "applies to regions of a field that is computed, such as field:name=saliency";
+        global.given.refuse(&["--operator", "--density-invariant", "--keep-creases"], applies)?;
+    }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let decomposer = prepare(global, &input, &operator)?;
-    let region = union_of_regions(&args.region);
     let weights = with_progress(global, "measuring", |progress| {
         region_weights(&region, &input, &decomposer, progress)
     })?;
@@ -77,6 +81,19 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
         let _ = writeln!(text, "{}", path.display());
     }
     print(global, &text, &json)
+}
+
+/// Whether a region depends on a field, which may be computed by the diffusion operator.
+fn names_field(region: &Region) -> bool {
+    match region {
+        Region::Field { .. } => true,
+        Region::Grown { region, .. } | Region::Blurred { region, .. } | Region::Faded { region, .. } => {
+            names_field(region)
+        }
+        Region::Not(region) => names_field(region),
+        Region::Any(regions) | Region::All(regions) => regions.iter().any(names_field),
+        _ => false,
+    }
 }
 
 fn check(path: &Path) -> Result<(), CliError> {

@@ -2,8 +2,8 @@
 
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::print;
 use crate::output::progress::bar;
+use crate::output::{print, tell};
 use adwave_report::reproduce::{
     Context, Event, FIGURES, Figure, Models, ReproducedFigure, Target, reproduce, select,
 };
@@ -151,7 +151,7 @@ impl<'a> FigureProgress<'a> {
             let outcome = &made.outcome;
             let verdict = outcome.verdict.headline().to_lowercase();
             self.bar.suspend(|| {
-                eprintln!("{:<7}{:>7.1} s  {}: {verdict}", outcome.id, made.seconds, outcome.title);
+                tell(&format!("{:<7}{:>7.1} s  {}: {verdict}", outcome.id, made.seconds, outcome.title));
             });
         }
     }

@@ -5,8 +5,10 @@ use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, num
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
-use crate::output::{check_writable, clone_for_output, number, print, release_source, table, write_shape};
-use adwave::saliency::{Saliency, SaliencyLevel, saliency_per_level};
+use crate::output::{
+    check_writable, clone_for_output, number, percent_of, print, release_source, table, write_shape,
+};
+use adwave::saliency::{MapWeighting, Saliency, SaliencyLevel, saliency_per_level};
 use adwave_io::{Field, FieldValues};
 use adwave_render::{ColorMap, value_range};
 use clap::Args;
@@ -70,6 +72,15 @@ pub(crate) fn run(args: &SaliencyArgs, global: &Global<'_>) -> Result<(), CliErr
         return Err(unsuitable_format(&args.output, "a map is", &[".npy", ".csv", ".gii"]));
     }
     check_writable(&args.output)?;
+    if alone.is_some() {
+        let applies = "applies to shapes with colors, and the file holds the map alone";
+        global.given.refuse(&["--color-map", "--color-top"], applies)?;
+    }
+    if args.map.weighting != MapWeighting::Signed {
+        global
+            .given
+            .refuse(&["--unsigned"], "applies to --weighting signed, and the other maps have no sign")?;
+    }
     color_map(args)?;
     if !(args.color_top > 0.0 && args.color_top <= 100.0) {
         return Err(CliError::Input(format!(
@@ -112,7 +123,7 @@ fn report(args: &SaliencyArgs, global: &Global<'_>, analysis: &Analysis, map: &M
     text += &table(
         ["level", "sigma", "% of diagonal", "mean of |W|", "max of |W|", "alpha"],
         saliency.levels.iter().map(|l| {
-            let percent = number(analysis.percent(l.sigma));
+            let percent = percent_of(l.sigma, analysis.decomposer.extent());
             let alpha = if l.alpha.is_nan() { "per vertex".to_owned() } else { number(l.alpha) };
             [l.level.to_string(), number(l.sigma), percent, number(l.mean), number(l.max), alpha]
         }),

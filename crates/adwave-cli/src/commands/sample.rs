@@ -52,7 +52,15 @@ pub(crate) enum SampleKind {
 }
 
 pub(crate) fn run(args: &SampleArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let Some(name) = &args.name else { return list(global) };
+    let Some(name) = &args.name else {
+        let options = ["--output", "--vertices", "--as", "--noise", "--seed", "--points"];
+        global.given.refuse(&options, "applies to a sample, and none is named")?;
+        return list(global);
+    };
+    if name != terrain::NAME && !SAMPLE_NAMES.iter().any(|sample| sample.name == name) {
+        // The error names the samples.
+        make_sample(name, &SampleSize::default())?;
+    }
     let Some(output) = &args.output else {
         let ending = if name == terrain::NAME { "laz" } else { "ply" };
         return Err(CliError::Input(format!("a file for the {name} is missing; add -o {name}.{ending}")));

@@ -1,9 +1,10 @@
 //! `adwave studio`: an equalizer for the shape in a browser.
 
-use crate::args::{SelectionArgs, ShapeKindArg, count, number};
+use crate::args::{SelectionArgs, ShapeKindArg, count, file_name, number, to_path};
 use crate::error::CliError;
 use crate::global::{Global, HeapUse};
-use crate::output::{note, print};
+use crate::output::{note, print, print_bytes};
+use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{SampleSize, ShapeSource, load_source};
 use adwave_studio::{StudioAddress, StudioInput, StudioParams, serve};
 use clap::Args;
@@ -28,7 +29,7 @@ Examples:
   adwave studio scan.ply --no-open --port 8080        on another machine; then ssh -L 8080:127.0.0.1:8080 HOST")]
 pub(crate) struct StudioArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
-    #[arg(value_name = "SHAPE")]
+    #[arg(value_name = "SHAPE", value_parser = file_name())]
     shape: String,
     #[command(flatten)]
     selection: SelectionArgs,
@@ -67,12 +68,15 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         }
         note(global, "others on the network can reach the studio and read its token");
     }
+    if args.host.is_none_or(|host| host.is_loopback()) {
+        global.given.refuse(&["--i-know"], "applies to a --host that others on the network can reach")?;
+    }
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, ..SampleSize::default() };
     let selection = Some(&args.selection);
     let source = ShapeSource { kind: args.kind, sample, selection, ..ShapeSource::new(&args.shape) };
     let input = load_source(&source, global)?;
-    let path = Path::new(&input.name);
-    let path = path.is_file().then(|| path.to_path_buf());
+    check_source_options(&[&input], global)?;
+    let path = Some(to_path(&input.name)).filter(|path| path.is_file());
     let name = path.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     let opened = StudioInput {
         name: name.unwrap_or_else(|| input.name.clone()),
@@ -87,7 +91,13 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     let mut printed = Ok(());
     let finished = serve(opened, &params, global.progress(), |served: &StudioAddress| {
         let text = format!("{}\npress Ctrl-C to end\n", served.url);
-        printed = print(global, &text, &json!({"address": served.url}));
+        let json = json!({"address": served.url});
+        // The address is the result, which nobody can guess.
+        printed = if global.quiet {
+            print_bytes(global, format!("{}\n", served.url).as_bytes(), &json)
+        } else {
+            print(global, &text, &json)
+        };
         if !args.no_open {
             browser = open(&served.url);
             if browser.is_none() {
@@ -96,8 +106,9 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
         }
     });
     drop(browser);
-    // Ctrl-C matters more than a closed standard output.
-    if finished.map_err(|e| CliError::classify(&e))?.is_done { printed } else { Err(CliError::Cancelled) }
+    // Ctrl-C is the way to end it.
+    finished.map_err(|e| CliError::classify(&e))?;
+    printed
 }
 
 /// Opens the browser by a file that redirects to the address, so that the token does not appear in the list of processes, which all

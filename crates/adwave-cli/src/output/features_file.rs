@@ -1,7 +1,7 @@
 //! Files of features: tables, JSON, and spheres.
 
 use super::values_file::unsuitable_format_among;
-use super::{write_file, write_shape};
+use super::{without_gzip, write_file, write_shape};
 use crate::error::CliError;
 use crate::global::Global;
 use adwave::features::{Descriptor, Feature, spheres};
@@ -22,7 +22,7 @@ pub(crate) enum FeaturesFile {
 impl FeaturesFile {
     /// The kind that the extension of a path asks for.
     pub(crate) fn from_path(path: &Path) -> Result<Self, CliError> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let extension = without_gzip(path).extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         match (extension.as_deref(), Format::from_path(path)) {
             (Some("csv"), _) => Ok(Self::Csv),
             (Some("json"), _) => Ok(Self::Json),

@@ -6,8 +6,10 @@ use super::provenance::provenance;
 use crate::error::CliError;
 use crate::global::Global;
 use adwave_io::{Format, ShapeFile, WriteError, WriteReport, atomic_write};
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The path that stands for the standard output.
@@ -16,6 +18,11 @@ const PIPE: &str = "-";
 /// Whether a path ends in one of these extensions, in either case.
 pub(crate) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|e| extensions.iter().any(|extension| e.eq_ignore_ascii_case(extension)))
+}
+
+/// A path without `.gz` at its end, which says how a table is written, not as what.
+pub(crate) fn without_gzip(path: &Path) -> PathBuf {
+    if has_extension(path, &["gz"]) { path.with_extension("") } else { path.to_owned() }
 }
 
 /// The format that the extension of a path asks for. The standard output gets that of the input, or PLY.
@@ -75,9 +82,19 @@ pub(crate) fn write_file_with<T>(
     global.files.write(path, write).map_err(write_error)
 }
 
-/// Writes one file of the result.
+/// Writes one file of the result, compressed by gzip if its name ends in `.gz`.
 pub(crate) fn write_file(global: &Global<'_>, path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    write_file_with(global, path, |path| atomic_write(path, |out| Ok(out.write_all(bytes)?)))
+    write_file_with(global, path, |path| {
+        atomic_write(path, |out| {
+            if !has_extension(path, &["gz"]) {
+                return Ok(out.write_all(bytes)?);
+            }
+            let mut gzip = GzEncoder::new(out, Compression::default());
+            gzip.write_all(bytes)?;
+            gzip.finish()?;
+            Ok(())
+        })
+    })
 }
 
 /// Writes a shape, with a note on what its format cannot store.

@@ -122,15 +122,19 @@ impl Movement {
     pub(crate) fn describe(&self, text: &mut String) {
         let Self { moved, diagonal, .. } = self;
         let percent = |length: f64| number(if *diagonal > 0.0 { 100.0 * length / diagonal } else { 0.0 });
-        let _ = writeln!(
-            text,
-            "vertices moved by {} (rms, {} % of the diagonal), at most {} ({} %) at vertex {}",
-            number(moved.rms),
-            percent(moved.rms),
-            number(moved.max),
-            percent(moved.max),
-            moved.furthest,
-        );
+        if moved.max == 0.0 {
+            text.push_str("no vertex moved\n");
+        } else {
+            let _ = writeln!(
+                text,
+                "vertices moved by {} (rms, {} % of the diagonal), at most {} ({} %) at vertex {}",
+                number(moved.rms),
+                percent(moved.rms),
+                number(moved.max),
+                percent(moved.max),
+                moved.furthest,
+            );
+        }
         for (name, change) in [("length", self.lengths), ("area", self.areas), ("volume", self.volumes)] {
             let Some(MeasureChange { before, after, share }) = change else { continue };
             let share = share.map_or_else(String::new, |share| format!(" ({:+.3} %)", 100.0 * share));

@@ -1,5 +1,6 @@
 //! From flags to what they stand for: the shape, the signal on it, the operator, the levels, a region, the axis that points up.
 
+pub(crate) mod applicable;
 pub(crate) mod levels;
 pub(crate) mod operator;
 pub(crate) mod region;

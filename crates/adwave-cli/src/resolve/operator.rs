@@ -1,5 +1,6 @@
 //! From operator flags to a shape that is prepared with its diffusion operator.
 
+use super::applicable::check_operator_options;
 use super::shape::Input;
 use super::signal::Signal;
 use crate::args::{LevelArgs, OperatorArgs};
@@ -61,7 +62,7 @@ pub(crate) fn prepare(
     input: &Input,
     params: &OperatorParams,
 ) -> Result<Decomposer, CliError> {
-    check_operator(&input.shape, params)?;
+    check_operator(&input.shape, params, global)?;
     let build = |progress: Progress<'_>| build_operator(&input.shape, params, progress);
     let decomposer = with_progress(global, "preparing", build)?;
     note_outsiders(decomposer.geometry(), input, global);
@@ -202,7 +203,12 @@ pub(crate) fn prepare_for_signal(
 }
 
 /// Refuses options that do not go with the shape, and neighborhoods that need more memory than is free.
-pub(crate) fn check_operator(shape: &Shape, params: &OperatorParams) -> Result<(), CliError> {
+pub(crate) fn check_operator(
+    shape: &Shape,
+    params: &OperatorParams,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    check_operator_options(shape, params, global)?;
     if params.keep_creases && matches!(shape, Shape::Graph(_)) {
         return Err(CliError::Input(
             "--keep-creases needs normals, and a graph has none; leave it out".to_owned(),

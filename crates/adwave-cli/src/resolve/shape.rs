@@ -1,7 +1,8 @@
 //! From the SHAPE argument to a shape.
 
+use super::applicable::check_shape_options;
 pub(crate) use crate::args::GivenLength;
-use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg};
+use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg, to_path};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
@@ -15,7 +16,6 @@ use adwave_io::{
     read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
-use std::path::Path;
 
 /// A shape as its file has it and as the mathematics has it.
 pub(crate) struct Input {
@@ -121,8 +121,15 @@ impl<'a> ShapeSource<'a> {
     }
 }
 
-/// Reads or makes the shape that the arguments ask for.
+/// Reads or makes the shape that the arguments ask for, and refuses options that apply to nothing on it.
 pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
+    let input = load_one_of_two(args, global)?;
+    check_shape_options(&[&input], global)?;
+    Ok(input)
+}
+
+/// [`load_shape`] for a command that compares two shapes, whose options may apply to either of them.
+pub(crate) fn load_one_of_two(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
     let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection };
@@ -263,7 +270,7 @@ pub(crate) fn make_sample(name: &str, size: &SampleSize) -> Result<ShapeFile, Cl
 }
 
 fn read(source: &str, part: &CloudPart, global: &Global<'_>) -> Result<ShapeFile, CliError> {
-    let (limits, path) = (&global.limits, Path::new(source));
+    let (limits, path) = (&global.limits, &to_path(source));
     let read = if source == "-" {
         let mut bytes = Vec::new();
         std::io::stdin()
@@ -289,7 +296,8 @@ fn read(source: &str, part: &CloudPart, global: &Global<'_>) -> Result<ShapeFile
         if matches!(innermost_error(&error), ReadError::Limit { what: "bytes", .. }) {
             text = text.replace("raise the limit", "raise the limit (--max-input 8G)");
         }
-        CliError::Input(if text.contains(source) { text } else { format!("{source}: {text}") })
+        let shown = path.display().to_string();
+        CliError::Input(if text.contains(&shown) { text } else { format!("{source}: {text}") })
     })
 }
 
@@ -313,7 +321,11 @@ pub(crate) fn move_points(
     normals: MovedNormals,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
+    let is_moved = file.points() != points;
     let attributes = file.move_points(points, normals, global.progress())?;
+    if normals == MovedNormals::Keep && is_moved && attributes.stale.is_empty() {
+        global.given.refuse(&["--keep-normals"], "applies to files with normals, and this one has none")?;
+    }
     if let Some(text) = attributes.note() {
         note(global, &text);
     }

@@ -16,6 +16,11 @@ pub(crate) fn load_signal(
     name: &str,
     texture: Option<&Path>,
 ) -> Result<Signal, CliError> {
+    if texture.is_some() && !name.starts_with("texture") {
+        global
+            .given
+            .refuse(&["--texture"], &format!("applies to signals of a texture, and the signal is {name}"))?;
+    }
     global.inputs.add_signal(name, texture);
     let source = SignalSource { file: &input.file, shape: &input.shape, name: &input.name };
     // A file that is missing is a wrong name, which the user can mend, as for the file of the shape.
@@ -32,10 +37,17 @@ pub(crate) fn refuse_labels(
     args: LabelArgs,
     hint: &str,
 ) -> Result<(), CliError> {
+    let Some(labels) = labels_of_field(name, signal.n_channels, &signal.values) else {
+        if args.as_numbers {
+            return Err(CliError::Input(format!(
+                "--as-numbers applies to fields of labels, and {name} is none; leave it out"
+            )));
+        }
+        return Ok(());
+    };
     if args.as_numbers {
         return Ok(());
     }
-    let Some(labels) = labels_of_field(name, signal.n_channels, &signal.values) else { return Ok(()) };
     let first: Vec<String> = labels.iter().take(3).map(f64::to_string).collect();
     let dots = if labels.len() > first.len() { ", …" } else { "" };
     Err(CliError::Input(format!(

@@ -48,9 +48,9 @@ fn it_prints_its_address_and_ctrl_c_ends_it() {
     let stopped = Instant::now();
     let pid = studio.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
-    assert_eq!(studio.wait().unwrap().code(), Some(130));
+    assert_eq!(studio.wait().unwrap().code(), Some(0));
     assert!(stopped.elapsed() < Duration::from_secs(5), "{:?}", stopped.elapsed());
     assert_eq!(std::io::read_to_string(printed).unwrap(), "press Ctrl-C to end\n");
     let told = std::io::read_to_string(studio.stderr.take().unwrap()).unwrap();
-    assert_eq!(told, "adwave: stopped; no file was left half-written\n");
+    assert_eq!(told, "");
 }

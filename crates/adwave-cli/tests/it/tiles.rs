@@ -207,7 +207,7 @@ fn what_cannot_be_is_said_in_one_line() {
     says(path, "tiles a.laz -o b.laz", "--gains");
     says(path, "tiles a.laz -o b.laz --magnitudes 9", "bands must be in 1..=8, got 9");
     says(path, "tiles a.laz -o b.laz --magnitudes 30 --levels 30", "rings");
-    says(path, "tiles a.laz -o b.laz --gains 0,1 --levels 3", "2 gains for 3 levels");
+    says(path, "tiles a.laz -o b.laz --gains 0,1 --levels 3", "must be that of the levels, 3");
     says(path, "tiles a.laz -o b.ply --magnitudes 1", ".las or .laz");
     says(path, "tiles a.laz -o b.laz --magnitudes 1 --memory 60M", "allow more memory");
     says(path, "tiles missing.laz -o b.laz --magnitudes 1", "missing.laz");

@@ -211,7 +211,8 @@ pub(crate) fn output_records(
             let position: [f64; 3] = std::array::from_fn(|c| points[vertex][c] + change[c]);
             let Some(xyz) = quantization.quantize(position) else {
                 return Err(TilesError::Input(format!(
-                    "a point would move to {position:?}, outside the range of 32-bit coordinates of this scale; use smaller gains"
+                    "a point would move to {}, outside the range of 32-bit coordinates of this scale; use smaller gains",
+                    position.map(|c| format!("{c:.3e}")).join(" ")
                 )));
             };
             set_quantized_xyz(&mut output[start..], xyz);

@@ -12,12 +12,14 @@ pub enum DenoiseError {
     #[error("a graph has no positions to denoise; denoise a field of it")]
     NoPositions,
     /// A parameter is out of its range.
-    #[error("the {what} is {value}; it must be a finite number of at least 0")]
+    #[error("the {what} must be a number from 0 to {most:e}, got {value:?}")]
     Number {
         /// Name of the parameter.
         what: &'static str,
         /// Its value.
         value: f64,
+        /// Its largest value.
+        most: f64,
     },
     /// The length of the signal does not match the shape.
     #[error("the signal must have {expected} values, one per channel and vertex, got {found}")]

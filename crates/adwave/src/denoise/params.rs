@@ -3,7 +3,11 @@
 use super::DenoiseError;
 use crate::local_fit::LocalFit;
 use crate::named_values;
+use crate::shape::MAX_COORDINATE;
 use serde::{Deserialize, Serialize};
+
+/// Largest factor of the noise level; all detail is gone long before.
+const MAX_STRENGTH: f64 = 1e6;
 
 /// Treatment of creases, where the surface turns abruptly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -84,13 +88,17 @@ impl DenoiseParams {
     /// Checks that every parameter is in its range.
     ///
     /// # Errors
-    /// [`DenoiseError::Number`] for a parameter that is not finite or negative.
+    /// [`DenoiseError::Number`] for a strength that is not in 0..=10⁶, or a noise that is not in 0..=10¹⁰⁰.
     pub fn check(&self) -> Result<(), DenoiseError> {
-        let number = |what, value: f64| {
-            if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(DenoiseError::Number { what, value }) }
+        let number = |what, value: f64, most: f64| {
+            if (0.0..=most).contains(&value) {
+                Ok(())
+            } else {
+                Err(DenoiseError::Number { what, value, most })
+            }
         };
-        number("strength", self.strength)?;
-        self.noise.map_or(Ok(()), |noise| number("noise", noise))
+        number("strength", self.strength, MAX_STRENGTH)?;
+        self.noise.map_or(Ok(()), |noise| number("noise", noise, MAX_COORDINATE))
     }
 }
 

@@ -328,7 +328,7 @@ pub enum RegionError {
         n_vertices: usize,
     },
     /// The region names a field that does not exist.
-    #[error("the region names the field '{name}', but the shape has {}", list(.available))]
+    #[error("the region names the field '{name}', but {}", available_fields(.name, .available))]
     NoSuchField {
         /// Name of the field.
         name: String,
@@ -393,8 +393,18 @@ impl ClassifiedError for RegionError {
     }
 }
 
-fn list(names: &[String]) -> String {
-    if names.is_empty() { "no fields".to_owned() } else { format!("only {}", names.join(", ")) }
+/// The fields that there are instead of `name`.
+fn available_fields(name: &str, fields: &[String]) -> String {
+    let (list, computed) =
+        (fields.join(", "), "saliency, band-1 to band-16, curvatures and other signals of the shape");
+    match (name.starts_with("band-"), fields.is_empty()) {
+        (true, _) => {
+            "a band must be band-1, band-2 and so on, up to the number of levels that a schedule can have"
+                .to_owned()
+        }
+        (false, true) => format!("the shape has no fields of its own; there are {computed}"),
+        (false, false) => format!("the shape has only {list}; there are {computed} too"),
+    }
 }
 
 /// The quintic 6t⁵ − 15t⁴ + 10t³, from 0 at t ≤ 0 to 1 at t ≥ 1.

@@ -1,6 +1,7 @@
 //! Gaussian noise along vertex normals, and points drawn from a surface; both with a seed.
 
 use super::{Sample, SampleError};
+use crate::shape::MAX_COORDINATE;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
@@ -14,6 +15,9 @@ pub enum NoiseSigma {
     /// As a multiple of the mean length of the mesh's distinct edges, as in figure 10 of the paper.
     MeanEdge(f64),
 }
+
+/// Bound of the normal deviates of 64-bit random numbers.
+const LARGEST_DEVIATE: f64 = 100.0;
 
 /// Moves every point along its normal by a normal deviate: p ← p + σ·g·n with g ~ N(0, 1), one g per point.
 ///
@@ -40,6 +44,9 @@ pub fn add_noise(
         return Err(SampleError::NormalsMismatch { n_points: points.len(), n_normals: normals.len() });
     }
     if !(sigma.is_finite() && sigma >= 0.0) {
+        return Err(SampleError::BadSigma { sigma });
+    }
+    if sigma > MAX_COORDINATE / LARGEST_DEVIATE {
         return Err(SampleError::BadSigma { sigma });
     }
     let mut random = Pcg64Mcg::seed_from_u64(seed);

@@ -91,6 +91,9 @@ pub(crate) fn try_k_rings(
                         }
                     }
                 }
+                if next.is_empty() {
+                    break;
+                }
                 out.extend_from_slice(next);
                 std::mem::swap(front, next);
             }

@@ -9,6 +9,7 @@ use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
+use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::operator::{
     SignalParts, check_operator, note_close_sheets, note_outsiders, operator_for_task, prepare,
 };
@@ -32,6 +33,8 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
     if args.signal.name() == COORDS {
+        global.given.refuse(&["--texture"], "applies to signals of a texture, and the signal is coords")?;
+        global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
         let noise = args
             .noise_sigma
             .map(|noise| GivenLength { option: "--noise-sigma", length: Length::Units(noise) });
@@ -51,8 +54,17 @@ fn denoise_positions(
     if args.fit.local_fit.is_some() {
         return Err(CliError::Input("--local-fit is for a field (--signal); leave it out".to_owned()));
     }
+    if matches!(input.shape, Shape::Graph(_)) {
+        global.given.refuse(&["--creases"], "applies to meshes and clouds; corners of a curve stay sharp")?;
+    }
+    // Positions are denoised by their normals; the operator has a part in borders and regions alone.
+    if args.border.is_none() && args.region.is_empty() {
+        global
+            .given
+            .refuse(&OPERATOR_OPTIONS, "applies to a field (--signal), to --border and to --region")?;
+    }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    check_operator(&input.shape, &operator)?;
+    check_operator(&input.shape, &operator, global)?;
     let weld = operator.weld;
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
@@ -127,6 +139,7 @@ fn denoise_field(
             "--border applies to coordinates, and --signal is {name}; leave it out"
         )));
     }
+    global.given.refuse(&["--keep-normals"], &format!("applies to coordinates, and the signal is {name}"))?;
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;

@@ -1,6 +1,6 @@
 //! The arguments of `adwave diff`.
 
-use crate::args::{LevelArgs, ShapeArgs, length};
+use crate::args::{LevelArgs, ShapeArgs, file_name, length};
 use adwave::region::Length;
 use adwave_render::{Up, View};
 use clap::{Args, ValueEnum};
@@ -26,7 +26,7 @@ pub(crate) struct DiffArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     /// Other version: a file, '-', or sample:NAME
-    #[arg(value_name = "OTHER")]
+    #[arg(value_name = "OTHER", value_parser = file_name())]
     pub(crate) other: String,
     /// File for the difference (.html, .ply or .vtp); without it only a table is printed
     #[arg(long, short, value_name = "OUT")]

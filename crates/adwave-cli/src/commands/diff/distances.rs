@@ -66,6 +66,10 @@ pub(super) fn difference(
         ByArg::Closest => false,
     };
     if by_vertex {
+        global.given.refuse(
+            &["--limit"],
+            "applies to closest points, and the shapes are compared vertex by vertex (--by closest)",
+        )?;
         vertex_differences(args, first, second, decomposer)
     } else {
         closest_differences(args, first, second, decomposer, global)

@@ -12,13 +12,15 @@ use crate::output::{
     check_writable, clone_for_output, command_line, fwhm_json, fwhm_text, has_extension, number, percent_of,
     print, steps_json, table, write_file, write_shape,
 };
+use crate::resolve::applicable::check_shape_options;
 use crate::resolve::levels::{check_levels, resolve_spec};
 use crate::resolve::operator::{mask_missing, operator_for_task, prepare};
-use crate::resolve::shape::{GivenLength, Input, load_shape};
+use crate::resolve::shape::{GivenLength, Input, load_one_of_two};
 use crate::resolve::signal::{Signal, SignalValues, file_normals};
 use crate::resolve::up::UpAxis;
 use adwave::bands::Bands;
 use adwave::operator::OperatorTask;
+use adwave::region::Length;
 use adwave::saliency::SALIENCY_EXTENT;
 use adwave::{BandsRequest, Decomposer};
 use adwave_io::{Field, FieldValues, Format};
@@ -38,9 +40,18 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
         check_writable(path)?;
     }
     let params = check_levels(&args.levels)?;
-    let first = load_shape(&args.shape, global)?;
+    if let Some(Length::Units(limit) | Length::PercentOfDiagonal(limit)) = args.limit
+        && !(limit.is_finite() && limit > 0.0)
+    {
+        return Err(CliError::Input(format!("--limit must be finite and above 0, got {limit}")));
+    }
+    if !matches!(output, Some(OutputKind::Page)) {
+        global.given.refuse(&["--view", "--up"], "applies to the pictures of a page (-o FILE.html)")?;
+    }
+    let first = load_one_of_two(&args.shape, global)?;
     let other = ShapeArgs { shape: args.other.clone(), ..args.shape.clone() };
-    let mut second = load_shape(&other, global)?;
+    let mut second = load_one_of_two(&other, global)?;
+    check_shape_options(&[&first, &second], global)?;
     let limit = args.limit.map(|length| GivenLength { option: "--limit", length });
     let lengths: Vec<GivenLength> = args.levels.given_lengths().into_iter().chain(limit).collect();
     first.check_lengths(&lengths)?;
@@ -164,6 +175,7 @@ impl VersionComparison<'_> {
     fn json(&self, summaries: &[BandSummary]) -> Value {
         let sigma: Vec<f64> = summaries.iter().map(|b| b.sigma).collect();
         json!({
+            "output": self.args.output.as_ref().map(|path| path.display().to_string()),
             "first": self.first.name,
             "second": self.second.name,
             "by": if self.found.n_channels == 3 { "vertex" } else { "closest" },

@@ -27,6 +27,7 @@ use std::fmt::Write;
 pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.detect.to_params(&args.border).check().map_err(CliError::input)?;
     args.map.to_params(&args.border).check().map_err(CliError::input)?;
+    check_task(args, global)?;
     let extent = if args.fixations.is_some() { args.map.weighting.extent() } else { FEATURE_EXTENT };
     let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels: &args.levels, extent };
     let mut analysis = Analysis::new(what, global)?;
@@ -35,6 +36,43 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
         None => evaluate_repeatability(args, global, &mut analysis),
     }
 }
+
+/// Refuses the options of the task that is not asked for, and values that no task has.
+fn check_task(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> {
+    const REPEATABILITY: [&str; 9] = [
+        "--percent",
+        "--runs",
+        "--within",
+        "--theta",
+        "--response",
+        "--per-component",
+        "--refine",
+        "--edge-ratio",
+        "--best",
+    ];
+    const AGREEMENT: [&str; 6] = ["--map", "--threshold", "--skip", "--weighting", "--unsigned", "--up"];
+    if args.fixations.is_some() {
+        global.given.refuse(&REPEATABILITY, "applies to features, and --fixations evaluates maps")?;
+    } else {
+        global.given.refuse(&AGREEMENT, "applies to maps, which --fixations evaluates")?;
+    }
+    if !args.threshold.is_finite() {
+        return Err(CliError::Input(format!("--threshold must be finite, got {}", args.threshold)));
+    }
+    if !(args.within.is_finite() && args.within > 0.0) {
+        return Err(CliError::Input(format!("--within must be finite and above 0, got {}", args.within)));
+    }
+    if !(1..=MOST_RUNS).contains(&args.runs) {
+        return Err(CliError::Input(format!("--runs must be in 1..={MOST_RUNS}, got {}", args.runs)));
+    }
+    if let Some(percent) = args.percents.iter().find(|p| !(p.is_finite() && **p > 0.0)) {
+        return Err(CliError::Input(format!("--percent must be finite and above 0, got {percent}")));
+    }
+    Ok(())
+}
+
+/// Most times that a random change is made.
+const MOST_RUNS: u64 = 1000;
 
 /// Agreement of maps with fixations.
 fn evaluate_agreement(
@@ -114,7 +152,7 @@ fn evaluate_repeatability(
                 Some(edges) => Trial::Change(Change::Noise { edges, seed }),
                 None => Trial::Change(Change::Rotation { seed }),
             };
-            (name, (1..=args.runs.max(1)).map(one).collect())
+            (name, (1..=args.runs).map(one).collect())
         })
         .collect();
     changes.push(("scaling by 7.3".to_owned(), vec![Trial::Change(Change::Scaling { factor: 7.3 })]));
@@ -122,8 +160,7 @@ fn evaluate_repeatability(
     let resampling = if is_mesh { "4 × the faces" } else { "half the points" };
     changes.push((resampling.to_owned(), vec![Trial::Change(Change::Resampling { seed: 1 })]));
     if is_mesh {
-        changes
-            .push(("other vertices".to_owned(), (1..=args.runs.max(1)).map(Trial::OtherVertices).collect()));
+        changes.push(("other vertices".to_owned(), (1..=args.runs).map(Trial::OtherVertices).collect()));
     }
     for (name, changes) in changes {
         let mut row = Repetition { name, levels: Vec::new(), n_right: 0, n_found: 0, by_chance: 0.0 };
@@ -154,7 +191,7 @@ fn evaluate_repeatability(
         "levels": analysis.schedule.n_levels(),
         "sigma": analysis.sigma(),
         "features": reference.len(),
-        "runs": args.runs.max(1),
+        "runs": args.runs,
         "changes": rows.iter().map(|row| json!({
             "change": row.name,
             "levels": row.levels.iter().map(level_json).collect::<Vec<_>>(),
@@ -263,7 +300,7 @@ fn find_again(
 ) -> Result<Vec<Feature>, CliError> {
     let shape = &changed.shape;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    check_operator(shape, &operator)?;
+    check_operator(shape, &operator, global)?;
     let build = |progress: Progress<'_>| build_operator(shape, &operator, progress);
     let decomposer = with_progress(global, "preparing", build)?;
     let same_vertices = shape.n_vertices() == analysis.input.shape.n_vertices();

@@ -30,6 +30,9 @@ pub(crate) fn run(args: &FeaturesArgs, global: &Global<'_>) -> Result<(), CliErr
     if let Some(path) = &args.output {
         check_writable(path)?;
     }
+    if !matches!(kind, Some(FeaturesFile::Csv | FeaturesFile::Json)) && !global.json {
+        global.given.refuse(&["--descriptors"], "applies to .csv and .json files and to --json")?;
+    }
     let detection = detect(args, global)?;
     let json = report(args, &detection);
     match (kind, &args.output) {
@@ -133,6 +136,7 @@ fn report(args: &FeaturesArgs, detection: &Detection) -> Value {
     };
     json!({
         "shape": analysis.input.name,
+        "output": args.output.as_ref().map(|path| path.display().to_string()),
         "field": args.signal.name(),
         "theta": args.detect.theta,
         "vertices": analysis.decomposer.n_vertices(),

@@ -90,7 +90,11 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
         None
     };
-    check_operator(&input.shape, &operator)?;
+    if signal_name != COORDS {
+        let applies = format!("applies to coordinates, and the signal is {signal_name}");
+        global.given.refuse(&["--along", "--border", "--keep-volume", "--keep-normals"], &applies)?;
+    }
+    check_operator(&input.shape, &operator, global)?;
     let positions = positions(edit, recipe);
     let operator = match positions.borders {
         Borders::Free => operator.with_end_points(EndPoints::Free),

@@ -80,7 +80,7 @@ fn output_name(input: &Input) -> String {
 }
 
 /// The command that drops the `n` finest of the levels, from the words of this one.
-fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, is_closed: bool) -> String {
+fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, positions: &[&str]) -> String {
     let mut filter: Vec<OsString> = vec!["filter".into()];
     let (mut skips_value, mut skips_command) = (false, true);
     for word in words.iter().skip(1) {
@@ -98,10 +98,7 @@ fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, i
     }
     let gains: Vec<&str> = (1..=n_levels).map(|j| if j <= n { "0" } else { "1" }).collect();
     filter.extend(["-o", output, "--gains", &gains.join(",")].map(OsString::from));
-    if !is_closed {
-        // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking.
-        filter.extend(["--border", "free"].map(OsString::from));
-    }
+    filter.extend(positions.iter().map(OsString::from));
     command_line(filter.iter())
 }
 
@@ -115,12 +112,18 @@ impl Detail {
         global: &Global<'_>,
     ) -> Self {
         let (words, n_levels) = (global.arguments.to_vec(), self.losses.len());
-        let is_closed = matches!(input.shape, Shape::Mesh(_)) && health.is_closed();
+        // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking, and points of a
+        // cloud on their normals.
+        let positions: &[&str] = match &input.shape {
+            Shape::Mesh(_) if health.is_closed() => &[],
+            Shape::Cloud(_) => &["--border", "free", "--along", "free"],
+            _ => &["--border", "free"],
+        };
         let output = output_name(input);
         let question = args.error.map(|error| ErrorQuestion {
             error: error.to_model_units(self.diagonal),
             typed: typed(error),
-            drop_command: Box::new(move |n| filter_command(&words, &output, n, n_levels, is_closed)),
+            drop_command: Box::new(move |n| filter_command(&words, &output, n, n_levels, positions)),
         });
         Self { question, ..self }
     }
@@ -227,13 +230,13 @@ mod tests {
                 .map(OsString::from)
                 .to_vec();
         assert_eq!(
-            filter_command(&words, "OUT.ply", 2, 3, false),
+            filter_command(&words, "OUT.ply", 2, 3, &["--border", "free"]),
             "adwave filter 'my info.ply' --lengths 1,2,4 -o OUT.ply --gains 0,0,1 --border free"
         );
         let words: Vec<OsString> =
             ["adwave", "info", "a.obj", "--error=1", "-j", "4"].map(OsString::from).to_vec();
         assert_eq!(
-            filter_command(&words, "OUT.obj", 4, 4, true),
+            filter_command(&words, "OUT.obj", 4, 4, &[]),
             "adwave filter a.obj -j 4 -o OUT.obj --gains 0,0,0,0"
         );
     }

@@ -4,6 +4,7 @@ mod args;
 mod detail;
 mod health;
 
+use crate::args::to_path;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::health::{health_json, kind_name};
@@ -24,7 +25,6 @@ use detail::Detail;
 use health::{health_lines, health_notes};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::path::Path;
 
 /// Facts about a shape.
 struct ShapeFacts {
@@ -44,6 +44,9 @@ pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> 
 }
 
 fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> {
+    if !args.needs_detail() {
+        global.given.refuse(&["--accuracy"], "applies to bands, which --detail and --error compute")?;
+    }
     let params = check_levels(&args.levels)?;
     let input = load_shape(&args.shape, global)?;
     input.check_lengths(&args.given_lengths())?;
@@ -268,7 +271,7 @@ fn diffusion_json(decomposer: &Decomposer) -> Value {
 /// The levels of the octree of a LAZ or EPT, if it has one.
 fn octree(input: &Input, global: &Global<'_>) -> Option<Result<CloudLevels, ReadError>> {
     let has_file = matches!(input.file.format(), Some(Format::LAZ | Format::EPT)) && input.name != "-";
-    has_file.then(|| cloud_levels(Path::new(&input.name), &global.limits).transpose()).flatten()
+    has_file.then(|| cloud_levels(&to_path(&input.name), &global.limits).transpose()).flatten()
 }
 
 fn octree_text(octree: &Result<CloudLevels, ReadError>) -> String {

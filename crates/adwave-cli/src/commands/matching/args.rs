@@ -1,6 +1,6 @@
 //! The arguments of `adwave match`.
 
-use crate::args::{ShapeArgs, number};
+use crate::args::{ShapeArgs, file_name, number};
 use adwave_register::PairParams;
 use adwave_render::{Up, View};
 use clap::{Args, ValueEnum};
@@ -27,7 +27,7 @@ pub(crate) struct MatchArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
     /// The other shape: a file, '-', or sample:NAME
-    #[arg(value_name = "OTHER")]
+    #[arg(value_name = "OTHER", value_parser = file_name())]
     pub(crate) other: String,
     /// File for the pairs (.csv or .json)
     #[arg(long, short, value_name = "OUT")]

@@ -8,10 +8,12 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
 use crate::output::{
-    check_writable, count, has_extension, number, output_format, print, table, write_file, write_shape,
+    check_writable, count, has_extension, number, output_format, print, table, without_gzip, write_file,
+    write_shape,
 };
+use crate::resolve::applicable::check_shape_options;
 use crate::resolve::operator::{operator_for_task, prepare};
-use crate::resolve::shape::{Input, load_shape, move_points};
+use crate::resolve::shape::{Input, load_one_of_two, move_points};
 use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::operator::OperatorTask;
@@ -67,7 +69,7 @@ impl Matching {
 }
 
 pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
-    check(args)?;
+    check(args, global)?;
     let [mut first, mut second] = sides(args, global)?;
     let found = find(args, &first, &second, global)?;
     for side in [&mut first, &mut second] {
@@ -94,12 +96,16 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
         with_spinner(global, "drawing", || picture::write(path, args, [&first, &second], &found, global))?;
         let _ = writeln!(text, "{}", path.display());
     }
-    print(global, &text, &report(&first, &second, &found))
+    let mut json = report(&first, &second, &found);
+    json["output"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
+    print(global, &text, &json)
 }
 
 /// Refuses what can be refused before anything is read.
-fn check(args: &MatchArgs) -> Result<(), CliError> {
-    if let Some(path) = args.output.as_deref().filter(|path| !has_extension(path, &["csv", "json"])) {
+fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
+    if let Some(path) =
+        args.output.as_deref().filter(|path| !has_extension(&without_gzip(path), &["csv", "json"]))
+    {
         return Err(CliError::Input(format!("{}: pairs are written as .csv or .json", path.display())));
     }
     if let Some(path) = args.picture.as_deref().filter(|path| !has_extension(path, &["png"])) {
@@ -110,6 +116,15 @@ fn check(args: &MatchArgs) -> Result<(), CliError> {
     }
     for path in [&args.output, &args.picture, &args.moved].into_iter().flatten() {
         check_writable(path)?;
+    }
+    if args.picture.is_none() {
+        global.given.refuse(&["--view", "--up"], "applies to the picture (--picture)")?;
+    }
+    if args.motion == MotionArg::None {
+        global.given.refuse(&["--within"], "applies to motions, and --motion is none")?;
+        global.given.refuse(&["--moved"], "applies to motions, and --motion is none")?;
+    } else {
+        global.given.refuse(&["--ratio"], "applies to --motion none")?;
     }
     for (name, value) in [("--within", args.within), ("--theta", args.theta), ("--ratio", args.ratio)] {
         if !(value.is_finite() && value > 0.0) {
@@ -122,9 +137,14 @@ fn check(args: &MatchArgs) -> Result<(), CliError> {
 fn sides(args: &MatchArgs, global: &Global<'_>) -> Result<[Side; 2], CliError> {
     let shapes = [args.shape.clone(), ShapeArgs { shape: args.other.clone(), ..args.shape.clone() }];
     let operator = operator_for_task(&args.shape.operator, OperatorTask::Comparison)?;
-    let mut prepared = Vec::new();
+    let mut inputs = Vec::new();
     for shape in &shapes {
-        let input = load_shape(shape, global)?;
+        let input = load_one_of_two(shape, global)?;
+        inputs.push(input);
+    }
+    check_shape_options(&inputs.iter().collect::<Vec<_>>(), global)?;
+    let mut prepared = Vec::new();
+    for input in inputs {
         let decomposer = prepare(global, &input, &operator)?;
         prepared.push((input, decomposer));
     }
@@ -330,7 +350,7 @@ fn write_pairs(
     found: &Matching,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
-    let text = if has_extension(path, &["json"]) {
+    let text = if has_extension(&without_gzip(path), &["json"]) {
         format!("{:#}\n", report(first, second, found))
     } else {
         let head = [

@@ -1,7 +1,9 @@
 //! The arguments of `adwave render`.
 
 use super::framing::FramingArgs;
-use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, number, region, signal_names};
+use crate::args::{
+    CloudPartArgs, SelectionArgs, ShapeKindArg, count, file_name, number, region, signal_names,
+};
 use adwave::region::Region;
 use adwave_render::{RenderParams, Up, View};
 use clap::Args;
@@ -30,7 +32,7 @@ Examples:
   adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature --grid --view left")]
 pub(crate) struct RenderArgs {
     /// Files, '-', or sample:NAME; several with --grid
-    #[arg(value_name = "SHAPE", required = true)]
+    #[arg(value_name = "SHAPE", required = true, value_parser = file_name())]
     pub(crate) shapes: Vec<String>,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,

@@ -8,6 +8,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{check_writable, count, has_extension, note, print, write_file};
+use crate::resolve::applicable::check_source_options;
 use crate::resolve::region::{WEIGHT, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
 use crate::resolve::signal::{COORDS, Signal, load_signal};
@@ -34,10 +35,11 @@ const TUBE_RADIUS: f64 = 0.002;
 const PLAIN: &str = "plain";
 
 pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError> {
-    let params = check(args)?;
+    let params = check(args, global)?;
     let balls = args.features.as_deref().map(read_balls).transpose()?.unwrap_or_default();
     let start = Instant::now();
     let shapes = load_all(args, global)?;
+    check_looks(&shapes, global)?;
     let up = UpAxis::choose(args.up, &shapes[0].input);
     let params = params.with_up(up.up).with_framing(args.framing.resolve_for_shape(&shapes[0].input)?);
     let read = start.elapsed().as_secs_f64();
@@ -77,6 +79,21 @@ pub(crate) fn run(args: &RenderArgs, global: &Global<'_>) -> Result<(), CliError
     print(global, &text, &json)
 }
 
+/// Refuses options on colors and creases that no panel has.
+fn check_looks(shapes: &[ShownShape], global: &Global<'_>) -> Result<(), CliError> {
+    let given = global.given;
+    let is_field = |look: &Look| matches!(look, Look::Field { .. });
+    if !shapes.iter().any(|shape| shape.looks.iter().any(is_field)) {
+        let applies = "applies to colors of a field (--color or --region), and the picture shows none";
+        given.refuse(&["--color-map", "--range", "--no-bar"], applies)?;
+    }
+    if shapes.iter().all(|shape| shape.triangles.is_empty()) {
+        given.refuse(&["--crease"], "applies to meshes, and the picture shows none")?;
+    }
+    let inputs: Vec<&Input> = shapes.iter().map(|shape| &shape.input).collect();
+    check_source_options(&inputs, global)
+}
+
 /// Number of vertices that the pictures leave out, with a note.
 fn note_outside(shapes: &[ShownShape], frame: Frame, global: &Global<'_>) -> usize {
     let outside = |shape: &ShownShape| {
@@ -95,7 +112,7 @@ fn note_outside(shapes: &[ShownShape], frame: Frame, global: &Global<'_>) -> usi
 }
 
 /// The parameters of the picture. Refuses what can be refused before anything is read.
-fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
+fn check(args: &RenderArgs, global: &Global<'_>) -> Result<RenderParams, CliError> {
     if !has_extension(&args.output, &["png"]) {
         return Err(CliError::Input(format!("{}: a picture is written as .png", args.output.display())));
     }
@@ -104,6 +121,9 @@ fn check(args: &RenderArgs) -> Result<RenderParams, CliError> {
         return Err(CliError::Input(
             "several shapes or signals need --grid, which puts them on one sheet".to_owned(),
         ));
+    }
+    if !args.color.iter().any(|name| name.starts_with("texture")) {
+        global.given.refuse(&["--texture"], "applies to --color texture and other signals of a texture")?;
     }
     color_map(args)?;
     let usual = if args.grid.is_some() { SizeArg(600, 500) } else { SizeArg(1200, 900) };

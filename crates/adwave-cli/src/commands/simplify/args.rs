@@ -1,6 +1,6 @@
 //! The arguments of `adwave simplify`.
 
-use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, length, number};
+use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, file_name, length, number};
 use adwave::region::Length;
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ Examples:
 )]
 pub(crate) struct SimplifyArgs {
     /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', or sample:NAME
-    #[arg(value_name = "SHAPE")]
+    #[arg(value_name = "SHAPE", value_parser = file_name())]
     pub(crate) shape: String,
     #[command(flatten)]
     pub(crate) part: CloudPartArgs,

@@ -7,6 +7,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
 use crate::output::{check_writable, note, number, output_format, percent_of, print, write_shape};
+use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
@@ -37,6 +38,7 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
     let source = ShapeSource { kind: args.kind, part, selection, ..ShapeSource::new(&args.shape) };
     let mut input = load_source(&source, global)?;
+    check_source_options(&[&input], global)?;
     input.allows_degrees = args.allow_degrees;
     let error = args.error.map(|length| GivenLength { option: "--error", length });
     input.check_lengths(error.as_slice())?;

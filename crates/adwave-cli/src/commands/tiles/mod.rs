@@ -1,6 +1,7 @@
 //! `adwave tiles` and `adwave tile`: clouds and meshes that are larger than memory.
 
 mod args;
+mod run_lock;
 
 use crate::error::CliError;
 use crate::global::{Global, HeapUse};
@@ -15,6 +16,7 @@ use adwave_tiles::{
 };
 use args::JobKind;
 pub(crate) use args::{TileArgs, TilesArgs};
+use run_lock::RunLock;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -66,16 +68,46 @@ fn refuse_selection(args: &TilesArgs) -> Result<(), CliError> {
     ))
 }
 
+/// Refuses options that apply to nothing in this run.
+fn check_options(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
+    if global.has_max_input {
+        return Err(CliError::Input(
+            "--max-input applies to commands that hold a shape in memory, and tiles hold a part of it; give --memory"
+                .to_owned(),
+        ));
+    }
+    if args.files.iter().any(|file| is_mesh(file)) {
+        global
+            .given
+            .refuse(&["--neighbors"], "applies to clouds; the neighbors of a mesh are those of its faces")?;
+    }
+    Ok(())
+}
+
+/// Prints a note if there are other tiles than were asked for.
+fn note_other_number(args: &TilesArgs, forecast: &Forecast, global: &Global<'_>) {
+    let Some(asked) = args.tiles.filter(|asked| *asked != forecast.n_tiles) else { return };
+    let text = format!(
+        "{} instead of {asked}, since a tile consists of whole blocks of points",
+        count(forecast.n_tiles, "tile", "tiles")
+    );
+    note(global, &text);
+}
+
 pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
     refuse_selection(args)?;
+    check_options(args, global)?;
     if args.forecast {
         let forecast = forecast(&args.files, &args.to_params()).map_err(|e| classify(&e))?;
         return print(global, &format!("{}\n", format_forecast(&forecast)), &json!(forecast));
     }
     let job = resolve(args)?;
+    let lock = RunLock::acquire(&job.folder, &args.output)?;
+    let is_new = !job.folder.join("plan.json").exists();
     let (work, forecast) =
         TilingJob::begin(&job.folder, &args.files, &job.params).map_err(|e| classify(&e))?;
     note(global, &format_forecast(&forecast));
+    note_other_number(args, &forecast, global);
     if args.plan_only {
         return print(
             global,
@@ -83,9 +115,20 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             &json!({ "folder": job.folder, "forecast": forecast }),
         );
     }
-    let summary = process(args, &job, &work, global)?;
+    let summary = process(&job, &work, global).inspect_err(|error| {
+        // Nobody can continue a run with such an input, and its folder would stand in the way of the next.
+        if is_new && !args.keep_work && matches!(error, CliError::Input(_)) {
+            let _ = work.remove_tiles();
+            let _ = work.clean();
+        }
+    })?;
     note_flagged(&summary, global);
     let n_features = write(args, &job, &work, global)?;
+    drop(lock);
+    if job.is_joined && !args.keep_work {
+        // The folder stays if it holds anything else.
+        let _ = std::fs::remove_dir(&job.folder);
+    }
     print_summary(global, args, &summary, n_features)
 }
 
@@ -132,23 +175,11 @@ fn resolve(args: &TilesArgs) -> Result<TilesJob<'_>, CliError> {
 /// Memory from which on freed memory that is kept is small beside the rest, at most a tenth.
 const LARGE_MEMORY: u64 = 1 << 30;
 
-fn process(
-    args: &TilesArgs,
-    job: &TilesJob<'_>,
-    work: &TilingJob,
-    global: &Global<'_>,
-) -> Result<Summary, CliError> {
+fn process(job: &TilesJob<'_>, work: &TilingJob, global: &Global<'_>) -> Result<Summary, CliError> {
     if job.params.memory >= LARGE_MEMORY {
         global.tune_heap(HeapUse::ReuseAll); // each tile needs as much as the one before
     }
-    with_progress(global, "tiles", |progress| adwave_tiles::run(work, progress)).map_err(|error| {
-        // A run with such an input cannot be continued.
-        if job.is_joined && !args.keep_work && error.kind() == ErrorKind::Input && !work.is_sorted() {
-            let _ = work.clean();
-            let _ = std::fs::remove_dir(&job.folder);
-        }
-        classify(&error)
-    })
+    with_progress(global, "tiles", |progress| adwave_tiles::run(work, progress)).map_err(|e| classify(&e))
 }
 
 /// Writes the features and the joined file, and removes the temporary files. The number of features, if they were asked for.
@@ -176,10 +207,6 @@ fn write(
             work.remove_tiles().map_err(|e| classify(&e))?;
         }
         work.clean().map_err(|e| classify(&e))?;
-        if job.is_joined {
-            // The folder stays if it holds anything else.
-            let _ = std::fs::remove_dir(&job.folder);
-        }
     }
     Ok(n_features)
 }
@@ -204,7 +231,13 @@ fn format_forecast(forecast: &Forecast) -> String {
 
 /// Bytes in MB or GB.
 fn format_bytes(bytes: f64) -> String {
-    if bytes < 1e8 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
+    if bytes < 1e5 {
+        format!("{:.1} kB", bytes / 1e3)
+    } else if bytes < 1e8 {
+        format!("{:.1} MB", bytes / 1e6)
+    } else {
+        format!("{:.1} GB", bytes / 1e9)
+    }
 }
 
 /// Prints a note on points that other commands leave out.
@@ -227,12 +260,14 @@ fn print_summary(
     n_features: Option<usize>,
 ) -> Result<(), CliError> {
     let (what, length) = match summary.n_faces {
-        0 => ("points".to_owned(), "distance to a neighbor"),
-        n => (format!("vertices of {n} faces"), "length of edges"),
+        0 => (count(summary.n_points, "point", "points"), "distance to a neighbor"),
+        n => {
+            let vertices = count(summary.n_points, "vertex", "vertices");
+            (format!("{vertices} of {}", count(n, "face", "faces")), "length of edges")
+        }
     };
     let mut text = format!(
-        "{} {what} at {}, {}; mean {length} {}\n",
-        summary.n_points,
+        "{what} at {}, {}; mean {length} {}\n",
         count(summary.n_vertices, "position", "positions"),
         count(summary.n_tiles, "tile", "tiles"),
         number(summary.mean_length)

@@ -1,0 +1,106 @@
+//! Refusal of options that apply to nothing on the shapes at hand.
+
+use super::shape::Input;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::health::kind_name;
+use crate::output::note;
+use adwave::operator::{OperatorKind, OperatorParams};
+use adwave::shape::Shape;
+use adwave_io::Format;
+
+/// Options of the diffusion operator that only the walk has.
+const WALK_OPTIONS: [&str; 5] =
+    ["--rings", "--mesh-area", "--directed", "--cloud-area", "--density-invariant"];
+
+/// Options of the diffusion operator.
+pub(crate) const OPERATOR_OPTIONS: [&str; 8] = [
+    "--operator",
+    "--rings",
+    "--mesh-area",
+    "--neighbors",
+    "--directed",
+    "--cloud-area",
+    "--density-invariant",
+    "--keep-creases",
+];
+
+/// Refuses options that none of the shapes of a command can use.
+pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Result<(), CliError> {
+    let given = global.given;
+    let Some(first) = inputs.first() else { return Ok(()) };
+    let any = |is_it: fn(&Input) -> bool| inputs.iter().any(|input| is_it(input));
+    let described = format!("{} is a {}", first.name, kind_name(&first.shape));
+    if !any(|input| matches!(input.shape, Shape::Mesh(_))) {
+        given
+            .refuse(&["--rings", "--mesh-area", "--weld"], &format!("applies to meshes, and {described}"))?;
+    }
+    if !any(|input| matches!(input.shape, Shape::Cloud(_))) {
+        given.refuse(&["--neighbors", "--cloud-area"], &format!("applies to clouds, and {described}"))?;
+    }
+    if !any(|input| matches!(input.shape, Shape::Mesh(_) | Shape::Cloud(_))) {
+        given.refuse(&["--no-weld"], &format!("applies to meshes and clouds, and {described}"))?;
+    }
+    check_source_options(inputs, global)
+}
+
+/// Refuses options that do not go with the files or samples that the shapes come from.
+pub(crate) fn check_source_options(inputs: &[&Input], global: &Global<'_>) -> Result<(), CliError> {
+    let given = global.given;
+    let Some(first) = inputs.first() else { return Ok(()) };
+    if !given.has("--noise") {
+        given.refuse(&["--seed"], "applies to the noise of a sample (--noise)")?;
+    }
+    let has_flags =
+        |input: &&Input| matches!(input.file.format(), Some(Format::LAS | Format::LAZ | Format::EPT));
+    if !inputs.iter().any(has_flags) {
+        let format = first.file.format().map_or("a sample".to_owned(), |format| format.to_string());
+        given.refuse(
+            &["--all-points"],
+            &format!("applies to LAS and LAZ, whose points have flags, and {} is {format}", first.name),
+        )?;
+    }
+    let is_geographic = |input: &&Input| {
+        input.file.coordinate_system().is_some_and(adwave_io::CoordinateSystem::is_geographic)
+    };
+    if !inputs.iter().any(is_geographic) {
+        given.refuse(
+            &["--allow-degrees"],
+            &format!("applies to files whose coordinates are degrees, and {} states none", first.name),
+        )?;
+    }
+    Ok(())
+}
+
+/// Refuses options of the operator that a curve does not have, and notes that an option of the walk replaced the usual operator.
+pub(crate) fn check_operator_options(
+    shape: &Shape,
+    params: &OperatorParams,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let given = global.given;
+    if let Shape::Graph(graph) = shape
+        && graph.is_curve()
+    {
+        given.refuse(
+            &["--operator", "--density-invariant"],
+            "applies to meshes, clouds and graphs without positions, and a curve always has heat by arc length",
+        )?;
+    }
+    let usual_is_surface = ["--lengths", "--fwhm"].iter().any(|option| given.has(option))
+        || ["match", "diff"].contains(&given.command());
+    let asked = WALK_OPTIONS.iter().find(|option| given.has(option));
+    if let Some(option) = asked
+        && usual_is_surface
+        && !given.has("--operator")
+        && params.kind == OperatorKind::Walk
+    {
+        note(
+            global,
+            &format!(
+                "{option} is an option of the walk, so the operator is the walk instead of heat on the surface"
+            ),
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,399 @@
+//! Every command in the documents and in the help runs as it is written, in a folder of small files of the names that they use.
+
+use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
+use crate::wording::wording_faults;
+use adwave::sample::{NoiseSigma, Sample};
+use adwave_io::{Field, FieldValues, Format, ShapeFile, write_path};
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+/// Words of commands that cannot run here, with the reason.
+const SKIPPED: [(&str, &str); 5] = [
+    (".copc.laz", "COPC is not written"),
+    (".e57", "E57 is not written"),
+    ("parallel ", "needs GNU parallel"),
+    ("$SLURM", "needs Slurm"),
+    ("tiles/ bands 3", "one tile is enough for small files"),
+];
+
+/// A command with the place where it stands.
+struct Documented {
+    place: String,
+    line: String,
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// Commands in fenced blocks of shell lines, loops as a whole.
+fn in_document(path: &Path) -> Vec<Documented> {
+    let text = fs::read_to_string(path).unwrap();
+    let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    let (mut found, mut is_shell, mut in_code, mut line) = (Vec::new(), false, false, String::new());
+    for (k, row) in text.lines().enumerate() {
+        if let Some(language) = row.trim().strip_prefix("```") {
+            in_code = !in_code;
+            is_shell = language == "sh";
+            line.clear();
+            continue;
+        }
+        if !(in_code && is_shell) || row.trim_start().starts_with('#') {
+            continue;
+        }
+        line += row;
+        let is_open_loop = line.trim_start().starts_with("for ") && row.trim() != "done";
+        if let Some(rest) = line.strip_suffix('\\') {
+            line = rest.to_owned();
+        } else if is_open_loop {
+            line.push('\n');
+        } else {
+            let line = std::mem::take(&mut line);
+            if line.contains("adwave ") || line.starts_with("mkdir") {
+                found.push(Documented { place: format!("{name}:{}", k + 1), line });
+            }
+        }
+    }
+    found
+}
+
+/// Examples in the help of all commands.
+fn in_help(folder: &Path) -> Vec<Documented> {
+    let mut found = Vec::new();
+    let all = commands();
+    for name in all.iter().map(clap::Command::get_name).chain([""]) {
+        let help = run_line(folder, &format!("{name} --help"));
+        let examples = help.out.lines().skip_while(|line| !line.starts_with("Examples:")).skip(1);
+        for line in examples.take_while(|line| line.starts_with("  adwave ")) {
+            // What an example does stands behind it.
+            let line = line.trim().split("   ").next().unwrap_or_default().to_owned();
+            found.push(Documented { place: format!("adwave {name} --help"), line });
+        }
+    }
+    found
+}
+
+/// A creature with a field of numbers and colors.
+fn creature(n_vertices: usize, scale: f64, seed: u64) -> ShapeFile {
+    let mut sample = Sample::from_name("creature", Some(n_vertices)).unwrap();
+    sample.add_noise(NoiseSigma::MeanEdge(0.1), seed).unwrap();
+    let points: Vec<[f64; 3]> = sample.points.iter().map(|p| p.map(|c| scale * c)).collect();
+    let mut file = ShapeFile::from_mesh(points, sample.faces);
+    add_fields(&mut file);
+    file
+}
+
+fn add_fields(file: &mut ShapeFile) {
+    let points = file.points().to_vec();
+    let thickness: Vec<f64> = points.iter().map(|p| 2.0 + (3.0 * p[0]).sin() + p[1]).collect();
+    let gaze: Vec<f64> = points.iter().map(|p| (p[1] - 1.0).max(0.0)).collect();
+    let color: Vec<u8> = points.iter().flat_map(|p| p.map(|c| (100.0 + 50.0 * c.sin()) as u8)).collect();
+    for (name, n, values) in [
+        ("thickness", 1, FieldValues::F64(thickness)),
+        ("gaze", 1, FieldValues::F64(gaze)),
+        ("color", 3, FieldValues::U8(color)),
+    ] {
+        file.add_vertex_field(Field::new(name, n, values)).unwrap();
+    }
+}
+
+/// Land with ground, water and noise.
+fn land(offset: f64) -> ShapeFile {
+    let point = |k: u32| {
+        let (x, y) = (f64::from(k % 40), f64::from(k / 40));
+        [x + offset, y, 30.0 + (0.3 * x).sin() + (0.2 * y).cos() + 0.03 * f64::from(k * 7919 % 13)]
+    };
+    let mut file = ShapeFile::from_cloud((0..1600).map(point).collect());
+    let classes = (0..1600).map(|k| if k % 50 == 7 { 9 } else { 2 }).collect();
+    file.add_vertex_field(Field::new("classification", 1, FieldValues::U8(classes))).unwrap();
+    let intensity = (0..1600_u32).map(|k| (100 + k % 40) as u16).collect();
+    file.add_vertex_field(Field::new("intensity", 1, FieldValues::U16(intensity))).unwrap();
+    file
+}
+
+/// Writes a file of every name that documents and help use.
+fn write_named_files(folder: &Path) {
+    let at = |name: &str| folder.join(name);
+    let save = |file: &ShapeFile, name: &str| write_path(file, &at(name), None).unwrap();
+    let names = [
+        "bunny.obj",
+        "bunny.ply",
+        "bust.obj",
+        "scan.obj",
+        "scan.ply",
+        "scan.pcd",
+        "armadillo.obj",
+        "tile.obj",
+        "before.obj",
+        "before.ply",
+        "a.ply",
+        "face-scan.ply",
+        "model.glb",
+        "surface.vtu",
+        "map.ply",
+    ];
+    let model = creature(2000, 1.0, 1);
+    names.iter().for_each(|name| drop(save(&model, name)));
+    let other = creature(2000, 1.0, 2);
+    ["after.obj", "after.ply", "b.ply", "scans/1.ply"].iter().for_each(|name| {
+        fs::create_dir_all(at(name).parent().unwrap()).unwrap();
+        save(&other, name);
+    });
+    for (name, seed) in [("scan1.ply", 3), ("scan2.ply", 4)] {
+        save(&creature(6000, 1.0, seed), name);
+    }
+    save(&creature(6000, 0.0254, 3), "bust-in-inches.obj");
+    let brain = creature(2000, 30.0, 1);
+    ["brain.ply", "brain.gii", "part.stl", "lh.pial"].iter().for_each(|name| drop(save(&brain, name)));
+    save(&creature(2100, 30.0, 2), "printed.ply");
+    ["scan.laz", "scan.las", "land.laz", "lidar.laz", "flight-1.laz"]
+        .iter()
+        .for_each(|name| drop(save(&land(0.0), name)));
+    save(&land(40.0), "flight-2.laz");
+    write_curves_and_graphs(folder);
+    write_cortex(folder, &brain);
+    let n = model.n_vertices();
+    let values = |f: fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
+    for (name, values) in [
+        ("keep.npy", values(|k| f64::from(u8::from(k % 3 == 0)))),
+        ("thickness.npy", values(|k| (k as f64 / 30.0).sin())),
+        ("other.npy", values(|k| (k as f64 / 50.0).cos())),
+    ] {
+        adwave_io::write_npy(&at(name), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
+    }
+    write_texture(folder);
+    fs::create_dir_all(at("models")).unwrap();
+    fs::create_dir_all(at("textured-models")).unwrap();
+    fs::create_dir_all(at("FOLDER")).unwrap();
+    let recipe = "levels = 4\n[[layer]]\npreset = \"suppress\"\nregion = \"ball:vertex=120,radius=10%\"\n";
+    fs::write(at("edit.toml"), recipe).unwrap();
+}
+
+fn write_curves_and_graphs(folder: &Path) {
+    let vertex =
+        |k: u32| format!("v {} {} 0\n", k, 10.0 * (f64::from(k) / 15.0).sin() + 0.1 * f64::from(k * 37 % 11));
+    let vertices: String = (0..120).map(vertex).collect();
+    let path = (1..=120).map(|k: u32| k.to_string()).collect::<Vec<_>>().join(" ");
+    fs::write(folder.join("track.obj"), format!("{vertices}l {path}\n")).unwrap();
+    assert!(run_line(folder, "convert track.obj -o centerline.vtk").is_done());
+    let edges: String = (1..=50).map(|k| format!("{} {k} 1\n", k % 50 + 1)).collect();
+    let head = "%%MatrixMarket matrix coordinate real general";
+    fs::write(folder.join("network.mtx"), format!("{head}\n50 50 50\n{edges}")).unwrap();
+    let signal: Vec<f64> = (0..50).map(|k| (f64::from(k) / 5.0).sin()).collect();
+    adwave_io::write_npy(&folder.join("signal.npy"), &[50], adwave_io::ArrayValues::F64(&signal)).unwrap();
+}
+
+/// Surfaces, fields, labels and an annotation as neuroimaging has them.
+fn write_cortex(folder: &Path, brain: &ShapeFile) {
+    let at = |name: &str| folder.join(name);
+    for name in ["pial.gii", "pial.gii.gz", "white.gii", "white_left.gii.gz"] {
+        assert!(run_line(folder, &format!("convert lh.pial -o {name}")).is_done(), "{name}");
+    }
+    let n = brain.n_vertices();
+    let field = |name: &str, n_channels: usize| {
+        let values = (0..n * n_channels).map(|k| (k as f64 / 40.0).sin() + 2.0).collect();
+        Field::new(name, n_channels, FieldValues::F64(values))
+    };
+    let structure = adwave_io::read_path(&at("white.gii"), &adwave_io::ReadLimits::default()).unwrap();
+    let structure = structure.structure();
+    for name in ["thick.gii.gz", "thickness.gii", "sulc.gii.gz", "curv_left.gii.gz"] {
+        adwave_io::write_gifti_fields(&at(name), &[field("value", 1)], structure).unwrap();
+    }
+    adwave_io::write_gifti_fields(&at("bold.func.gii"), &[field("bold", 3)], structure).unwrap();
+    adwave_io::write_cifti_fields(
+        &at("rest.dtseries.nii"),
+        &[field("rest", 3)],
+        structure.expect("lh.pial states its structure"),
+        adwave_io::CiftiColumns::Series,
+    )
+    .unwrap();
+    let rows: String = (0..n - 20).map(|k| format!("{k} 0 0 0 0\n")).collect();
+    fs::write(at("lh.cortex.label"), format!("#!ascii label\n{}\n{rows}", n - 20)).unwrap();
+    fs::write(at("lh.aparc.annot"), annotation(n)).unwrap();
+}
+
+/// A FreeSurfer annotation with two regions and the rest.
+fn annotation(n: usize) -> Vec<u8> {
+    let names = ["unknown", "precentral", "postcentral"];
+    let color = |k: usize| [25 * k as i32 + 5, 5, 50];
+    let label = |k: usize| {
+        let [r, g, b] = color(k);
+        r + (g << 8) + (b << 16)
+    };
+    let mut words: Vec<i32> = vec![n as i32];
+    words.extend((0..n).flat_map(|v| [v as i32, label(v * 3 / n)]));
+    let mut bytes: Vec<u8> = words.iter().flat_map(|w| w.to_be_bytes()).collect();
+    let int = |bytes: &mut Vec<u8>, value: i32| bytes.extend(value.to_be_bytes());
+    let text = |bytes: &mut Vec<u8>, text: &str| {
+        bytes.extend((text.len() as i32 + 1).to_be_bytes());
+        bytes.extend(text.as_bytes());
+        bytes.push(0);
+    };
+    int(&mut bytes, 1);
+    int(&mut bytes, -2);
+    int(&mut bytes, names.len() as i32);
+    text(&mut bytes, "colors");
+    int(&mut bytes, names.len() as i32);
+    for (k, name) in names.iter().enumerate() {
+        int(&mut bytes, k as i32);
+        text(&mut bytes, name);
+        color(k).iter().chain(&[0]).for_each(|c| int(&mut bytes, *c));
+    }
+    bytes
+}
+
+fn write_texture(folder: &Path) {
+    let mut text = "mtllib cow.mtl\nusemtl m\n".to_owned();
+    for k in 0..400 {
+        let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+        text += &format!("v {x} {y} {}\nvt {} {}\n", (0.7 * x).sin(), x / 19.0, y / 19.0);
+    }
+    for k in (0..380).filter(|k| k % 20 != 19) {
+        let [a, b, c, d] = [k + 1, k + 2, k + 22, k + 21];
+        text += &format!("f {a}/{a} {b}/{b} {c}/{c} {d}/{d}\n");
+    }
+    fs::write(folder.join("cow.obj"), text).unwrap();
+    fs::write(folder.join("cow.mtl"), "newmtl m\nmap_Kd cow.png\n").unwrap();
+    image::RgbImage::from_fn(32, 32, |x, y| image::Rgb([(8 * x) as u8, (8 * y) as u8, (x * y) as u8]))
+        .save(folder.join("cow.png"))
+        .unwrap();
+}
+
+/// A line with smaller shapes, so that it takes seconds: sizes that only say how fast something is, and, where a sample is run, all.
+fn shrink(line: &str) -> String {
+    let mut line =
+        line.replace("--points 1e8", "--points 3e3").replace("--vertices 1000000", "--vertices 20000");
+    line =
+        line.replace("--vertices 200000", "--vertices 3000").replace("--vertices 50000", "--vertices 3000");
+    if line.contains("adwave reproduce") {
+        line = line.replace("adwave reproduce", "adwave reproduce --most-vertices 300");
+    }
+    if !runs_all() {
+        line = line
+            .replace("sample:creature", "bunny.ply")
+            .replace("creature --vertices 20000", "creature --vertices 2000");
+        line = line
+            .replace("adwave demo", "adwave demo --vertices 2000")
+            .replace("--harmonics 300", "--harmonics 30");
+        line = line.replace("sample:plane", "tile.obj").replace("--vertices 3000 --with dw", "--with dw");
+    }
+    let line = line.split("| jq").next().unwrap_or_default().replace("other-program", "cat > /dev/null");
+    line.trim_start_matches("time ").to_owned()
+}
+
+/// Names of files that a line writes.
+fn written(line: &str) -> Vec<String> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_named =
+        |pair: &&[&str]| ["-o", "--moved", "--picture", "--save-recipe"].contains(&pair[0]) && pair[1] != "-";
+    let names = words.windows(2).filter(is_named).map(|pair| pair[1].trim_matches(['"', '\'']).to_owned());
+    if line.contains("--forecast") || line.contains("basis") || line.contains('$') {
+        Vec::new()
+    } else {
+        names.collect()
+    }
+}
+
+/// Runs a line in a shell in which `adwave` is this program.
+fn run_in_shell(folder: &Path, line: &str) -> (bool, String) {
+    let program = assert_cmd::cargo::cargo_bin("adwave");
+    let path =
+        format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap_or_default());
+    let output = Command::new("sh")
+        .current_dir(folder)
+        .args(["-c", line])
+        .env("PATH", path)
+        .env("XDG_STATE_HOME", folder)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.success(), told + &String::from_utf8_lossy(&output.stdout))
+}
+
+/// Starts the studio as a line says, without a browser, and ends it by Ctrl-C.
+#[cfg(unix)]
+fn run_studio(folder: &Path, line: &str) -> (bool, String) {
+    let words = line.split_whitespace().skip(1).take_while(|word| *word != "#");
+    let words = words.filter(|word| !["--port", "8080", "--no-open"].contains(word));
+    let mut studio = Command::new(assert_cmd::cargo::cargo_bin("adwave"))
+        .current_dir(folder)
+        .args(words)
+        .arg("--no-open")
+        .env("XDG_STATE_HOME", folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut address = String::new();
+    BufReader::new(studio.stdout.take().unwrap()).read_line(&mut address).unwrap();
+    assert!(Command::new("kill").args(["-INT", &studio.id().to_string()]).status().unwrap().success());
+    let status = studio.wait().unwrap();
+    let mut told = String::new();
+    studio.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    (status.success() && address.starts_with("http://127.0.0.1:"), format!("{status} {address} {told}"))
+}
+
+fn run_all(folder: &Path, documented: &[Documented], faults: &mut Faults) {
+    for Documented { place, line } in documented {
+        if let Some((_, reason)) = SKIPPED.iter().find(|(word, _)| line.contains(word)) {
+            println!("{place}: not run, {reason}: {line}");
+            continue;
+        }
+        let is_long = line.contains("reproduce") || line.contains("evaluate") || line.contains("--with dw");
+        if is_long && !runs_all() {
+            continue;
+        }
+        let line = shrink(line);
+        let is_studio = line.starts_with("adwave studio");
+        let (is_done, told) = if is_studio { run_studio(folder, &line) } else { run_in_shell(folder, &line) };
+        faults.expect(is_done, || format!("{place}: {line}: {}", told.trim()));
+        for fault in wording_faults(&told) {
+            faults.add(format!("{place}: {line}: {fault}"));
+        }
+        for name in written(&line) {
+            faults.expect(folder.join(&name).exists(), || format!("{place}: {line}: {name} was not written"));
+        }
+    }
+}
+
+#[test]
+fn commands_of_the_documents_run() {
+    let folder = TempDir::new().unwrap();
+    write_named_files(folder.path());
+    let mut faults = Faults::default();
+    faults.inspect(&run_line(folder.path(), "formats"));
+    let docs = root().join("docs");
+    let mut documents: Vec<PathBuf> = fs::read_dir(&docs)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "md"))
+        .collect();
+    documents.extend([root().join("README.md"), docs.join("python/README.md")]);
+    documents.sort();
+    let mut n_commands = 0;
+    for document in documents {
+        let commands = in_document(&document);
+        n_commands += commands.len();
+        if is_in_sample(&document.file_name().unwrap().to_string_lossy(), 1) {
+            run_all(folder.path(), &commands, &mut faults);
+        }
+    }
+    faults.expect(n_commands > 80, || format!("only {n_commands} commands were found"));
+    faults.finish();
+}
+
+#[test]
+fn examples_of_the_help_run() {
+    let folder = TempDir::new().unwrap();
+    write_named_files(folder.path());
+    let mut faults = Faults::default();
+    faults.inspect(&run_line(folder.path(), "--help"));
+    let mut examples = in_help(folder.path());
+    faults.expect(examples.len() > 70, || format!("only {} examples were found", examples.len()));
+    examples.retain(|example| is_in_sample(&example.line, 3) || example.line.contains("adwave tile"));
+    run_all(folder.path(), &examples, &mut faults);
+    faults.finish();
+}

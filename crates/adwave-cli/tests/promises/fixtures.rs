@@ -1,0 +1,240 @@
+//! Small files of every kind, made so that most options make a difference on them.
+
+use adwave::sample::{NoiseSigma, Sample};
+use adwave_io::{Field, FieldValues, Format, ShapeFile, write_path};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Kinds of inputs, with the file of each.
+pub(crate) const INPUTS: [(&str, &str); 5] = [
+    ("mesh", "mesh.ply"),
+    ("cloud", "cloud.ply"),
+    ("curve", "curve.obj"),
+    ("graph", "graph.mtx"),
+    ("scan", "scan.las"),
+];
+
+/// A folder with all fixtures, deleted when it is dropped.
+pub(crate) fn fixtures() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    write_fixtures(folder.path());
+    folder
+}
+
+fn write_fixtures(folder: &Path) {
+    let at = |name: &str| folder.join(name);
+    for (name, seed) in [("mesh.ply", 1), ("mesh2.ply", 2)] {
+        save(&mesh(seed), &at(name));
+    }
+    save(&closed(), &at("closed.ply"));
+    save(&creature(1), &at("creature.ply"));
+    save(&creature(2), &at("creature2.ply"));
+    save(&cloud(1), &at("cloud.ply"));
+    save(&cloud(2), &at("cloud2.ply"));
+    save(&single(), &at("single.ply"));
+    for (name, seed) in [("curve.obj", 1), ("curve2.obj", 2)] {
+        fs::write(at(name), curve(seed)).unwrap();
+    }
+    for (name, seed) in [("graph.mtx", 1), ("graph2.mtx", 2)] {
+        fs::write(at(name), graph(seed)).unwrap();
+    }
+    scan(&at("scan.las"), false);
+    scan(&at("scan2.las"), true);
+    let texture = "texture.obj";
+    fs::write(at(texture), textured()).unwrap();
+    fs::write(at("texture.mtl"), "newmtl m\nmap_Kd first.png\n").unwrap();
+    for (name, shift) in [("first.png", 0), ("second.png", 90)] {
+        let color = |x: u32, y: u32| {
+            image::Rgb([(8 * x + shift) as u8, (8 * y) as u8, ((x * y + shift) % 256) as u8])
+        };
+        image::RgbImage::from_fn(16, 16, color).save(at(name)).unwrap();
+    }
+    fs::write(at("recipe.toml"), "levels = 3\n[[layer]]\ngains = [0.0, 0.5, 1.0]\n").unwrap();
+    fs::write(at("balls.csv"), "vertex,x,y,z,sigma\n1,0,0,1,0.3\n2,1,0,0,0.2\n").unwrap();
+    let n = mesh(1).n_vertices();
+    let mask: String = (0..n).map(|k| format!("{}\n", u8::from(k % 5 != 0))).collect();
+    fs::write(at("mask.csv"), format!("inside\n{mask}")).unwrap();
+}
+
+fn save(file: &ShapeFile, path: &Path) {
+    write_path(file, path, Some(Format::PLY)).unwrap();
+}
+
+/// Fields of a shape: a smooth number with some noise, labels, normals that point outward, and seconds of fixation.
+fn add_fields(file: &mut ShapeFile) {
+    let points = file.points().to_vec();
+    let of = |f: &dyn Fn(usize, &[f64; 3]) -> f64| points.iter().enumerate().map(|(k, p)| f(k, p)).collect();
+    let rough = |k: usize| ((k * 7919 % 101) as f64 - 50.0) / 500.0;
+    let heat: Vec<f64> = of(&|k, p| (2.0 * p[0]).sin() + p[1] * p[2] + rough(k));
+    let gaze: Vec<f64> = of(&|k, p| (p[2] + rough(k)).max(0.0));
+    let mut field = |name: &str, n: usize, values: FieldValues| {
+        file.add_vertex_field(Field::new(name, n, values)).unwrap();
+    };
+    field("heat", 1, FieldValues::F64(heat));
+    field("gaze", 1, FieldValues::F64(gaze));
+    let classes = points.iter().enumerate().map(|(k, p)| u8::from(p[0] + rough(k) > 0.1) + 1).collect();
+    field("classification", 1, FieldValues::U8(classes));
+    let normals: Vec<f64> = points
+        .iter()
+        .flat_map(|p| {
+            let length = p.iter().map(|c| c * c).sum::<f64>().sqrt().max(1e-9);
+            p.map(|c| c / length)
+        })
+        .collect();
+    field("normal", 3, FieldValues::F64(normals));
+}
+
+/// An open bumpy ball with a sharp edge and noise, a seam of vertices that nearly coincide, another of equal ones, and a small second ball
+/// at its side.
+fn mesh(seed: u64) -> ShapeFile {
+    let (n_rings, n_around) = (14_usize, 18_usize);
+    let mut points = Vec::new();
+    let place = |i: usize, j: usize| {
+        let (theta, phi) = (
+            0.35 + 2.5 * i as f64 / (n_rings - 1) as f64,
+            std::f64::consts::TAU * j as f64 / n_around as f64,
+        );
+        let bump = 1.0
+            + 0.15 * (3.0 * theta).sin() * (2.0 * phi).cos()
+            + 0.01 * (((i * 31 + j * 17) as u64 * 7 + seed * 13) % 11) as f64 / 11.0;
+        let z = (bump * theta.cos()).max(-0.5);
+        [bump * theta.sin() * phi.cos(), bump * theta.sin() * phi.sin(), z]
+    };
+    // The last column repeats the first: half of it exactly, half of it nearly.
+    for i in 0..n_rings {
+        for j in 0..=n_around {
+            let mut p = place(i, j % n_around);
+            if j == n_around && i >= n_rings / 2 {
+                p[0] += 2e-4;
+            }
+            points.push(p);
+        }
+    }
+    let mut faces: Vec<[u32; 3]> = Vec::new();
+    for i in 0..n_rings - 1 {
+        for j in 0..n_around {
+            let at = |i: usize, j: usize| (i * (n_around + 1) + j) as u32;
+            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    let mut ball = Sample::from_name("sphere", Some(60)).unwrap();
+    ball.add_noise(NoiseSigma::MeanEdge(0.1), seed).unwrap();
+    let first = points.len() as u32;
+    points.extend(ball.points.iter().map(|p| [0.3 * p[0] + 1.9, 0.3 * p[1], 0.3 * p[2]]));
+    for face in ball.faces.iter() {
+        faces.push([face[0] + first, face[1] + first, face[2] + first]);
+    }
+    let mut file = ShapeFile::from_mesh(points, faces.into());
+    add_fields(&mut file);
+    file
+}
+
+/// A closed noisy ring.
+fn closed() -> ShapeFile {
+    let mut ball = Sample::from_name("torus", Some(500)).unwrap();
+    ball.add_noise(NoiseSigma::MeanEdge(0.1), 3).unwrap();
+    let mut file = ShapeFile::from_mesh(ball.points, ball.faces);
+    add_fields(&mut file);
+    file
+}
+
+/// A creature with features.
+fn creature(seed: u64) -> ShapeFile {
+    let mut creature = Sample::from_name("creature", Some(2000)).unwrap();
+    creature.add_noise(NoiseSigma::MeanEdge(0.05), seed).unwrap();
+    let mut file = ShapeFile::from_mesh(creature.points, creature.faces);
+    add_fields(&mut file);
+    file
+}
+
+/// The points of the mesh without faces.
+fn cloud(seed: u64) -> ShapeFile {
+    let mut file = ShapeFile::from_cloud(mesh(seed).points().to_vec());
+    add_fields(&mut file);
+    file
+}
+
+/// One triangle.
+fn single() -> ShapeFile {
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    ShapeFile::from_mesh(points, vec![[0, 1, 2]].into())
+}
+
+/// A noisy path with a corner and a second piece.
+fn curve(seed: u64) -> String {
+    let mut text = String::new();
+    for k in 0..60 {
+        let t = f64::from(k) / 10.0;
+        let rough = 0.02 * (((k as u64 * 37 + seed * 11) % 13) as f64 / 13.0 - 0.5);
+        let _ = writeln!(text, "v {t} {} {}", (t - 3.0).abs() + rough, 0.3 * t.sin());
+    }
+    for k in 0..20 {
+        let _ = writeln!(text, "v {} {} 3", f64::from(k) / 10.0, 0.1 * f64::from(k % 3));
+    }
+    let list = |from: u32, to: u32| (from..=to).map(|k| k.to_string()).collect::<Vec<_>>().join(" ");
+    text + &format!("l {}\nl {}\n", list(1, 60), list(61, 80))
+}
+
+/// A ring with chords and weights.
+fn graph(seed: u32) -> String {
+    let n = 60;
+    let mut rows = Vec::new();
+    for k in 1..=n {
+        rows.push(format!("{} {} {}", k % n + 1, k, 1 + (k * 7 + seed) % 5));
+        if k % 4 == 0 {
+            rows.push(format!("{} {} 1", (k * 7) % n + 1, k));
+        }
+    }
+    format!("%%MatrixMarket matrix coordinate real general\n{n} {n} {}\n{}\n", rows.len(), rows.join("\n"))
+}
+
+/// Land with some points of noise, in meters or in degrees.
+fn scan(path: &Path, is_in_degrees: bool) {
+    let point = |k: u32| {
+        let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+        let z = 30.0 + (0.4 * x).sin() + (0.3 * y).cos() + 0.05 * f64::from(k * 7919 % 11);
+        if is_in_degrees { [13.0 + 1e-5 * x, 52.0 + 1e-5 * y, z] } else { [x, y, z] }
+    };
+    let mut file = ShapeFile::from_cloud((0..400).map(point).collect());
+    let classes = (0..400).map(|k| if k % 40 == 7 { 7 } else { 2 }).collect();
+    file.add_vertex_field(Field::new("classification", 1, FieldValues::U8(classes))).unwrap();
+    write_path(&file, path, Some(Format::LAS)).unwrap();
+    if is_in_degrees {
+        add_degrees(path);
+    }
+}
+
+/// Adds a record to a LAS that says that its coordinates are degrees.
+fn add_degrees(path: &Path) {
+    const SYSTEM: &str = "GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,298.257223563]],\
+                          PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]]";
+    let mut bytes = fs::read(path).unwrap();
+    let start = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
+    let mut record = vec![0; 54];
+    record[2..17].copy_from_slice(b"LASF_Projection");
+    record[18..20].copy_from_slice(&2112_u16.to_le_bytes());
+    record[20..22].copy_from_slice(&(SYSTEM.len() as u16).to_le_bytes());
+    record.extend(SYSTEM.as_bytes());
+    let n_records = u32::from_le_bytes(bytes[100..104].try_into().unwrap()) + 1;
+    bytes[96..100].copy_from_slice(&((start + record.len()) as u32).to_le_bytes());
+    bytes[100..104].copy_from_slice(&n_records.to_le_bytes());
+    bytes.splice(start..start, record);
+    fs::write(path, bytes).unwrap();
+}
+
+/// A grid with texture coordinates.
+fn textured() -> String {
+    let mut text = "mtllib texture.mtl\nusemtl m\n".to_owned();
+    for k in 0..100 {
+        let (x, y) = (f64::from(k % 10), f64::from(k / 10));
+        let _ = writeln!(text, "v {x} {y} {}\nvt {} {}", (0.7 * x).sin(), x / 9.0, y / 9.0);
+    }
+    for k in (0..90).filter(|k| k % 10 != 9) {
+        let [a, b, c, d] = [k + 1, k + 2, k + 12, k + 11];
+        let _ = writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}\nf {a}/{a} {c}/{c} {d}/{d}");
+    }
+    text
+}

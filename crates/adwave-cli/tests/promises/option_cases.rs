@@ -1,0 +1,340 @@
+//! Command lines without options, and a value of each option that makes a difference.
+
+use crate::harness::split_words;
+
+/// Shortest useful lines of each command. `{in}` and `{other}` stand for shapes; all results go below `out/`.
+const BASES: [(&str, &[&str]); 26] = [
+    ("info", &["info {in}"]),
+    ("transform", &["transform {in} -o out/r.ply"]),
+    ("filter", &["filter {in} -o out/r.ply --gains 0,0.5,1", "filter {in} -o out/r.ply --preset smooth"]),
+    ("region", &["region {in} -o out/r.ply --region ball:vertex=31,radius=40%"]),
+    ("denoise", &["denoise {in} -o out/r.ply"]),
+    ("simplify", &["simplify {in} -o out/r.ply --ratio 0.5"]),
+    ("saliency", &["saliency {in} -o out/r.ply"]),
+    ("features", &["features {in} -o out/r.csv --theta 0.5"]),
+    ("match", &["match {in} {other} -o out/r.csv"]),
+    ("diff", &["diff {in} {other} -o out/r.ply"]),
+    ("evaluate", &["evaluate {in} --runs 1 --percent 10 --theta 0.5", "evaluate {in} --fixations gaze"]),
+    ("compare", &["compare {in} --with mht --harmonics 20 -o out"]),
+    ("basis", &["basis {in} --vertex 3 --level 2 -o out/r.ply", "basis {in} --levels 2 -o out/r.npz"]),
+    ("render", &["render {in} -o out/r.png --size 400x300"]),
+    ("report", &["report {in} -o out/r.html"]),
+    ("studio", &[]),
+    (
+        "tiles",
+        &["tiles scan.las -o out/r.las --gains 0,0.5,1", "tiles closed.ply -o out/r.ply --gains 0,0.5,1"],
+    ),
+    ("tile", &["tile job status"]),
+    ("convert", &["convert {in} -o out/r.ply"]),
+    ("formats", &["formats"]),
+    ("sample", &["sample sphere --vertices 60 -o out/r.ply"]),
+    ("demo", &["demo -o out --vertices 2000"]),
+    ("reproduce", &["reproduce fig4 -o out --most-vertices 200"]),
+    ("completions", &["completions bash"]),
+    ("man", &["man"]),
+    ("notices", &["notices"]),
+];
+
+/// One option of one command, or of all (`*`).
+pub(crate) struct OptionCase {
+    pub(crate) command: &'static str,
+    pub(crate) option: &'static str,
+    /// Value that differs from the default; empty for a flag.
+    pub(crate) value: &'static str,
+    /// Further words without which the option is refused; `!--other` takes that option away.
+    pub(crate) needs: &'static str,
+    /// File instead of the usual one of its kind.
+    pub(crate) input: &'static str,
+}
+
+const fn case(command: &'static str, option: &'static str, value: &'static str) -> OptionCase {
+    OptionCase { command, option, value, needs: "", input: "" }
+}
+
+const fn with(case: OptionCase, needs: &'static str) -> OptionCase {
+    OptionCase { needs, ..case }
+}
+
+const fn on(case: OptionCase, input: &'static str) -> OptionCase {
+    OptionCase { input, ..case }
+}
+
+/// The cases: of each option that of the command, else that of all commands.
+const CASES: &[OptionCase] = &[
+    // General.
+    case("*", "--json", ""),
+    case("*", "--quiet", ""),
+    case("*", "--threads", "1"),
+    case("*", "--max-input", "30"),
+    case("*", "--provenance", ""),
+    // The shape.
+    on(case("*", "--box", "0,0,0,6,6,99"), "scan.las"),
+    on(case("*", "--resolution", "3"), "scan.las"),
+    case("*", "--only", "y=..1.2"),
+    case("*", "--mask", "mask.csv"),
+    with(case("*", "--invert-mask", ""), "--mask mask.csv"),
+    case("*", "--all-points", ""),
+    case("*", "--as", "cloud"),
+    on(case("*", "--vertices", "80"), "sample:sphere"),
+    on(with(case("*", "--noise", "0.3"), "--vertices 300"), "sample:sphere"),
+    on(with(case("*", "--seed", "9"), "--noise 0.3 --vertices 300"), "sample:sphere"),
+    on(with(case("*", "--allow-degrees", ""), "--lengths 2,4,8"), "scan2.las"),
+    // The operator.
+    case("*", "--operator", "surface"),
+    on(case("match", "--operator", "walk"), "creature.ply"),
+    case("diff", "--operator", "walk"),
+    case("*", "--weld", "0.01"),
+    case("*", "--no-weld", ""),
+    case("*", "--rings", "2"),
+    case("*", "--mesh-area", "mixed-voronoi"),
+    case("*", "--neighbors", "5"),
+    case("*", "--directed", ""),
+    case("*", "--cloud-area", "unit"),
+    case("*", "--density-invariant", ""),
+    case("*", "--keep-creases", ""),
+    // The signal.
+    case("*", "--signal", "heat"),
+    on(with(case("*", "--texture", "second.png"), "--signal texture-luminance"), "texture.obj"),
+    with(case("*", "--as-numbers", ""), "--signal classification"),
+    with(case("*", "--local-fit", "constant"), "--signal heat"),
+    // The levels.
+    case("*", "--levels", "5"),
+    case("*", "--voices", "2"),
+    case("*", "--steps", "1,3,9"),
+    case("*", "--lengths", "5%,10%,20%"),
+    case("*", "--fwhm", "5%,10%,20%"),
+    with(case("*", "--accuracy", "0.1"), "--steps 1.5,20,300"),
+    case("tiles", "--accuracy", "0.1"),
+    with(case("info", "--accuracy", "0.1"), "--detail --steps 1.5,20,300"),
+    case("info", "--detail", ""),
+    case("info", "--error", "1%"),
+    // Results.
+    case("*", "--output", "out/other.ply"),
+    case("features", "--output", "out/other.csv"),
+    case("match", "--output", "out/other.csv"),
+    case("render", "--output", "out/other.png"),
+    case("report", "--output", "out/other.html"),
+    case("tiles", "--output", "out/other.las"),
+    case("*", "--region", "ball:vertex=31,radius=20%"),
+    case("*", "--border", "keep"),
+    case("*", "--keep-normals", ""),
+    // filter
+    with(case("filter", "--as-labels", ""), "--signal classification"),
+    with(case("filter", "--preset", "enhance"), "!--gains"),
+    case("filter", "--gains", "1,2,0"),
+    on(case("filter", "--keep-volume", ""), "closed.ply"),
+    case("filter", "--along", "z"),
+    with(case("filter", "--recipe", "recipe.toml"), "!--gains !--preset"),
+    case("filter", "--save-recipe", "out/saved.toml"),
+    with(case("filter", "--save-steps", ""), "--save-recipe out/saved.toml"),
+    // denoise
+    with(case("denoise", "--operator", "surface"), "--signal heat"),
+    with(case("denoise", "--rings", "2"), "--signal heat"),
+    with(case("denoise", "--mesh-area", "mixed-voronoi"), "--signal heat"),
+    with(case("denoise", "--neighbors", "5"), "--signal heat"),
+    with(case("denoise", "--directed", ""), "--signal heat"),
+    with(case("denoise", "--cloud-area", "unit"), "--signal heat"),
+    with(case("denoise", "--density-invariant", ""), "--signal heat"),
+    with(case("denoise", "--keep-creases", ""), "--signal heat"),
+    case("denoise", "--strength", "2"),
+    case("denoise", "--creases", "none"),
+    case("denoise", "--noise-sigma", "0.03"),
+    // simplify
+    with(case("simplify", "--error", "2%"), "!--ratio"),
+    with(case("simplify", "--vertices", "100"), "!--ratio"),
+    case("simplify", "--ratio", "0.7"),
+    case("simplify", "--keep-border", ""),
+    on(case("simplify", "--allow-degrees", ""), "scan2.las"),
+    // Maps and features.
+    case("*", "--mask-border", "1"),
+    case("*", "--skip", "1"),
+    case("*", "--weighting", "paper"),
+    with(case("evaluate", "--weighting", "paper"), "--levels 5"),
+    case("*", "--unsigned", ""),
+    case("*", "--up", "x"),
+    case("saliency", "--per-level", ""),
+    case("saliency", "--color-map", "turbo"),
+    case("saliency", "--color-top", "50"),
+    on(case("*", "--theta", "1.2"), "creature.ply"),
+    on(case("*", "--response", "sigma"), "creature.ply"),
+    on(case("*", "--per-component", ""), "creature.ply"),
+    on(case("*", "--refine", ""), "creature.ply"),
+    on(case("*", "--edge-ratio", "2"), "creature.ply"),
+    on(case("*", "--best", "2"), "creature.ply"),
+    on(case("features", "--descriptors", ""), "creature.ply"),
+    // evaluate
+    case("evaluate", "--percent", "40"),
+    case("evaluate", "--runs", "2"),
+    on(case("evaluate", "--within", "0.2"), "creature.ply"),
+    with(case("evaluate", "--fixations", "gaze"), "!--runs !--percent !--theta"),
+    case("evaluate", "--threshold", "0.3"),
+    case("evaluate", "--map", "heat"),
+    // match
+    on(case("match", "--as", "cloud"), "creature.ply"),
+    on(case("match", "--weld", "0.2"), "creature.ply"),
+    on(case("match", "--neighbors", "5"), "cloud.ply"),
+    on(case("match", "--directed", ""), "cloud.ply"),
+    on(case("match", "--keep-creases", ""), "creature.ply"),
+    case("match", "--picture", "out/pairs.png"),
+    on(case("match", "--moved", "out/moved.ply"), "creature.ply"),
+    on(case("match", "--motion", "none"), "creature.ply"),
+    on(case("match", "--within", "0.1"), "creature.ply"),
+    on(with(case("match", "--ratio", "0.5"), "--motion none"), "creature.ply"),
+    with(case("match", "--view", "top"), "--picture out/pairs.png"),
+    with(case("match", "--up", "x"), "--picture out/pairs.png"),
+    // diff
+    case("diff", "--align", ""),
+    case("diff", "--by", "closest"),
+    with(case("diff", "--limit", "1%"), "--by closest"),
+    with(case("diff", "--view", "top"), "-o out/r.html"),
+    with(case("diff", "--up", "x"), "-o out/r.html"),
+    // basis
+    case("basis", "--vertex", "7"),
+    case("basis", "--level", "3"),
+    case("basis", "--levels", "3"),
+    case("basis", "--drop-tolerance", "0.01"),
+    // compare
+    with(case("compare", "--with", "taubin"), "!--harmonics"),
+    case("compare", "--harmonics", "30"),
+    // render and pictures
+    case("*", "--view", "top"),
+    case("render", "--color", "heat"),
+    with(case("render", "--color-map", "turbo"), "--color x"),
+    with(case("render", "--range", "0,0.3"), "--color x"),
+    with(case("render", "--no-bar", ""), "--color x"),
+    case("render", "--features", "balls.csv"),
+    case("render", "--zoom", "2"),
+    case("render", "--frame", "all"),
+    case("render", "--focus", "vertex=5"),
+    case("render", "--orthographic", ""),
+    case("render", "--size", "80x90"),
+    case("render", "--transparent", ""),
+    case("render", "--crease", "5"),
+    case("render", "--grid", ""),
+    with(case("render", "--own-scale", ""), "curve.obj --grid"),
+    on(with(case("render", "--texture", "second.png"), "--color texture"), "texture.obj"),
+    // tiles
+    with(case("tiles", "--levels", "4"), "!--gains --magnitudes 2"),
+    case("tiles", "--magnitudes", "2"),
+    case("tiles", "--vectors", "1"),
+    case("tiles", "--saliency", ""),
+    with(case("tiles", "--skip", "1"), "--saliency"),
+    case("tiles", "--features", "out/f.csv"),
+    with(case("tiles", "--theta", "1"), "--features out/f.csv"),
+    with(case("tiles", "--denoise", ""), "!--gains"),
+    with(case("tiles", "--strength", "2"), "--denoise !--gains"),
+    with(case("tiles", "--creases", "none"), "--denoise !--gains"),
+    with(case("tiles", "--noise-sigma", "0.3"), "--denoise !--gains"),
+    case("tiles", "--memory", "90M"),
+    case("tiles", "--tiles", "2"),
+    case("tiles", "--workers", "2"),
+    case("tiles", "--work", "out/work"),
+    case("tiles", "--forecast", ""),
+    case("tiles", "--plan-only", ""),
+    case("tiles", "--keep-work", ""),
+    case("tile", "--if-missing", ""),
+    // Others.
+    case("formats", "--markdown", ""),
+    case("sample", "--vertices", "90"),
+    case("sample", "--points", "100"),
+    case("demo", "--vertices", "2300"),
+    case("demo", "--output", "out/tour"),
+    case("compare", "--output", "out/results"),
+    case("reproduce", "--output", "out/paper"),
+    case("reproduce", "--models", "."),
+    case("reproduce", "--markdown", "out/paper.md"),
+    case("reproduce", "--most-vertices", "300"),
+    case("man", "--output", "out/pages"),
+    // A server: its options are tested where it is started.
+    case("studio", "--port", "1"),
+    case("studio", "--no-open", ""),
+    case("studio", "--host", "::1"),
+    case("studio", "--i-know", ""),
+];
+
+/// Lines of a command without options.
+pub(crate) fn base_lines(command: &str) -> &'static [&'static str] {
+    let found = BASES.iter().find(|(name, _)| *name == command);
+    found.unwrap_or_else(|| panic!("add a line of '{command}' to BASES in option_cases.rs")).1
+}
+
+/// Words of a line on an input of one kind.
+pub(crate) fn base_line(line: &str, kind: &str) -> Vec<String> {
+    let (_, file) = crate::fixtures::INPUTS.iter().find(|(name, _)| *name == kind).unwrap();
+    on_file(line, file)
+}
+
+/// Words of a line on a file.
+pub(crate) fn on_file(line: &str, file: &str) -> Vec<String> {
+    let other = match file.rsplit_once('.') {
+        Some((stem, extension))
+            if ["mesh", "cloud", "curve", "graph", "scan", "creature"].contains(&stem) =>
+        {
+            format!("{stem}2.{extension}")
+        }
+        _ => file.to_owned(),
+    };
+    let other = if other == "scan2.las" { "scan.las".to_owned() } else { other };
+    split_words(&line.replace("{in}", file).replace("{other}", &other))
+}
+
+/// The case of an option of a command.
+pub(crate) fn option_case(command: &str, option: &str) -> &'static OptionCase {
+    let of = |name: &str| CASES.iter().find(|case| case.command == name && case.option == option);
+    of(command).or_else(|| of("*")).unwrap_or_else(|| {
+        panic!("add a case for {option} of '{command}' to CASES in option_cases.rs: a value that makes a difference")
+    })
+}
+
+/// Words of a base line with further words: an option that is given again replaces its value, and `!--option` takes one away.
+pub(crate) fn with_words(base: &[String], further: &[String]) -> Vec<String> {
+    let mut words = base.to_vec();
+    let mut rest = further.iter().peekable();
+    while let Some(word) = rest.next() {
+        if let Some(option) = word.strip_prefix('!') {
+            remove(&mut words, option);
+        } else if word.starts_with('-') {
+            let option = word.split('=').next().unwrap_or(word);
+            remove(&mut words, if option == "-o" { "--output" } else { option });
+            words.push(word.clone());
+            if let Some(value) = rest.next_if(|next| !next.starts_with(['-', '!']) && !word.contains('=')) {
+                words.push(value.clone());
+            }
+        } else {
+            words.push(word.clone());
+        }
+    }
+    words
+}
+
+/// Takes an option and its value away.
+fn remove(words: &mut Vec<String>, option: &str) {
+    let is_it = |word: &String| word == option || (option == "--output" && word == "-o");
+    if let Some(at) = words.iter().position(is_it) {
+        let has_value = words.get(at + 1).is_some_and(|next| !next.starts_with('-'));
+        words.drain(at..=at + usize::from(has_value));
+    }
+}
+
+#[test]
+fn every_case_is_of_an_option() {
+    let commands = crate::harness::commands();
+    for case in CASES {
+        let has = |command: &clap::Command| {
+            (case.command == "*" || command.get_name() == case.command)
+                && crate::harness::options(command).iter().any(|arg| crate::harness::name(arg) == case.option)
+        };
+        assert!(commands.iter().any(has), "no command {} has {}", case.command, case.option);
+    }
+    for (name, _) in BASES {
+        assert!(commands.iter().any(|command| command.get_name() == name), "there is no command {name}");
+    }
+}
+
+#[test]
+fn an_option_that_is_given_again_replaces_its_value() {
+    let words = |line: &str| split_words(line);
+    let merged = with_words(&words("basis a --level 2 -o r.ply"), &words("-o r.npz --levels 2"));
+    assert_eq!(merged, words("basis a --level 2 -o r.npz --levels 2"));
+    assert_eq!(with_words(&words("x --theta 1"), &words("--theta=2")), words("x 1 --theta=2"));
+}
