@@ -85,6 +85,16 @@ impl Transaction {
         Ok(result)
     }
 
+    /// Size in bytes of a file that was written, also before it is in its place; none for what is no regular file.
+    pub fn size(&self, path: &Path) -> Option<u64> {
+        let staged = self.staged.as_ref().and_then(|all| {
+            let all = all.lock().unwrap_or_else(PoisonError::into_inner);
+            all.iter().rev().find(|file| file.path == path).map(|file| file.staged.clone())
+        });
+        let found = fs::metadata(staged.as_deref().unwrap_or(path)).ok()?;
+        found.is_file().then_some(found.len())
+    }
+
     /// Puts the files in their places, in the order in which they were written.
     ///
     /// # Errors

@@ -199,6 +199,7 @@ fn write_matrices(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Resul
     }
     let json = json!({
         "shape": input.name,
+        "output": args.output.display().to_string(),
         "rows": vertex_map.n_welded(),
         "levels": levels,
         "entries": basis.info.nnz,

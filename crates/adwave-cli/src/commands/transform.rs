@@ -14,7 +14,7 @@ use crate::output::{
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
-use crate::resolve::signal::{Signal, load_signal, refuse_labels};
+use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
 use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
@@ -103,7 +103,7 @@ fn resolve(
     input.check_lengths(&args.levels.given_lengths())?;
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
-    refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
+    refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;

@@ -48,9 +48,9 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         if percent(weights) > 0.0 {
             let _ = writeln!(
                 text,
-                "         {:.0} % with {name}, by {:.0} steps on average",
+                "         {:.0} % with {name}, by {} on average",
                 percent(weights),
-                mean_steps(weights)
+                count(mean_steps(weights).round(), "step", "steps")
             );
         }
     }

@@ -57,6 +57,11 @@ pub(crate) fn refuse_labels(
     )))
 }
 
+/// A hint that names the command that smooths labels.
+pub(crate) fn smooth_labels_hint(name: &str) -> String {
+    format!("'adwave filter SHAPE -o OUT --signal {name} --as-labels --preset smooth' smooths them")
+}
+
 /// All labels of a signal, in ascending order.
 pub(crate) fn load_labels(name: &str, signal: &Signal) -> Result<Vec<f64>, CliError> {
     let labels = if signal.n_channels == 1 { distinct_labels(&signal.values) } else { None };

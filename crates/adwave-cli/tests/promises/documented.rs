@@ -3,7 +3,7 @@
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
 use crate::wording::wording_faults;
 use adwave::sample::{NoiseSigma, Sample};
-use adwave_io::{Field, FieldValues, Format, ShapeFile, write_path};
+use adwave_io::{Field, FieldValues, ShapeFile, write_path};
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

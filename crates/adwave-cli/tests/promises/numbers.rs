@@ -93,7 +93,7 @@ fn numbers_that_nobody_means_are_refused_or_in_effect() {
             for number in NUMBERS {
                 let Some(value) = numeric_value(&argument, number) else { continue };
                 let is_server = base_lines(&command_name).is_empty();
-                if !is_server && is_in_sample(&format!("{command_name} {option} {number}"), 10) {
+                if !is_server && is_in_sample(&format!("{command_name} {option} {number}"), 30) {
                     check_number(folder, &command_name, &option, &value, &mut faults);
                 }
             }

@@ -186,7 +186,7 @@ fn each_option_changes_the_result_or_is_refused() {
             };
             assert!(is_right, "{option} of {command_name} has the wrong value '{}'", case.value);
             let is_tried = !is_exempt(&command_name, &option) && !base_lines(&command_name).is_empty();
-            if is_tried && is_in_sample(&format!("{command_name} {option}"), 8) {
+            if is_tried && is_in_sample(&format!("{command_name} {option}"), 20) {
                 check_option(folder, &command_name, case, &mut results, &mut faults);
             }
         }

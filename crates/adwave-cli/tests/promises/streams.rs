@@ -89,7 +89,7 @@ fn a_failed_run_leaves_nothing_in_the_way_of_the_next() {
     let mut faults = Faults::default();
     for command in commands() {
         for line in base_lines(command.get_name()).iter().filter(|line| line.contains("out")) {
-            if !is_in_sample(line, 3) && command.get_name() != "tiles" {
+            if !is_in_sample(line, 5) && command.get_name() != "tiles" {
                 continue;
             }
             let words = on_file(line, "mesh.ply");

@@ -61,8 +61,10 @@ fn suggested_commands(text: &str) -> Vec<String> {
 
 /// A command with files in the places of words that stand for them.
 fn fill_in(command: &str) -> Vec<String> {
-    let words =
-        command.replace("SHAPE", "mesh.ply").replace("OTHER", "mesh2.ply").replace("IN.laz", "scan.las");
+    let words = command
+        .replace("SHAPE", "creature.ply")
+        .replace("OTHER", "creature.ply")
+        .replace("IN.laz", "scan.las");
     let words = words.replace("PART.laz", "out/part.laz");
     let rename = |word: String| if word == "OUT" { "out/result.ply".to_owned() } else { word };
     split_words(&words).into_iter().map(rename).collect()

@@ -48,8 +48,10 @@ pub(crate) fn wording_faults(text: &str) -> Vec<String> {
     if is_json {
         return faults;
     }
+    // Help says what NaN means.
+    let is_help = text.contains("Usage: adwave");
     for line in text.lines() {
-        faults.extend(number_faults(line));
+        faults.extend(number_faults(line).into_iter().filter(|fault| !(is_help && fault.contains("'NaN'"))));
     }
     faults
 }

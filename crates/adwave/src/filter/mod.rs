@@ -210,7 +210,9 @@ fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<R
 #[non_exhaustive]
 pub enum FilterError {
     /// The number of gains does not match the number of levels.
-    #[error("{n_gains} gains were given for {n_levels} levels; give one gain per level, fine to coarse")]
+    #[error(
+        "the number of gains must be that of the levels, {n_levels}, one per level from fine to coarse; got {n_gains}"
+    )]
     WrongNumberOfGains {
         /// Number of gains given.
         n_gains: usize,

@@ -15,7 +15,7 @@ use crate::resolve::operator::{
 };
 use crate::resolve::region::{region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
-use crate::resolve::signal::{COORDS, load_signal, refuse_labels};
+use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
 use adwave::denoise::{SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
@@ -141,7 +141,7 @@ fn denoise_field(
     }
     global.given.refuse(&["--keep-normals"], &format!("applies to coordinates, and the signal is {name}"))?;
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
-    refuse_labels(name, &signal, args.labels, "'adwave filter --as-labels' smooths them")?;
+    refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let parts = SignalParts::new(&prepare(global, &input, &operator)?, &signal, name, global)?;
     let decomposer = parts.first().decomposer.clone();

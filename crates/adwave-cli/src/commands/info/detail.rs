@@ -116,8 +116,10 @@ impl Detail {
         // cloud on their normals.
         let positions: &[&str] = match &input.shape {
             Shape::Mesh(_) if health.is_closed() => &[],
+            Shape::Mesh(_) => &["--border", "free"],
             Shape::Cloud(_) => &["--border", "free", "--along", "free"],
-            _ => &["--border", "free"],
+            // The ends of a curve stay in its bands too.
+            Shape::Graph(_) => &[],
         };
         let output = output_name(input);
         let question = args.error.map(|error| ErrorQuestion {

@@ -240,7 +240,7 @@ fn report(
     let (before, after) = (input.shape.n_vertices(), simplified_shape.n_vertices);
     let diagonal = input.shape.extent();
     let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
-    let bytes = std::fs::metadata(&args.output).map_or(0, |m| m.len());
+    let bytes = global.files.size(&args.output);
     let by = if let Shape::Mesh(_) = input.shape { "rms by area" } else { "rms" };
     let mut text = format!("{}: {before} → {after} vertices\n", input.name);
     for line in &simplified_shape.lines {
@@ -254,7 +254,9 @@ fn report(
         number(rms),
         percent_of(rms, diagonal),
     );
-    let _ = writeln!(text, "  size       {bytes} bytes");
+    if let Some(bytes) = bytes {
+        let _ = writeln!(text, "  size       {bytes} bytes");
+    }
     let SimplifySeconds { read, simplify, write } = seconds;
     let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s, written {write:.3} s");
     let _ = writeln!(text, "{}", args.output.display());

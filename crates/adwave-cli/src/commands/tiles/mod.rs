@@ -115,15 +115,18 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
             &json!({ "folder": job.folder, "forecast": forecast }),
         );
     }
-    let summary = process(&job, &work, global).inspect_err(|error| {
+    let done = process(&job, &work, global).and_then(|summary| {
+        note_flagged(&summary, global);
+        let n_features = write(args, &job, &work, global)?;
+        Ok((summary, n_features))
+    });
+    let (summary, n_features) = done.inspect_err(|error| {
         // Nobody can continue a run with such an input, and its folder would stand in the way of the next.
         if is_new && !args.keep_work && matches!(error, CliError::Input(_)) {
             let _ = work.remove_tiles();
             let _ = work.clean();
         }
     })?;
-    note_flagged(&summary, global);
-    let n_features = write(args, &job, &work, global)?;
     drop(lock);
     if job.is_joined && !args.keep_work {
         // The folder stays if it holds anything else.
