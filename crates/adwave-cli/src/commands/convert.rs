@@ -44,6 +44,10 @@ pub(crate) fn run(args: &ConvertArgs, global: &Global<'_>) -> Result<(), CliErro
     let selection = args.selection.to_selection()?;
     let mut input = load_source(&source, global)?;
     check_source_options(&[&input], global)?;
+    if !selection.is_restricted() {
+        let applies = "applies to a selection (--only or --mask), and without one all points are written";
+        global.given.refuse(&["--all-points"], applies)?;
+    }
     if selection.is_restricted() {
         let selection = SelectionUse { selection, rest: Rest::IsDropped };
         input.file = select(input.file, &input.name, selection, global)?;

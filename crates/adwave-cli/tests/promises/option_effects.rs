@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Options that no result depends on, with the reason.
-const WITHOUT_EFFECT: [(&str, &str, &str); 14] = [
+const WITHOUT_EFFECT: [(&str, &str, &str); 15] = [
     ("*", "--threads", "results do not depend on it"),
     ("*", "--max-input", "a limit; commands without an input have nothing to limit"),
     (
@@ -27,13 +27,18 @@ const WITHOUT_EFFECT: [(&str, &str, &str); 14] = [
     ("tiles", "--work", "names a folder that is deleted"),
     ("tile", "--if-missing", "a job that is done again writes the same"),
     ("reproduce", "--models", "a folder without the models that a figure uses"),
+    ("reproduce", "--most-vertices", "the figure of the base line has fewer"),
     ("*", "--json", "the comparison is of JSON"),
     ("filter", "--save-recipe", "names a file"),
     ("match", "--moved", "names a file"),
 ];
 
-/// Options that need data that no fixture can have, with the reason.
-const ONLY_REFUSED: [(&str, &str); 1] = [("--resolution", "COPC and EPT are not written")];
+/// Options that need data that no fixture has, with the reason.
+const WITHOUT_DATA: [(&str, &str, &str); 3] = [
+    ("*", "--resolution", "COPC and EPT are not written"),
+    ("match", "--weld", "the shapes with features are closed"),
+    ("evaluate", "--per-component", "the shapes with features have one part"),
+];
 
 /// Options that act on some data alone, with the kinds of input of the fixtures on which they have nothing to do.
 const BY_DATA: [(&str, &str, &str, &str); 21] = [
@@ -160,7 +165,7 @@ fn check_option(
             }
         }
     }
-    let is_never = ONLY_REFUSED.iter().any(|(option, _)| *option == case.option);
+    let is_never = WITHOUT_DATA.iter().any(|(c, o, _)| (*c == "*" || *c == command) && *o == case.option);
     faults.expect(acts || !is_tried || is_never, || {
         format!("{} of {command} acts on no fixture; change its case", case.option)
     });
@@ -203,6 +208,9 @@ fn reasons_are_given_for_options_that_exist() {
             .any(|c| options(c).iter().any(|a| name(a) == option))
     };
     for (command, option, reason) in WITHOUT_EFFECT {
+        assert!(exists(command, option) && !reason.is_empty(), "{command} {option}");
+    }
+    for (command, option, reason) in WITHOUT_DATA {
         assert!(exists(command, option) && !reason.is_empty(), "{command} {option}");
     }
     for (command, option, _, reason) in BY_DATA {

@@ -51,7 +51,11 @@ pub(crate) fn wording_faults(text: &str) -> Vec<String> {
     // Help says what NaN means.
     let is_help = text.contains("Usage: adwave");
     for line in text.lines() {
-        faults.extend(number_faults(line).into_iter().filter(|fault| !(is_help && fault.contains("'NaN'"))));
+        faults.extend(
+            number_faults(line)
+                .into_iter()
+                .filter(|fault| !((is_help || line.contains("and NaN")) && fault.contains("'NaN'"))),
+        );
     }
     faults
 }
