@@ -120,7 +120,9 @@ fn gzip_is_for_the_same_formats_everywhere() {
         for command in commands() {
             for option in output_options(&command) {
                 for line in base_lines(command.get_name()).iter().filter(|_| option == "--output") {
-                    if !is_in_sample(&format!("{extension} {line}"), 12) {
+                    // Scans that are written while they are computed are no archives.
+                    let is_stream = command.get_name() == "tiles" || line.contains("terrain");
+                    if is_stream || !is_in_sample(&format!("{extension} {line}"), 12) {
                         continue;
                     }
                     let plain = format!("out/r.{extension}");
