@@ -32,9 +32,8 @@ impl CloudPartArgs {
 
 /// Reads six numbers, or four for a box without bounds in z.
 fn bounds(text: &str) -> Result<Bounds, String> {
-    let refused = || "must be XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX, all finite".to_owned();
-    let number =
-        |word: &str| word.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(refused);
+    let refused = || "must be XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX".to_owned();
+    let number = |word: &str| word.trim().parse::<f64>().map_err(|_| refused());
     let numbers = text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
     match numbers[..] {
         [x0, y0, x1, y1] => Ok(([x0, y0, f64::NEG_INFINITY], [x1, y1, f64::INFINITY])),

@@ -250,6 +250,11 @@ fn check_source(source: &ShapeSource<'_>) -> Result<(), CliError> {
             "--box and --resolution apply to files (LAS, LAZ, COPC, EPT), and '{name}' is not a file"
         )));
     }
+    if let Some((min, max)) = source.part.bounds
+        && let Some(infinite) = [min[0], min[1], max[0], max[1]].iter().find(|c| c.is_infinite())
+    {
+        return Err(CliError::Input(format!("--box must have finite bounds in x and y, got {infinite}")));
+    }
     let sample = &source.sample;
     for (flag, is_given) in [("--vertices", sample.n_vertices.is_some()), ("--noise", sample.noise.is_some())]
     {

@@ -16,11 +16,6 @@ pub(crate) fn load_signal(
     name: &str,
     texture: Option<&Path>,
 ) -> Result<Signal, CliError> {
-    if texture.is_some() && !name.starts_with("texture") {
-        global
-            .given
-            .refuse(&["--texture"], &format!("applies to signals of a texture, and the signal is {name}"))?;
-    }
     global.inputs.add_signal(name, texture);
     let source = SignalSource { file: &input.file, shape: &input.shape, name: &input.name };
     // A file that is missing is a wrong name, which the user can mend, as for the file of the shape.

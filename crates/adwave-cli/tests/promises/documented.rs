@@ -289,7 +289,7 @@ fn shrink(line: &str) -> String {
 }
 
 /// Names of files that a line writes.
-fn written(line: &str) -> Vec<String> {
+fn written_files(line: &str) -> Vec<String> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_named =
         |pair: &&[&str]| ["-o", "--moved", "--picture", "--save-recipe"].contains(&pair[0]) && pair[1] != "-";
@@ -360,7 +360,7 @@ fn run_all(folder: &Path, documented: &[Documented], faults: &mut Faults) {
         for fault in wording_faults(&told) {
             faults.add(format!("{place}: {line}: {fault}"));
         }
-        for name in written(&line) {
+        for name in written_files(&line) {
             faults.expect(folder.join(&name).exists(), || format!("{place}: {line}: {name} was not written"));
         }
     }

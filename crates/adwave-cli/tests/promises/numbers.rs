@@ -4,7 +4,7 @@ use crate::fixtures::fixtures;
 use crate::harness::{
     Faults, PATIENCE, commands, is_in_sample, name, options, run_words, split_words, takes_value,
 };
-use crate::option_cases::{base_lines, on_file, option_case, with_words};
+use crate::option_cases::{base_lines, file_line, option_case, with_words};
 use crate::signature::Signature;
 use adwave::region::Length;
 use std::any::TypeId;
@@ -108,7 +108,7 @@ fn check_number(folder: &Path, command: &str, option: &str, value: &str, faults:
     let case = option_case(command, option);
     let file = if case.input.is_empty() { "mesh.ply" } else { case.input };
     for line in base_lines(command) {
-        let base = with_words(&on_file(line, file), &split_words(case.needs));
+        let base = with_words(&file_line(line, file), &split_words(case.needs));
         let words = with_words(&base, &[format!("{option}={value}")]);
         let [before, after] = [base, words].map(|words| {
             let out = folder.join("out");

@@ -55,7 +55,7 @@ const fn with(case: OptionCase, needs: &'static str) -> OptionCase {
     OptionCase { needs, ..case }
 }
 
-const fn on(case: OptionCase, input: &'static str) -> OptionCase {
+const fn in_file(case: OptionCase, input: &'static str) -> OptionCase {
     OptionCase { input, ..case }
 }
 
@@ -68,20 +68,20 @@ const CASES: &[OptionCase] = &[
     case("*", "--max-input", "30"),
     case("*", "--provenance", ""),
     // The shape.
-    on(case("*", "--box", "0,0,0,6,6,99"), "scan.las"),
-    on(case("*", "--resolution", "3"), "scan.las"),
+    in_file(case("*", "--box", "0,0,0,6,6,99"), "scan.las"),
+    in_file(case("*", "--resolution", "3"), "scan.las"),
     case("*", "--only", "y=..0.8"),
     case("*", "--mask", "mask.csv"),
     with(case("*", "--invert-mask", ""), "--mask mask.csv"),
     case("*", "--all-points", ""),
     case("*", "--as", "cloud"),
-    on(case("*", "--vertices", "80"), "sample:sphere"),
-    on(with(case("*", "--noise", "0.3"), "--vertices 300"), "sample:sphere"),
-    on(with(case("*", "--seed", "9"), "--noise 0.3 --vertices 300"), "sample:sphere"),
-    on(with(case("*", "--allow-degrees", ""), "--lengths 2,4,8"), "scan2.las"),
+    in_file(case("*", "--vertices", "80"), "sample:sphere"),
+    in_file(with(case("*", "--noise", "0.3"), "--vertices 300"), "sample:sphere"),
+    in_file(with(case("*", "--seed", "9"), "--noise 0.3 --vertices 300"), "sample:sphere"),
+    in_file(with(case("*", "--allow-degrees", ""), "--lengths 2,4,8"), "scan2.las"),
     // The operator.
     case("*", "--operator", "surface"),
-    on(case("match", "--operator", "walk"), "creature.ply"),
+    in_file(case("match", "--operator", "walk"), "creature.ply"),
     case("diff", "--operator", "walk"),
     case("*", "--weld", "0.01"),
     case("*", "--no-weld", ""),
@@ -94,7 +94,7 @@ const CASES: &[OptionCase] = &[
     case("*", "--keep-creases", ""),
     // The signal.
     case("*", "--signal", "heat"),
-    on(with(case("*", "--texture", "second.png"), "--signal texture-luminance"), "texture.obj"),
+    in_file(with(case("*", "--texture", "second.png"), "--signal texture-luminance"), "texture.obj"),
     with(case("*", "--as-numbers", ""), "--signal classification"),
     with(case("*", "--local-fit", "constant"), "--signal heat"),
     // The levels.
@@ -127,7 +127,7 @@ const CASES: &[OptionCase] = &[
     with(case("filter", "--as-labels", ""), "--signal classification"),
     with(case("filter", "--preset", "enhance"), "!--gains"),
     case("filter", "--gains", "1,2,0"),
-    on(case("filter", "--keep-volume", ""), "closed.ply"),
+    in_file(case("filter", "--keep-volume", ""), "closed.ply"),
     case("filter", "--along", "z"),
     with(case("filter", "--recipe", "recipe.toml"), "!--gains !--preset"),
     case("filter", "--save-recipe", "out/saved.toml"),
@@ -149,7 +149,7 @@ const CASES: &[OptionCase] = &[
     with(case("simplify", "--vertices", "100"), "!--ratio"),
     case("simplify", "--ratio", "0.7"),
     case("simplify", "--keep-border", ""),
-    on(with(case("simplify", "--allow-degrees", ""), "--error 2 !--ratio"), "scan2.las"),
+    in_file(with(case("simplify", "--allow-degrees", ""), "--error 2 !--ratio"), "scan2.las"),
     // Maps and features.
     case("*", "--mask-border", "1"),
     case("*", "--skip", "1"),
@@ -160,32 +160,32 @@ const CASES: &[OptionCase] = &[
     case("saliency", "--per-level", ""),
     case("saliency", "--color-map", "turbo"),
     case("saliency", "--color-top", "50"),
-    on(case("*", "--theta", "1.2"), "creature.ply"),
-    on(case("*", "--response", "sigma"), "creature.ply"),
-    on(case("*", "--per-component", ""), "creature.ply"),
-    on(case("*", "--refine", ""), "creature.ply"),
-    on(case("*", "--edge-ratio", "2"), "creature.ply"),
-    on(case("*", "--best", "2"), "creature.ply"),
-    on(case("features", "--descriptors", ""), "creature.ply"),
+    in_file(case("*", "--theta", "1.2"), "creature.ply"),
+    in_file(case("*", "--response", "sigma"), "creature.ply"),
+    in_file(case("*", "--per-component", ""), "creature.ply"),
+    in_file(case("*", "--refine", ""), "creature.ply"),
+    in_file(case("*", "--edge-ratio", "2"), "creature.ply"),
+    in_file(case("*", "--best", "2"), "creature.ply"),
+    in_file(case("features", "--descriptors", ""), "creature.ply"),
     // evaluate
     case("evaluate", "--percent", "40"),
     case("evaluate", "--runs", "2"),
-    on(case("evaluate", "--within", "0.2"), "creature.ply"),
+    in_file(case("evaluate", "--within", "0.2"), "creature.ply"),
     with(case("evaluate", "--fixations", "gaze"), "!--runs !--percent !--theta"),
     case("evaluate", "--threshold", "0.3"),
     case("evaluate", "--map", "heat"),
     // match
-    on(with(case("match", "--noise", "0.3"), "--vertices 2000"), "sample:creature"),
-    on(with(case("match", "--seed", "9"), "--noise 0.3 --vertices 2000"), "sample:creature"),
-    on(case("match", "--as", "cloud"), "creature.ply"),
-    on(with(case("match", "--neighbors", "5"), "--as cloud"), "creature.ply"),
-    on(with(case("match", "--directed", ""), "--as cloud"), "creature.ply"),
-    on(case("match", "--keep-creases", ""), "creature.ply"),
+    in_file(with(case("match", "--noise", "0.3"), "--vertices 2000"), "sample:creature"),
+    in_file(with(case("match", "--seed", "9"), "--noise 0.3 --vertices 2000"), "sample:creature"),
+    in_file(case("match", "--as", "cloud"), "creature.ply"),
+    in_file(with(case("match", "--neighbors", "5"), "--as cloud"), "creature.ply"),
+    in_file(with(case("match", "--directed", ""), "--as cloud"), "creature.ply"),
+    in_file(case("match", "--keep-creases", ""), "creature.ply"),
     case("match", "--picture", "out/pairs.png"),
-    on(case("match", "--moved", "out/moved.ply"), "creature.ply"),
-    on(case("match", "--motion", "none"), "creature.ply"),
-    on(case("match", "--within", "0.1"), "creature.ply"),
-    on(with(case("match", "--ratio", "0.5"), "--motion none"), "creature.ply"),
+    in_file(case("match", "--moved", "out/moved.ply"), "creature.ply"),
+    in_file(case("match", "--motion", "none"), "creature.ply"),
+    in_file(case("match", "--within", "0.1"), "creature.ply"),
+    in_file(with(case("match", "--ratio", "0.5"), "--motion none"), "creature.ply"),
     with(case("match", "--view", "top"), "--picture out/pairs.png"),
     with(case("match", "--up", "x"), "--picture out/pairs.png"),
     // diff
@@ -219,7 +219,7 @@ const CASES: &[OptionCase] = &[
     case("render", "--crease", "5"),
     case("render", "--grid", ""),
     with(case("render", "--own-scale", ""), "closed.ply --grid"),
-    on(with(case("render", "--texture", "second.png"), "--color texture"), "texture.obj"),
+    in_file(with(case("render", "--texture", "second.png"), "--color texture"), "texture.obj"),
     // tiles
     case("tiles", "--gains", "1,2,0"),
     with(case("tiles", "--levels", "4"), "!--gains --magnitudes 2"),
@@ -270,11 +270,11 @@ pub(crate) fn base_lines(command: &str) -> &'static [&'static str] {
 /// Words of a line on an input of one kind.
 pub(crate) fn base_line(line: &str, kind: &str) -> Vec<String> {
     let (_, file) = crate::fixtures::INPUTS.iter().find(|(name, _)| *name == kind).unwrap();
-    on_file(line, file)
+    file_line(line, file)
 }
 
 /// Words of a line on a file.
-pub(crate) fn on_file(line: &str, file: &str) -> Vec<String> {
+pub(crate) fn file_line(line: &str, file: &str) -> Vec<String> {
     let other = match file.rsplit_once('.') {
         Some((stem, extension))
             if ["mesh", "cloud", "curve", "graph", "scan", "creature"].contains(&stem) =>

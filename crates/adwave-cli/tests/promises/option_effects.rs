@@ -4,7 +4,7 @@ use crate::fixtures::{INPUTS, fixtures};
 use crate::harness::{
     Faults, Run, commands, is_in_sample, name, options, run_words, split_words, takes_value,
 };
-use crate::option_cases::{OptionCase, base_lines, on_file, option_case, with_words};
+use crate::option_cases::{OptionCase, base_lines, file_line, option_case, with_words};
 use crate::signature::Signature;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -131,7 +131,7 @@ fn check_option(
             inputs.truncate(1);
         }
         for (kind, file) in inputs {
-            let base = on_file(line, file);
+            let base = file_line(line, file);
             let needs = split_words(case.needs);
             let kept: Vec<String> = needs.iter().filter(|word| !word.starts_with('!')).cloned().collect();
             let has_taken_away = kept.len() < needs.len();

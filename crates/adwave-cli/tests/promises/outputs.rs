@@ -2,7 +2,7 @@
 
 use crate::fixtures::fixtures;
 use crate::harness::{Faults, PATIENCE, Run, commands, is_in_sample, name, options, run_line, run_words};
-use crate::option_cases::{base_lines, on_file, option_case, with_words};
+use crate::option_cases::{base_lines, file_line, option_case, with_words};
 use crate::signature::stable_bytes;
 use std::any::TypeId;
 use std::io::Read;
@@ -52,7 +52,7 @@ fn two_results_need_two_names() {
             for second in &outputs[..k] {
                 n_pairs += 1;
                 for path in [usual_name(command.get_name(), first), usual_name(command.get_name(), second)] {
-                    let base = on_file(line, "mesh.ply");
+                    let base = file_line(line, "mesh.ply");
                     let same = [first, second].map(|option| format!("{option}=out/{path}"));
                     let also = [format!("{first}=out/{path}"), format!("{second}=./out/../out/{path}")];
                     for further in [same, also] {
@@ -78,7 +78,7 @@ fn a_dash_is_the_standard_output_or_refused() {
     for command in commands() {
         for option in output_options(&command) {
             for line in base_lines(command.get_name()) {
-                let words = with_words(&on_file(line, "mesh.ply"), &[format!("{option}=-")]);
+                let words = with_words(&file_line(line, "mesh.ply"), &[format!("{option}=-")]);
                 let run = run_in_new_folder(folder, &words);
                 faults.inspect(&run);
                 faults.expect(!folder.join("-").exists(), || format!("{}: made '-'", run.line));
@@ -127,7 +127,7 @@ fn gzip_is_for_the_same_formats_everywhere() {
                     }
                     let plain = format!("out/r.{extension}");
                     let words =
-                        |path: &str| with_words(&on_file(line, "mesh.ply"), &[format!("{option}={path}")]);
+                        |path: &str| with_words(&file_line(line, "mesh.ply"), &[format!("{option}={path}")]);
                     let run = run_in_new_folder(folder, &words(&plain));
                     faults.inspect(&run);
                     let Some(bytes) = std::fs::read(folder.join(&plain)).ok().filter(|_| run.is_done())

@@ -2,7 +2,7 @@
 
 use crate::fixtures::fixtures;
 use crate::harness::{Faults, PATIENCE, commands, is_in_sample, run_words};
-use crate::option_cases::{base_lines, on_file, with_words};
+use crate::option_cases::{base_lines, file_line, with_words};
 use crate::signature::Signature;
 use std::path::Path;
 use std::process::Command;
@@ -40,7 +40,7 @@ fn streams_that_cannot_be_written_lose_no_result() {
     let mut faults = Faults::default();
     for command in commands() {
         for line in base_lines(command.get_name()) {
-            let words = on_file(line, "mesh.ply");
+            let words = file_line(line, "mesh.ply");
             if !is_in_sample(line, 4) {
                 continue;
             }
@@ -92,7 +92,7 @@ fn a_failed_run_leaves_nothing_in_the_way_of_the_next() {
             if !is_in_sample(line, 5) && command.get_name() != "tiles" {
                 continue;
             }
-            let words = on_file(line, "mesh.ply");
+            let words = file_line(line, "mesh.ply");
             let out = clear(folder);
             let usual = run_words(folder, &words, PATIENCE);
             if !usual.is_done() {

@@ -57,14 +57,14 @@ fn denoise_positions(
     if matches!(input.shape, Shape::Graph(_)) {
         global.given.refuse(&["--creases"], "applies to meshes and clouds; corners of a curve stay sharp")?;
     }
+    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
+    check_operator(&input.shape, &operator, global)?;
     // Positions are denoised by their normals; the operator has a part in borders and regions alone.
     if args.border.is_none() && args.region.is_empty() {
         global
             .given
             .refuse(&OPERATOR_OPTIONS, "applies to a field (--signal), to --border and to --region")?;
     }
-    let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
-    check_operator(&input.shape, &operator, global)?;
     let weld = operator.weld;
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))

@@ -65,8 +65,10 @@ fn check_task(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> 
     if !(1..=MOST_RUNS).contains(&args.runs) {
         return Err(CliError::Input(format!("--runs must be in 1..={MOST_RUNS}, got {}", args.runs)));
     }
-    if let Some(percent) = args.percents.iter().find(|p| !(p.is_finite() && **p > 0.0)) {
-        return Err(CliError::Input(format!("--percent must be finite and above 0, got {percent}")));
+    if let Some(percent) = args.percents.iter().find(|p| !(p.is_finite() && **p >= 0.0)) {
+        return Err(CliError::Input(format!(
+            "--percent must be a finite noise of at least 0 % of the mean edge, got {percent}"
+        )));
     }
     Ok(())
 }
