@@ -107,6 +107,9 @@ impl Default for Params {
 /// Largest number of neighbors; more make rows that do not fit into a tile.
 const MAX_NEIGHBORS: usize = 200;
 
+/// Largest magnitude of a gain, so that squares of lengths stay finite.
+const MAX_GAIN: f64 = 1e50;
+
 /// Largest number of fields: a LAS record has at most 65 535 bytes, and a VLR of that size describes fields by 192 bytes each.
 const MAX_FIELDS: usize = 300;
 
@@ -127,8 +130,8 @@ impl Params {
                 self.gains.len()
             ));
         }
-        if let Some(gain) = self.gains.iter().find(|gain| !gain.is_finite()) {
-            return input(format!("gains must be finite, got {gain}"));
+        if let Some(gain) = self.gains.iter().find(|gain| !(gain.is_finite() && gain.abs() <= MAX_GAIN)) {
+            return input(format!("gains must be finite, at most {MAX_GAIN:e} in magnitude, got {gain:?}"));
         }
         let mut bands = self.magnitudes.iter().chain(&self.vectors);
         if let Some(band) = bands.find(|band| !(1..=self.levels).contains(*band)) {

@@ -146,8 +146,8 @@ fn gzip_is_for_the_same_formats_everywhere() {
                         let is_gzip =
                             flate2::read::MultiGzDecoder::new(&packed[..]).read_to_end(&mut text).is_ok();
                         let path = Path::new(&plain);
-                        let has_command =
-                            ["vtp", "vtu", "glb", "gltf", "las", "laz", "vtk"].contains(&extension.as_str());
+                        let has_command = ["vtp", "vtu", "glb", "vrm", "gltf", "las", "laz", "vtk"]
+                            .contains(&extension.as_str());
                         let is_same = has_command || stable_bytes(path, text) == stable_bytes(path, bytes);
                         faults.expect(is_gzip && is_same, || {
                             format!("{}: other bytes than without .gz", run.line)

@@ -316,7 +316,7 @@ fn format_status(status: &Status) -> String {
             );
             format!("{}\n", text.trim_end_matches(", "))
         }
-        None if *n_runs > 0 => format!("not sorted; {runs_done} of {n_runs} runs\n"),
+        None if *n_runs > 0 => format!("not sorted; {runs_done} of {}\n", count(*n_runs, "run", "runs")),
         None => "not sorted\n".to_owned(),
     }
 }
