@@ -22,6 +22,7 @@ pub enum HeapUse {
 }
 
 /// Context of one run.
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Clone, Copy)]
 pub(crate) struct Global<'a> {
     /// Print one JSON object instead of text.
