@@ -1,10 +1,11 @@
 //! Division of a picture into shape, color bar and caption.
 
 use crate::camera::Rect;
-use crate::color_bar::{Bar, ticks};
+use crate::color_bar::Bar;
 use crate::color_range::ColorScale;
 use crate::params::{ColorBar, RenderParams};
 use crate::text;
+use crate::ticks::Ticks;
 
 /// Font size in a picture whose shorter side is [`USUAL_SIDE`], in pixels.
 const LETTERS: f64 = 22.0;
@@ -78,14 +79,15 @@ impl Layout {
 
 /// Color bar at the right border of `width` × `height` pixels; `None` if it would leave no room for the shape.
 pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height: f64) -> Option<Bar> {
-    let marks = ticks(scale.low, scale.high);
+    let ticks = Ticks::new(scale.low, scale.high);
     let letters = size as f32;
-    let numbers = marks.iter().map(|m| f64::from(text::width(&m.1, letters))).fold(0.0, f64::max);
+    let numbers = ticks.marks.iter().map(|m| f64::from(text::width(&m.1, letters))).fold(0.0, f64::max);
     let (thick, gap) = (0.9 * size, 0.4 * size);
     let most = MAX_FOR_BAR * width;
     let label = text::shorten(label, letters, (most - size) as f32);
     let beside = thick + 2.0 * gap + numbers;
-    let needed = beside.max(f64::from(text::width(&label, letters))) + size;
+    let offset = ticks.offset.as_deref().map_or(0.0, |offset| f64::from(text::width(offset, letters)));
+    let needed = beside.max(f64::from(text::width(&label, letters))).max(offset) + size;
     if needed > most {
         return None;
     }
@@ -99,6 +101,6 @@ pub(crate) fn bar(scale: &ColorScale, label: &str, size: f64, width: f64, height
         gap,
         size: letters,
         label,
-        marks,
+        ticks,
     })
 }

@@ -3,7 +3,7 @@
 //! [`render`] draws one [`Surface`], [`grid`] draws several on one sheet. The stages of a picture are: normals of the
 //! shape's corners (`normals`) or discs for a cloud (`splats`); a curve is drawn as tubes (`tubes`); framing by the camera (`camera`), a z-buffer that
 //! finds the primitive of each sample (`raster`), lighting and colors (`scene`, `shade`), darkening of enclosed
-//! regions (`occlusion`), and finally color bar and text (`color_bar`, `text`).
+//! regions (`occlusion`), and finally color bar and text (`color_bar`, `ticks`, `text`).
 
 mod camera;
 mod color_bar;
@@ -28,6 +28,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod text;
+mod ticks;
 mod tubes;
 mod up;
 mod vector;

@@ -137,6 +137,23 @@ pub(crate) fn short(value: f64) -> String {
     text.replacen('-', "−", usize::from(value < 0.0))
 }
 
+/// Formats an end of a range of length `span`: as [`short`], with the digits that tell a hundredth of the span apart.
+pub(crate) fn range_end(value: f64, span: f64) -> String {
+    let decimals = 2.0 - span.log10().floor();
+    // Three digits of the value are enough unless its range is narrower than that.
+    let is_narrow = value.abs() >= 1e3 * span && span > 0.0;
+    if is_narrow && decimals <= 12.0 && value.abs() < 1e15 {
+        let text = format!("{value:.*}", decimals.max(0.0) as usize);
+        return text.replacen('-', "−", usize::from(value < 0.0));
+    }
+    if is_narrow {
+        let digits = (value.abs().log10().floor() - span.log10().floor() + 2.0).clamp(2.0, 16.0);
+        let text = format!("{value:.*e}", digits as usize);
+        return text.replacen('-', "−", usize::from(value < 0.0));
+    }
+    short(value)
+}
+
 /// Formats a count in groups of three digits, separated by narrow spaces.
 pub(crate) fn grouped(count: usize) -> String {
     let text = count.to_string();
@@ -166,6 +183,22 @@ mod tests {
     fn short_numbers_have_three_digits_at_most() {
         let texts = [0.0, -0.075, 1344.9, 120.0, 3.118e-7, 12345.0, -2e-9].map(short);
         assert_eq!(texts, ["0", "−0.075", "1345", "120", "3.12e-7", "12345", "−2.00e-9"]);
+    }
+
+    #[test]
+    fn ends_of_a_range_tell_its_hundredths_apart() {
+        let ends = |low: f64, high: f64| [low, high].map(|value| range_end(value, high - low));
+        assert_eq!(ends(1e6, 1e6 + 1.0), ["1000000.00", "1000001.00"]);
+        assert_eq!(ends(0.0, 1.0), ["0", "1"]);
+        assert_eq!(ends(-2.5e-7, 2.5e-7), ["−2.50e-7", "2.50e-7"]);
+        assert_eq!(ends(-1e6 - 50.0, -1e6), ["−1000050.0", "−1000000.0"]);
+        for size in [1e-9, 0.3, 17.0, 4e5, 6e12] {
+            for narrow in [1e-3, 1e-5, 1e-7] {
+                let (low, high) = (size, size * (1.0 + narrow));
+                let [first, last] = ends(low, high).map(|text| text.parse::<f64>().unwrap());
+                assert!((last - first - (high - low)).abs() <= 0.02 * (high - low), "{low:e}, {high:e}");
+            }
+        }
     }
 
     #[test]

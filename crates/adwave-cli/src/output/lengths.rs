@@ -22,14 +22,16 @@ pub(crate) fn fwhm_json(sigma: &[f64], diagonal: f64) -> Value {
     if diagonal > 0.0 { sigma.iter().map(|sigma| FWHM * sigma).collect() } else { Value::Null }
 }
 
+/// A coordinate with four digits of the `diagonal` of the whole shape, however far from 0 that lies.
+pub(crate) fn coordinate_text(c: f64, diagonal: f64) -> String {
+    let decimals = if diagonal > 0.0 { 3.0 - diagonal.log10().floor() } else { 3.0 };
+    let is_plain = c.abs() < 1e9 && decimals <= 9.0;
+    if is_plain { format!("{c:.*}", decimals.max(0.0) as usize) } else { number(c) }
+}
+
 /// The corners of a box, with four digits of the `diagonal` of the whole shape.
 pub(crate) fn bounds_text(bounds: &Bounds, diagonal: f64) -> String {
-    let decimals = if diagonal > 0.0 { 3.0 - diagonal.log10().floor() } else { 3.0 };
-    let coordinate = |c: f64| {
-        let is_plain = c.abs() < 1e9 && decimals <= 9.0;
-        if is_plain { format!("{c:.*}", decimals.max(0.0) as usize) } else { number(c) }
-    };
-    let corner = |p: [f64; 3]| p.map(coordinate).join(" ");
+    let corner = |p: [f64; 3]| p.map(|c| coordinate_text(c, diagonal)).join(" ");
     format!("{} to {}", corner(bounds.0), corner(bounds.1))
 }
 

@@ -2,7 +2,7 @@
 
 use super::Viewpoint;
 use crate::page::{Figure, Image, Legend};
-use crate::table::short;
+use crate::table::range_end;
 use adwave::shape::{Shape, triangulate};
 use adwave::{Cancelled, Progress};
 use adwave_render::{
@@ -143,7 +143,7 @@ impl FieldLook {
         let Scale { low, high, map } = self.scale;
         let end = |value: f64, beyond: bool, sign: &str| {
             let sign = if beyond { sign } else { "" };
-            format!("{sign}{}", short(value))
+            format!("{sign}{}", range_end(value, high - low))
         };
         Legend::Bar {
             label: self.label.clone(),
