@@ -1,6 +1,6 @@
 //! Health of a shape as JSON.
 
-use adwave::shape::{Health, Shape};
+use adwave::shape::{Health, NormalCheck, NormalSigns, Shape};
 use serde_json::{Value, json};
 
 /// `mesh`, `cloud` or `graph`.
@@ -10,6 +10,19 @@ pub(crate) fn kind_name(shape: &Shape) -> &'static str {
         Shape::Cloud(_) => "cloud",
         Shape::Graph(_) => "graph",
     }
+}
+
+/// Check of the given normals of a cloud.
+pub(crate) fn given_normals_json(check: &NormalCheck) -> Value {
+    let signs = match check.signs {
+        NormalSigns::AsGiven => "as given",
+        NormalSigns::Repaired => "repaired",
+        _ => "unoriented",
+    };
+    json!({
+        "signs": signs, "agreement": check.agreement, "turned": check.n_turned, "parts": check.n_parts,
+        "inward_parts": check.n_inward,
+    })
 }
 
 /// All counts of a shape's health.

@@ -17,7 +17,8 @@ pub(crate) use files::{
     check_writable, clone_for_output, has_extension, make_folder, output_format, release_source,
     without_gzip, write_file, write_file_with, write_shape,
 };
-pub(crate) use lengths::{bounds_json, bounds_text, fwhm_json, fwhm_text, percent_of};
+pub(crate) use health::given_normals_json;
+pub(crate) use lengths::{bounds_json, bounds_text, coordinate_text, fwhm_json, fwhm_text, percent_of};
 pub(crate) use number::{count, number, steps_json, steps_text};
 pub(crate) use print::{
     command_line, note, peak_memory, plain_text, print, print_bytes, print_remarks, table, tell,

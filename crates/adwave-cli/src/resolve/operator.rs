@@ -69,8 +69,8 @@ pub(crate) fn prepare(
     Ok(decomposer)
 }
 
-/// Prints notes on placeholders and strays, with their rows in the file, and on vertices that were welded although their positions
-/// differ.
+/// Prints notes on placeholders and strays, with their rows in the file, on vertices that were welded although their positions
+/// differ, and on given normals whose signs are not what they seem.
 pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global: &Global<'_>) {
     if let Some(seams) = geometry.seams() {
         let text = format!(
@@ -87,6 +87,9 @@ pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global:
         if let Some(text) = describe_outsiders(&outsiders, role) {
             note(global, &text);
         }
+    }
+    if let Some(text) = geometry.given_normals().and_then(|given| given.check.describe()) {
+        note(global, &text);
     }
 }
 

@@ -4,11 +4,11 @@ use super::curve::{WeldedCurve, weld_curve};
 use super::order::reverse_cuthill_mckee;
 use super::participation::{Participation, STRAY_NEIGHBORS};
 use super::seams::{SeamMatches, is_open, match_seams};
-use super::sheets::{are_sheets_apart, nearest_on_sheet, welded_normals};
+use super::sheets::nearest_on_sheet;
 use super::triangulate::try_triangulate;
 use super::{
-    Adjacency, FaceIncidence, Graph, Mesh, Neighborhoods, PointCloud, Polygons, SeamWeld, Shape, VertexMap,
-    VertexRole, WeldMode, enclosed_face_volume, face_ring, total_face_area,
+    Adjacency, FaceIncidence, GivenNormals, Graph, Mesh, Neighborhoods, PointCloud, Polygons, SeamWeld,
+    Shape, VertexMap, VertexRole, WeldMode, enclosed_face_volume, face_ring, total_face_area, welded_normals,
 };
 use crate::{Cancelled, Progress, parallel};
 use std::borrow::Cow;
@@ -40,8 +40,8 @@ pub struct PreparedGeometry {
     near: Arc<Mutex<Option<Neighborhoods>>>,
     /// Neighbors along a curve; `None` for other shapes.
     curve: Option<Arc<Adjacency>>,
-    /// Normals that separate sheets of a cloud; `None` if they separate nothing.
-    sheet_normals: Option<Arc<Vec<[f64; 3]>>>,
+    /// Given normals of the points of a cloud, with the signs that they were found to have.
+    given_normals: Option<Arc<GivenNormals>>,
     weld_mode: WeldMode,
     /// Vertices at different positions that were welded.
     seams: Option<SeamWeld>,
@@ -111,14 +111,15 @@ impl PreparedGeometry {
             None => Some(try_triangulate(&positions, &faces, progress, |_, corners| corners)?),
         };
         progress.step(STAGES, STAGES)?;
-        let sheet_normals = match (given, &near) {
+        let given_normals = match (given, &near) {
             (Some(normals), Some(near)) => {
-                let normals = welded_normals(normals, &vertex_map);
-                are_sheets_apart(&positions, &normals, near).then(|| Arc::new(normals))
+                let welded = vertex_map.as_slice();
+                let normals = welded_normals(normals.iter().copied(), welded, positions.len());
+                GivenNormals::new(&positions, near, &normals, progress)?.map(Arc::new)
             }
             _ => None,
         };
-        let near = near.filter(|_| sheet_normals.is_none());
+        let near = near.filter(|_| !given_normals.as_ref().is_some_and(|given| given.are_sheets_apart));
         Ok(Self {
             vertex_map,
             points: Arc::new(positions),
@@ -126,7 +127,7 @@ impl PreparedGeometry {
             triangles: triangles.map(Arc::new),
             participation: Arc::new(participation),
             near: Arc::new(Mutex::new(near)),
-            sheet_normals,
+            given_normals,
             seams,
             ..Self::empty(shape, weld_mode)
         })
@@ -181,7 +182,7 @@ impl PreparedGeometry {
             participation: Arc::default(),
             near: Arc::default(),
             curve: None,
-            sheet_normals: None,
+            given_normals: None,
             weld_mode,
             seams: None,
         }
@@ -201,7 +202,7 @@ impl PreparedGeometry {
             triangles: None,
             participation: Arc::default(),
             near: Arc::default(),
-            sheet_normals: None,
+            given_normals: None,
             weld_mode: WeldMode::Off,
             seams: None,
         }
@@ -362,22 +363,29 @@ impl PreparedGeometry {
                 return Ok(near);
             }
         }
-        match &self.sheet_normals {
-            Some(normals) => nearest_on_sheet(points, normals, &self.participation, k, progress),
-            None => self.participation.nearest(points, k, progress),
+        match &self.given_normals {
+            Some(given) if given.are_sheets_apart => {
+                nearest_on_sheet(points, &given.normals, &self.participation, k, progress)
+            }
+            _ => self.participation.nearest(points, k, progress),
         }
     }
 
     /// Keeps the [`STRAY_NEIGHBORS`] nearest neighbors for the next one that asks for them.
     pub(crate) fn keep_nearest(&self, near: Neighborhoods) {
-        if let (None, Ok(mut known)) = (&self.sheet_normals, self.near.lock()) {
+        if let (false, Ok(mut known)) = (self.has_separate_sheets(), self.near.lock()) {
             *known = Some(near);
         }
     }
 
     /// True if the given normals of a cloud separate sheets: points with opposite normals are not neighbors.
     pub fn has_separate_sheets(&self) -> bool {
-        self.sheet_normals.is_some()
+        self.given_normals.as_ref().is_some_and(|given| given.are_sheets_apart)
+    }
+
+    /// Given normals of the welded points of a cloud, checked and with consistent signs; `None` if the shape has none.
+    pub fn given_normals(&self) -> Option<&GivenNormals> {
+        self.given_normals.as_deref()
     }
 
     /// The faces at each welded vertex.

@@ -3,14 +3,14 @@
 //! A wall scanned from both sides, a leaf or a page has two surfaces whose points are each other's nearest. With
 //! normals that point away from the material, or into it, neighbors on the other surface have the opposite normal.
 
-use super::{Neighborhoods, Participation, VertexMap, distance};
+use super::{Neighborhoods, Participation, distance};
 use crate::rows::Pattern;
-use crate::vector::{dot, subtract, unit};
+use crate::vector::{dot, subtract};
 use crate::{Cancelled, Progress, parallel};
 
 /// Cosine of two normals below which they belong to different sheets: a turn of more than 120°, which the edges of
 /// solids do not have.
-const OPPOSITE: f64 = -0.5;
+pub(super) const OPPOSITE: f64 = -0.5;
 
 /// Cosine of two normals above which they belong to one sheet.
 const ALIKE: f64 = 0.5;
@@ -25,19 +25,6 @@ const SEARCHED: usize = 4;
 
 /// Relative difference of distances that counts as equal, as in [`nearest_neighbors`](super::nearest_neighbors).
 const TIE: f64 = 1e-9;
-
-/// Unit normals of the welded points, zero where a point has none; `normals` are those of the points of the file.
-pub(super) fn welded_normals(normals: &[[f64; 3]], map: &VertexMap) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; map.n_welded()];
-    for (normal, &x) in normals.iter().zip(map.as_slice()) {
-        let size = normal.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-        if normal.iter().all(|c| c.is_finite()) && size > 0.0 {
-            let normal = unit(&normal.map(|c| c / size)).unwrap_or_default();
-            (0..3).for_each(|c| sums[x as usize][c] += normal[c]);
-        }
-    }
-    sums.iter().map(|sum| unit(sum).unwrap_or_default()).collect()
-}
 
 /// True if neighbors with opposite normals lie on other sheets: lines to them are steeper against their planes than
 /// lines to neighbors with similar normals. False if no neighbors are opposite, or if normals have arbitrary signs.

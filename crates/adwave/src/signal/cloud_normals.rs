@@ -1,7 +1,7 @@
 //! Consistently oriented normals of a point cloud.
 
-use super::orientation::orient;
 use crate::parallel::{self, expect_not_cancelled};
+use crate::shape::orientation::orient;
 use crate::shape::{Adjacency, Neighborhoods};
 use crate::signal::TangentFrame;
 use crate::{Cancelled, Progress};

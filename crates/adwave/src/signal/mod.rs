@@ -11,10 +11,10 @@ mod degree;
 mod luminance;
 mod mesh_curvature;
 mod moved_normals;
-mod orientation;
 mod outward;
 mod quadric;
 
+pub use crate::shape::orientation::{PointWithNormal, SideStep, side_step};
 pub use close_sheets::{CloseSheets, close_sheets, find_close_sheets};
 pub(crate) use cloud_normals::cloud_border;
 pub(crate) use cloud_normals::{aligned_normals, try_cloud_normals};
@@ -27,7 +27,6 @@ use mesh_curvature::try_mesh_curvature;
 pub use moved_normals::{
     MovedPoints, StoredNormals, moved_cloud_normals, moved_corner_normals, moved_tangent,
 };
-pub use orientation::{PointWithNormal, SideStep, side_step};
 pub use outward::{OutwardError, OutwardInfo, OutwardNormals, outward_normals};
 pub use quadric::cloud_curvature;
 use quadric::try_cloud_curvature;

@@ -3,7 +3,7 @@
 use super::FIT_NEIGHBORS;
 use super::cloud_normals::{POINTS_AT_A_TIME, plane_normal};
 use crate::parallel;
-use crate::shape::{Polygons, try_nearest_neighbors};
+use crate::shape::{GivenNormals, NormalSigns, Polygons, try_nearest_neighbors};
 use crate::vector::{Vector, add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress};
 
@@ -200,7 +200,8 @@ fn face_areas(
 /// Normals of the points of a cloud after they have moved: those of the planes that fit the neighbors of each point
 /// best, on the side of the old normal. O(n k log n).
 ///
-/// A neighbor whose old normal points to the opposite side lies on another sheet and is left out. Where neither a point nor one
+/// A neighbor whose old normal points to the opposite side lies on another sheet and is left out; if the old normals are
+/// not oriented ([`GivenNormals`]), sides are those after orienting them. Where neither a point nor one
 /// of its neighbors moved, where its old normal is zero or NaN, and where fewer than three neighbors remain, the old normal is
 /// returned bit for bit.
 ///
@@ -222,6 +223,12 @@ pub fn moved_cloud_normals(
         .collect();
     let after: Vec<[f64; 3]> = finite.iter().map(|&v| points.after[v as usize]).collect();
     let near = try_nearest_neighbors(&after, FIT_NEIGHBORS, progress)?;
+    let own: Vec<[f64; 3]> = finite.iter().map(|&v| normals[v as usize]).collect();
+    // Arbitrary signs do not tell sheets apart.
+    let sides = match GivenNormals::new(&after, &near, &own, progress)? {
+        Some(given) if given.check.signs != NormalSigns::AsGiven => given.normals,
+        _ => own,
+    };
     let mut fitted = vec![[0.0; 3]; after.len()];
     parallel::try_visit_rows(&mut fitted, 1, POINTS_AT_A_TIME, progress, |first, fitted: &mut [Vector]| {
         let mut same_side = Vec::new();
@@ -234,7 +241,7 @@ pub fn moved_cloud_normals(
                 continue;
             }
             same_side.clear();
-            same_side.extend(row.iter().filter(|&&y| dot(&normals[finite[y as usize] as usize], &old) > 0.0));
+            same_side.extend(row.iter().filter(|&&y| dot(&sides[y as usize], &sides[x]) > 0.0));
             if same_side.len() < PLANE_NEIGHBORS {
                 continue;
             }

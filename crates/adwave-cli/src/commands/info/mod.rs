@@ -10,8 +10,8 @@ use crate::global::Global;
 use crate::output::health::{health_json, kind_name};
 use crate::output::provenance::{provenance_json, provenance_text};
 use crate::output::{
-    bounds_json, bounds_text, count, fwhm_json, fwhm_text, number, percent_of, print, steps_json, steps_text,
-    table,
+    bounds_json, bounds_text, count, fwhm_json, fwhm_text, given_normals_json, number, percent_of, print,
+    steps_json, steps_text, table,
 };
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
@@ -163,6 +163,7 @@ impl ShapeFacts {
             "extent": diagonal,
             "outsiders": outsiders_json(decomposer, input),
             "seams": decomposer.geometry().seams(),
+            "given_normals": decomposer.geometry().given_normals().map(|given| given_normals_json(&given.check)),
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
             })),

@@ -2,24 +2,23 @@
 
 use super::vote::Vote;
 use super::{OutwardInfo, OutwardNormals};
-use crate::shape::{Adjacency, PreparedGeometry};
-use crate::signal::{FIT_NEIGHBORS, try_cloud_normals};
+use crate::shape::{Adjacency, GivenNormals, Neighborhoods, NormalSigns, PreparedGeometry};
+use crate::signal::try_cloud_normals;
 use crate::{Cancelled, Progress};
 
-/// Normals of the file, or normals propagated from point to point.
+/// Given normals where neighbors agree on the side, else normals propagated from point to point.
 pub(super) fn normals(
     points: &[[f64; 3]],
+    near: &Neighborhoods,
     geometry: &PreparedGeometry,
-    file: Option<&[[f64; 3]]>,
+    given: Option<&GivenNormals>,
     progress: Progress<'_>,
 ) -> Result<OutwardNormals, Cancelled> {
-    let near = geometry.nearest(points, FIT_NEIGHBORS, progress)?;
-    let is_known = |normals: &&[[f64; 3]]| normals.iter().any(|n| *n != [0.0; 3]);
-    let file = file.filter(is_known);
-    let mut normals = match file {
-        Some(normals) => normals.to_vec(),
-        None => try_cloud_normals(points, &near, progress)?,
+    let mut normals = match given {
+        Some(given) => given.normals.clone(),
+        None => try_cloud_normals(points, near, progress)?,
     };
+    let is_by_file = given.is_some_and(|given| given.check.signs != NormalSigns::Unoriented);
     let parts = parts(&near.adjacency.union_with_transpose(progress)?, progress)?;
     let mut info = OutwardInfo {
         n_parts: parts.len(),
@@ -30,9 +29,10 @@ pub(super) fn normals(
         n_without: 0,
         n_turned: 0,
         without: 0.0,
+        given: given.map(|given| given.check),
     };
     for part in &parts {
-        if file.is_some() {
+        if is_by_file {
             info.n_by_file += 1;
             continue;
         }

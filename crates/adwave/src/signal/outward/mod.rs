@@ -4,8 +4,10 @@ mod cloud;
 mod patches;
 mod vote;
 
-use crate::shape::{PreparedGeometry, Shape};
+use super::FIT_NEIGHBORS;
+use crate::shape::{GivenNormals, NormalCheck, NormalSigns, PreparedGeometry, Shape, welded_normals};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
+use std::borrow::Cow;
 use thiserror::Error;
 
 /// Share of the area without an outside beyond which a shape counts as having none.
@@ -41,6 +43,8 @@ pub struct OutwardInfo {
     pub n_turned: usize,
     /// Share of the area (of the points of a cloud) without an outside, in [0, 1].
     pub without: f64,
+    /// Check of the given normals of a cloud; `None` for a mesh and without normals.
+    pub given: Option<NormalCheck>,
 }
 
 impl OutwardInfo {
@@ -85,7 +89,24 @@ impl OutwardInfo {
             1 => "; 1 triangle turned over".to_owned(),
             n => format!("; {n} triangles turned over"),
         };
-        format!("outside {}{turned}", used.join(", "))
+        format!("outside {}{turned}{}", used.join(", "), self.given_words())
+    }
+}
+
+impl OutwardInfo {
+    /// What is special about the given normals of a cloud; empty if nothing is.
+    fn given_words(&self) -> String {
+        let Some(given) = self.given else { return String::new() };
+        let signs = match given.signs {
+            NormalSigns::AsGiven => String::new(),
+            NormalSigns::Repaired => format!(", {} of them turned over", given.n_turned),
+            NormalSigns::Unoriented => ", as the file's normals are not oriented".to_owned(),
+        };
+        let inward = match given.n_inward {
+            0 => "",
+            _ => "; they point inward, so convex and concave are exchanged",
+        };
+        signs + inward
     }
 }
 
@@ -133,8 +154,9 @@ impl ClassifiedError for OutwardError {
 /// Otherwise the part keeps the orientation of its triangles if they agree. A normal is the area-weighted mean of
 /// the triangle normals.
 ///
-/// *Cloud.* The normals of the file, or those of [`cloud_normals`](super::cloud_normals); a part without thickness,
-/// or the same from both sides, has no outside.
+/// *Cloud.* The normals of the file where neighbors agree on the side ([`GivenNormals`]); else those of
+/// [`cloud_normals`](super::cloud_normals), or the axes of the file oriented in the same way. A part of these that has
+/// no thickness, or is the same from both sides, has no outside.
 ///
 /// A part that is one-sided (a Möbius strip), flat, or the same from both sides has no outside; see
 /// [`OutwardInfo::without`].
@@ -152,34 +174,25 @@ pub fn outward_normals(
     {
         return Err(OutwardError::WrongLength { n_normals: normals.len() / 3, n_vertices: map.n_vertices() });
     }
-    let file = file.map(|normals| welded(geometry, normals));
+    let welded = |normals: &[f64]| {
+        let rows = normals.as_chunks().0.iter().copied();
+        welded_normals(rows, map.as_slice(), map.n_welded())
+    };
     let (points, _) = geometry.unit_points(progress)?;
     Ok(match geometry.shape() {
-        Shape::Mesh(_) => patches::normals(&points, geometry, file.as_deref(), progress)?,
-        Shape::Cloud(_) => cloud::normals(&points, geometry, file.as_deref(), progress)?,
+        Shape::Mesh(_) => patches::normals(&points, geometry, file.map(welded).as_deref(), progress)?,
+        Shape::Cloud(cloud) => {
+            let is_known = |file: &[f64]| cloud.normals().is_some_and(|own| own.as_flattened() == file);
+            let near = geometry.nearest(&points, FIT_NEIGHBORS, progress)?;
+            let given = match file {
+                Some(file) if is_known(file) => geometry.given_normals().map(Cow::Borrowed),
+                Some(file) => GivenNormals::new(&points, &near, &welded(file), progress)?.map(Cow::Owned),
+                None => None,
+            };
+            cloud::normals(&points, &near, geometry, given.as_deref(), progress)?
+        }
         Shape::Graph(_) => return Err(OutwardError::NoPositions),
     })
-}
-
-/// The file's normals at the welded vertices as unit vectors; zero if there is none.
-fn welded(geometry: &PreparedGeometry, normals: &[f64]) -> Vec<[f64; 3]> {
-    let mut sum = vec![[0.0; 3]; geometry.n_vertices()];
-    for (normal, &x) in normals.chunks_exact(3).zip(geometry.vertex_map().as_slice()) {
-        let unit = unit([normal[0], normal[1], normal[2]]);
-        for (s, n) in sum[x as usize].iter_mut().zip(unit) {
-            *s += n;
-        }
-    }
-    sum.into_iter().map(unit).collect()
-}
-
-/// Unit vector of a vector of any length; zero if it has no direction.
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let size = v.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-    if !(size.is_finite() && size > 0.0 && v.iter().all(|c| c.is_finite())) {
-        return [0.0; 3];
-    }
-    crate::vector::unit(&v.map(|c| c / size)).unwrap_or_default()
 }
 
 #[cfg(test)]

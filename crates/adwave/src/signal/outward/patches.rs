@@ -43,6 +43,7 @@ pub(super) fn normals(
         n_without: 0,
         n_turned: 0,
         without: 0.0,
+        given: None,
     };
     let mut has_side = vec![true; triangles.len()];
     for patch in &patches {

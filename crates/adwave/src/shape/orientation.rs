@@ -1,11 +1,13 @@
 //! Orientation of the normals of a cloud to one side of its surface, the outer one if there is one.
 
-use super::cloud_normals::POINTS_AT_A_TIME;
-use crate::shape::Adjacency;
+use super::Adjacency;
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+
+/// Number of points that join a tree between two checks for cancellation.
+const POINTS_AT_A_TIME: usize = 1 << 10;
 
 /// Cost of a step between points one of which has no normal: after all other steps.
 const BLIND: f64 = 8.0;
@@ -17,10 +19,14 @@ const FAR: f64 = 3.0;
 /// a terrain a few hundredths.
 const ENCLOSED: f64 = 0.1;
 
+/// Share of the area in the sum of the normals up to which a part counts as closed, and share of the possible volume that it
+/// encloses at least.
+const CLOSED: f64 = 0.1;
+
 /// Orients the unit `normals` of `points` consistently along a spanning tree of each connected part of `near`, and
 /// each part outwards. `radius` is the distance of each point's furthest neighbor, which gives the size of its
 /// disc. O(edges · log points).
-pub(super) fn orient(
+pub(crate) fn orient(
     points: &[[f64; 3]],
     near: &Adjacency,
     radius: &[f64],
@@ -47,17 +53,17 @@ pub(super) fn orient(
 const NEAR: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Relation of the normals at the two ends of an edge.
-struct EdgeOrientation {
+pub(super) struct EdgeOrientation {
     /// Cosine between the normal there and the reflection, in the half-way plane, of the normal here: ±1 if both
     /// are normals of one circle.
-    alike: f64,
+    pub(super) alike: f64,
     /// Mean squared cosine between the edge and the two normals: 0 along the surface, 1 across it.
-    across: f64,
+    pub(super) across: f64,
     length: f64,
 }
 
 impl EdgeOrientation {
-    fn new([p, q]: [&[f64; 3]; 2], [n, m]: [&Vector3<f64>; 2]) -> Self {
+    pub(super) fn new([p, q]: [&[f64; 3]; 2], [n, m]: [&Vector3<f64>; 2]) -> Self {
         let way = Vector3::from(*q) - Vector3::from(*p);
         let along = way.try_normalize(0.0).unwrap_or_default();
         let (here, there) = (n.dot(&along), m.dot(&along));
@@ -99,7 +105,7 @@ pub struct PointWithNormal {
     pub radius: f64,
 }
 
-/// Step of the spanning tree of [`cloud_normals`](super::cloud_normals) between two points.
+/// Step of the spanning tree of `cloud_normals` between two points.
 ///
 /// ```
 /// use adwave::signal::{PointWithNormal, side_step};
@@ -178,23 +184,52 @@ impl SpanningTree<'_> {
     }
 }
 
+/// Sums over the discs of a part with consistent normals, from which its outside follows.
+pub(super) struct Enclosure {
+    /// Volume of the cones from the center: Σ A n·(x − c).
+    volume: f64,
+    /// Largest volume that the discs may enclose: Σ A |x − c|.
+    moment: f64,
+    area: f64,
+    /// Σ A n: 0 on a closed surface, and as long as `area` on a flat one.
+    sum: Vector3<f64>,
+}
+
+impl Enclosure {
+    /// Sums over the points of `part`; `normals` and `radius` are those of all points.
+    pub(super) fn new(points: &[[f64; 3]], radius: &[f64], part: &[u32], normals: &[Vector3<f64>]) -> Self {
+        let position = |x: usize| Vector3::from(points[x]);
+        let center = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();
+        let mut this = Self { volume: 0.0, moment: 0.0, area: 0.0, sum: Vector3::zeros() };
+        // Relative lengths, whose products neither overflow nor underflow.
+        let positive = |size: f64| if size > 0.0 { size } else { 1.0 };
+        let reach = positive(part.iter().map(|&x| radius[x as usize]).fold(0.0, f64::max));
+        let size = positive(part.iter().map(|&x| (position(x as usize) - center).amax()).fold(0.0, f64::max));
+        for x in part.iter().map(|&x| x as usize).filter(|&x| normals[x] != Vector3::zeros()) {
+            let (disc, offset) = ((radius[x] / reach).powi(2), (position(x) - center) / size);
+            this.volume += disc * normals[x].dot(&offset);
+            this.moment += disc * offset.norm();
+            this.area += disc;
+            this.sum += disc * normals[x];
+        }
+        this
+    }
+
+    /// True if the normals point into the volume of a surface that is closed beyond doubt.
+    pub(super) fn is_inward(&self) -> bool {
+        self.sum.norm() <= CLOSED * self.area && self.volume < -CLOSED * self.moment
+    }
+
+    /// True if the normals point outwards, or, where no volume is enclosed, along the positive side of their dominant axis.
+    fn is_outward(&self) -> bool {
+        let encloses = self.volume.abs() * self.area > ENCLOSED * self.moment * self.sum.norm();
+        (if encloses { self.volume } else { self.sum[self.sum.iamax()] }) >= 0.0
+    }
+}
+
 /// Orients a part with consistent normals outwards.
 fn turn_outwards(points: &[[f64; 3]], radius: &[f64], part: &[u32], normals: &mut [Vector3<f64>]) {
-    let position = |x: usize| Vector3::from(points[x]);
-    let center = part.iter().map(|&x| position(x as usize) / part.len() as f64).sum::<Vector3<f64>>();
-    let (mut volume, mut moment, mut area) = (0.0, 0.0, 0.0);
-    let mut sum = Vector3::zeros();
-    for x in part.iter().map(|&x| x as usize).filter(|&x| normals[x] != Vector3::zeros()) {
-        let (disc, offset) = (radius[x] * radius[x], position(x) - center);
-        volume += disc * normals[x].dot(&offset);
-        moment += disc * offset.norm();
-        area += disc;
-        sum += disc * normals[x];
-    }
-    // |Σ A n| is 0 on a closed surface and Σ A on a flat one.
-    let is_closed_enough = volume.abs() * area > ENCLOSED * moment * sum.norm();
-    let side = if is_closed_enough { volume } else { sum[sum.iamax()] };
-    if side < 0.0 {
+    if !Enclosure::new(points, radius, part, normals).is_outward() {
         for &x in part {
             normals[x as usize] = -normals[x as usize];
         }
