@@ -4,7 +4,8 @@ macro_rules! regions_help {
     () => {
         "\
 Regions have the weight 0 outside and rise smoothly to 1 inside; lengths are in model units or in % of the diagonal:
-  ball:vertex=V,radius=R[,falloff=F]        within R of a vertex along the surface (or point=X Y Z)
+  ball:vertex=V,radius=R[,falloff=F]        within R of a vertex along the surface (or point=X Y Z, of which the
+                                            nearest place of the shape is taken)
   stroke:path=X Y Z;X Y Z;…,radius=R        within R of a line over the surface (or vertices=V V …)
   box:min=X Y Z,max=X Y Z[,falloff=F]       half-space:point=X Y Z,normal=X Y Z[,falloff=F]
   field:name=NAME[,low=A][,high=B]          0 where the field is A, 1 where it is B

@@ -7,15 +7,15 @@ use crate::output::progress::with_progress;
 use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, write_field};
 use crate::output::{bounds_json, bounds_text, check_writable, count, note, number, print};
 use crate::resolve::operator::{operator_for_task, prepare};
-use crate::resolve::region::{WEIGHT, region_weights, union_of_regions};
+use crate::resolve::region::{WEIGHT, note_far_points, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, load_shape};
 use adwave::Decomposer;
 use adwave::operator::OperatorTask;
-use adwave::region::Region;
+use adwave::region::{FarPoint, Region};
 use adwave::shape::bounding_box;
 use adwave_io::{Field, FieldValues};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -59,6 +59,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     let weights = with_progress(global, "measuring", |progress| {
         region_weights(&region, &input, &decomposer, progress)
     })?;
+    note_far_points(&region, &decomposer, global)?;
     let coverage = Coverage::new(&weights, &input, &decomposer);
     if coverage.n_inside == 0 {
         note(global, "no vertex is in the region; try a larger radius or another place");
@@ -75,6 +76,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
         "area_share": coverage.area_share,
         "weighted_area_share": coverage.weighted_area_share,
         "bounding_box": bounds_json(coverage.bounds),
+        "points_off_the_shape": far_json(&region, &decomposer, global)?,
     });
     if let Some(path) = &args.output {
         write(global, path, input, weights)?;
@@ -94,6 +96,14 @@ fn names_field(region: &Region) -> bool {
         Region::Any(regions) | Region::All(regions) => regions.iter().any(names_field),
         _ => false,
     }
+}
+
+/// Points of the region that lie off the shape.
+fn far_json(region: &Region, decomposer: &Decomposer, global: &Global<'_>) -> Result<Value, CliError> {
+    let far =
+        region.far_points(decomposer.metric(), global.progress()).map_err(|e| CliError::classify(&e))?;
+    let row = |p: &FarPoint| json!({"point": p.point, "nearest": p.nearest, "distance": p.distance});
+    Ok(far.iter().map(row).collect())
 }
 
 fn check(path: &Path) -> Result<(), CliError> {

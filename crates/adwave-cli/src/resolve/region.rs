@@ -3,6 +3,8 @@
 use super::shape::{GivenLength, Input, vertex_in_row};
 use super::signal::field_names;
 use crate::error::CliError;
+use crate::global::Global;
+use crate::output::note;
 use adwave::region::{Length, Region};
 use adwave::{Decomposer, Progress};
 use adwave_io::region_field;
@@ -43,4 +45,18 @@ pub(crate) fn region_weights(
     let weights = region.weights(decomposer.metric(), &lookup, &names, progress);
     let weights = weights.map_err(|e| CliError::classify(&e))?;
     Ok(weights.to_vertices(decomposer.geometry().vertex_map()))
+}
+
+/// Prints a note for each point of the region that lies off the shape, so that another place stands for it.
+pub(crate) fn note_far_points(
+    region: &Region,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let far =
+        region.far_points(decomposer.metric(), global.progress()).map_err(|e| CliError::classify(&e))?;
+    for point in &far {
+        note(global, &point.describe());
+    }
+    Ok(())
 }

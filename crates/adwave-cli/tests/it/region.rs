@@ -105,3 +105,23 @@ fn what_cannot_be_is_said_in_one_line() {
     assert!(String::from_utf8_lossy(&run.get_output().stderr).contains("no vertex is in the region"));
     adwave(path).args(["region", "sample:sphere"]).assert().code(2);
 }
+
+#[test]
+fn a_point_off_the_shape_is_reported_and_so_is_what_stands_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (point, distance) in [("0 0 0.1", 0.9), ("0 0 50", 49.0)] {
+        let line = format!("{SPHERE} --region 'ball:point={point},radius=0.6'");
+        adwave(path)
+            .args(common::words(&line))
+            .assert()
+            .success()
+            .stderr(predicates::str::contains("from the shape, with a radius of 0.6"));
+        let found = json(path, &line);
+        let off = &found["points_off_the_shape"][0];
+        assert!((off["distance"].as_f64().unwrap() - distance).abs() < 0.03, "{found}");
+        assert!(found["weight_above_0"].as_u64().unwrap() > 0, "the nearest place stands for the point");
+    }
+    let on = format!("{SPHERE} --region 'ball:point=0 0 1,radius=0.6'");
+    adwave(path).args(common::words(&on)).assert().success().stderr("");
+}

@@ -2,7 +2,7 @@
 
 use super::Decomposer;
 use crate::parallel;
-use crate::region::SurfaceSearch;
+use crate::region::{FrontSource, SourceExtent};
 use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
@@ -42,10 +42,14 @@ impl Decomposer {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
-        let sources: Vec<(usize, f64)> = self.border(progress)?.into_iter().map(|x| (x, 0.0)).collect();
-        let mut search = SurfaceSearch::default();
-        let ring = self.ring(progress)?;
-        search.run(&ring, self.geometry().points(), &sources, radius, progress)?;
-        Ok(search.into_distances())
+        let metric = self.metric();
+        let line = |x: usize| FrontSource { extent: SourceExtent::Line, ..metric.vertex_source(x, 0.0) };
+        let sources: Vec<FrontSource> = self.border(progress)?.into_iter().map(line).collect();
+        let within = metric.find_within(&sources, radius, progress)?;
+        let mut distances = vec![f64::INFINITY; self.geometry().n_vertices()];
+        for (&x, distance) in within.vertices.iter().zip(within.distances) {
+            distances[x as usize] = distance;
+        }
+        Ok(distances)
     }
 }

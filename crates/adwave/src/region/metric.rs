@@ -1,8 +1,10 @@
 //! Positions, neighbors and distances along a shape, by which regions are measured.
 
+use super::front::{Corners, FrontSearch, FrontSource, SourceExtent};
+use super::place::SurfacePlace;
 use super::{SurfaceSearch, stroke};
 use crate::operator::Diffusion;
-use crate::shape::{Adjacency, PreparedGeometry, squared_distance};
+use crate::shape::{Adjacency, PreparedGeometry, distance, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -25,7 +27,7 @@ impl MetricEdges {
     }
 }
 
-/// Distances along a shape, prepared for many regions.
+/// Distances along a shape, prepared for many regions: over the triangles of a mesh, along edges elsewhere.
 ///
 /// Data of the whole shape that a region needs (a search tree over the vertices, their normals, the memory of a
 /// search) are built by the first region that needs them; each further region costs what it covers.
@@ -38,7 +40,9 @@ pub struct SurfaceMetric {
     rms_length: OnceLock<f64>,
     normals: OnceLock<Vec<[f64; 3]>>,
     tree: OnceLock<VertexTree>,
+    corners: OnceLock<Corners>,
     searches: Mutex<Vec<SurfaceSearch>>,
+    front_searches: Mutex<Vec<FrontSearch>>,
 }
 
 /// Search tree over the vertices.
@@ -51,9 +55,9 @@ impl std::fmt::Debug for VertexTree {
 }
 
 /// Welded vertices within a radius, in ascending order, and their distances.
-pub(super) struct VerticesWithin {
-    pub(super) vertices: Vec<u32>,
-    pub(super) distances: Vec<f64>,
+pub(crate) struct VerticesWithin {
+    pub(crate) vertices: Vec<u32>,
+    pub(crate) distances: Vec<f64>,
 }
 
 impl SurfaceMetric {
@@ -68,7 +72,9 @@ impl SurfaceMetric {
             rms_length: OnceLock::new(),
             normals: OnceLock::new(),
             tree: OnceLock::new(),
+            corners: OnceLock::new(),
             searches: Mutex::default(),
+            front_searches: Mutex::default(),
         }
     }
 
@@ -135,6 +141,40 @@ impl SurfaceMetric {
         Ok(self.normals.get_or_init(|| normals))
     }
 
+    /// The triangles at the vertices of a mesh; `None` for a cloud or a graph.
+    pub(super) fn corners(&self, progress: Progress<'_>) -> Result<Option<&Corners>, Cancelled> {
+        let triangles = self.geometry.triangles();
+        if triangles.is_empty() {
+            return Ok(None);
+        }
+        if let Some(corners) = self.corners.get() {
+            return Ok(Some(corners));
+        }
+        // If two threads arrive here at once, one of them works in vain.
+        let corners = Corners::new(triangles, self.neighbors(), progress)?;
+        Ok(Some(self.corners.get_or_init(|| corners)))
+    }
+
+    /// Location on the shape nearest to a point, near the nearest vertex.
+    ///
+    /// # Panics
+    /// If the shape is a graph without positions.
+    pub(super) fn nearest_place(
+        &self,
+        p: &[f64; 3],
+        progress: Progress<'_>,
+    ) -> Result<SurfacePlace, Cancelled> {
+        progress.check()?;
+        let points = self.geometry.points();
+        let vertex = self.nearest(p).expect("a place has a position");
+        if let Some(corners) = self.corners(progress)? {
+            return Ok(SurfacePlace::on_mesh(p, vertex, corners, points));
+        }
+        let around = self.neighbors().row(vertex).iter();
+        let reach = around.map(|&y| distance(&points[vertex], &points[y as usize])).fold(0.0, f64::max);
+        Ok(SurfacePlace::among_points(p, vertex, reach, points))
+    }
+
     /// Vertices within `radius` of a line over the surface through the given points.
     pub(super) fn find_around_line(
         &self,
@@ -142,29 +182,60 @@ impl SurfaceMetric {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<VerticesWithin, Cancelled> {
-        let sources = stroke::sources(self, self.edges.neighbors(), self.spacing, path, progress)?;
+        let sources = stroke::sources(self, self.spacing, path, progress)?;
         self.find_within(&sources, radius, progress)
     }
 
-    /// Vertices within `radius` of the nearest of `sources` (vertex, initial distance).
-    pub(super) fn find_within(
+    /// A vertex as a source with the distance `start`.
+    pub(crate) fn vertex_source(&self, vertex: usize, start: f64) -> FrontSource {
+        let point = self.geometry.points().get(vertex).copied().unwrap_or_default();
+        FrontSource { vertex, point, start, extent: SourceExtent::Point, number: 0 }
+    }
+
+    /// Vertices within `radius` of the nearest of `sources`.
+    pub(crate) fn find_within(
         &self,
-        sources: &[(usize, f64)],
+        sources: &[FrontSource],
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<VerticesWithin, Cancelled> {
-        let mut search =
-            self.searches.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default();
         let (neighbors, points) = (self.edges.neighbors(), self.geometry.points());
-        let reached = search.run(neighbors, points, sources, radius, progress).map(<[u32]>::to_vec);
-        let within = reached.map(|mut vertices| {
-            vertices.sort_unstable();
-            let distances = vertices.iter().map(|&x| search.distance(x as usize)).collect();
-            VerticesWithin { vertices, distances }
-        });
-        if let Ok(mut kept) = self.searches.lock() {
-            kept.push(search);
+        if let Some(corners) = self.corners(progress)? {
+            let mut search = take_search(&self.front_searches);
+            let reached = search.run(corners, points, sources, radius, progress).map(<[u32]>::to_vec);
+            let within = reached.map(|reached| VerticesWithin::new(reached, |x| search.distance(x)));
+            keep_search(&self.front_searches, search);
+            return within;
         }
+        let along_edges = |source: &FrontSource| match points.get(source.vertex) {
+            Some(p) => (source.vertex, source.start + distance(p, &source.point)),
+            None => (source.vertex, source.start),
+        };
+        let sources: Vec<(usize, f64)> = sources.iter().map(along_edges).collect();
+        let mut search = take_search(&self.searches);
+        let reached = search.run(neighbors, points, &sources, radius, progress).map(<[u32]>::to_vec);
+        let within = reached.map(|reached| VerticesWithin::new(reached, |x| search.distance(x)));
+        keep_search(&self.searches, search);
         within
+    }
+}
+
+impl VerticesWithin {
+    fn new(mut vertices: Vec<u32>, distance: impl Fn(usize) -> f64) -> Self {
+        vertices.sort_unstable();
+        let distances = vertices.iter().map(|&x| distance(x as usize)).collect();
+        Self { vertices, distances }
+    }
+}
+
+/// Memory of an earlier search.
+fn take_search<S: Default>(kept: &Mutex<Vec<S>>) -> S {
+    kept.lock().map_or_else(|_| None, |mut kept| kept.pop()).unwrap_or_default()
+}
+
+/// Keeps the memory of a search for the next one.
+fn keep_search<S>(kept: &Mutex<Vec<S>>, search: S) {
+    if let Ok(mut kept) = kept.lock() {
+        kept.push(search);
     }
 }

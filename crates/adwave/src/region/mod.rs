@@ -4,13 +4,18 @@
 //! first and second derivatives vanish at both ends, so an edit has no seam at the boundary of a region.
 
 mod distance;
+mod far;
+mod front;
 mod metric;
 mod morph;
 mod parse;
+mod place;
 mod stroke;
 mod weights;
 
 pub use distance::{SurfaceSearch, surface_distance};
+pub use far::FarPoint;
+pub(crate) use front::{FrontSource, SourceExtent};
 pub use metric::{MetricEdges, SurfaceMetric};
 pub use parse::{RegionSyntaxError, parse_region};
 pub use weights::{FieldLookup, RegionWeights};
@@ -412,3 +417,6 @@ pub(crate) fn smooth_rise(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! Regions derived from the surface and from other regions: by normals, by connection, enlarged, blurred.
 
+use super::front::FrontSource;
 use super::{Length, Region, RegionError, RegionWeights, SurfaceMetric, smooth_rise, weights::welded};
 use crate::shape::Adjacency;
 use crate::{Cancelled, Progress, parallel};
@@ -88,10 +89,10 @@ pub(super) fn grow(
         }
         other => other.to_mean(metric.geometry().vertex_map()).into_iter().enumerate().collect(),
     };
-    let sources: Vec<(usize, f64)> = sources
+    let sources: Vec<FrontSource> = sources
         .into_iter()
         .filter(|(_, r)| *r > 0.0)
-        .map(|(x, r)| (x, 2.0 * by * (1.0 - depth(r))))
+        .map(|(x, r)| metric.vertex_source(x, 2.0 * by * (1.0 - depth(r))))
         .collect();
     let within = metric.find_within(&sources, 2.0 * by, progress)?;
     let weights = within.distances.into_iter().map(|d| smooth_rise(2.0 - d / by)).collect();

@@ -140,7 +140,7 @@ impl Region {
                 field_weights(metric.n_vertices(), name, *low, *high, field, field_names)?
             }
             Self::Vertices { indices, radius, falloff } => {
-                let source = |&v: &u32| Ok((welded(metric, v)?, 0.0));
+                let source = |&v: &u32| Ok(metric.vertex_source(welded(metric, v)?, 0.0));
                 let sources = indices.iter().map(source).collect::<Result<Vec<_>, RegionError>>()?;
                 let radius = radius.to_model_units(metric.diagonal());
                 let fall = falloff.map(|falloff| falloff.to_model_units(metric.diagonal()).min(radius));
@@ -318,7 +318,7 @@ fn line_weights(
     let points = metric.geometry().points();
     let within = if points.is_empty() {
         let source = |place: &Location| match place {
-            Location::Vertex(v) => Ok((welded(metric, *v)?, 0.0)),
+            Location::Vertex(v) => Ok(metric.vertex_source(welded(metric, *v)?, 0.0)),
             Location::Point(_) => Err(RegionError::NeedsPositions("point")),
         };
         metric.find_within(&path.iter().map(source).collect::<Result<Vec<_>, _>>()?, radius, progress)?

@@ -5,8 +5,8 @@ use adwave::sample::Sample;
 use adwave::shape::{Mesh, PointCloud, Polygons, Shape, triangulate, vertex_normals};
 use adwave::{Cancelled, Decomposer, Progress};
 
-/// Distances over edges, against straight ones on an even mesh.
-const PATHS: f64 = 0.06;
+/// Distances over flat triangles, against those on the sphere that they approximate.
+const PATHS: f64 = 0.015;
 
 fn sphere(n: usize) -> (Vec<[f64; 3]>, Decomposer) {
     let Sample { points, faces } = Sample::from_name("sphere", Some(n)).unwrap();
@@ -178,4 +178,107 @@ fn what_is_made_of_regions_stops_when_told_to() {
         let error = region.weights(decomposer.metric(), &|_| None, &[], cancelled).unwrap_err();
         assert_eq!(error, RegionError::Cancelled(Cancelled), "{region:?}");
     }
+}
+
+/// Distance from the weight of a ball whose falloff is its radius.
+fn distance_in_ball(weight: f64, radius: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let t: f64 = 0.5 * (low + high);
+        if t * t * t * (t * (6.0 * t - 15.0) + 10.0) < weight { low = t } else { high = t }
+    }
+    radius * (1.0 - low)
+}
+
+#[test]
+fn a_ball_on_a_sphere_is_measured_along_great_circles() {
+    for n in [2000, 20_000] {
+        let (points, decomposer) = sphere(n);
+        for vertex in [0, n / 3, n - 1] {
+            let r = weights(&decomposer, &format!("ball:vertex={vertex},radius=1.5,falloff=1.5"));
+            for (x, p) in points.iter().enumerate() {
+                let cosine: f64 = (0..3).map(|c| p[c] * points[vertex][c]).sum();
+                let along = cosine.clamp(-1.0, 1.0).acos();
+                if along > 0.2 && along < 1.4 {
+                    let found = distance_in_ball(r[x], 1.5);
+                    assert!((found / along - 1.0).abs() < PATHS, "{n}, vertex {x}: {found} {along}");
+                }
+            }
+        }
+    }
+}
+
+/// A flat grid with cells of the given sides.
+fn flat_grid(side: u32, cell: [f64; 2]) -> (Vec<[f64; 3]>, Decomposer) {
+    let points: Vec<[f64; 3]> = (0..side * side)
+        .map(|k| [cell[0] * f64::from(k % side), cell[1] * f64::from(k / side), 5.0])
+        .collect();
+    let cells = (0..(side - 1) * (side - 1)).map(|k| k / (side - 1) * side + k % (side - 1));
+    let faces: Vec<[u32; 3]> =
+        cells.flat_map(|a| [[a, a + 1, a + side + 1], [a, a + side + 1, a + side]]).collect();
+    let mesh = Mesh::new(points.clone(), Polygons::from_triangles(&faces)).unwrap();
+    (points, Decomposer::new(&Shape::Mesh(mesh)))
+}
+
+#[test]
+fn balls_and_strokes_on_a_plane_have_the_distances_of_space_whatever_the_cells() {
+    for cell in [[1.0, 1.0], [1.0, 0.2], [0.1, 1.0]] {
+        let (points, decomposer) = flat_grid(61, cell);
+        let (width, height) = (60.0 * cell[0], 60.0 * cell[1]);
+        let radius = 0.45 * width.min(height);
+        let (x, y) = (0.503 * width, 0.48 * height);
+        let ball = weights(&decomposer, &format!("ball:point={x} {y} 5,radius={radius},falloff={radius}"));
+        let (start, end) = ([0.3 * width, y], [0.7 * width, y]);
+        let path = format!("{} {} 5; {} {} 5", start[0], start[1], end[0], end[1]);
+        let stroke = weights(&decomposer, &format!("stroke:path={path},radius={radius},falloff={radius}"));
+        for (k, p) in points.iter().enumerate() {
+            let to_center = (p[0] - x).hypot(p[1] - y);
+            let to_line = (p[0] - p[0].clamp(start[0], end[0])).hypot(p[1] - y);
+            for (weight, expected) in [(ball[k], to_center), (stroke[k], to_line)] {
+                if expected > 0.1 * radius && expected < 0.95 * radius {
+                    let found = distance_in_ball(weight, radius);
+                    assert!((found / expected - 1.0).abs() < 0.01, "{cell:?} at {p:?}: {found} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_border_of_a_plane_is_as_far_as_its_lines() {
+    // The weight of a map that fades at the border rises with the distance from it.
+    let (points, decomposer) = flat_grid(41, [1.0, 0.25]);
+    let inside = weights(&decomposer, "shrunk:by=2(box:min=-1 -1 0,max=41 11 9,falloff=0)");
+    assert!(inside.iter().all(|r| *r == 1.0), "nothing is outside, so nothing shrinks");
+    let half = weights(&decomposer, "grown:by=2(half-space:point=20 0 0,normal=1 0 0,falloff=0)");
+    for (p, r) in points.iter().zip(half) {
+        let away = 20.0 - p[0];
+        assert!(if away <= 2.0 { r == 1.0 } else { away < 4.0 || r == 0.0 }, "{p:?}: {r}");
+    }
+}
+
+#[test]
+fn a_ball_in_the_middle_of_a_sphere_is_reported_and_one_on_it_is_not() {
+    let (points, decomposer) = sphere(2000);
+    let far =
+        |text: &str| parse_region(text).unwrap().far_points(decomposer.metric(), Progress::none()).unwrap();
+    let found = far("!grown:by=1(ball:point=0 0 0.1,radius=0.6)");
+    assert_eq!(found.len(), 1);
+    assert!((found[0].distance - 0.9).abs() < 0.03 && found[0].point == [0.0, 0.0, 0.1], "{found:?}");
+    assert!(found[0].describe().starts_with("the point 0 0 0.1 of the region lies 0."));
+    let distant = far("ball:point=0 0 50,radius=0.6 | stroke:path=0 0 1; 0 9 0,radius=0.2");
+    assert_eq!(distant.len(), 2, "{distant:?}");
+    assert!((distant[0].nearest[2] - 1.0).abs() < 0.05);
+    // The region is around the nearest place, as far away as the point may be.
+    let around = weights(&decomposer, "ball:point=0 0 50,radius=0.6");
+    for (p, r) in points.iter().zip(around) {
+        assert_eq!(r > 0.0, p[2].acos() < 0.6 || (p[2].acos() < 0.63 && r > 0.0), "{p:?}: {r}");
+    }
+    assert_eq!(far("ball:vertex=3,radius=0.01"), []);
+    let [x, y, z] = points[77];
+    assert_eq!(far(&format!("ball:point={x} {y} {z},radius=0.001")), []);
+    let cloud = Decomposer::new(&Shape::Cloud(PointCloud::new(points).unwrap()));
+    let middle = parse_region("ball:point=0 0 0,radius=0.5").unwrap();
+    assert_eq!(middle.far_points(cloud.metric(), Progress::none()).unwrap().len(), 1);
+    assert!(weights(&cloud, "ball:point=0 0 0,radius=0.5").iter().any(|r| *r == 1.0));
 }

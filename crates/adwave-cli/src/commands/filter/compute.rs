@@ -7,7 +7,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{SignalParts, build_operator, note_close_sheets, note_outsiders};
-use crate::resolve::region::region_in_shape;
+use crate::resolve::region::{note_far_points, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
 use adwave::filter::{Edit, Layer};
@@ -50,6 +50,9 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let parts = SignalParts::new(&decomposer, &job.signal, &job.signal_name, global)?;
         let decomposer = parts.first().decomposer.clone();
         let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
+        for layer in &job.layers {
+            note_far_points(&layer.region, &decomposer, global)?;
+        }
         let values = parts.map(&job.signal.values, |part, values, n_channels| {
             let signal = PartOfSignal { decomposer: &part.decomposer, values, n_channels };
             if part.channels().first() == Some(&0) {
