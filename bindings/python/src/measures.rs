@@ -7,11 +7,15 @@ use crate::options::{BandsOptions, CREASES, LOCAL_FITS, RESPONSES, WEIGHTINGS, W
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
+use adwave::bands::BandsParams;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
-use adwave::features::{Feature, FeatureParams, Refinement, Response, ThresholdScope, describe, features};
+use adwave::features::{
+    CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
+    features,
+};
 use adwave::measure::{agreement, center_distance};
 use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_level, with_height};
-use adwave::shape::PreparedGeometry;
+use adwave::shape::{PreparedGeometry, Shape};
 use adwave::signal::outward_normals;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -170,13 +174,27 @@ fn find_features<'py>(
     let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
     let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
+    let is_shape_of_cloud = request.signal.is_none()
+        && params.response != Response::Channels
+        && matches!(decomposer.geometry().shape(), Shape::Cloud(_));
     let work = |p: Progress<'_>| {
-        let request = own.request(signal, &schedule, accuracy, p);
-        let wavelets = match params.response {
-            Response::Channels => stage(request.wavelets())?,
-            _ => stage(request.norms())?,
+        let (found, wavelets) = if is_shape_of_cloud {
+            let coordinates = CloudCoordinates {
+                points: decomposer.geometry().shape().points().unwrap_or_default(),
+                normals: own.normals.as_deref(),
+                schedule: &schedule,
+                bands: BandsParams::default().with_accuracy(accuracy),
+            };
+            let found = stage(cloud_features(decomposer, &coordinates, &params, p))?;
+            (found.features, found.wavelets)
+        } else {
+            let request = own.request(signal, &schedule, accuracy, p);
+            let wavelets = match params.response {
+                Response::Channels => stage(request.wavelets())?,
+                _ => stage(request.norms())?,
+            };
+            (stage(features(decomposer, &wavelets, &params, p))?, wavelets)
         };
-        let found = stage(features(decomposer, &wavelets, &params, p))?;
         let described = if descriptors { describe(decomposer, &wavelets, &found) } else { Vec::new() };
         Ok::<_, StageError>((found, described))
     };

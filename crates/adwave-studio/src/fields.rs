@@ -4,7 +4,8 @@ use crate::prepared_shape::PreparedShape;
 use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f32, json_response};
 use crate::session::Session;
 use adwave::Progress;
-use adwave::features::{FeatureParams, features};
+use adwave::bands::BandsParams;
+use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features, features};
 use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
@@ -138,15 +139,37 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
     saliency_f32(decomposer, &wavelets, Progress::none()).map_err(|e| ApiError::from_classified(&e))
 }
 
+/// Features of the edited positions of a cloud.
+fn cloud_feature_list(
+    session: &Session,
+    prepared: &PreparedShape,
+    params: &FeatureParams,
+) -> Result<Vec<Feature>, ApiError> {
+    let normals = adwave_io::file_normals(&session.input.file);
+    let coordinates = CloudCoordinates {
+        points: &prepared.points,
+        normals: normals.as_deref(),
+        schedule: &prepared.schedule,
+        bands: BandsParams::default(),
+    };
+    let found = cloud_features(&prepared.decomposer, &coordinates, params, Progress::none());
+    Ok(found.map_err(|e| ApiError::from_classified(&e))?.features)
+}
+
 /// Responds with the features of the edited positions.
 pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
     let prepared = session.lock_prepared()?;
     let params = FeatureParams { theta, ..FeatureParams::default() };
     params.check().map_err(|e| ApiError::from_classified(&e))?;
-    let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
-    let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
-    let list = features(&prepared.decomposer, &norms, &params, Progress::none())
-        .map_err(|e| ApiError::from_classified(&e))?;
+    let list = match session.input.shape {
+        Shape::Cloud(_) => cloud_feature_list(session, &prepared, &params)?,
+        _ => {
+            let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
+            let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
+            features(&prepared.decomposer, &norms, &params, Progress::none())
+                .map_err(|e| ApiError::from_classified(&e))?
+        }
+    };
     let center = session.center;
     let rows: Vec<_> = list
         .iter()

@@ -279,6 +279,9 @@ def features(
 ) -> Features:
     """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
 
+    For the coordinates of a cloud the response is the part of a band along the normal, and only features that stand out
+    against the drawing of the points and noise are returned: flat and round clouds have none.
+
     Parameters
     ----------
     shape : shape_like

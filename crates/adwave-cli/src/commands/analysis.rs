@@ -3,20 +3,23 @@
 use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs};
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::count;
 use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
+use crate::output::{count, given_normals_json};
 use crate::resolve::levels::{check_levels, resolve_spec};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, SignalValues, file_normals, load_signal};
 use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
-use adwave::features::Response;
+use adwave::features::{
+    CloudCoordinates, CloudFeatures, Feature, FeatureParams, Response, cloud_features, features,
+};
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
 use adwave::shape::Shape;
 use adwave::signal::{OutwardInfo, outward_normals};
 use adwave::{BandsRequest, Decomposer};
 use serde_json::{Value, json};
+use std::time::Instant;
 
 /// Flags that say what is analyzed.
 #[derive(Clone, Copy)]
@@ -61,6 +64,14 @@ pub(crate) struct Map {
     pub(crate) seconds: f64,
 }
 
+/// Features and the bands that they were found in.
+pub(crate) struct FoundFeatures {
+    pub(crate) features: Vec<Feature>,
+    pub(crate) wavelets: Wavelets,
+    /// Seconds for the features, of a cloud with its bands.
+    pub(crate) seconds: f64,
+}
+
 impl Map {
     /// A line that says which sides the signs stand for, or why there are none.
     pub(crate) fn sides(&self) -> String {
@@ -79,6 +90,7 @@ impl Map {
                 "found": o.has_outside(), "how": o.to_string(), "parts": o.n_parts, "closed": o.n_closed,
                 "by_file": o.n_by_file, "by_majority": o.n_by_majority, "as_given": o.n_as_given,
                 "without": o.n_without, "turned_triangles": o.n_turned, "share_without": o.without,
+                "given_normals": o.given.as_ref().map(given_normals_json),
             })
         });
         json!({ "signed": self.is_signed, "outside": outside })
@@ -193,10 +205,44 @@ impl Analysis {
         Ok(Map { saliency, wavelets, params, is_signed, outward: outward.map(|o| o.info), seconds })
     }
 
+    /// The features and the bands that they were found in: those of the shape of a cloud if its coordinates are analyzed, else those
+    /// of the signal.
+    pub(crate) fn features(
+        &mut self,
+        params: &FeatureParams,
+        global: &Global<'_>,
+    ) -> Result<FoundFeatures, CliError> {
+        if !self.is_cloud_geometry() || params.response == Response::Channels {
+            let wavelets = self.wavelets(global, Some(params.response))?;
+            let start = Instant::now();
+            let found = features(&self.decomposer, &wavelets, params, global.progress());
+            let features = found.map_err(|e| CliError::classify(&e))?;
+            return Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() });
+        }
+        let normals = file_normals(&self.input.file);
+        let coordinates = CloudCoordinates {
+            points: self.input.shape.points().unwrap_or_default(),
+            normals: normals.as_deref(),
+            schedule: &self.schedule,
+            bands: self.params,
+        };
+        let start = Instant::now();
+        let found = with_progress(global, "splitting", |progress| {
+            cloud_features(&self.decomposer, &coordinates, params, progress)
+        });
+        let CloudFeatures { features, wavelets } = found.map_err(|e| CliError::classify(&e))?;
+        Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() })
+    }
+
     /// Whether the signal is the coordinates of a mesh or cloud.
     fn is_geometry(&self) -> bool {
         matches!(self.signal.values, SignalValues::Coordinates(_))
             && !matches!(self.input.shape, Shape::Graph(_))
+    }
+
+    /// Whether the signal is the coordinates of a cloud.
+    pub(crate) fn is_cloud_geometry(&self) -> bool {
+        matches!(self.input.shape, Shape::Cloud(_)) && self.is_geometry()
     }
 
     /// Widths σ_j of the levels 0 … J in model units.

@@ -312,3 +312,54 @@ fn a_figure_has_features_on_toes_and_nose_by_default_and_on_knees_with_a_lower_t
     }
     assert!((60..120).contains(&default.len()), "{}", default.len());
 }
+
+/// A sphere as a cloud with normals, each with the sign of its number, in one file.
+fn sphere_with_normals(sign: impl Fn(usize) -> f64) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let sphere = adwave::sample::Sample::from_name("sphere", Some(1500)).unwrap();
+    let mut text = "ply\nformat ascii 1.0\n".to_owned();
+    text += &format!("element vertex {}\n", sphere.points.len());
+    for name in ["x", "y", "z", "nx", "ny", "nz"] {
+        text += &format!("property float {name}\n");
+    }
+    text += "end_header\n";
+    for (k, [x, y, z]) in sphere.points.iter().enumerate() {
+        let s = sign(k);
+        text += &format!("{x} {y} {z} {} {} {}\n", s * x, s * y, s * z);
+    }
+    fs::write(folder.path().join("a.ply"), text).unwrap();
+    folder
+}
+
+#[test]
+fn given_normals_that_disagree_or_point_inward_are_named_once_and_in_json() {
+    let kinds: [(&dyn Fn(usize) -> f64, &str, Option<&str>, u64); 3] = [
+        (&|k| if k % 2 == 0 { 1.0 } else { -1.0 }, "unoriented", Some("are not oriented"), 0),
+        (&|_| -1.0, "as given", Some("point inward"), 1),
+        (&|_| 1.0, "as given", None, 0),
+    ];
+    for (sign, signs, said, n_inward) in kinds {
+        let folder = sphere_with_normals(sign);
+        let line = "saliency a.ply -o map.npy --levels 5";
+        let run = common::adwave(folder.path()).args(common::words(line)).assert().success();
+        let errors = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+        assert_eq!(errors.matches("given normals").count(), usize::from(said.is_some()), "{errors}");
+        assert!(said.is_none_or(|said| errors.contains(said)), "{errors}");
+        let report = json(folder.path(), line);
+        let given = &report["sides"]["outside"]["given_normals"];
+        assert_eq!((&given["signs"], &given["inward_parts"]), (&signs.into(), &n_inward.into()), "{report}");
+        assert_eq!(json(folder.path(), "info a.ply")["given_normals"]["signs"], signs);
+    }
+}
+
+#[test]
+fn a_round_cloud_has_no_features_and_says_why() {
+    let folder = sphere_with_normals(|_| 1.0);
+    let line = "features a.ply --levels 7";
+    assert_eq!(json(folder.path(), line)["features"].as_array().unwrap().len(), 0);
+    common::adwave(folder.path())
+        .args(common::words(line))
+        .assert()
+        .success()
+        .stdout(predicates::str::contains("no features: nothing stands out from the drawing"));
+}

@@ -6,7 +6,10 @@ use super::place::Places;
 use crate::analysis::features;
 use crate::page::{Block, Figure, Legend, Section};
 use crate::table::{NONE, Table, digits};
-use adwave::features::{Feature, FeatureParams};
+use adwave::Progress;
+use adwave::bands::{BandsParams, Schedule};
+use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features};
+use adwave::shape::Shape;
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
@@ -26,7 +29,13 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();
-    let mut found = match features(subject.decomposer, subject.bands, &params) {
+    let is_cloud = subject.is_geometry() && matches!(subject.shape, Shape::Cloud(_));
+    let found = if is_cloud {
+        features_of_cloud(subject, &params).map_err(|why| why.to_string())
+    } else {
+        features(subject.decomposer, subject.bands, &params).map_err(|why| why.to_string())
+    };
+    let mut found = match found {
         Ok(found) => found,
         Err(why) => {
             section.note(format!("No features: {why}."));
@@ -36,6 +45,12 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let seconds = start.elapsed().as_secs_f64();
     found.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     let n_levels = subject.bands.n_levels();
+    if is_cloud {
+        section.say(
+            "W_j is the part of the band along the normal, and a feature stands out from its surroundings by more than the drawing \
+             of the points and noise explain.",
+        );
+    }
     section.say(format!(
         "A feature is a {} where |W_j| is larger than at its neighbors, on the same level and on the levels below and above, and \
          at least {} times the mean of its level. Levels 2 to {} can have features. The radius of a feature is σ_j.",
@@ -55,6 +70,22 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     section.push(Block::Table(level_table(subject, &found)));
     section.push(Block::Table(strongest_table(subject, studio, &found)));
     (section, Some(FeatureSummary { features: found, seconds }))
+}
+
+/// Features of the coordinates of a cloud.
+fn features_of_cloud(
+    subject: &Subject<'_>,
+    params: &FeatureParams,
+) -> Result<Vec<Feature>, Box<dyn std::error::Error>> {
+    let steps = subject.bands.steps.get(1..).unwrap_or_default();
+    let schedule = Schedule::real(steps.to_vec())?;
+    let coordinates = CloudCoordinates {
+        points: subject.values.as_chunks().0,
+        normals: subject.normals,
+        schedule: &schedule,
+        bands: BandsParams::default(),
+    };
+    Ok(cloud_features(subject.decomposer, &coordinates, params, Progress::none())?.features)
 }
 
 /// Levels that have features, ascending, with their numbers of features.

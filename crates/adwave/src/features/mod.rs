@@ -5,6 +5,7 @@
 //! rings on a mesh or graph, and on a cloud the points of one diffusion step (the 10 nearest, in both directions).
 
 mod best;
+mod cloud;
 mod components;
 mod descriptor;
 mod detect;
@@ -12,9 +13,11 @@ mod matching;
 mod params;
 mod refine;
 mod response;
+mod sample;
 mod spheres;
 
 pub use best::select_spread;
+pub use cloud::{CloudCoordinates, CloudFeatureError, CloudFeatures, cloud_features};
 pub use descriptor::{DESCRIPTOR_LENGTH, Descriptor, describe};
 pub use detect::{features, is_extremum};
 pub use matching::{Match, match_features};

@@ -2,6 +2,7 @@
 
 mod basis;
 mod bump;
+mod cloud_features;
 mod cloud_normals;
 mod common;
 mod curves;
@@ -12,6 +13,7 @@ mod engine;
 mod examples;
 mod face_fields;
 mod filters;
+mod given_normals;
 mod laws;
 mod local_fit;
 mod polygons;

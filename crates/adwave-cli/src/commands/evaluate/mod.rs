@@ -12,7 +12,7 @@ use crate::resolve::operator::{build_operator, check_operator, operator_for_leve
 use crate::resolve::shape::Input;
 use crate::resolve::signal::load_signal;
 use adwave::Progress;
-use adwave::features::{FEATURE_EXTENT, Feature, Response, features};
+use adwave::features::{CloudCoordinates, FEATURE_EXTENT, Feature, Response, cloud_features, features};
 use adwave::measure::{
     Agreement, Change, ChangedShape, LevelRepeatability, RepeatabilityParams, agreement, center_distance,
     change, n_right, repeatability, share_by_chance,
@@ -289,8 +289,7 @@ fn repeatability_table(reference: &[Feature], rows: &[Repetition]) -> String {
 
 fn find(args: &EvaluateArgs, global: &Global<'_>, analysis: &mut Analysis) -> Result<Vec<Feature>, CliError> {
     let params = args.detect.to_params(&args.border);
-    let wavelets = analysis.wavelets(global, Some(params.response))?;
-    features(&analysis.decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classify(&e))
+    Ok(analysis.features(&params, global)?.features)
 }
 
 /// The features of a changed shape, on levels of the same widths.
@@ -332,10 +331,16 @@ fn find_again(
     };
     let step_length = changed.length_before(decomposer.diffusion().step_length());
     let schedule = rescale_levels(&args.levels.to_spec(), &analysis.sigma()[1..], step_length)?;
-    let params = check_levels(&args.levels)?;
-    let request =
-        decomposer.request(&values, n_channels, &schedule).params(&params).progress(global.progress());
+    let bands = check_levels(&args.levels)?;
     let params = args.detect.to_params(&args.border);
+    if analysis.is_cloud_geometry() && params.response != Response::Channels {
+        let points = shape.points().unwrap_or_default();
+        let coordinates = CloudCoordinates { points, normals: None, schedule: &schedule, bands };
+        let found = cloud_features(&decomposer, &coordinates, &params, global.progress());
+        return Ok(found.map_err(|e| CliError::classify(&e))?.features);
+    }
+    let request =
+        decomposer.request(&values, n_channels, &schedule).params(&bands).progress(global.progress());
     let wavelets = if params.response == Response::Channels { request.wavelets() } else { request.norms() }?;
     features(&decomposer, &wavelets, &params, global.progress()).map_err(|e| CliError::classify(&e))
 }

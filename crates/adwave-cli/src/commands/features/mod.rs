@@ -2,16 +2,17 @@
 
 mod args;
 
-use super::analysis::Analysis;
+use super::analysis::{Analysis, FoundFeatures};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::features_file::{FeatureList, FeaturesFile, feature_json};
-use crate::output::{check_writable, count, number, percent_of, print, steps_json, table, write_file};
-use adwave::features::{Descriptor, Feature, Response, describe, features};
+use crate::output::{
+    check_writable, coordinate_text, count, number, percent_of, print, steps_json, table, write_file,
+};
+use adwave::features::{Descriptor, Feature, Response, describe};
 pub(crate) use args::FeaturesArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::time::Instant;
 
 /// Most features that are printed.
 const MAX_PRINTED: usize = 40;
@@ -52,11 +53,7 @@ fn detect(args: &FeaturesArgs, global: &Global<'_>) -> Result<Detection, CliErro
     let params = args.detect.to_params(&args.border);
     // Spheres go into a new file: the bytes of the old one need not be kept while the bands are computed.
     analysis.input.file.forget_original();
-    let wavelets = analysis.wavelets(global, Some(params.response))?;
-    let start = Instant::now();
-    let mut features = features(&analysis.decomposer, &wavelets, &params, global.progress())
-        .map_err(|e| CliError::classify(&e))?;
-    let seconds = start.elapsed().as_secs_f64();
+    let FoundFeatures { mut features, wavelets, seconds } = analysis.features(&params, global)?;
     let descriptors =
         if args.descriptors { describe(&analysis.decomposer, &wavelets, &features) } else { Vec::new() };
     for feature in &mut features {
@@ -69,7 +66,7 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     let Detection { analysis, features, .. } = detection;
     let mut text = analysis.headline(args.signal.name());
     if features.is_empty() {
-        let _ = writeln!(text, "no features: {}", suggestion(args, analysis.signal.n_channels));
+        let _ = writeln!(text, "no features: {}", suggestion(args, analysis));
     } else {
         let _ = writeln!(text, "{}\n", count(features.len(), "feature", "features"));
         text += &table(
@@ -83,7 +80,7 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     }
     let _ = writeln!(text);
     if args.output.is_none() {
-        text += &list(features);
+        text += &list(features, analysis.decomposer.extent());
     }
     text += &analysis.timing("features", detection.seconds);
     if let Some(path) = &args.output {
@@ -92,12 +89,13 @@ fn text(args: &FeaturesArgs, detection: &Detection) -> String {
     text
 }
 
-/// A table of the first features.
-fn list(features: &[Feature]) -> String {
+/// A table of the first features, with positions in the digits that the size of the shape needs.
+fn list(features: &[Feature], extent: f64) -> String {
     let mut text = table(
         ["vertex", "x", "y", "z", "level", "sigma", "response", "sign"],
         features.iter().take(MAX_PRINTED).map(|f| {
-            let [x, y, z] = f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(number));
+            let [x, y, z] =
+                f.position.map_or(["", "", ""].map(str::to_owned), |p| p.map(|c| coordinate_text(c, extent)));
             let (level, sign) = (f.level.to_string(), if f.sign() > 0 { "+" } else { "-" });
             [f.vertex.to_string(), x, y, z, level, number(f.sigma), number(f.response), sign.to_owned()]
         }),
@@ -110,7 +108,11 @@ fn list(features: &[Feature]) -> String {
 }
 
 /// Advice if there are no features.
-fn suggestion(args: &FeaturesArgs, n_channels: usize) -> &'static str {
+fn suggestion(args: &FeaturesArgs, analysis: &Analysis) -> &'static str {
+    let n_channels = analysis.signal.n_channels;
+    if analysis.is_cloud_geometry() && args.detect.response != Response::Channels {
+        return "nothing stands out from the drawing of the points and from noise; try a lower --theta, or more --levels";
+    }
     match args.detect.response {
         Response::Normalized if n_channels == 1 => {
             "try a lower --theta, more --levels, or --response literal if the signal is flat except for a few bumps"

@@ -72,7 +72,7 @@ pub(crate) struct TilesArgs {
     /// Number of the finest levels that the map skips [default: 0, with another weighting than entropy 2]
     #[arg(long, value_name = "N", value_parser = count, requires = "saliency", help_heading = "Bands")]
     pub(crate) skip: Option<usize>,
-    /// File for the features of all tiles (.csv, .json, or spheres as .ply and others)
+    /// File for the features of all tiles (.csv, .json, or spheres as .ply and others); those of a cloud are not tested against the drawing of its points
     #[arg(long, value_name = "FILE", help_heading = "Bands")]
     pub(crate) features: Option<PathBuf>,
     /// Least response of a feature, relative to the mean response of its level

@@ -197,6 +197,12 @@ fn write(
             let features = work.features().map_err(|e| classify(&e))?;
             let n_levels = job.params.levels;
             FeatureList { features: &features, descriptors: &[], n_levels }.write(path, kind, global)?;
+            if !work.is_mesh() {
+                note(
+                    global,
+                    "features of a cloud in tiles are not tested against the drawing of its points and noise",
+                );
+            }
             Some(features.len())
         }
         None => None,
