@@ -199,8 +199,8 @@ export class Painter {
   }
 
   /**
-   * Ends the stroke. All stamps are searched at once, as the server replays them, because a straight line over two edges
-   * may begin at another stamp. `child` is the number of the resulting region.
+   * Ends the stroke. All stamps are searched at once, as the server replays them, because where two stamps
+   * are equally near, the front may come from either. `child` is the number of the resulting region.
    */
   end(child: number): number[] {
     const { stroke, ground } = this;

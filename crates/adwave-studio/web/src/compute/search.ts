@@ -1,9 +1,10 @@
 /**
- * Distance along a surface, by the rule of the server's `SurfaceSearch`: shortest paths over the edges, in which two
- * consecutive edges may be replaced by the straight line between their ends; ties are broken by the smaller index. Memory
- * is reused, so that a search costs only what it reaches.
+ * Distance along a surface, by the rules of the server: on a mesh by straight lines over unfolded triangles (`front.ts`), on
+ * a cloud by shortest paths over the edges, in which two consecutive edges may be replaced by the straight line between
+ * their ends; ties are broken by the smaller index. Memory is reused, so that a search costs only what it reaches.
  */
 
+import { Front } from './front';
 import type { Surface } from './surface';
 
 const NONE = 0xffffffff;
@@ -26,12 +27,17 @@ export class SurfaceSearch {
   private heapSize = 0;
 
   private longestOnce: number | null = null;
+  /** Distances on a mesh. */
+  private readonly front: Front | null;
+  /** Radius of the last search. */
+  private radius = 0;
 
   constructor(private readonly surface: Surface) {
     const n = surface.points.length / 3;
     this.distances = new Float64Array(n);
     this.before = new Uint32Array(n);
     this.stamps = new Uint32Array(n);
+    this.front = surface.corners ? new Front(surface) : null;
   }
 
   /** Length of the longest edge. */
@@ -46,12 +52,17 @@ export class SurfaceSearch {
   }
 
   private distanceOf(place: number): number {
+    if (this.front) {
+      const distance = this.front.distances[place]!;
+      return distance <= this.radius ? distance : Infinity;
+    }
     return this.stamps[place]! >= this.first ? this.distances[place]! : Infinity;
   }
 
   /** Searches from `sources`, all at distance 0. Returns false if more than `most` points were reached. */
   run(sources: ArrayLike<number>, radius: number, most = Infinity): boolean {
     this.first = this.stamp + 1;
+    this.front?.clear();
     return this.add(sources, radius, most);
   }
 
@@ -62,6 +73,8 @@ export class SurfaceSearch {
     this.nFound = 0;
     this.nReached = 0;
     this.heapSize = 0;
+    this.radius = radius;
+    if (this.front) return this.addToFront(this.front, sources, radius, most);
     for (let i = 0; i < sources.length; i++) {
       const source = places[sources[i]!]!;
       if (this.distanceOf(source) > 0) this.label(source, 0, NONE);
@@ -92,6 +105,20 @@ export class SurfaceSearch {
     return true;
   }
 
+  private addToFront(front: Front, sources: ArrayLike<number>, radius: number, most: number): boolean {
+    const places = Array.from(sources, (v) => this.surface.places[v]!);
+    if (!front.add(places, radius, most, (place) => this.reach(place))) return false;
+    // Lines within the radius may pass between places beyond it.
+    let n = 0;
+    for (let i = 0; i < this.nFound; i++) {
+      const place = this.found[i]!;
+      if (front.distances[place]! <= radius) this.found[n++] = place;
+    }
+    this.nFound = n;
+    this.listVertices();
+    return true;
+  }
+
   /** Lists the vertices at the reached points. */
   private listVertices(): void {
     const { offsets, entries } = this.surface.members;
@@ -104,12 +131,16 @@ export class SurfaceSearch {
     }
   }
 
+  /** Notes that the distance of a place is reduced. */
+  private reach(place: number): void {
+    if (this.stamps[place] === this.stamp) return;
+    this.stamps[place] = this.stamp;
+    if (this.nFound === this.found.length) this.found = growArray(this.found);
+    this.found[this.nFound++] = place;
+  }
+
   private label(place: number, distance: number, before: number): void {
-    if (this.stamps[place] !== this.stamp) {
-      this.stamps[place] = this.stamp;
-      if (this.nFound === this.found.length) this.found = growArray(this.found);
-      this.found[this.nFound++] = place;
-    }
+    this.reach(place);
     this.distances[place] = distance;
     this.before[place] = before;
     this.push(distance, place);

@@ -14,6 +14,8 @@ export interface Surface {
   members: Rows;
   /** Adjacent places of each place. */
   neighbors: Rows;
+  /** The other two corners of the triangles at each place, two entries each; null for a cloud. */
+  corners: Rows | null;
 }
 
 /** Parses the response of `GET surface`: `f64 × 3 × n` positions, then `u32 × n` places. */
@@ -28,7 +30,8 @@ export function readSurface(buffer: ArrayBuffer, n: number, triangles: Uint32Arr
   }
   const welded = triangles.map((v) => places[v]!);
   const neighbors = neighborsOfMesh(welded, nPlaces, trianglesOfVertices(welded, nPlaces));
-  return { places: places.slice(), points, members: listMembers(places, nPlaces), neighbors };
+  const corners = listCorners(welded, nPlaces);
+  return { places: places.slice(), points, members: listMembers(places, nPlaces), neighbors, corners };
 }
 
 /** Builds the surface of a cloud, an approximation of the server's; the server computes the final mask of a stroke. */
@@ -36,7 +39,44 @@ export function cloudSurface(positions: Float32Array, nNeighbors: number): Surfa
   const n = positions.length / 3;
   const places = Uint32Array.from({ length: n }, (_, v) => v);
   const neighbors = neighborsOfCloud(positions, nNeighbors);
-  return { places, points: Float64Array.from(positions), members: listMembers(places, n), neighbors };
+  return { places, points: Float64Array.from(positions), members: listMembers(places, n), neighbors, corners: null };
+}
+
+/** Lists the pairs of other corners in ascending order, each pair the smaller corner first. */
+function listCorners(welded: Uint32Array, nPlaces: number): Rows {
+  const offsets = new Uint32Array(nPlaces + 1);
+  for (const place of welded) offsets[place + 1]! += 2;
+  for (let p = 0; p < nPlaces; p++) offsets[p + 1]! += offsets[p]!;
+  const next = offsets.slice(0, nPlaces);
+  const entries = new Uint32Array(2 * welded.length);
+  for (let t = 0; t < welded.length; t += 3) {
+    for (let k = 0; k < 3; k++) {
+      const p = welded[t + ((k + 1) % 3)]!;
+      const q = welded[t + ((k + 2) % 3)]!;
+      const at = next[welded[t + k]!]!;
+      next[welded[t + k]!] = at + 2;
+      entries[at] = Math.min(p, q);
+      entries[at + 1] = Math.max(p, q);
+    }
+  }
+  for (let x = 0; x < nPlaces; x++) sortPairs(entries, offsets[x]!, offsets[x + 1]!);
+  return { offsets, entries };
+}
+
+/** Sorts the few pairs from `first` to `end` by insertion. */
+function sortPairs(entries: Uint32Array, first: number, end: number): void {
+  for (let i = first + 2; i < end; i += 2) {
+    const p = entries[i]!;
+    const q = entries[i + 1]!;
+    let at = i;
+    while (at > first && (entries[at - 2]! > p || (entries[at - 2] === p && entries[at - 1]! > q))) {
+      entries[at] = entries[at - 2]!;
+      entries[at + 1] = entries[at - 1]!;
+      at -= 2;
+    }
+    entries[at] = p;
+    entries[at + 1] = q;
+  }
 }
 
 function listMembers(places: Uint32Array, nPlaces: number): Rows {
