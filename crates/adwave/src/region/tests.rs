@@ -57,7 +57,7 @@ fn distances(points: &[[f64; 3]], triangles: &[[u32; 3]], sources: &[FrontSource
 fn turned(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     points
         .iter()
-        .map(|[x, y, _]| [0.6 * x, 0.8 * x, 0.0].map(|c| c + 7.0))
+        .map(|[x, _, _]| [0.6 * x, 0.8 * x, 0.0].map(|c| c + 7.0))
         .zip(points)
         .map(|(p, q)| [p[0], p[1], q[1]])
         .collect()
