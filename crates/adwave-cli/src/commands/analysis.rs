@@ -240,7 +240,7 @@ impl Analysis {
             && !matches!(self.input.shape, Shape::Graph(_))
     }
 
-    /// Whether the signal is the coordinates of a cloud.
+    /// True if the signal is the coordinates of a cloud.
     pub(crate) fn is_cloud_geometry(&self) -> bool {
         matches!(self.input.shape, Shape::Cloud(_)) && self.is_geometry()
     }

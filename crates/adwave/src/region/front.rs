@@ -87,7 +87,7 @@ impl Corners {
     }
 
     /// The pairs of other corners of the triangles at a vertex.
-    pub(super) fn around(&self, v: u32) -> &[[u32; 2]] {
+    pub(super) fn pairs_of(&self, v: u32) -> &[[u32; 2]] {
         &self.pairs[self.offsets[v as usize]..self.offsets[v as usize + 1]]
     }
 }
@@ -238,7 +238,7 @@ impl FrontSearch {
 
     /// Passes the front on to the vertices around `x`: across the opposite edges first, since most ways are straight.
     fn pass_on(&mut self, x: &FrontLabel, corners: &Corners, points: &[[f64; 3]], radius: f64) {
-        let around = corners.around(x.vertex);
+        let around = corners.pairs_of(x.vertex);
         for &[p, q] in around {
             let (at_p, at_q) = (self.places[p as usize], self.places[q as usize]);
             let has_passed = |place: u32| place != NONE && self.labels[place as usize].n_visits > 0;

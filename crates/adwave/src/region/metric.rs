@@ -168,11 +168,11 @@ impl SurfaceMetric {
         let points = self.geometry.points();
         let vertex = self.nearest(p).expect("a place has a position");
         if let Some(corners) = self.corners(progress)? {
-            return Ok(SurfacePlace::on_mesh(p, vertex, corners, points));
+            return Ok(SurfacePlace::nearest_on_mesh(p, vertex, corners, points));
         }
         let around = self.neighbors().row(vertex).iter();
         let reach = around.map(|&y| distance(&points[vertex], &points[y as usize])).fold(0.0, f64::max);
-        Ok(SurfacePlace::among_points(p, vertex, reach, points))
+        Ok(SurfacePlace::nearest_among_points(p, vertex, reach, points))
     }
 
     /// Vertices within `radius` of a line over the surface through the given points.

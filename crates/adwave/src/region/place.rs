@@ -19,14 +19,20 @@ pub(super) struct SurfacePlace {
 
 impl SurfacePlace {
     /// The nearest location on the triangles around the nearest `vertex` and around its neighbors.
-    pub(super) fn on_mesh(p: &[f64; 3], vertex: usize, corners: &Corners, points: &[[f64; 3]]) -> Self {
+    pub(super) fn nearest_on_mesh(
+        p: &[f64; 3],
+        vertex: usize,
+        corners: &Corners,
+        points: &[[f64; 3]],
+    ) -> Self {
         let at_vertex = points[vertex];
         let mut best = Self { point: at_vertex, vertex, corners: None, distance: distance(p, &at_vertex) };
         if best.distance == 0.0 {
             return best;
         }
-        let own = corners.around(vertex as u32);
-        let others = own.iter().flatten().flat_map(|&v| corners.around(v).iter().map(move |pair| (v, pair)));
+        let own = corners.pairs_of(vertex as u32);
+        let others =
+            own.iter().flatten().flat_map(|&v| corners.pairs_of(v).iter().map(move |pair| (v, pair)));
         for (v, &[q, r]) in own.iter().map(|pair| (vertex as u32, pair)).chain(others) {
             let triangle = [v, q, r];
             let point = nearest_on_triangle(p, triangle.map(|v| &points[v as usize]));
@@ -40,7 +46,7 @@ impl SurfacePlace {
 
     /// The point itself if it lies among the points of a cloud or curve, no farther from the nearest `vertex` than its
     /// `reach`; else the vertex.
-    pub(super) fn among_points(p: &[f64; 3], vertex: usize, reach: f64, points: &[[f64; 3]]) -> Self {
+    pub(super) fn nearest_among_points(p: &[f64; 3], vertex: usize, reach: f64, points: &[[f64; 3]]) -> Self {
         let away = distance(p, &points[vertex]);
         let (point, distance) = if away <= reach { (*p, 0.0) } else { (points[vertex], away) };
         Self { point, vertex, corners: None, distance }

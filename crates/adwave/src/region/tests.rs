@@ -54,7 +54,7 @@ fn distances(points: &[[f64; 3]], triangles: &[[u32; 3]], sources: &[FrontSource
 }
 
 /// Turns a plane in space.
-fn turned(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+fn turn_plane(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     points
         .iter()
         .map(|[x, _, _]| [0.6 * x, 0.8 * x, 0.0].map(|c| c + 7.0))
@@ -64,13 +64,13 @@ fn turned(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn on_a_plane_distances_are_those_of_space_whatever_the_cells() {
+fn distances_on_a_plane_are_those_of_space_whatever_the_cells() {
     let source = (SIDE * SIDE / 2) as usize;
     for (jitter, shear) in [(0.0, 0.0), (0.45, 0.0), (0.3, 1.5), (0.0, -3.0)] {
         for stretch in [1.0, 0.5, 0.2, 0.1, 0.02, 30.0] {
             for seed in 0..3 {
                 let (flat, triangles) = plane(seed, jitter, stretch, shear);
-                let points = turned(&flat);
+                let points = turn_plane(&flat);
                 let radius = 9.0 * stretch.max(1.0);
                 let found =
                     distances(&points, &triangles, &[point_source(source, points[source], 0.0)], radius);

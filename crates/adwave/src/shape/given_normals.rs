@@ -89,7 +89,7 @@ impl NormalCheck {
 pub struct GivenNormals {
     /// Unit normals at the points; zero where none is given.
     pub normals: Vec<[f64; 3]>,
-    /// What was found and done.
+    /// Findings, and the use of the signs.
     pub check: NormalCheck,
     /// True if neighbors with opposite normals lie on other sheets of the cloud.
     pub(super) are_sheets_apart: bool,

@@ -23,7 +23,7 @@ fn shape(name: &str, n: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     (points, normals)
 }
 
-fn turned(normals: &[[f64; 3]], is_turned: impl Fn(usize) -> bool) -> Vec<[f64; 3]> {
+fn turn_over(normals: &[[f64; 3]], is_turned: impl Fn(usize) -> bool) -> Vec<[f64; 3]> {
     let turn = |(k, n): (usize, &[f64; 3])| if is_turned(k) { n.map(|c| -c) } else { *n };
     normals.iter().enumerate().map(turn).collect()
 }
@@ -66,7 +66,7 @@ fn signs_of_saliency_do_not_depend_on_those_of_normals_that_disagree() {
             ("few", &|k| k % 13 == 0),
         ];
         for (kind, is_turned) in kinds {
-            let found = signed_map(&points, &turned(&normals, is_turned));
+            let found = signed_map(&points, &turn_over(&normals, is_turned));
             let strongest: Vec<usize> = (0..points.len()).filter(|&k| right[k].abs() > strong).collect();
             let n_right = strongest.iter().filter(|&&k| found[k] * right[k] > 0.0).count();
             let share = n_right as f64 / strongest.len() as f64;
@@ -87,13 +87,13 @@ fn what_is_wrong_with_normals_is_said() {
         (given.check.signs, given.check.n_turned, given.check.describe()),
         (NormalSigns::AsGiven, 0, None)
     );
-    let inward = check(&points, &turned(&normals, |_| true));
+    let inward = check(&points, &turn_over(&normals, |_| true));
     assert_eq!((inward.check.signs, inward.check.n_inward), (NormalSigns::AsGiven, 1));
     assert!(inward.check.describe().unwrap().contains("point inward"));
     assert!(inward.normals.iter().zip(&points).all(|(n, p)| dot(n, p) < 0.0), "inward normals stay");
-    let few = check(&points, &turned(&normals, |k| k % 20 == 0));
+    let few = check(&points, &turn_over(&normals, |k| k % 20 == 0));
     assert_eq!((few.check.signs, few.check.n_turned), (NormalSigns::Repaired, 100));
-    let upward = check(&points, &turned(&normals, |k| normals[k][2] < 0.0));
+    let upward = check(&points, &turn_over(&normals, |k| normals[k][2] < 0.0));
     assert_eq!(upward.check.signs, NormalSigns::Unoriented);
     assert!(upward.check.agreement > 0.9, "most neighbors agree, and half of the sphere is wrong");
     assert!(upward.check.describe().unwrap().contains("not oriented"));
@@ -140,9 +140,9 @@ fn the_outside_says_how_given_normals_were_used() {
         outward_normals(&geometry, Some(normals.as_flattened()), Progress::none()).unwrap().info.to_string()
     };
     assert_eq!(words(&normals), "outside by the file's normals");
-    assert!(words(&turned(&normals, |_| true)).contains("point inward"));
-    assert!(words(&turned(&normals, |k| k % 2 == 0)).contains("not oriented"));
-    assert!(words(&turned(&normals, |k| k % 25 == 0)).contains("40 of them turned over"));
+    assert!(words(&turn_over(&normals, |_| true)).contains("point inward"));
+    assert!(words(&turn_over(&normals, |k| k % 2 == 0)).contains("not oriented"));
+    assert!(words(&turn_over(&normals, |k| k % 25 == 0)).contains("40 of them turned over"));
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn normals_of_arbitrary_signs_follow_moved_points_as_oriented_ones_do() {
     let moved = MovedPoints { before: &points, after: &after };
     let expected = moved_cloud_normals(&moved, &normals, Progress::none()).unwrap();
     let signs = random_signs(points.len(), 8);
-    let found = moved_cloud_normals(&moved, &turned(&normals, |k| signs[k]), Progress::none()).unwrap();
+    let found = moved_cloud_normals(&moved, &turn_over(&normals, |k| signs[k]), Progress::none()).unwrap();
     for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
         let sign = if signs[k] { -1.0 } else { 1.0 };
         assert!(sign * dot(a, b) > 1.0 - 1e-9, "point {k}: {a:?} {b:?}");

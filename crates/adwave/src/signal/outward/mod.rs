@@ -94,7 +94,7 @@ impl OutwardInfo {
 }
 
 impl OutwardInfo {
-    /// What is special about the given normals of a cloud; empty if nothing is.
+    /// Peculiarities of the given normals of a cloud; empty if there are none.
     fn given_words(&self) -> String {
         let Some(given) = self.given else { return String::new() };
         let signs = match given.signs {
