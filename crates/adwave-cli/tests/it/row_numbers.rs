@@ -56,7 +56,7 @@ fn features_are_named_by_the_rows_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     frame(path);
-    json(path, "features frame.ply --theta 0.01 --levels 5 -o f.json");
+    json(path, "features frame.ply --field z --theta 0.01 --levels 5 -o f.json");
     let found: serde_json::Value = serde_json::from_slice(&fs::read(path.join("f.json")).unwrap()).unwrap();
     let features = found["features"].as_array().unwrap();
     assert!(!features.is_empty());

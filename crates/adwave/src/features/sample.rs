@@ -153,11 +153,13 @@ impl HalfSteps {
         if !(ratio.is_finite() && ratio > 0.0) {
             return None;
         }
-        let scaled: Vec<u64> = schedule.steps().iter().map(|n| (n / ratio).round() as u64).collect();
-        let mut steps: Vec<u64> = scaled.iter().copied().filter(|&n| n > 0).collect();
+        let is_whole = schedule.whole_steps().is_some();
+        let scale = |n: &f64| if is_whole { (n / ratio).round() } else { n / ratio };
+        let scaled: Vec<f64> = schedule.steps().iter().map(scale).collect();
+        let mut steps: Vec<f64> = scaled.iter().copied().filter(|&n| n >= 1.0).collect();
         steps.dedup();
-        let ends = scaled.iter().map(|n| steps.binary_search(n).ok().map(|k| k + 1)).collect();
-        Some(Self { schedule: Schedule::new(steps).ok()?, ends })
+        let ends = scaled.iter().map(|n| steps.iter().position(|step| step == n).map(|k| k + 1)).collect();
+        Some(Self { schedule: Schedule::real(steps).ok()?, ends })
     }
 
     /// Levels of the half, as indices from 0, that level `j` consists of; `None` if the half does not resolve it.
