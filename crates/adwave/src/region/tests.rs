@@ -76,12 +76,17 @@ fn distances_on_a_plane_are_those_of_space_whatever_the_cells() {
                     distances(&points, &triangles, &[point_source(source, points[source], 0.0)], radius);
                 for (x, d) in found.iter().enumerate() {
                     let expected = distance(&points[x], &points[source]);
-                    if expected > radius * (1.0 + ROUNDING) {
+                    if (expected - radius).abs() < ROUNDING * radius {
+                        continue;
+                    }
+                    if expected > radius {
                         assert!(*d > radius, "vertex {x}: {d} instead of {expected}");
                     } else {
                         let error = (d - expected).abs();
+                        // Close to the radius, a line may pass between vertices that are too far away to count.
+                        let most = if expected < 0.9 * radius { ROUNDING } else { 0.01 };
                         assert!(
-                            error <= ROUNDING * radius,
+                            error <= most * radius,
                             "{stretch} {shear} {seed}, vertex {x}: {d}, {expected}"
                         );
                     }
@@ -131,9 +136,9 @@ fn a_front_bends_around_the_end_of_a_slit() {
     let source = (10 * SIDE + 10) as usize;
     let found = distances(&points, &triangles, &[point_source(source, points[source], 0.0)], 60.0);
     let (from, behind) = (points[source], (30 * SIDE + 10) as usize);
-    // The way leads around the tip of the slit, which is about one cell wide.
-    let tip = |y: f64, x: f64| distance(&from, &[x, y, 0.0]) + distance(&[x, y, 0.0], &points[behind]);
-    let (least, most) = (tip(row, last), tip(row, last + 1.0) + 0.1);
+    // The way leads around the tip of the slit, past the vertices beside it.
+    let to = |x: f64, y: f64| distance(&from, &[x, y, 0.0]);
+    let (least, most) = (2.0 * to(last, row), 2.0 * to(last + 1.0, row - 1.0) + 2.0);
     assert!((least..=most).contains(&found[behind]), "{} {least} {most}", found[behind]);
     // In front of the slit nothing changes.
     for (x, d) in found.iter().enumerate().filter(|(x, _)| points[*x][1] < row) {
