@@ -13,8 +13,9 @@ use nalgebra::Vector3;
 /// Cosine between a normal and the reflection of its neighbor's from which the two tell whether they are on one side.
 const CLEAR: f64 = 0.5;
 
-/// Mean squared cosine between normals and the line between their points above which the line leads across the surface.
-const ACROSS: f64 = 0.25;
+/// Mean squared cosine between normals and the line between their points above which the line leads across the surface; it
+/// is 0.5 across the edge of a box.
+const ACROSS: f64 = 0.55;
 
 /// Share of the points of a part that neighbors on one side must join for the part to count as oriented.
 const JOINED: f64 = 0.999;

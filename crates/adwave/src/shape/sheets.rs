@@ -27,24 +27,28 @@ const SEARCHED: usize = 4;
 const TIE: f64 = 1e-9;
 
 /// True if neighbors with opposite normals lie on other sheets: lines to them are steeper against their planes than
-/// lines to neighbors with similar normals. False if no neighbors are opposite, or if normals have arbitrary signs.
+/// lines to neighbors with similar normals, and the shorter ones are the steepest. On a curved sheet whose normals have
+/// arbitrary signs the longer ones are. False if no neighbors are opposite, or if normals have arbitrary signs.
 pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: &Neighborhoods) -> bool {
-    let (mut alike, mut opposite) = (Vec::new(), Vec::new());
+    let (mut alike, mut opposite, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     for x in 0..points.len() {
         for &y in near.adjacency.row(x) {
             let y = y as usize;
             let cosine = dot(&normals[x], &normals[y]);
-            let slopes = if cosine > ALIKE {
-                &mut alike
-            } else if cosine < OPPOSITE {
-                &mut opposite
-            } else {
+            let is_alike = cosine > ALIKE;
+            if !is_alike && cosine >= OPPOSITE {
                 continue;
-            };
+            }
             let line = subtract(&points[y], &points[x]);
             let length = distance(&points[x], &points[y]);
             if length > 0.0 {
-                slopes.push(dot(&line, &normals[x]).abs().min(dot(&line, &normals[y]).abs()) / length);
+                let slope = dot(&line, &normals[x]).abs().min(dot(&line, &normals[y]).abs()) / length;
+                if is_alike {
+                    alike.push(slope);
+                } else {
+                    opposite.push(slope);
+                    lengths.push(length / near.radius[x]);
+                }
             }
         }
     }
@@ -52,7 +56,16 @@ pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: 
         let middle = slopes.len() / 2;
         *slopes.select_nth_unstable_by(middle, f64::total_cmp).1
     };
-    !opposite.is_empty() && (alike.is_empty() || median(&mut opposite) > SLOPE_RATIO * median(&mut alike))
+    if opposite.is_empty() {
+        return false;
+    }
+    let middle = median(&mut lengths.clone());
+    let (mut short, mut long) = (Vec::new(), Vec::new());
+    for (slope, length) in opposite.iter().zip(&lengths) {
+        if *length <= middle { short.push(*slope) } else { long.push(*slope) }
+    }
+    let are_short_steeper = long.is_empty() || median(&mut short) >= median(&mut long);
+    are_short_steeper && (alike.is_empty() || median(&mut opposite) > SLOPE_RATIO * median(&mut alike))
 }
 
 /// The `k` nearest neighbors of each point among those whose normal is not opposite, of the nearest points that take

@@ -158,3 +158,26 @@ fn normals_of_arbitrary_signs_follow_moved_points_as_oriented_ones_do() {
         assert!(sign * dot(a, b) > 1.0 - 1e-9, "point {k}: {a:?} {b:?}");
     }
 }
+
+#[test]
+fn faces_of_a_box_are_turned_to_one_side_across_its_edges() {
+    let mut random = Pcg64Mcg::seed_from_u64(11);
+    let mut uniform = || 2.0 * f64::from(random.next_u32()) / f64::from(u32::MAX) - 1.0;
+    let (mut points, mut normals) = (Vec::new(), Vec::new());
+    for k in 0..3000 {
+        let (axis, side) = (k % 3, if k % 2 == 0 { 1.0 } else { -1.0 });
+        let mut point = [uniform(), uniform(), uniform()];
+        let mut normal = [0.0; 3];
+        (point[axis], normal[axis]) = (side, side);
+        points.push(point);
+        normals.push(normal);
+    }
+    // Plane fits turn all normals of an axis to one side.
+    let fitted: Vec<[f64; 3]> = normals.iter().map(|n| n.map(f64::abs)).collect();
+    let found = check(&points, &fitted);
+    assert_eq!(found.check.signs, NormalSigns::Unoriented, "{:?}", found.check);
+    let n_right = found.normals.iter().zip(&normals).filter(|(a, b)| dot(a, b) > 0.0).count();
+    assert!(n_right as f64 >= RIGHT * points.len() as f64, "{n_right}");
+    let inward = check(&points, &turn_over(&normals, |_| true));
+    assert_eq!((inward.check.signs, inward.check.n_inward), (NormalSigns::AsGiven, 1));
+}
