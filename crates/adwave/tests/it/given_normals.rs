@@ -108,7 +108,7 @@ fn what_is_wrong_with_normals_is_said() {
 #[test]
 fn oriented_normals_of_any_shape_and_size_are_used_as_they_are() {
     for name in ["creature", "knot", "torus", "sphere"] {
-        for n in [600, 5000] {
+        for n in [2000, 5000] {
             let (points, normals) = shape(name, n);
             for size in [1e-30, 1.0, 1e30] {
                 let scaled: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| c * size)).collect();
