@@ -231,7 +231,9 @@ fn center_levels(decomposer: &Decomposer, wavelets: &mut Wavelets) {
         }
         let middle = known.len() / 2;
         let median = *known.select_nth_unstable_by(middle, f64::total_cmp).1;
-        level.iter_mut().for_each(|value| *value -= median);
+        for value in level.iter_mut() {
+            *value -= median;
+        }
     }
 }
 
