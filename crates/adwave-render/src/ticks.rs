@@ -60,7 +60,7 @@ fn round_offset(low: f64, high: f64, step: f64) -> f64 {
 /// An offset with its sign, with all its digits.
 fn format_offset(offset: f64) -> String {
     let size = offset.abs();
-    let number = if size < PLAIN && size >= 1e-3 {
+    let number = if (1e-3..PLAIN).contains(&size) {
         // Twelve decimals of a number below 1000 and none of the largest: the digits that it has.
         let decimals = (14.0 - size.log10().floor()).clamp(0.0, 12.0) as usize;
         let text = format!("{size:.decimals$}");

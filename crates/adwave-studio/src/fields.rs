@@ -161,14 +161,13 @@ pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
     let prepared = session.lock_prepared()?;
     let params = FeatureParams { theta, ..FeatureParams::default() };
     params.check().map_err(|e| ApiError::from_classified(&e))?;
-    let list = match session.input.shape {
-        Shape::Cloud(_) => cloud_feature_list(session, &prepared, &params)?,
-        _ => {
-            let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
-            let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
-            features(&prepared.decomposer, &norms, &params, Progress::none())
-                .map_err(|e| ApiError::from_classified(&e))?
-        }
+    let list = if let Shape::Cloud(_) = session.input.shape {
+        cloud_feature_list(session, &prepared, &params)?
+    } else {
+        let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);
+        let norms = request.norms().map_err(|e| ApiError::from_classified(&e))?;
+        features(&prepared.decomposer, &norms, &params, Progress::none())
+            .map_err(|e| ApiError::from_classified(&e))?
     };
     let center = session.center;
     let rows: Vec<_> = list

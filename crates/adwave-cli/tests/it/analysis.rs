@@ -333,7 +333,8 @@ fn sphere_with_normals(sign: impl Fn(usize) -> f64) -> tempfile::TempDir {
 
 #[test]
 fn given_normals_that_disagree_or_point_inward_are_named_once_and_in_json() {
-    let kinds: [(&dyn Fn(usize) -> f64, &str, Option<&str>, u64); 3] = [
+    type Sign<'a> = &'a dyn Fn(usize) -> f64;
+    let kinds: [(Sign<'_>, &str, Option<&str>, u64); 3] = [
         (&|k| if k % 2 == 0 { 1.0 } else { -1.0 }, "unoriented", Some("are not oriented"), 0),
         (&|_| -1.0, "as given", Some("point inward"), 1),
         (&|_| 1.0, "as given", None, 0),

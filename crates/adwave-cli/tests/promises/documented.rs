@@ -120,7 +120,9 @@ fn land(offset: f64) -> ShapeFile {
 /// Writes a file of every name that documents and help use.
 fn write_named_files(folder: &Path) {
     let at = |name: &str| folder.join(name);
-    let save = |file: &ShapeFile, name: &str| write_path(file, &at(name), None).unwrap();
+    let save = |file: &ShapeFile, name: &str| {
+        write_path(file, &at(name), None).unwrap();
+    };
     let names = [
         "bunny.obj",
         "bunny.ply",
@@ -139,22 +141,26 @@ fn write_named_files(folder: &Path) {
         "map.ply",
     ];
     let model = creature(2000, 1.0, 1);
-    names.iter().for_each(|name| drop(save(&model, name)));
+    for name in names {
+        save(&model, name);
+    }
     let other = creature(2000, 1.0, 2);
-    ["after.obj", "after.ply", "b.ply", "scans/1.ply"].iter().for_each(|name| {
+    for name in ["after.obj", "after.ply", "b.ply", "scans/1.ply"] {
         fs::create_dir_all(at(name).parent().unwrap()).unwrap();
         save(&other, name);
-    });
+    }
     for (name, seed) in [("scan1.ply", 3), ("scan2.ply", 4)] {
         save(&creature(6000, 1.0, seed), name);
     }
     save(&creature(6000, 0.0254, 3), "bust-in-inches.obj");
     let brain = creature(2000, 30.0, 1);
-    ["brain.ply", "brain.gii", "part.stl", "lh.pial"].iter().for_each(|name| drop(save(&brain, name)));
+    for name in ["brain.ply", "brain.gii", "part.stl", "lh.pial"] {
+        save(&brain, name);
+    }
     save(&creature(2100, 30.0, 2), "printed.ply");
-    ["scan.laz", "scan.las", "land.laz", "lidar.laz", "flight-1.laz"]
-        .iter()
-        .for_each(|name| drop(save(&land(0.0), name)));
+    for name in ["scan.laz", "scan.las", "land.laz", "lidar.laz", "flight-1.laz"] {
+        save(&land(0.0), name);
+    }
     save(&land(40.0), "flight-2.laz");
     write_curves_and_graphs(folder);
     write_cortex(folder, &brain);
@@ -182,7 +188,7 @@ fn write_curves_and_graphs(folder: &Path) {
     let path = (1..=120).map(|k: u32| k.to_string()).collect::<Vec<_>>().join(" ");
     fs::write(folder.join("track.obj"), format!("{vertices}l {path}\n")).unwrap();
     assert!(run_line(folder, "convert track.obj -o centerline.vtk").is_done());
-    let edges: String = (1..=50).map(|k| format!("{} {k} 1\n", k % 50 + 1)).collect();
+    let edges: String = (1..=50).fold(String::new(), |text, k| text + &format!("{} {k} 1\n", k % 50 + 1));
     let head = "%%MatrixMarket matrix coordinate real general";
     fs::write(folder.join("network.mtx"), format!("{head}\n50 50 50\n{edges}")).unwrap();
     let signal: Vec<f64> = (0..50).map(|k| (f64::from(k) / 5.0).sin()).collect();
@@ -213,7 +219,7 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
         adwave_io::CiftiColumns::Series,
     )
     .unwrap();
-    let rows: String = (0..n - 20).map(|k| format!("{k} 0 0 0 0\n")).collect();
+    let rows: String = (0..n - 20).fold(String::new(), |text, k| text + &format!("{k} 0 0 0 0\n"));
     fs::write(at("lh.cortex.label"), format!("#!ascii label\n{}\n{rows}", n - 20)).unwrap();
     fs::write(at("lh.aparc.annot"), annotation(n)).unwrap();
 }

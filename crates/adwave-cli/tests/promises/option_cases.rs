@@ -51,10 +51,12 @@ const fn case(command: &'static str, option: &'static str, value: &'static str) 
     OptionCase { command, option, value, needs: "", input: "" }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "cases are written in place")]
 const fn with(case: OptionCase, needs: &'static str) -> OptionCase {
     OptionCase { needs, ..case }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "cases are written in place")]
 const fn in_file(case: OptionCase, input: &'static str) -> OptionCase {
     OptionCase { input, ..case }
 }

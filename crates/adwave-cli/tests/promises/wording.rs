@@ -3,6 +3,7 @@
 use crate::fixtures::{INPUTS, fixtures};
 use crate::harness::{Faults, commands, is_in_sample, run_line, run_words};
 use crate::option_cases::{base_line, base_lines};
+use std::path::Path;
 
 /// Texts of libraries and of the machine that say nothing to people.
 const FOREIGN: [&str; 10] = [
@@ -142,7 +143,12 @@ fn numbers_in_words_are_those_of_the_table() {
     let n_rows = run
         .out
         .lines()
-        .filter(|line| line.trim_start().split(' ').next().is_some_and(|w| w.ends_with(".ply")))
+        .filter(|line| {
+            line.trim_start()
+                .split(' ')
+                .next()
+                .is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "ply"))
+        })
         .count();
     faults.expect(run.out.contains(&format!("\n{n_rows} edits")), || format!("{n_rows} rows: {}", run.out));
     let times: Vec<f64> = run

@@ -284,5 +284,5 @@ fn a_ball_in_the_middle_of_a_sphere_is_reported_and_one_on_it_is_not() {
     let cloud = Decomposer::new(&Shape::Cloud(PointCloud::new(points).unwrap()));
     let middle = parse_region("ball:point=0 0 0,radius=0.5").unwrap();
     assert_eq!(middle.far_points(cloud.metric(), Progress::none()).unwrap().len(), 1);
-    assert!(weights(&cloud, "ball:point=0 0 0,radius=0.5").iter().any(|r| *r == 1.0));
+    assert!(weights(&cloud, "ball:point=0 0 0,radius=0.5").contains(&1.0));
 }
