@@ -2,6 +2,7 @@
 
 mod noise;
 mod triangles;
+pub mod truth;
 
 pub use noise::Noise;
 pub use triangles::Triangles;

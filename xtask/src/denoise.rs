@@ -27,3 +27,17 @@ pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
         .arg("--docs")
         .arg(root().join("docs")))
 }
+
+/// Denoises random clouds whose truth is known and prints the tables. `arguments`: the half of the seeds, and their number.
+pub(crate) fn bench_truth(arguments: &[&str]) -> StepResult {
+    let build =
+        ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "denoise_truth"];
+    cargo(&build, &[])?;
+    let mut bench = Command::new(target().join("release/denoise_truth"));
+    bench.arg(arguments.first().unwrap_or(&"first")).arg(arguments.get(1).unwrap_or(&"2"));
+    let published = data().join("domains/points");
+    if published.is_dir() {
+        bench.arg(published);
+    }
+    run(&mut bench)
+}

@@ -40,6 +40,9 @@ usage: cargo xtask COMMAND
             time the same tasks in the Python package and in other packages: seconds and lines, as a table
   bench-clouds [--points N]
             process a scan of ten million points by tiles and by other programs: seconds and memory, as a table
+  bench-denoise [first|second] [SEEDS]
+            denoise random clouds whose truth is known: a table by noise and by shape for one half of the seeds, and the
+            published pairs of ../shared/data (or $ADWAVE_DATA), if it exists
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
   bench-match [--seeds choose|final] [--cases N] [--seconds N]
@@ -84,6 +87,7 @@ fn main() -> ExitCode {
         ["fuzz", ref rest @ ..] => fuzz(rest),
         ["bench-peers", ref rest @ ..] if rest.contains(&denoise::PART) => denoise::bench_denoise(rest),
         ["bench-peers", ref rest @ ..] => peers::bench_peers(rest),
+        ["bench-denoise", ref rest @ ..] => denoise::bench_truth(rest),
         ["bench-clouds", ref rest @ ..] => clouds::bench_clouds(rest),
         ["bench-match", ref rest @ ..] => matching::bench_match(rest),
         ["bench-meshings", ref rest @ ..] => meshings::bench_meshings(rest),

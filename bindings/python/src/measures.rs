@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{BandsOptions, CREASES, LOCAL_FITS, RESPONSES, WEIGHTINGS, WeldOption, word};
+use crate::options::{BandsOptions, CREASES, LOCAL_FITS, OUTLIERS, RESPONSES, WEIGHTINGS, WeldOption, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
@@ -231,6 +231,7 @@ struct DenoiseOptions {
     creases: String,
     noise: Option<f64>,
     local_fit: String,
+    outliers: String,
 }
 
 impl DenoiseOptions {
@@ -238,7 +239,7 @@ impl DenoiseOptions {
         let creases = word("creases", &self.creases, CREASES)?;
         let fit = word("local_fit", &self.local_fit, LOCAL_FITS)?;
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
-        let params = params.with_local_fit(fit);
+        let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, OUTLIERS)?);
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),
             None => params,
@@ -272,6 +273,14 @@ fn denoise_points<'py>(
     found.set_item("smooth_weights", info.smooth_weights.clone())?;
     found.set_item("n_far", info.n_far)?;
     found.set_item("furthest", info.furthest)?;
+    if let Some(cloud) = &info.cloud {
+        found.set_item("noise_range", cloud.noise_range)?;
+        found.set_item("n_outliers", cloud.n_outliers)?;
+        found.set_item("n_left", cloud.n_left)?;
+        found.set_item("rounding", cloud.rounding)?;
+        found.set_item("nearest_distance", cloud.nearest_distance)?;
+        found.set_item("outliers", denoised.outliers.clone())?;
+    }
     Ok((arrays::point_rows(py, denoised.points)?.into_any(), found))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{self, value_error};
 use adwave::bands::{FWHM, Schedule};
-use adwave::denoise::Creases;
+use adwave::denoise::{Creases, Outliers};
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::local_fit::LocalFit;
@@ -40,6 +40,7 @@ pub(crate) const LOCAL_FITS: &[(&str, LocalFit)] =
     &[("linear", LocalFit::Linear), ("constant", LocalFit::Constant)];
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
+pub(crate) const OUTLIERS: &[(&str, Outliers)] = &[("keep", Outliers::Keep), ("pull", Outliers::Pull)];
 pub(crate) const RESPONSES: &[(&str, Response)] = &[
     ("normalized", Response::Normalized),
     ("literal", Response::Literal),

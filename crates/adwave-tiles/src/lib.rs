@@ -8,11 +8,10 @@
 //!    of a mesh are distributed to the tiles of their corners.
 //! 2. **Neighbors**: the nearest neighbors of each vertex of a cloud, exact across the borders of tiles, or the one-ring of each vertex
 //!    of a mesh. E, the mean distance between neighbors, is summed block by block.
-//! 3. **Orientation**, only to denoise a cloud: the normals are oriented along a spanning tree over all tiles.
-//! 4. **Bands**: a polynomial of degree d of Φ₁ depends on d rings of neighbors. A breadth-first search over the stored neighbor lists
+//! 3. **Bands**: a polynomial of degree d of Φ₁ depends on d rings of neighbors. A breadth-first search over the stored neighbor lists
 //!    collects this halo. A job that denoises moves the positions instead; its weights are chosen on a sample of the whole shape.
-//! 5. **Maps**, only for saliency and features: these depend on statistics of whole levels.
-//! 6. **Join**: the tiles in one file.
+//! 4. **Maps**, only for saliency and features: these depend on statistics of whole levels.
+//! 5. **Join**: the tiles in one file.
 //!
 //! A row of T (eq. 1) depends on a vertex, its neighbors in the order of the curve, their areas and E, and a step of the recurrence
 //! depends on its row. Neither depends on the tile, so that every division into tiles gives the same bytes.

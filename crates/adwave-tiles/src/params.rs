@@ -222,9 +222,9 @@ impl Params {
     }
 
     /// Number of rings in the halo of a tile.
-    pub(crate) fn n_rings(&self) -> Result<usize, TilesError> {
+    pub(crate) fn n_rings(&self, is_mesh: bool) -> Result<usize, TilesError> {
         if self.denoise.is_some() {
-            return Ok(DenoiseChoice::reach()?);
+            return Ok(if is_mesh { DenoiseChoice::reach()? } else { DenoiseChoice::CLOUD_REACH });
         }
         let n_rings = self.output_series()?.iter().map(FixedSeries::reach).max().unwrap_or(0);
         if n_rings > MAX_RINGS {

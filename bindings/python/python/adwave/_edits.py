@@ -389,6 +389,7 @@ class DenoiseOptions:
     creases: str = "auto"
     noise: Union[float, None] = None
     local_fit: str = "linear"
+    outliers: str = "keep"
 
 
 def denoise(
@@ -399,6 +400,7 @@ def denoise(
     creases: Literal["auto", "keep", "none"] = "auto",
     noise: float | None = None,
     local_fit: LocalFit = "linear",
+    outliers: Literal["keep", "pull"] = "keep",
     operator: OperatorLike = None,
     progress: ProgressLike = None,
 ) -> DenoiseResult:
@@ -421,6 +423,8 @@ def denoise(
         Standard deviation of the noise along the normals in model units, if it is known.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
+    outliers : {'keep', 'pull'}
+        Whether outliers of a cloud stay where they are or are moved to their neighbors; ``info["outliers"]`` names them.
     operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
@@ -444,7 +448,7 @@ def denoise(
     >>> 0.1 < info["noise_in_edges"] < 0.5
     True
     """
-    options = DenoiseOptions(strength, creases, noise, local_fit)
+    options = DenoiseOptions(strength, creases, noise, local_fit, outliers)
     if signal is None:
         own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
         given = as_operator(operator)

@@ -216,8 +216,6 @@ def run(folder: str | os.PathLike[str], client: Any, *, threads: int = 1, retrie
     n_tiles = int(run_jobs("sort", range(1))[0]["n_tiles"])
     run_jobs("neighbors", range(n_tiles))
     status = _run_command(["tile", place, "status"])
-    if status["has_orientation"]:
-        run_jobs("orientation", range(n_tiles))
     results = run_jobs("bands", range(n_tiles))
     if status["has_maps"]:
         results = run_jobs("maps", range(n_tiles))

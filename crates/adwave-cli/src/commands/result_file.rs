@@ -7,7 +7,7 @@ use crate::output::{check_writable, output_format, write_shape};
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, keep_left_out_values, named_axis, with_axis,
+    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, keep_left_out_values, named_axis, with_axis,
     written_signal,
 };
 use std::path::Path;
@@ -68,6 +68,27 @@ impl<'a> ResultFile<'a> {
                 channel_names: signal.channel_names.clone(),
             },
         }
+    }
+
+    /// Writes the vertices `kept` of the shape with new positions of all of them. Values alone have one row per vertex, so that
+    /// they cannot be written.
+    pub(crate) fn write_part(
+        &self,
+        input: &mut Input,
+        points: Vec<[f64; 3]>,
+        kept: &[u32],
+        normals: MovedNormals,
+        global: &Global<'_>,
+    ) -> Result<(), CliError> {
+        if ValuesFile::choose_for_edited_signal(self.path, COORDS, &input.file).is_some() {
+            return Err(CliError::Input(format!(
+                "points can be dropped from a shape only, and {} is a file of values; choose a format of shapes",
+                self.path.display()
+            )));
+        }
+        move_points(&mut input.file, points, normals, global)?;
+        let part = input.file.subset_with_left_out(&Subset { vertices: kept, ..Subset::default() })?;
+        write_shape(global, &part, self.path).map(|_| ())
     }
 
     /// Writes the shape with the edited signal, or the values of the signal alone.

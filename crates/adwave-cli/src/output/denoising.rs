@@ -1,7 +1,7 @@
 //! Report of a denoised shape.
 
 use super::{count, number};
-use adwave::denoise::DenoiseInfo;
+use adwave::denoise::{CloudDenoising, DenoiseInfo, Outliers};
 use adwave::local_fit::LocalFit;
 use std::fmt::Write;
 
@@ -30,6 +30,10 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         SamplingUnit::MeanEdges => "mean edges",
         SamplingUnit::NeighborDistances => "mean distances of neighbors",
     };
+    if let Some(cloud) = &info.cloud {
+        describe_cloud(text, info, cloud);
+        return;
+    }
     let _ = writeln!(
         text,
         "noise along the normals: {} model units, {} {unit}",
@@ -55,6 +59,51 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         }
     }
     describe_far(text, info);
+}
+
+/// Adds lines on the noise of a cloud by place, and on the points that did not move.
+fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising) {
+    let [low, high] = cloud.noise_range;
+    let _ = writeln!(
+        text,
+        "noise along the normals: {} model units, {} mean distances of neighbors; {} to {} by place (5 % to 95 %)",
+        number(info.noise),
+        number(info.noise_in_edges),
+        number(low),
+        number(high)
+    );
+    if cloud.rounding > 0.5 * info.noise && cloud.rounding > 0.0 {
+        let _ = writeln!(text, "coordinates are rounded to steps of {}", number(cloud.rounding));
+    }
+    let _ =
+        writeln!(text, "surface: {:.0} % of the estimated noise left as it is, by risk", 100.0 * info.kept);
+    if cloud.n_outliers > 0 {
+        let treatment = match cloud.outliers {
+            Outliers::Pull => "moved to their neighbors",
+            Outliers::Drop => "dropped",
+            _ => "kept where they are",
+        };
+        let _ = writeln!(text, "{}, {treatment}", count(cloud.n_outliers, "outlier", "outliers"));
+    }
+    if cloud.n_left > 0 {
+        let _ = writeln!(
+            text,
+            "{} left as they are: no surface there, or more than 3 times the noise away from it",
+            count(cloud.n_left, "point", "points")
+        );
+    }
+    let [before, after] = cloud.nearest_distance;
+    let _ = writeln!(
+        text,
+        "distance to the nearest point: {} before, {} after (mean)",
+        number(before),
+        number(after)
+    );
+    if info.n_far == 0 {
+        let _ = writeln!(text, "no point but outliers moved farther than 3 times the noise at its place");
+    } else {
+        describe_far(text, info);
+    }
 }
 
 /// Adds a line on vertices that moved far.

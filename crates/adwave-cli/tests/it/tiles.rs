@@ -111,22 +111,15 @@ fn noise_is_taken_off_by_tiles_and_jobs_as_in_memory() {
     assert!(said["summary"]["moved"][0].as_f64().unwrap() > 0.0, "{said}");
     run(path, "tiles a.laz -o many.laz --denoise --tiles 5 --workers 2");
     assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("many.laz")).unwrap());
-    // By tasks: the orientation of a cloud is a stage of its own.
+    // By tasks.
     run(path, "tiles a.laz -o jobs --denoise --tiles 5 --plan-only");
     run(path, "tile jobs sort");
     let status = json(path, "tile jobs status");
-    assert_eq!(
-        (&status["has_orientation"], &status["orientation_done"]),
-        (&true.into(), &0.into()),
-        "{status}"
-    );
+    assert_eq!(status["neighbors_done"], 0, "{status}");
     let n_tiles = status["n_tiles"].as_u64().unwrap();
     (0..n_tiles).for_each(|tile| run(path, &format!("tile jobs neighbors {tile}")));
-    says(path, "tile jobs bands 0", "the orientation of tile 0 must be computed first");
-    says(path, "tile jobs orientation 99", "got 99");
-    for kind in ["orientation", "bands"] {
-        (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs {kind} {tile}")));
-    }
+    says(path, "tile jobs bands 99", "got 99");
+    (0..n_tiles).rev().for_each(|tile| run(path, &format!("tile jobs bands {tile}")));
     run(path, "tiles a.laz -o jobs.laz --denoise --tiles 5 --work jobs");
     assert!(fs::read(path.join("one.laz")).unwrap() == fs::read(path.join("jobs.laz")).unwrap());
     // A mesh, as the command in memory has it.

@@ -16,7 +16,6 @@ const RECORDS: &str = "records.bin";
 const FACE_FILE_LENGTHS: &str = "faces.json";
 const LEVELS: &str = "levels.json";
 const DENOISE_CHOICE: &str = "choice.json";
-const PIECE_FLIPS: &str = "sides.bin";
 
 const fn tile_name(prefix: &'static str, suffix: &'static str) -> NumberedName {
     NumberedName { prefix, n_digits: 5, suffix }
@@ -24,7 +23,6 @@ const fn tile_name(prefix: &'static str, suffix: &'static str) -> NumberedName {
 
 const NEIGHBORS: NumberedName = tile_name("near-", ".bin");
 const FACES: NumberedName = tile_name("faces-", ".bin");
-const PIECES: NumberedName = tile_name("sides-", ".bin");
 const ROWS_BEFORE_MAPS: NumberedName = tile_name("made-", ".bin");
 const BAND_NORMS: NumberedName = tile_name("lengths-", ".bin");
 const FEATURES: NumberedName = tile_name("features-", ".json");
@@ -77,22 +75,12 @@ impl WorkFolder {
         self.path.join(DENOISE_CHOICE)
     }
 
-    /// Orientation of the pieces of all tiles.
-    pub(crate) fn piece_flips(&self) -> PathBuf {
-        self.path.join(PIECE_FLIPS)
-    }
-
     pub(crate) fn neighbors(&self, tile: usize) -> PathBuf {
         NEIGHBORS.path(&self.path, tile as u64)
     }
 
     pub(crate) fn faces(&self, tile: usize) -> PathBuf {
         FACES.path(&self.path, tile as u64)
-    }
-
-    /// Orientation of the normals of a tile, by pieces.
-    pub(crate) fn pieces(&self, tile: usize) -> PathBuf {
-        PIECES.path(&self.path, tile as u64)
     }
 
     /// Output rows of a tile without the saliency.
@@ -172,14 +160,13 @@ fn is_tile(name: &str) -> bool {
 
 /// Returns true for names that the files of a job have.
 pub(crate) fn is_job_file(name: &str) -> bool {
-    const NAMES: [&str; 8] =
-        [PLAN, SORT_LOCK, BLOCK_TABLE, RECORDS, FACE_FILE_LENGTHS, LEVELS, DENOISE_CHOICE, PIECE_FLIPS];
-    const NUMBERED_NAMES: [NumberedName; 12] = [
+    const NAMES: [&str; 7] =
+        [PLAN, SORT_LOCK, BLOCK_TABLE, RECORDS, FACE_FILE_LENGTHS, LEVELS, DENOISE_CHOICE];
+    const NUMBERED_NAMES: [NumberedName; 11] = [
         RUN_NAME,
         CORNERS_NAME,
         NEIGHBORS,
         FACES,
-        PIECES,
         ROWS_BEFORE_MAPS,
         BAND_NORMS,
         FEATURES,

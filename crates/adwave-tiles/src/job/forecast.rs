@@ -72,10 +72,9 @@ impl Cost {
         let denoises = params.denoise.is_some();
         let (vertex_bytes, ring_width, disk_bytes) = match shape.layout {
             // Neighbors are farther away than the mean distance between vertices. The disk has the sorted records, and either their runs
-            // or distances, neighbor lists and orientations.
+            // or distances and neighbor lists.
             RecordLayout::Las(_) => {
-                let orientation_bytes = if denoises { 5 } else { 0 };
-                let stage_bytes = 8 + 2 * params.neighbors as u64 + map_bytes + orientation_bytes;
+                let stage_bytes = 8 + 2 * params.neighbors as u64 + map_bytes;
                 let vertex_bytes = if denoises { DENOISED_CLOUD_VERTEX_BYTES } else { CLOUD_VERTEX_BYTES };
                 (vertex_bytes, 1.8, record_bytes + record_bytes.max(stage_bytes))
             }
@@ -116,7 +115,7 @@ fn fixed_bytes(n_points: u64) -> u64 {
 /// Chooses the size of the tiles: the requested number, or the fewest that fit into memory.
 pub(crate) fn choose_tiling(shape: &InputShape, params: &Params) -> Result<Tiling, TilesError> {
     let (n_points, cost) = (shape.n_points, Cost::new(shape, params));
-    let rings = params.n_rings()?;
+    let rings = params.n_rings(shape.is_mesh())?;
     let n_blocks = n_points.div_ceil(VERTICES_IN_A_BLOCK as u64);
     let fixed = fixed_bytes(n_points);
     let worker_memory = params.memory.saturating_sub(fixed) / params.n_workers as u64;
@@ -171,7 +170,7 @@ pub(crate) fn halo_limits(shape: &InputShape, params: &Params) -> Result<HaloLim
     let free = params.memory.saturating_sub(fixed_bytes(shape.n_points));
     let worker_memory = free / params.n_workers.max(1) as u64;
     Ok(HaloLimits {
-        n_rings: params.n_rings()?,
+        n_rings: params.n_rings(shape.is_mesh())?,
         max_vertices: worker_memory / Cost::new(shape, params).vertex_bytes,
         max_loaded: worker_memory / LOADED_VERTEX_BYTES,
     })

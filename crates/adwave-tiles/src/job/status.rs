@@ -19,9 +19,7 @@ pub enum Task {
     Sort,
     /// Finds the neighbors of the vertices of a tile. Requires the sort.
     Neighbors(usize),
-    /// Orients the normals of a tile of a cloud that is denoised. Requires the neighbors of all tiles.
-    Orientation(usize),
-    /// Computes the bands of a tile, or denoises its positions. Requires the neighbors, and the orientation if there is one, of all tiles.
+    /// Computes the bands of a tile, or denoises its positions. Requires the neighbors of all tiles.
     Bands(usize),
     /// Computes the saliency map and the features of a tile. Requires the bands of all tiles.
     Maps(usize),
@@ -39,10 +37,6 @@ pub struct Status {
     pub n_tiles: Option<usize>,
     /// Number of tiles whose neighbors are found.
     pub neighbors_done: usize,
-    /// True if the job has an orientation stage.
-    pub has_orientation: bool,
-    /// Number of tiles whose normals are oriented.
-    pub orientation_done: usize,
     /// Number of tiles whose bands are computed, or whose positions are denoised.
     pub bands_done: usize,
     /// True if the job has a maps stage.
@@ -82,7 +76,6 @@ impl TilingJob {
             }
             Task::Sort => self.is_sorted(),
             Task::Neighbors(tile) => folder.neighbors(tile).exists(),
-            Task::Orientation(tile) => folder.pieces(tile).exists(),
             Task::Bands(tile) if self.has_maps() => {
                 let paths = [folder.block_sums(tile), folder.rows_before_maps(tile), folder.band_norms(tile)];
                 paths.iter().all(|path| path.exists())
@@ -96,8 +89,7 @@ impl TilingJob {
     pub(crate) fn check_ready(&self, task: Task, n_tiles: usize) -> Result<(), TilesError> {
         type TileTask = fn(usize) -> Task;
         let (required, name): (TileTask, _) = match task {
-            Task::Bands(_) if self.has_orientation() => (Task::Orientation, "orientation"),
-            Task::Orientation(_) | Task::Bands(_) => (Task::Neighbors, "neighbors"),
+            Task::Bands(_) => (Task::Neighbors, "neighbors"),
             Task::Maps(_) => (Task::Bands, "bands"),
             Task::Run(_) | Task::Sort | Task::Neighbors(_) => return Ok(()),
         };
@@ -123,8 +115,6 @@ impl TilingJob {
             runs_done: count(n_runs, Task::Run),
             n_tiles,
             neighbors_done: count_tiles(Task::Neighbors),
-            has_orientation: self.has_orientation(),
-            orientation_done: if self.has_orientation() { count_tiles(Task::Orientation) } else { 0 },
             bands_done: count_tiles(Task::Bands),
             has_maps: self.has_maps(),
             maps_done: if self.has_maps() { count_tiles(Task::Maps) } else { 0 },

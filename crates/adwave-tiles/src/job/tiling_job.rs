@@ -55,11 +55,6 @@ impl TilingJob {
         self.plan.shape.is_mesh()
     }
 
-    /// Returns true if the job has an orientation stage.
-    pub fn has_orientation(&self) -> bool {
-        self.plan.params.denoise.is_some() && !self.is_mesh()
-    }
-
     /// Returns true if the job has a maps stage, which is then the last one before the join.
     pub fn has_maps(&self) -> bool {
         self.plan.params.has_maps()

@@ -29,7 +29,7 @@ pub fn run_task(job: &TilingJob, task: Task, progress: Progress<'_>) -> Result<(
     let tile = match task {
         Task::Run(run) => return job.sort_run(run, progress),
         Task::Sort => return job.sort(progress),
-        Task::Neighbors(tile) | Task::Orientation(tile) | Task::Bands(tile) | Task::Maps(tile) => tile,
+        Task::Neighbors(tile) | Task::Bands(tile) | Task::Maps(tile) => tile,
     };
     let blocks = job.blocks()?;
     let n_tiles = job.plan.n_tiles(blocks.len());
@@ -45,7 +45,6 @@ pub fn run_task(job: &TilingJob, task: Task, progress: Progress<'_>) -> Result<(
     }
     let neighbor_index = job.neighbor_index(&blocks)?;
     match task {
-        Task::Orientation(_) => job.orient_normals(&blocks, &neighbor_index, tile, progress),
         Task::Maps(_) => job.compute_maps(&blocks, &neighbor_index, tile, progress),
         _ => {
             let denoiser = job.denoiser(&blocks, progress.quiet())?;
@@ -60,7 +59,7 @@ pub fn run_task(job: &TilingJob, task: Task, progress: Progress<'_>) -> Result<(
 /// [`TilesError`]. What is done stays, and the next call continues from there.
 pub fn run(job: &TilingJob, progress: Progress<'_>) -> Result<Summary, TilesError> {
     let n = job.plan.shape.n_points;
-    let total = n * (3 + u64::from(job.has_maps()) + u64::from(job.has_orientation()));
+    let total = n * (3 + u64::from(job.has_maps()));
     let report_sort = |done: u64, sort_total: u64| {
         // The sort itself checks for cancellation.
         let _ = progress.step(done * n / sort_total.max(1), total);
@@ -90,9 +89,6 @@ pub fn run(job: &TilingJob, progress: Progress<'_>) -> Result<Summary, TilesErro
     drop(tree);
     release_freed();
     let neighbor_index = job.neighbor_index(&blocks)?;
-    if job.has_orientation() {
-        run_stage(Task::Orientation, &|tile| job.orient_normals(&blocks, &neighbor_index, tile, quiet))?;
-    }
     let denoiser = job.denoiser(&blocks, quiet)?;
     run_stage(Task::Bands, &|tile| {
         job.compute_bands(&blocks, &neighbor_index, denoiser.as_ref(), tile, quiet)

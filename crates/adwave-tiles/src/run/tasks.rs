@@ -22,7 +22,6 @@ use crate::stages::features::find_features;
 use crate::stages::maps::{BandNorms, BandResults, write_saliency};
 use crate::stages::neighbors::by_faces::{RingRule, write_one_rings};
 use crate::stages::neighbors::nearest::write_nearest_neighbors;
-use crate::stages::orientation::{NormalOrientation, write_pieces};
 use crate::stages::sort::faces::{FaceDistributor, vertices_per_pass};
 
 /// Time between two attempts to take the lock.
@@ -116,23 +115,6 @@ impl TilingJob {
         write_one_rings(blocks, interior, file, ring_rule, &path, progress)
     }
 
-    pub(crate) fn orient_normals(
-        &self,
-        blocks: &Blocks,
-        neighbor_index: &NeighborIndex,
-        tile: usize,
-        progress: Progress<'_>,
-    ) -> Result<(), TilesError> {
-        if !self.has_orientation() {
-            return Err(TilesError::Input(
-                "the job has no orientation stage; only denoising of clouds has one".into(),
-            ));
-        }
-        let interior = self.plan.blocks_of_tile(tile, blocks.len());
-        let limits = halo_limits(&self.plan.shape, &self.plan.params)?;
-        write_pieces(blocks, neighbor_index, interior, limits, &self.folder.pieces(tile), progress)
-    }
-
     /// The denoiser of the job; `None` for a job that computes bands. The first task that needs its files computes and stores them.
     pub(crate) fn denoiser(
         &self,
@@ -149,21 +131,7 @@ impl TilingJob {
             write_json(&path, &choose_weights(&self.plan.params, blocks, faces.as_ref(), unit, progress)?)?;
             release_freed();
         }
-        let surface = if let Some(faces) = faces {
-            TileSurface::Mesh(faces)
-        } else {
-            let n_tiles = self.plan.n_tiles(blocks.len());
-            let piece_files: Vec<PathBuf> = (0..n_tiles).map(|tile| self.folder.pieces(tile)).collect();
-            let (path, n_vertices) = (self.folder.piece_flips(), blocks.n_vertices as usize);
-            let vertices_per_tile = self.vertices_per_tile();
-            TileSurface::Cloud(NormalOrientation::open(
-                &piece_files,
-                &path,
-                n_vertices,
-                vertices_per_tile,
-                progress,
-            )?)
-        };
+        let surface = if let Some(faces) = faces { TileSurface::Mesh(faces) } else { TileSurface::Cloud };
         Ok(Some(Denoiser { choice: read_json(&path)?, surface }))
     }
 

@@ -6,11 +6,9 @@ use adwave::Progress;
 use adwave::denoise::DenoiseChoice;
 use adwave::pages::release_freed;
 use adwave::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, ShapeError, WeldMode};
-use adwave::signal::plane_normals;
 
 use super::StageContext;
 use super::block_output::{BlockOutput, TileValues};
-use super::orientation::NormalOrientation;
 use super::totals::{BlockSums, StepSums};
 use crate::error::TilesError;
 use crate::halo::{TileWithHalo, visit_tiles_with_halo};
@@ -28,9 +26,9 @@ const BLOCKS_PER_PIECE: usize = 2;
 /// Largest number of vertices of the sample.
 pub(crate) const MAX_SAMPLE_VERTICES: usize = N_PIECES * BLOCKS_PER_PIECE * VERTICES_IN_A_BLOCK;
 
-/// Surface orientation around the vertices: oriented normals of a cloud, or faces of a mesh.
+/// What the surface around the vertices is known by: their neighbors in a cloud, or the faces of a mesh.
 pub(crate) enum TileSurface {
-    Cloud(NormalOrientation),
+    Cloud,
     Mesh(FaceFiles),
 }
 
@@ -100,7 +98,11 @@ pub(crate) fn denoise_tile(
             series_values: vec![changes],
             interior_range,
             step_sums: vec![StepSums::default(); interior.len()],
-            far_distance: FAR * denoiser.choice.info.noise,
+            // In a cloud the noise varies, and no point moves farther than three times that of its place.
+            far_distance: match denoiser.surface {
+                TileSurface::Cloud => f64::INFINITY,
+                TileSurface::Mesh(_) => FAR * denoiser.choice.info.noise,
+            },
         };
         sums.extend(values.write_blocks(context, interior, progress, &mut write)?);
         Ok(())
@@ -116,15 +118,7 @@ fn position_changes(
 ) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
     let TileWithHalo { points, neighbors, vertices, .. } = tile;
     let denoised = match &denoiser.surface {
-        TileSurface::Cloud(orientation) => {
-            let mut normals = plane_normals(&points, &neighbors, progress)?;
-            for (normal, is_flipped) in normals.iter_mut().zip(orientation.flips(&vertices)?) {
-                if is_flipped {
-                    *normal = normal.map(|c| -c);
-                }
-            }
-            denoiser.choice.denoise_cloud(&points, neighbors, normals, progress.quiet())?
-        }
+        TileSurface::Cloud => denoiser.choice.denoise_cloud(&points, &neighbors, progress.quiet())?,
         TileSurface::Mesh(faces) => {
             drop(neighbors);
             let triangles = faces.triangles(&vertices, &points, progress)?;

@@ -1,4 +1,4 @@
-//! The stages of a job, in order: sort (with the faces of a mesh), neighbors, orientation, bands or denoise, maps, join.
+//! The stages of a job, in order: sort (with the faces of a mesh), neighbors, bands or denoise, maps, join.
 
 pub(crate) mod bands;
 pub(crate) mod block_output;
@@ -7,7 +7,6 @@ pub(crate) mod features;
 pub(crate) mod join;
 pub(crate) mod maps;
 pub(crate) mod neighbors;
-pub(crate) mod orientation;
 pub(crate) mod sort;
 pub(crate) mod totals;
 

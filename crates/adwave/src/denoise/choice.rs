@@ -2,10 +2,10 @@
 //! separately.
 
 use super::smoothed_normals::{GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, Walks, fixed};
-use super::surface::{NEIGHBORS, NoisySurface};
+use super::surface::NoisySurface;
 use super::{
-    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, build_surface, estimate_noise,
-    is_anything_to_do, select_walks,
+    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, build_surface, cloud,
+    denoise_cloud, estimate_noise, is_anything_to_do, select_walks,
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
@@ -43,11 +43,13 @@ pub struct DenoiseChoice {
     pub info: DenoiseInfo,
     creases: Creases,
     scales: GuideScales,
+    /// Parameters for the parts of a cloud.
+    params: DenoiseParams,
 }
 
 impl DenoiseChoice {
     /// Number of nearest neighbors of a point of a cloud.
-    pub const NEIGHBORS: usize = NEIGHBORS;
+    pub const NEIGHBORS: usize = cloud::NEIGHBORS;
 
     /// Estimates the quantities from a surface, or from a sample that consists of connected pieces; all of it is
     /// used. [`denoise`](super::denoise) takes a sample itself if there are more than 48 000 triangles or points.
@@ -67,6 +69,16 @@ impl DenoiseChoice {
         if let Some(members) = geometry.members(progress)? {
             return Self::estimate(&members.geometry, params, progress);
         }
+        if matches!(geometry.shape(), Shape::Cloud(_)) {
+            let mut info = denoise_cloud(geometry, geometry.points(), params, progress)?.info;
+            (info.n_far, info.furthest) = (0, 0.0);
+            return Ok(Self {
+                info,
+                creases: params.creases,
+                scales: GuideScales::default(),
+                params: *params,
+            });
+        }
         let (points, unit) = geometry.unit_points(progress)?;
         let surface = build_surface(geometry, &points, progress)?;
         let mut info = estimate_noise(&surface, &points, unit, params, progress)?;
@@ -77,11 +89,14 @@ impl DenoiseChoice {
         {
             scales = GuideScales { distance: walks.scales.distance * unit * unit, ..walks.scales };
         }
-        Ok(Self { info, creases: params.creases, scales })
+        Ok(Self { info, creases: params.creases, scales, params: *params })
     }
 
-    /// Number of rings of neighbors around a point that determine its result: along edges on a mesh; on a cloud,
-    /// the [`NEIGHBORS`](Self::NEIGHBORS) nearest points and those that list it among theirs.
+    /// Number of rings around a point of a cloud that determine its result: the [`NEIGHBORS`](Self::NEIGHBORS)
+    /// nearest points.
+    pub const CLOUD_REACH: usize = cloud::REACH;
+
+    /// Number of rings of neighbors around a vertex of a mesh that determine its result, along edges.
     ///
     /// # Errors
     /// Never, because the levels and the accuracy are fixed.
@@ -113,27 +128,25 @@ impl DenoiseChoice {
         self.denoise(&NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?, points, progress)
     }
 
-    /// Denoised points of a part of a cloud, as [`denoise_mesh`](Self::denoise_mesh). The `normals` of neighboring
-    /// points are on the same side; it does not matter which side, or how long they are.
+    /// Denoised points of a part of a cloud; `neighbors` hold at least the [`NEIGHBORS`](Self::NEIGHBORS) nearest of
+    /// each point. Points with fewer than [`CLOUD_REACH`](Self::CLOUD_REACH) rings around them differ from those of
+    /// the whole.
     ///
     /// # Errors
     /// If the call is cancelled.
     ///
     /// # Panics
-    /// Unless there is one row of neighbors and one normal per point.
+    /// Unless there is one row of neighbors per point.
     pub fn denoise_cloud(
         &self,
         points: &[[f64; 3]],
-        neighbors: Adjacency,
-        normals: Vec<[f64; 3]>,
+        neighbors: &Adjacency,
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         assert_eq!(neighbors.n_rows(), points.len(), "a row of neighbors for each point");
-        assert_eq!(normals.len(), points.len(), "a normal for each point");
-        if self.info.kept >= 1.0 {
-            return Ok(points.to_vec());
-        }
-        self.denoise(&NoisySurface::cloud_of_neighbors(neighbors, normals), points, progress)
+        let near = cloud::NearestRows::new(points, neighbors, progress)?;
+        let noise = cloud::CloudNoise::new(points, &near, self.params.noise, progress)?;
+        Ok(cloud::denoise_points(points, &near, &noise, self.info.noise, &self.params, progress)?.points)
     }
 
     fn denoise(

@@ -9,6 +9,7 @@
 //! probes `ramani2008`, mixtures of estimates `leung2006`.
 
 mod choice;
+mod cloud;
 mod curve;
 mod error;
 mod noise_level;
@@ -22,7 +23,7 @@ mod surface;
 
 pub use choice::DenoiseChoice;
 pub use error::DenoiseError;
-pub use params::{Creases, DenoiseInfo, DenoiseParams, Denoised};
+pub use params::{CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, Outliers};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
 use crate::shape::{PreparedGeometry, Shape};
@@ -105,12 +106,16 @@ pub fn denoise(
     }
     if let Some(members) = geometry.members(progress)? {
         // Random numbers are drawn in the order of the points, which the others must not change.
-        let Denoised { points, info } = denoise(&members.geometry, params, progress)?;
+        let Denoised { points, outliers, info } = denoise(&members.geometry, params, progress)?;
         let mut all = original.to_vec();
         for (&vertex, point) in members.vertices.iter().zip(points) {
             all[vertex as usize] = point;
         }
-        return Ok(Denoised { points: all, info });
+        let outliers = outliers.into_iter().map(|x| members.vertices[x as usize]).collect();
+        return Ok(Denoised { points: all, outliers, info });
+    }
+    if let Shape::Cloud(_) = geometry.shape() {
+        return denoise_cloud(geometry, original, params, progress);
     }
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
@@ -120,7 +125,7 @@ pub fn denoise(
     progress.step(1, STAGES)?;
     if !is_anything_to_do(&surface, noise, params) {
         progress.step(STAGES, STAGES)?;
-        return Ok(Denoised { points: original.to_vec(), info });
+        return Ok(Denoised { points: original.to_vec(), outliers: Vec::new(), info });
     }
     let mut moved = points.to_vec();
     let sample = surface.sample(&points, progress)?;
@@ -139,7 +144,50 @@ pub fn denoise(
     let points =
         original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
     progress.step(STAGES, STAGES)?;
-    Ok(Denoised { points, info })
+    Ok(Denoised { points, outliers: Vec::new(), info })
+}
+
+/// [`denoise`] for a cloud whose points all take part.
+fn denoise_cloud(
+    geometry: &PreparedGeometry,
+    original: &[[f64; 3]],
+    params: &DenoiseParams,
+    progress: Progress<'_>,
+) -> Result<Denoised, DenoiseError> {
+    let (points, unit) = geometry.unit_points(progress)?;
+    progress.step(0, STAGES)?;
+    let near = geometry.nearest(&points, cloud::NEIGHBORS, progress)?;
+    let near = cloud::NearestRows::new(&points, &near.adjacency, progress)?;
+    progress.step(1, STAGES)?;
+    let noise = cloud::CloudNoise::new(&points, &near, params.noise.map(|s| s / unit), progress)?;
+    progress.step(2, STAGES)?;
+    let found = cloud::denoise_points(&points, &near, &noise, noise.typical, params, progress)?;
+    progress.step(4, STAGES)?;
+    let moves = parallel::try_collect(points.len(), progress, |x| subtract(&found.points[x], &points[x]))?;
+    let map = geometry.vertex_map();
+    let moves = map.scatter(&moves, 1);
+    let mut is_outlier = vec![false; points.len()];
+    for &x in &found.outliers {
+        is_outlier[x as usize] = true;
+    }
+    let n_far = (0..points.len()).filter(|&x| {
+        !is_outlier[x] && norm(&subtract(&found.points[x], &points[x])) > FAR * noise.by_point[x]
+    });
+    let info = DenoiseInfo {
+        noise: noise.typical * unit,
+        noise_in_edges: near.in_mean_distances(&points, noise.typical, progress)?,
+        kept: found.kept,
+        n_sampled: points.len(),
+        n_far: n_far.count(),
+        furthest: moves.iter().map(norm).fold(0.0, f64::max) * unit,
+        cloud: Some(found.info.in_units(unit)),
+        ..DenoiseInfo::default()
+    };
+    let points =
+        original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
+    let outliers = (0..original.len()).filter(|&x| is_outlier[map.welded(x)]).map(|x| x as u32).collect();
+    progress.step(STAGES, STAGES)?;
+    Ok(Denoised { points, outliers, info })
 }
 
 /// The surface of a shape with positions `points`.
@@ -148,11 +196,7 @@ fn build_surface(
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<NoisySurface, Cancelled> {
-    if let Shape::Mesh(_) = geometry.shape() {
-        return NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress);
-    }
-    let near = geometry.nearest(points, surface::NEIGHBORS, progress)?;
-    NoisySurface::cloud_of_nearest(points, &near, progress)
+    NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress)
 }
 
 /// Noise of a surface in model units, estimated or given; `unit` is the unit of the points.

@@ -1,7 +1,7 @@
 //! Estimate of the noise level of a surface.
 
 use super::SEED;
-use super::surface::{NoisySurface, SurfaceKind};
+use super::surface::NoisySurface;
 use crate::parallel;
 use crate::vector::{add_scaled, dot, unit};
 use crate::{Cancelled, Progress};
@@ -76,10 +76,10 @@ fn point_normals(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
     let normals = surface.normals(points, progress)?;
-    let SurfaceKind::Mesh { at_vertex, .. } = &surface.kind else { return Ok(normals) };
     let areas = surface.areas(points, progress)?;
     parallel::try_collect(points.len(), progress, |x| {
-        let sum = at_vertex
+        let sum = surface
+            .at_vertex
             .row(x)
             .iter()
             .fold([0.0; 3], |sum, &t| add_scaled(&sum, areas[t as usize], &normals[t as usize]));

@@ -29,6 +29,26 @@ named_values!(Creases, "creases", {
     None => "none", "Smoothed like everything else";
 });
 
+/// Treatment of the outliers of a cloud: points far from the surface of their neighbors and from their neighbors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Outliers {
+    /// They stay where they are.
+    #[default]
+    Keep,
+    /// They move to the height of their neighbors.
+    Pull,
+    /// They stay, and [`Denoised::outliers`] names them, for the caller to remove.
+    Drop,
+}
+
+named_values!(Outliers, "treatment of outliers", {
+    Keep => "keep", "They stay where they are";
+    Pull => "pull", "They are moved to the surface of their neighbors";
+    Drop => "drop", "They are removed";
+});
+
 /// Parameters of denoising. The defaults need no tuning.
 ///
 /// ```
@@ -47,6 +67,9 @@ pub struct DenoiseParams {
     /// Fields that smoothing leaves unchanged; for [`denoise_signal`](super::denoise_signal) only.
     #[serde(default = "default_local_fit")]
     pub local_fit: LocalFit,
+    /// Treatment of the outliers of a cloud.
+    #[serde(default)]
+    pub outliers: Outliers,
 }
 
 /// Local fit of a field to be denoised: slopes are not noise.
@@ -56,7 +79,13 @@ fn default_local_fit() -> LocalFit {
 
 impl Default for DenoiseParams {
     fn default() -> Self {
-        Self { strength: 1.0, creases: Creases::Auto, noise: None, local_fit: default_local_fit() }
+        Self {
+            strength: 1.0,
+            creases: Creases::Auto,
+            noise: None,
+            local_fit: default_local_fit(),
+            outliers: Outliers::Keep,
+        }
     }
 }
 
@@ -83,6 +112,12 @@ impl DenoiseParams {
     #[must_use]
     pub fn with_local_fit(self, local_fit: LocalFit) -> Self {
         Self { local_fit, ..self }
+    }
+
+    /// Sets the treatment of the outliers of a cloud.
+    #[must_use]
+    pub fn with_outliers(self, outliers: Outliers) -> Self {
+        Self { outliers, ..self }
     }
 
     /// Checks that every parameter is in its range.
@@ -121,6 +156,40 @@ pub struct DenoiseInfo {
     pub n_far: usize,
     /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
+    /// Noise and treatment of a cloud; `None` for meshes and curves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cloud: Option<CloudDenoising>,
+}
+
+/// Noise of a cloud by place, and what was done with its points. Lengths are in model units.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CloudDenoising {
+    /// The 5 % and the 95 % quantile of the noise over the points.
+    pub noise_range: [f64; 2],
+    /// Number of outliers.
+    pub n_outliers: usize,
+    /// Treatment of the outliers.
+    pub outliers: Outliers,
+    /// Number of points that stay because their neighbors form no surface, or because they would move farther than
+    /// three times the noise there.
+    pub n_left: usize,
+    /// Step to which the coordinates are rounded; 0 if none is found.
+    pub rounding: f64,
+    /// Mean distance to the nearest neighbor, before and after.
+    pub nearest_distance: [f64; 2],
+}
+
+impl CloudDenoising {
+    /// Scales all lengths.
+    #[must_use]
+    pub(super) fn in_units(self, unit: f64) -> Self {
+        Self {
+            noise_range: self.noise_range.map(|s| s * unit),
+            rounding: self.rounding * unit,
+            nearest_distance: self.nearest_distance.map(|d| d * unit),
+            ..self
+        }
+    }
 }
 
 /// A denoised shape.
@@ -128,6 +197,8 @@ pub struct DenoiseInfo {
 pub struct Denoised {
     /// New positions, in the order of the shape.
     pub points: Vec<[f64; 3]>,
+    /// Outliers of a cloud, ascending.
+    pub outliers: Vec<u32>,
     /// Assumed noise, and the operations applied.
     pub info: DenoiseInfo,
 }

@@ -1,6 +1,6 @@
 //! Sample of a large surface, for decisions that do not need all of it.
 
-use super::surface::{NoisySurface, SurfaceKind};
+use super::surface::NoisySurface;
 use crate::{Cancelled, Progress};
 
 /// Number of sites beyond which a surface is sampled.
@@ -32,21 +32,13 @@ impl NoisySurface {
             let first = k * n / PIECES + (n / PIECES - SITES_A_PIECE) / 2;
             first..first + SITES_A_PIECE
         });
-        match &self.kind {
-            SurfaceKind::Cloud { .. } => {
-                let points: Vec<[f64; 3]> = sites.map(|x| points[x]).collect();
-                Ok(Some((Self::cloud(&points, progress)?, points)))
-            }
-            SurfaceKind::Mesh { triangles, .. } => {
-                let chosen: Vec<[u32; 3]> = sites.map(|t| triangles[t]).collect();
-                let mut corners: Vec<u32> = chosen.as_flattened().to_vec();
-                corners.sort_unstable();
-                corners.dedup();
-                let number = |v: u32| corners.partition_point(|&c| c < v) as u32;
-                let chosen = chosen.iter().map(|t| t.map(number)).collect();
-                let points: Vec<[f64; 3]> = corners.iter().map(|&v| points[v as usize]).collect();
-                Ok(Some((Self::mesh(points.len(), chosen, progress)?, points)))
-            }
-        }
+        let chosen: Vec<[u32; 3]> = sites.map(|t| self.triangles[t]).collect();
+        let mut corners: Vec<u32> = chosen.as_flattened().to_vec();
+        corners.sort_unstable();
+        corners.dedup();
+        let number = |v: u32| corners.partition_point(|&c| c < v) as u32;
+        let chosen = chosen.iter().map(|t| t.map(number)).collect();
+        let points: Vec<[f64; 3]> = corners.iter().map(|&v| points[v as usize]).collect();
+        Ok(Some((Self::mesh(points.len(), chosen, progress)?, points)))
     }
 }

@@ -1,7 +1,7 @@
 //! The arguments of `adwave denoise`.
 
 use crate::args::{LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region};
-use adwave::denoise::{Creases, DenoiseParams};
+use adwave::denoise::{Creases, DenoiseParams, Outliers};
 use adwave::positions::Borders;
 use adwave::region::Region;
 use clap::Args;
@@ -10,7 +10,12 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 The noise level is estimated from the shape. The amount of smoothing, and whether creases are kept, minimize an estimate of the
-error, so no option is needed. Points of a cloud move along their normals. A curve is smoothed along its pieces: ends stay where
+error, so no option is needed.
+
+Points of a cloud move onto planes and quadrics fitted to their neighbors, by the noise found at their place and never farther than
+three times that. Where a fit would do harm, and where points form lines, volumes or nothing, they stay; the result says how many.
+Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the
+file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces: ends stay where
 they are, and corners stay sharp. Noise that is correlated between neighbors cannot be
 told from detail. Steps of a field (--signal) are kept; the result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
@@ -27,6 +32,7 @@ Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise tile.obj -o clean.obj --border keep
   adwave denoise lidar.laz -o clean.laz --only classification=2,9
+  adwave denoise scan.ply -o clean.ply --outliers drop
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
@@ -51,6 +57,9 @@ pub(crate) struct DenoiseArgs {
     /// Treatment of creases of the shape
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Creases>(), default_value_t, help_heading = "Noise")]
     pub(crate) creases: Creases,
+    /// Treatment of the outliers of a cloud, far from the surface of their neighbors
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Outliers>(), default_value_t, help_heading = "Noise")]
+    pub(crate) outliers: Outliers,
     /// Standard deviation of the noise along the normals in model units, or in the unit of the field [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
     pub(crate) noise_sigma: Option<f64>,
@@ -67,6 +76,7 @@ pub(crate) struct DenoiseArgs {
 impl DenoiseArgs {
     pub(crate) fn to_params(&self) -> DenoiseParams {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases);
+        let params = params.with_outliers(self.outliers);
         let params = params.with_local_fit(self.fit.local_fit.unwrap_or(params.local_fit));
         self.noise_sigma.map_or(params, |noise| params.with_noise(noise))
     }

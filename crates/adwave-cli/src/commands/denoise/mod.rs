@@ -16,7 +16,7 @@ use crate::resolve::operator::{
 use crate::resolve::region::{note_far_points, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
-use adwave::denoise::{SignalNoise, denoise, denoise_signal};
+use adwave::denoise::{Outliers, SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
@@ -75,12 +75,24 @@ fn denoise_positions(
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
+    if args.outliers != Outliers::Keep && !matches!(input.shape, Shape::Cloud(_)) {
+        return Err(CliError::Input(format!(
+            "--outliers applies to clouds, and {} has faces or edges; leave it out",
+            input.name
+        )));
+    }
     let moved = limit_positions(&input, denoised.points, args, global)?;
     let movement = Movement::measure(&geometry, &moved)?.in_file_rows(&input.file);
-    let points = EditedSignal::Points(moved);
-    result.write(&mut input, COORDS, points, args.normals.to_rule(), global)?;
-
     let n_vertices = input.shape.n_vertices();
+    if args.outliers == Outliers::Drop && !denoised.outliers.is_empty() {
+        let is_kept = |x: &u32| denoised.outliers.binary_search(x).is_err();
+        let kept: Vec<u32> = (0..n_vertices as u32).filter(is_kept).collect();
+        result.write_part(&mut input, moved, &kept, args.normals.to_rule(), global)?;
+    } else {
+        let points = EditedSignal::Points(moved);
+        result.write(&mut input, COORDS, points, args.normals.to_rule(), global)?;
+    }
+
     let mut text = format!("{}: {}\n", input.name, count(n_vertices, "vertex", "vertices"));
     let unit = match input.shape {
         Shape::Mesh(_) => SamplingUnit::MeanEdges,

@@ -169,8 +169,6 @@ pub(crate) enum JobKind {
     Sort,
     /// Find the neighbors of the points of a tile
     Neighbors,
-    /// Orient the normals of a tile, if a cloud is denoised
-    Orientation,
     /// Compute the bands or the denoised positions of a tile, and write its points
     Bands,
     /// Compute the saliency map and the features of a tile, if they are asked for

@@ -312,12 +312,11 @@ fn format_status(status: &Status) -> String {
     let if_asked = |is_asked: bool, what: &str, n: usize| {
         if is_asked { format!("{what} of {n}, ") } else { String::new() }
     };
-    let sides = if_asked(status.has_orientation, "orientation", status.orientation_done);
     let maps = if_asked(status.has_maps, "maps", status.maps_done);
     match n_tiles {
         Some(n) => {
             let text = format!(
-                "{}: neighbors of {neighbors_done}, {sides}bands of {bands_done}, {maps}",
+                "{}: neighbors of {neighbors_done}, bands of {bands_done}, {maps}",
                 count(*n, "tile", "tiles")
             );
             format!("{}\n", text.trim_end_matches(", "))
@@ -337,7 +336,6 @@ pub(crate) fn run_tile(args: &TileArgs, global: &Global<'_>) -> Result<(), CliEr
         JobKind::Run => Task::Run(args.index),
         JobKind::Sort => Task::Sort,
         JobKind::Neighbors => Task::Neighbors(args.index),
-        JobKind::Orientation => Task::Orientation(args.index),
         JobKind::Bands => Task::Bands(args.index),
         JobKind::Maps => Task::Maps(args.index),
     };

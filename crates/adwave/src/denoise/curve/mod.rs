@@ -122,7 +122,7 @@ pub(super) fn denoise_curve(
     };
     noise.deviation *= params.strength;
     if noise.deviation == 0.0 || n_edges == 0 {
-        return Ok(Denoised { points: original.to_vec(), info });
+        return Ok(Denoised { points: original.to_vec(), outliers: Vec::new(), info });
     }
     info.kept = 0.0;
     info.n_sampled = points.len();
@@ -132,7 +132,7 @@ pub(super) fn denoise_curve(
     info.n_far = lengths.iter().filter(|d| **d > FAR * noise.deviation).count();
     info.furthest = lengths.iter().copied().fold(0.0, f64::max) * unit;
     let moved = |(p, d): (&[f64; 3], &[f64; 3])| if *d == [0.0; 3] { *p } else { add_scaled(p, unit, d) };
-    Ok(Denoised { points: original.iter().zip(&moves).map(moved).collect(), info })
+    Ok(Denoised { points: original.iter().zip(&moves).map(moved).collect(), outliers: Vec::new(), info })
 }
 
 /// Edges as pairs with the smaller vertex first.

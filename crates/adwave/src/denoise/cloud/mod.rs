@@ -1,0 +1,398 @@
+//! Denoising of clouds: each point moves onto a surface fitted to its neighbors, as far as an estimate of the risk allows.
+//!
+//! Heights of the neighbors over their plane are fitted by planes and quadrics of two sizes, with weights that fall
+//! with the distance and with the residual, starting from the height of the point itself, so that a second sheet
+//! nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h, `d² + 2σ²h − σ²` is
+//! an unbiased estimate of its squared error (`stein1981`); its mean over the neighbors decides the share of each fit,
+//! and of leaving the point where it is.
+
+mod fit;
+mod noise;
+
+use super::noise_level::median;
+use super::params::{CloudDenoising, Outliers};
+use super::{Creases, DenoiseParams};
+use crate::shape::Adjacency;
+use crate::vector::{Vector, add_scaled, dot, norm, subtract};
+use crate::{Cancelled, Progress, parallel};
+use fit::{Frame, HeightFit, Heights, RobustReach};
+use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
+
+/// Number of nearest neighbors that fits use.
+pub(super) const NEIGHBORS: usize = 48;
+
+/// Number of neighbors whose mean distance is the unit in which noise is told.
+const UNIT_NEIGHBORS: usize = 12;
+
+/// Number of neighbors of the smaller fits.
+const FEW_NEIGHBORS: usize = 24;
+
+/// Number of rings of neighbors that decide a point: of its fit, of the risks, of the noise there (residuals, their
+/// quantiles, a mean and three rounds of smoothing), and of the neighbors that fits of those need.
+pub(super) const REACH: usize = 9;
+
+/// Width of the weights of a fit in distances to its last neighbor.
+const WIDTH: f64 = 0.6;
+
+/// Robust weights in standard deviations of the noise.
+const START_REACH: f64 = 2.0;
+const FIT_REACH: f64 = 2.0;
+
+/// Neighbors over which risks are averaged.
+const RISK_NEIGHBORS: usize = 24;
+
+/// Weight of the leverage in the risk; 2 is unbiased for fits that do not depend on the heights, and the robust weights do.
+const LEVERAGE: f64 = 3.0;
+
+/// Risk in units of σ² at which the share of a fit is 1/e.
+const TEMPERATURE: f64 = 0.3;
+
+/// Farthest motion in standard deviations of the noise.
+const FARTHEST: f64 = 3.0;
+
+/// Size of a neighborhood in standard deviations of the noise below which its own axes are noise.
+const LEAST_SIZE: f64 = 8.0;
+
+/// Residual of an outlier in standard deviations, and its distance to its 8th neighbor in those of its neighbors.
+const OUTLIER_RESIDUAL: f64 = 5.0;
+const OUTLIER_DISTANCE: f64 = 1.8;
+
+/// Noise in distances to the 32nd neighbor, and in that of the whole cloud, from which points fill a volume.
+const VOLUME_NOISE: f64 = 0.15;
+const VOLUME_RATIO: f64 = 2.5;
+
+/// Ratio of the second to the largest variance of a neighborhood below which it is a line.
+const LINE_RATIO: f64 = 0.05;
+
+/// Standard deviation of white noise on a flat surface, in that which the fits assume: the quantile by which the noise is
+/// smoothed is below the median, and random deviations are taken for two sheets. Cautious fits do less harm at edges.
+const CAUTION: f64 = 1.13;
+
+/// Length in units of the cloud below which squares could vanish; it counts as 0.
+const NOTHING: f64 = 1e-100;
+
+/// Number of fits.
+const N_FITS: usize = 4;
+
+/// Neighbors of each point in the order of their distances.
+pub(super) struct NearestRows {
+    names: Vec<u32>,
+    starts: Vec<usize>,
+}
+
+impl NearestRows {
+    /// The [`NEIGHBORS`] nearest of the listed neighbors; at equal distances those with the smaller index.
+    pub(super) fn new(
+        points: &[Vector],
+        neighbors: &Adjacency,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let rows = parallel::try_collect(points.len(), progress, |x| {
+            let square = |y: u32| {
+                let d = subtract(&points[y as usize], &points[x]);
+                dot(&d, &d)
+            };
+            let mut row: Vec<(f64, u32)> =
+                neighbors.row(x).iter().filter(|&&y| y as usize != x).map(|&y| (square(y), y)).collect();
+            row.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            row.truncate(NEIGHBORS);
+            row.into_iter().map(|(_, y)| y).collect::<Vec<u32>>()
+        })?;
+        let mut starts = Vec::with_capacity(rows.len() + 1);
+        let mut names = Vec::with_capacity(rows.iter().map(Vec::len).sum());
+        for row in rows {
+            starts.push(names.len());
+            names.extend(row);
+        }
+        starts.push(names.len());
+        Ok(Self { names, starts })
+    }
+
+    /// A length in mean distances to the 12 nearest neighbors; 0 if all points coincide.
+    pub(super) fn in_mean_distances(
+        &self,
+        points: &[Vector],
+        length: f64,
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
+        let few = |x: usize| &self.row(x)[..self.row(x).len().min(UNIT_NEIGHBORS)];
+        let total = parallel::try_sum(points.len(), progress, |x| {
+            few(x).iter().map(|&y| distance(&points[x], &points[y as usize])).sum()
+        })?;
+        let n: usize = (0..points.len()).map(|x| few(x).len()).sum();
+        Ok(if total > 0.0 { length * n as f64 / total } else { 0.0 })
+    }
+
+    fn row(&self, x: usize) -> &[u32] {
+        &self.names[self.starts[x]..self.starts[x + 1]]
+    }
+
+    /// Distance to the `k`-th neighbor, or to the last one; 0 without neighbors.
+    fn radius(&self, points: &[Vector], x: usize, k: usize) -> f64 {
+        let row = self.row(x);
+        row.get(k.min(row.len()).wrapping_sub(1)).map_or(0.0, |&y| distance(&points[x], &points[y as usize]))
+    }
+}
+
+/// Noise of a cloud by place, and what its points are.
+pub(super) struct CloudNoise {
+    /// Standard deviation that the fits assume at each point: the noise divided by [`CAUTION`].
+    pub(super) by_point: Vec<f64>,
+    residuals: Vec<Residuals>,
+    /// Median of the noise.
+    pub(super) typical: f64,
+}
+
+impl CloudNoise {
+    /// Estimates the noise, unless it is given.
+    pub(super) fn new(
+        points: &[Vector],
+        near: &NearestRows,
+        given: Option<f64>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let residuals = fit_residuals(points, near, progress)?;
+        let by_point = match given {
+            Some(noise) => vec![noise / CAUTION; points.len()],
+            None => noise_by_place(points, near, &residuals, progress)?,
+        };
+        let mut known: Vec<f64> =
+            (0..points.len()).filter(|&x| !near.row(x).is_empty()).map(|x| by_point[x]).collect();
+        Ok(Self { typical: CAUTION * median(&mut known), by_point, residuals })
+    }
+}
+
+/// New positions of a cloud, and what was done.
+pub(super) struct CloudResult {
+    pub(super) points: Vec<Vector>,
+    /// Declared outliers.
+    pub(super) outliers: Vec<u32>,
+    pub(super) info: CloudDenoising,
+    /// Mean share of leaving points as they are.
+    pub(super) kept: f64,
+}
+
+/// Fits of a point: the motion and the leverage of each; a leverage of infinity where there is no fit.
+#[derive(Clone, Copy)]
+struct PointFits {
+    motions: [Vector; N_FITS],
+    leverages: [f64; N_FITS],
+}
+
+impl Default for PointFits {
+    fn default() -> Self {
+        Self { motions: [[0.0; 3]; N_FITS], leverages: [f64::INFINITY; N_FITS] }
+    }
+}
+
+/// Fate of a point.
+#[derive(Clone, Copy, Default, PartialEq)]
+enum PointState {
+    /// It moves by the mixture of its fits.
+    #[default]
+    Moved,
+    /// It stays: no surface is found, or its error would be out of range.
+    Left,
+    /// It is an outlier.
+    Outlier,
+}
+
+/// A point's motion, its state and the share of staying.
+type PointOutcome = (Vector, PointState, f64);
+
+/// Moves the points of a cloud onto its surface. `typical` is the noise of the whole cloud. O(points).
+pub(super) fn denoise_points(
+    points: &[Vector],
+    near: &NearestRows,
+    noise: &CloudNoise,
+    typical: f64,
+    params: &DenoiseParams,
+    progress: Progress<'_>,
+) -> Result<CloudResult, Cancelled> {
+    let fits = parallel::try_collect(points.len(), progress, |x| {
+        point_fits(
+            points,
+            near,
+            x,
+            params.strength * noise.by_point[x],
+            typical * params.strength,
+            params.creases,
+        )
+    })?;
+    let outcomes: Vec<PointOutcome> = parallel::try_collect(points.len(), progress, |x| {
+        if is_outlier(points, near, noise, x) {
+            let motion = match params.outliers {
+                Outliers::Pull => pulled(points, near, x),
+                Outliers::Keep | Outliers::Drop => [0.0; 3],
+            };
+            return (motion, PointState::Outlier, 1.0);
+        }
+        mixed_motion(near, &fits, noise, params.strength, x)
+    })?;
+    let moved: Vec<Vector> = points.iter().zip(&outcomes).map(|(p, (d, ..))| add_scaled(p, 1.0, d)).collect();
+    let in_state = |state| outcomes.iter().filter(move |o| o.1 == state).count();
+    let outliers = (0..).zip(&outcomes).filter(|(_, o)| o.1 == PointState::Outlier).map(|(x, _)| x).collect();
+    let nearest = |points: &[Vector]| {
+        parallel::try_sum(points.len(), progress, |x| {
+            let near = near.row(x).iter().map(|&y| distance(&points[x], &points[y as usize]));
+            near.reduce(f64::min).unwrap_or(0.0)
+        })
+        .map(|sum| sum / points.len().max(1) as f64)
+    };
+    let mut levels = noise.by_point.clone();
+    let info = CloudDenoising {
+        noise_range: [0.05, 0.95].map(|share| CAUTION * quantile(&mut levels, share)),
+        n_outliers: in_state(PointState::Outlier),
+        n_left: in_state(PointState::Left),
+        nearest_distance: [nearest(points)?, nearest(&moved)?],
+        rounding: rounding_step(points),
+        outliers: params.outliers,
+    };
+    let kept = outcomes.iter().map(|o| o.2).sum::<f64>() / outcomes.len().max(1) as f64;
+    Ok(CloudResult { points: moved, outliers, info, kept })
+}
+
+/// All fits of a point.
+fn point_fits(
+    points: &[Vector],
+    near: &NearestRows,
+    x: usize,
+    noise: f64,
+    typical: f64,
+    creases: Creases,
+) -> PointFits {
+    let mut out = PointFits::default();
+    let row = near.row(x);
+    let radius = near.radius(points, x, NEIGHBORS);
+    if row.len() < FIT_SIZES[0] || radius < NOTHING || noise < NOTHING {
+        return out;
+    }
+    let frame = Frame::new(points, x, row, WIDTH * radius);
+    let is_line = frame.variances[1] < LINE_RATIO * frame.variances[2];
+    let share = noise / near.radius(points, x, FIT_SIZES[2]);
+    if is_line || (share > VOLUME_NOISE && CAUTION * noise > VOLUME_RATIO * typical) {
+        return out;
+    }
+    let reach = RobustReach { start: START_REACH * noise, fit: FIT_REACH * noise };
+    let mut add = |first: usize, fits: [Option<HeightFit>; 2], frame: &Frame| {
+        for (k, fit) in (first..).zip(fits) {
+            if let Some(fit) = fit {
+                (out.motions[k], out.leverages[k]) = (fit.motion(frame), fit.variance.min(1.0));
+            }
+        }
+    };
+    if creases != Creases::Keep {
+        let heights = Heights::new(points, x, row, &frame, radius);
+        add(0, heights.robust_fits(WIDTH, reach), &frame);
+    }
+    if creases != Creases::None {
+        let row = &row[..row.len().min(FEW_NEIGHBORS)];
+        let radius = near.radius(points, x, FEW_NEIGHBORS);
+        if radius >= NOTHING {
+            let is_large = LEAST_SIZE * noise < radius;
+            let frame = if is_large { Frame::new(points, x, row, WIDTH * radius) } else { frame };
+            let heights = Heights::new(points, x, row, &frame, radius);
+            add(2, heights.robust_fits(WIDTH, reach), &frame);
+        }
+    }
+    out
+}
+
+/// True for a point that is far from the surface of its neighbors and farther from them than they are from each other.
+fn is_outlier(points: &[Vector], near: &NearestRows, noise: &CloudNoise, x: usize) -> bool {
+    let (residuals, level) = (noise.residuals[x], noise.by_point[x]);
+    if level < NOTHING || !residuals.iter().all(|r| *r > OUTLIER_RESIDUAL * level) {
+        return false;
+    }
+    let own = near.radius(points, x, FIT_SIZES[0]);
+    let mut others: Vec<f64> =
+        near.row(x).iter().map(|&y| near.radius(points, y as usize, FIT_SIZES[0])).collect();
+    own > OUTLIER_DISTANCE * median(&mut others)
+}
+
+/// Motion of an outlier onto the plane of its neighbors.
+fn pulled(points: &[Vector], near: &NearestRows, x: usize) -> Vector {
+    let row = near.row(x);
+    let radius = near.radius(points, x, NEIGHBORS);
+    // The neighbors as one of them sees them, so that the outlier itself does not turn the plane.
+    let Some(&first) = row.first() else { return [0.0; 3] };
+    let own = near.row(first as usize);
+    let frame = Frame::new(points, first as usize, own, WIDTH * radius.max(NOTHING));
+    let mut heights: Vec<f64> = row
+        .iter()
+        .take(FIT_SIZES[0])
+        .map(|&y| dot(&frame.axes[0], &subtract(&points[y as usize], &points[x])))
+        .collect();
+    frame.axes[0].map(|c| c * median(&mut heights))
+}
+
+/// Mixture of the fits of a point by their risks around it.
+fn mixed_motion(
+    near: &NearestRows,
+    fits: &[PointFits],
+    noise: &CloudNoise,
+    strength: f64,
+    x: usize,
+) -> PointOutcome {
+    let level = strength * noise.by_point[x];
+    if level < NOTHING {
+        return ([0.0; 3], PointState::Moved, 1.0);
+    }
+    if fits[x].leverages.iter().all(|h| h.is_infinite()) {
+        return ([0.0; 3], PointState::Left, 1.0);
+    }
+    let row = near.row(x);
+    let around = &row[..row.len().min(RISK_NEIGHBORS)];
+    let risk = |k: usize| {
+        let one = |y: usize| {
+            let level = strength * noise.by_point[y];
+            let PointFits { motions, leverages } = &fits[y];
+            if level < NOTHING || leverages[k].is_infinite() {
+                return FARTHEST * FARTHEST;
+            }
+            let square = dot(&motions[k], &motions[k]) / (level * level);
+            square.min(FARTHEST * FARTHEST) + LEVERAGE * leverages[k] - 1.0
+        };
+        let sum: f64 = around.iter().map(|&y| one(y as usize)).sum::<f64>() + one(x);
+        (sum / (around.len() + 1) as f64).max(0.0)
+    };
+    let risks: [f64; N_FITS] = std::array::from_fn(risk);
+    // Staying has the risk σ².
+    let least = risks.iter().copied().fold(1.0, f64::min);
+    let share = |risk: f64| (-(risk - least) / TEMPERATURE).exp();
+    let stay = share(1.0);
+    let (mut total, mut motion) = (stay, [0.0; 3]);
+    for (k, &risk) in risks.iter().enumerate() {
+        if fits[x].leverages[k].is_finite() {
+            total += share(risk);
+            motion = add_scaled(&motion, share(risk), &fits[x].motions[k]);
+        }
+    }
+    let motion = motion.map(|c| c / total);
+    // Strictly below the limit, whatever the sum of position and motion rounds to.
+    if norm(&motion) <= FARTHEST * (1.0 - 1e-9) * noise.by_point[x] * strength.min(1.0) {
+        (motion, PointState::Moved, stay / total)
+    } else {
+        ([0.0; 3], PointState::Left, 1.0)
+    }
+}
+
+/// Number of coordinates that tell whether they are rounded.
+const ROUNDING_SAMPLE: usize = 20_000;
+
+/// Step to which coordinates are rounded, the largest of the axes; 0 if most of them differ.
+fn rounding_step(points: &[Vector]) -> f64 {
+    let stride = points.len().div_ceil(ROUNDING_SAMPLE).max(1);
+    (0..3)
+        .map(|axis| {
+            let mut values: Vec<f64> = points.iter().step_by(stride).map(|p| p[axis]).collect();
+            let n = values.len();
+            values.sort_unstable_by(f64::total_cmp);
+            values.dedup();
+            if values.len() < 2 || 4 * values.len() > n {
+                return 0.0;
+            }
+            values.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min)
+        })
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,144 @@
+//! Laws of the denoiser of clouds.
+
+use crate::denoise::{denoised, pair, rms};
+use adwave::denoise::{DenoiseParams, Denoised, Outliers};
+use adwave::shape::{PointCloud, Shape};
+
+fn defaults() -> DenoiseParams {
+    DenoiseParams::default()
+}
+
+fn cloud(points: Vec<[f64; 3]>) -> Shape {
+    Shape::Cloud(PointCloud::new(points).unwrap())
+}
+
+/// Deviates by the central limit, reproducible without a library.
+struct Deviates(u64);
+
+impl Deviates {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// A jittered grid of so many points a side at height `z`, with noise along the normals.
+fn sheet(side: usize, z: f64, noise: f64, random: &mut Deviates) -> Vec<[f64; 3]> {
+    let mut jitter = |c: usize| c as f64 + 0.6 * (random.uniform() - 0.5);
+    let flat: Vec<[f64; 2]> = (0..side * side).map(|i| [jitter(i / side), jitter(i % side)]).collect();
+    flat.into_iter().map(|[x, y]| [x, y, z + noise * random.normal()]).collect()
+}
+
+/// Mean height and deviation of the inner points of a sheet.
+fn inner_heights(points: &[[f64; 3]], side: usize) -> (f64, f64) {
+    let is_inner = |p: &&[f64; 3]| p[..2].iter().all(|c| (8.0..side as f64 - 8.0).contains(c));
+    let heights: Vec<f64> = points.iter().filter(is_inner).map(|p| p[2]).collect();
+    let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+    let square = heights.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / heights.len() as f64;
+    (mean, square.sqrt())
+}
+
+#[test]
+fn plates_keep_their_thickness_with_normals_and_without() {
+    const SIDE: usize = 50;
+    const NOISE: f64 = 0.05;
+    for (gap, has_normals) in [(0.5, true), (1.0, true), (1.5, false), (3.0, false)] {
+        let mut random = Deviates(7);
+        let low = sheet(SIDE, 0.0, NOISE, &mut random);
+        let high = sheet(SIDE, gap, NOISE, &mut random);
+        let n = low.len();
+        let mut plates = PointCloud::new([low, high].concat()).unwrap();
+        if has_normals {
+            let normal = |i: usize| [0.0, 0.0, if i < n { -1.0 } else { 1.0 }];
+            plates = plates.with_normals((0..2 * n).map(normal).collect());
+        }
+        let Denoised { points, .. } = denoised(&Shape::Cloud(plates), &defaults());
+        let ((low, of_low), (high, of_high)) =
+            (inner_heights(&points[..n], SIDE), inner_heights(&points[n..], SIDE));
+        let thickness = (high - low) / gap;
+        println!("{gap}: {thickness}, {of_low}, {of_high}");
+        assert!((thickness - 1.0).abs() < 0.03, "{gap}: {thickness}");
+        assert!(of_low.max(of_high) < 0.4 * NOISE, "{gap}: {of_low}, {of_high}");
+    }
+}
+
+#[test]
+fn a_flat_cloud_becomes_as_flat_as_a_quadric_through_thirty_neighbors_makes_it() {
+    // The height of a quadric fitted to n points has about 4/n of their variance.
+    let jets = (4.0_f64 / 30.0).sqrt();
+    for noise in [0.05, 0.2, 0.5] {
+        let points = sheet(60, 0.0, noise, &mut Deviates(3));
+        let result = denoised(&cloud(points), &defaults());
+        let (_, left) = inner_heights(&result.points, 60);
+        let found = result.info.cloud.unwrap().noise_range;
+        println!("{noise}: {left}, found {found:?}");
+        assert!(left < jets * noise, "{noise}: {left}");
+        assert!(found[0] < noise && noise < 1.1 * found[1], "{noise}: {found:?}");
+    }
+}
+
+#[test]
+fn clean_clouds_stay_and_nothing_moves_farther_than_the_noise_of_its_place() {
+    for name in ["sphere", "torus", "bracket", "creature"] {
+        for noise in [0.0, 0.1, 0.4] {
+            let (clean, noisy) = pair(name, 8000, noise);
+            let points = noisy.points().unwrap().to_vec();
+            let result = denoised(&cloud(points.clone()), &defaults());
+            let unit = result.info.noise / result.info.noise_in_edges.max(f64::MIN_POSITIVE);
+            assert_eq!(result.info.n_far, 0, "{name}");
+            assert!(result.info.furthest <= 3.0 * result.info.noise.max(10.0 * unit), "{name}");
+            let truth = clean.points().unwrap();
+            let (before, after) = (rms(&points, truth), rms(&result.points, truth));
+            println!("{name}, {noise}: {before} → {after} of {unit}");
+            if noise == 0.0 && result.info.noise > 0.0 && name != "creature" {
+                assert!(after < 0.05 * unit, "{name}: {after} of {unit}");
+            }
+            if noise > 0.0 {
+                assert!(after < before, "{name}, {noise}: {before} → {after}");
+            }
+        }
+    }
+}
+
+#[test]
+fn outliers_are_kept_pulled_or_named() {
+    let mut random = Deviates(11);
+    let mut points = sheet(40, 0.0, 0.05, &mut random);
+    let n = points.len();
+    points.extend((0..20).map(|i| [5.0 + 1.5 * f64::from(i), 20.0 + 7.0 * random.normal(), 3.0]));
+    for treatment in [Outliers::Keep, Outliers::Pull, Outliers::Drop] {
+        let result = denoised(&cloud(points.clone()), &defaults().with_outliers(treatment));
+        let far = result.outliers.iter().filter(|&&x| x as usize >= n).count();
+        assert!(far >= 18 && result.outliers.len() <= far + 3, "{far} of {}", result.outliers.len());
+        assert_eq!(result.info.cloud.as_ref().unwrap().n_outliers, result.outliers.len());
+        for &x in &result.outliers {
+            let [before, after] = [points[x as usize], result.points[x as usize]];
+            match treatment {
+                Outliers::Pull => assert!(after[2].abs() < 0.5, "{after:?}"),
+                _ => assert_eq!(before, after),
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_and_volumes_are_left_alone() {
+    let mut random = Deviates(5);
+    let line: Vec<[f64; 3]> =
+        (0..600).map(|i| [f64::from(i), 0.1 * random.normal(), 0.1 * random.normal()]).collect();
+    let result = denoised(&cloud(line.clone()), &defaults());
+    assert!(rms(&result.points, &line) < 0.02);
+    // A tree over a plain: points in a ball.
+    let ground = sheet(60, 0.0, 0.03, &mut random);
+    let n = ground.len();
+    let tree: Vec<[f64; 3]> =
+        (0..800).map(|_| [30.0, 30.0, 12.0].map(|c| c + 2.5 * random.normal())).collect();
+    let points = [ground, tree].concat();
+    let result = denoised(&cloud(points.clone()), &defaults());
+    let moved = rms(&result.points[n..], &points[n..]);
+    assert!(moved < 0.1, "{moved}");
+}
