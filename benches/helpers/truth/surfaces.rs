@@ -4,7 +4,7 @@ use super::random::Random;
 use std::f64::consts::{PI, TAU};
 
 /// Corners of a triangle.
-pub type Triangle = [[f64; 3]; 3];
+pub(super) type Triangle = [[f64; 3]; 3];
 
 /// Adds the triangles of a grid of `n_u` × `n_v` cells over the unit square.
 fn push_grid(soup: &mut Vec<Triangle>, [n_u, n_v]: [usize; 2], position: impl Fn(f64, f64) -> [f64; 3]) {
@@ -34,7 +34,7 @@ fn push_box(soup: &mut Vec<Triangle>, center: [f64; 3], half: [f64; 3]) {
 }
 
 /// Turned part: random steps, cones and roundings around an axis.
-pub fn turned_part(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn turned_part(random: &mut Random) -> Vec<Triangle> {
     let mut profile = vec![[0.0, 0.0]];
     let (mut radius, mut height) = (random.between(0.3, 1.0), 0.0);
     profile.push([radius, height]);
@@ -75,7 +75,7 @@ pub fn turned_part(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Extruded part: a random outline with holes, cut from a plate whose thickness may be small.
-pub fn extruded_part(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn extruded_part(random: &mut Random) -> Vec<Triangle> {
     let thickness = random.between(0.04, 0.7);
     let n_teeth = 3 + random.below(10);
     let depth = random.between(0.0, 0.3);
@@ -125,7 +125,7 @@ pub fn extruded_part(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Thin walls that cross each other on a thin plate, as in a cast housing.
-pub fn ribs(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn ribs(random: &mut Random) -> Vec<Triangle> {
     let wall = random.between(0.012, 0.06);
     let size = [1.0, random.between(0.5, 1.0), random.between(0.15, 0.5)];
     let mut boxes = vec![([0.0, 0.0, 0.0], [size[0], size[1], wall])];
@@ -169,7 +169,7 @@ pub fn ribs(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Organic shape: a sphere with random waves of several lengths.
-pub fn organic(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn organic(random: &mut Random) -> Vec<Triangle> {
     let waves: Vec<([f64; 3], f64, f64)> = (0..4 + random.below(10))
         .map(|_| {
             let length = random.between(1.0, 9.0);
@@ -193,7 +193,7 @@ pub fn organic(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Shell: two sheets a small, constant distance apart, flat, bent or round, with a rim.
-pub fn shell(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn shell(random: &mut Random) -> Vec<Triangle> {
     let thickness = random.between(0.02, 0.2);
     let bend = if random.below(3) == 0 { 0.0 } else { random.between(0.2, 2.5) };
     let twist = random.between(-0.5, 0.5);
@@ -219,7 +219,7 @@ pub fn shell(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Tube along a random closed curve, or several.
-pub fn tubes(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn tubes(random: &mut Random) -> Vec<Triangle> {
     let mut soup = Vec::new();
     for _ in 0..1 + random.below(3) {
         let terms: Vec<([f64; 3], [f64; 3])> = (1..4)
@@ -264,7 +264,7 @@ fn curve_radius(center: &impl Fn(f64) -> [f64; 3], t: f64) -> f64 {
 }
 
 /// Open terrain with ridges and steps.
-pub fn terrain(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn terrain(random: &mut Random) -> Vec<Triangle> {
     let n_ridges = random.below(5);
     let waves: Vec<([f64; 2], f64, f64)> = (0..8)
         .map(|_| {
@@ -288,7 +288,7 @@ pub fn terrain(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Room with furniture; it is seen from inside.
-pub fn room(random: &mut Random) -> Vec<Triangle> {
+pub(super) fn room(random: &mut Random) -> Vec<Triangle> {
     let half = [random.between(0.7, 1.0), random.between(0.5, 1.0), random.between(0.3, 0.5)];
     let mut soup = Vec::new();
     push_box(&mut soup, [0.0; 3], half);
@@ -317,22 +317,22 @@ pub fn room(random: &mut Random) -> Vec<Triangle> {
 }
 
 /// Cross product.
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Inner product.
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Difference of two vectors.
-pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
 /// Unit vector; zero for zero.
-pub fn unit(a: [f64; 3]) -> [f64; 3] {
+pub(super) fn unit(a: [f64; 3]) -> [f64; 3] {
     let length = dot(a, a).sqrt();
     if length > 0.0 { a.map(|c| c / length) } else { a }
 }

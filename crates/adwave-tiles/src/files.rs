@@ -27,11 +27,6 @@ impl RandomAccessFile {
         &self.path
     }
 
-    /// Length of the file in bytes.
-    pub(crate) fn len(&self) -> u64 {
-        self.len
-    }
-
     /// Reads `len` bytes from byte `offset` on.
     pub(crate) fn read(&self, offset: u64, len: usize) -> Result<Vec<u8>, TilesError> {
         if offset.checked_add(len as u64).is_none_or(|end| end > self.len) {

@@ -34,12 +34,6 @@ impl IntervalSet {
         &self.ranges
     }
 
-    /// The index of a rank, which must be below [`len`](Self::len).
-    pub(crate) fn select(&self, rank: usize) -> usize {
-        let at = self.first_ranks.partition_point(|&first| first <= rank) - 1;
-        self.ranges[at].start + rank - self.first_ranks[at]
-    }
-
     /// The rank of an index; `None` if it is not in the set.
     pub(crate) fn rank(&self, index: usize) -> Option<usize> {
         let at = self.ranges.partition_point(|range| range.start <= index).checked_sub(1)?;
@@ -53,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rank_and_select_are_inverse() {
+    fn ranks_count_the_indices_below() {
         let indices = [3, 4, 5, 9, 11, 12];
         let mut set = IntervalSet::default();
         for index in indices {
@@ -61,7 +55,7 @@ mod tests {
         }
         assert_eq!((set.len(), set.ranges()), (6, [3..6, 9..10, 11..13].as_slice()));
         for (rank, &index) in indices.iter().enumerate() {
-            assert_eq!((set.select(rank), set.rank(index)), (index, Some(rank)));
+            assert_eq!(set.rank(index), Some(rank));
         }
         assert!([0, 2, 6, 8, 10, 13].iter().all(|&index| set.rank(index).is_none()));
     }

@@ -36,14 +36,6 @@ impl NeighborRule {
             Self::Edges => measure,
         }
     }
-
-    /// Distance to the k-th nearest neighbor of a vertex with this area; 0 in a mesh.
-    pub(crate) fn radius(self, area: f64) -> f64 {
-        match self {
-            Self::Nearest(k) => (area * k.max(1) as f64 / PI).sqrt(),
-            Self::Edges => 0.0,
-        }
-    }
 }
 
 /// Relative difference of distances that may count as equal when neighbors are chosen.

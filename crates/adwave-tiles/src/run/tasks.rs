@@ -2,7 +2,6 @@
 
 use std::fs::{File, TryLockError};
 use std::io::Write;
-use std::path::PathBuf;
 use std::time::Duration;
 
 use adwave::Progress;
@@ -13,7 +12,6 @@ use crate::files::{RandomAccessFile, read_json, write_atomic, write_json};
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::index::bounds_tree::BoundsTree;
 use crate::index::neighbor_index::NeighborIndex;
-use crate::job::forecast::halo_limits;
 use crate::job::tiling_job::TilingJob;
 use crate::sources::cloud::create_writer;
 use crate::stages::bands::compute_bands;
