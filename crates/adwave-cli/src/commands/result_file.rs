@@ -7,8 +7,8 @@ use crate::output::{check_writable, output_format, write_shape};
 use crate::resolve::shape::{Input, move_points};
 use crate::resolve::signal::Signal;
 use adwave_io::{
-    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, keep_left_out_values, named_axis, with_axis,
-    written_signal,
+    COORDS, Field, FieldValues, Format, MovedNormals, ShapeFile, Subset, keep_left_out_values, named_axis,
+    with_axis, written_signal,
 };
 use std::path::Path;
 
