@@ -6,6 +6,9 @@ use crate::region::{FrontSource, SourceExtent};
 use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
+/// Relative rounding of unfolded distances: a vertex that is as far from the border as a width does not count as farther.
+const ROUNDING: f64 = 1e-12;
+
 impl Decomposer {
     /// The welded vertices on the border of a mesh (ends of edges of a single triangle) or of a cloud (points with
     /// a gap between their neighbors), the ends of a curve, and those next to masked vertices; in ascending order.
@@ -48,7 +51,7 @@ impl Decomposer {
         let within = metric.find_within(&sources, radius, progress)?;
         let mut distances = vec![f64::INFINITY; self.geometry().n_vertices()];
         for (&x, distance) in within.vertices.iter().zip(within.distances) {
-            distances[x as usize] = distance;
+            distances[x as usize] = distance * (1.0 - ROUNDING);
         }
         Ok(distances)
     }
