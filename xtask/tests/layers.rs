@@ -219,7 +219,7 @@ const ROOMS: [(&str, &[&[&str]]); 4] = [
     (
         "crates/adwave-cli",
         &[
-            &["error", "inputs", "global"],
+            &["error", "given", "inputs", "global"],
             &["output"],
             &["args"],
             &["resolve"],

@@ -171,7 +171,7 @@ fn fields_of_faces_are_filtered_over_faces() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let before = plate_with_pressures(path);
-    for verb in ["filter --gains 0,0", "denoise"] {
+    for verb in ["filter --gains 0,0 --local-fit constant", "denoise"] {
         let (command, more) = verb.split_once(' ').unwrap_or((verb, ""));
         let run = |out: &str| json(path, &format!("{command} plate.ply --field pressure {more} -o {out}"));
         let report = run("out.ply");
@@ -184,7 +184,8 @@ fn fields_of_faces_are_filtered_over_faces() {
         assert_eq!(field.to_f64(), exact);
         // All faces have the same area, so that the sum stays, and smoothing brings the values together.
         let sum = |values: &[f64]| values.iter().sum::<f64>();
-        assert!((sum(&before) - sum(&exact)).abs() < 1e-9 * sum(&before), "{verb}");
+        let kept = if command == "denoise" { 0.02 } else { 1e-9 };
+        assert!((sum(&before) - sum(&exact)).abs() < kept * sum(&before), "{verb}");
         let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
         assert!(command == "denoise" || square(&exact) < 0.9 * square(&before));
     }

@@ -81,7 +81,7 @@ fn what_is_wrong_with_a_request_is_said_in_one_line() {
         ("transform a.obj -o o.docx", ".npz"),
         ("transform a.obj -o .", "."),
         ("filter a.obj -o o.obj", "--preset"),
-        ("filter a.obj -o o.obj --gains 1,2 --levels 3", "2 gains"),
+        ("filter a.obj -o o.obj --gains 1,2 --levels 3", "got 2"),
         ("filter a.obj -o o.obj --gains nan,2", "level 1"),
         ("filter a.obj -o o.obj --preset suppress --region 'ball:vertex=3,radius=1'", "vertex 3"),
         ("filter a.obj -o o.obj --preset suppress --region 'field:name=heat'", "no fields"),
