@@ -63,7 +63,7 @@ impl CloudNoise {
         let waves: Vec<([f64; 3], f64)> = (0..24)
             .map(|_| {
                 let d = random.direction();
-                (d.map(|c| c * 2.0 / spacing), random.between(0.0, std::f64::consts::TAU))
+                (d.map(|c| c * 2.0 / spacing), random.uniform_in(0.0, std::f64::consts::TAU))
             })
             .collect();
         let depth = |p: &[f64; 3]| dot(minus(*p, clean.sensor), minus(*p, clean.sensor)).sqrt();
@@ -99,7 +99,7 @@ impl CloudNoise {
                     if random.uniform() < 0.05 {
                         is_outlier[x] = true;
                         let v = random.direction();
-                        let h = spacing * random.between(3.0, 25.0);
+                        let h = spacing * random.uniform_in(3.0, 25.0);
                         std::array::from_fn(|k| p[k] + h * v[k])
                     } else {
                         along(n, s * spacing * random.normal())

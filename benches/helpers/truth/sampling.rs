@@ -79,7 +79,7 @@ impl CloudShape {
         fit_unit_sphere(&mut soup);
         let mut sensor = random.direction().map(|c| 3.0 * c);
         if self == Self::Room {
-            sensor = std::array::from_fn(|_| random.between(-0.1, 0.1));
+            sensor = std::array::from_fn(|_| random.uniform_in(-0.1, 0.1));
         }
         let (mut dense, mut dense_normals) = scatter(&soup, DENSITY * n, &mut random);
         if self == Self::OpenScan {
@@ -88,7 +88,7 @@ impl CloudShape {
             retain(&mut dense, &seen);
             retain(&mut dense_normals, &seen);
         }
-        let (mut points, mut normals) = match (self, random.below(4)) {
+        let (mut points, mut normals) = match (self, random.index(4)) {
             (Self::Room, _) => cast_rays(&soup, sensor, n, &mut random),
             (_, 0) => pick(&dense, &dense_normals, |_| n as f64 / dense.len() as f64, &mut random),
             (_, 1) => {
@@ -100,7 +100,7 @@ impl CloudShape {
         };
         if self == Self::Terrain {
             for _ in 0..3 {
-                let tree = points[random.below(points.len())];
+                let tree = points[random.index(points.len())];
                 for _ in 0..(VEGETATION / 3.0 * n as f64) as usize {
                     let v = random.normals();
                     points.push([tree[0] + 0.05 * v[0], tree[1] + 0.05 * v[1], tree[2] + 0.12 + 0.05 * v[2]]);

@@ -36,18 +36,18 @@ fn push_box(soup: &mut Vec<Triangle>, center: [f64; 3], half: [f64; 3]) {
 /// Turned part: random steps, cones and roundings around an axis.
 pub(super) fn turned_part(random: &mut Random) -> Vec<Triangle> {
     let mut profile = vec![[0.0, 0.0]];
-    let (mut radius, mut height) = (random.between(0.3, 1.0), 0.0);
+    let (mut radius, mut height) = (random.uniform_in(0.3, 1.0), 0.0);
     profile.push([radius, height]);
-    for _ in 0..3 + random.below(6) {
-        let rise = random.between(0.08, 0.6);
-        match random.below(4) {
+    for _ in 0..3 + random.index(6) {
+        let rise = random.uniform_in(0.08, 0.6);
+        match random.index(4) {
             0 => {
-                radius = (radius + random.between(-0.4, 0.4)).max(0.12);
+                radius = (radius + random.uniform_in(-0.4, 0.4)).max(0.12);
                 profile.push([radius, height]);
                 height += rise;
             }
             1 => {
-                radius = (radius + random.between(-0.3, 0.3)).max(0.12);
+                radius = (radius + random.uniform_in(-0.3, 0.3)).max(0.12);
                 height += rise;
             }
             2 => {
@@ -76,10 +76,10 @@ pub(super) fn turned_part(random: &mut Random) -> Vec<Triangle> {
 
 /// Extruded part: a random outline with holes, cut from a plate whose thickness may be small.
 pub(super) fn extruded_part(random: &mut Random) -> Vec<Triangle> {
-    let thickness = random.between(0.04, 0.7);
-    let n_teeth = 3 + random.below(10);
-    let depth = random.between(0.0, 0.3);
-    let is_smooth = random.below(2) == 0;
+    let thickness = random.uniform_in(0.04, 0.7);
+    let n_teeth = 3 + random.index(10);
+    let depth = random.uniform_in(0.0, 0.3);
+    let is_smooth = random.index(2) == 0;
     let n = 240;
     let outline = |k: usize| {
         let angle = TAU * k as f64 / n as f64;
@@ -87,11 +87,11 @@ pub(super) fn extruded_part(random: &mut Random) -> Vec<Triangle> {
         let r = 1.0 + depth * if is_smooth { wave } else { wave.signum() };
         [r * angle.cos(), r * angle.sin()]
     };
-    let hole = random.between(0.15, 0.55);
-    let bolts: Vec<[f64; 3]> = (0..random.below(6))
+    let hole = random.uniform_in(0.15, 0.55);
+    let bolts: Vec<[f64; 3]> = (0..random.index(6))
         .map(|_| {
-            let (angle, at) = (random.between(0.0, TAU), random.between(0.6, 0.68));
-            [at * angle.cos(), at * angle.sin(), random.between(0.03, 0.08)]
+            let (angle, at) = (random.uniform_in(0.0, TAU), random.uniform_in(0.6, 0.68));
+            [at * angle.cos(), at * angle.sin(), random.uniform_in(0.03, 0.08)]
         })
         .collect();
     let mut soup = Vec::new();
@@ -126,17 +126,17 @@ pub(super) fn extruded_part(random: &mut Random) -> Vec<Triangle> {
 
 /// Thin walls that cross each other on a thin plate, as in a cast housing.
 pub(super) fn ribs(random: &mut Random) -> Vec<Triangle> {
-    let wall = random.between(0.012, 0.06);
-    let size = [1.0, random.between(0.5, 1.0), random.between(0.15, 0.5)];
+    let wall = random.uniform_in(0.012, 0.06);
+    let size = [1.0, random.uniform_in(0.5, 1.0), random.uniform_in(0.15, 0.5)];
     let mut boxes = vec![([0.0, 0.0, 0.0], [size[0], size[1], wall])];
-    for _ in 0..2 + random.below(5) {
-        let thin = wall * random.between(0.7, 1.5);
-        let height = size[2] * random.between(0.6, 1.0);
-        if random.below(2) == 0 {
-            let x = random.between(-1.0, 1.0) * (size[0] - thin);
+    for _ in 0..2 + random.index(5) {
+        let thin = wall * random.uniform_in(0.7, 1.5);
+        let height = size[2] * random.uniform_in(0.6, 1.0);
+        if random.index(2) == 0 {
+            let x = random.uniform_in(-1.0, 1.0) * (size[0] - thin);
             boxes.push(([x, 0.0, height], [thin, size[1], height]));
         } else {
-            let y = random.between(-1.0, 1.0) * (size[1] - thin);
+            let y = random.uniform_in(-1.0, 1.0) * (size[1] - thin);
             boxes.push(([0.0, y, height], [size[0], thin, height]));
         }
     }
@@ -170,14 +170,14 @@ pub(super) fn ribs(random: &mut Random) -> Vec<Triangle> {
 
 /// Organic shape: a sphere with random waves of several lengths.
 pub(super) fn organic(random: &mut Random) -> Vec<Triangle> {
-    let waves: Vec<([f64; 3], f64, f64)> = (0..4 + random.below(10))
+    let waves: Vec<([f64; 3], f64, f64)> = (0..4 + random.index(10))
         .map(|_| {
-            let length = random.between(1.0, 9.0);
-            let amplitude = random.between(0.1, 0.45) / length;
-            (random.direction().map(|c| c * length), random.between(0.0, TAU), amplitude)
+            let length = random.uniform_in(1.0, 9.0);
+            let amplitude = random.uniform_in(0.1, 0.45) / length;
+            (random.direction().map(|c| c * length), random.uniform_in(0.0, TAU), amplitude)
         })
         .collect();
-    let stretch = [1.0, random.between(0.4, 1.0), random.between(0.4, 1.0)];
+    let stretch = [1.0, random.uniform_in(0.4, 1.0), random.uniform_in(0.4, 1.0)];
     let mut soup = Vec::new();
     push_grid(&mut soup, [240, 120], |u, v| {
         let (angle, polar) = (TAU * u, PI * v);
@@ -194,10 +194,10 @@ pub(super) fn organic(random: &mut Random) -> Vec<Triangle> {
 
 /// Shell: two sheets a small, constant distance apart, flat, bent or round, with a rim.
 pub(super) fn shell(random: &mut Random) -> Vec<Triangle> {
-    let thickness = random.between(0.02, 0.2);
-    let bend = if random.below(3) == 0 { 0.0 } else { random.between(0.2, 2.5) };
-    let twist = random.between(-0.5, 0.5);
-    let width = random.between(0.4, 1.0);
+    let thickness = random.uniform_in(0.02, 0.2);
+    let bend = if random.index(3) == 0 { 0.0 } else { random.uniform_in(0.2, 2.5) };
+    let twist = random.uniform_in(-0.5, 0.5);
+    let width = random.uniform_in(0.4, 1.0);
     let at = |u: f64, v: f64, offset: f64| {
         let (x, y) = (2.0 * u - 1.0, width * (2.0 * v - 1.0));
         let ripple = 0.06 * (7.0 * y).sin() * twist;
@@ -221,12 +221,12 @@ pub(super) fn shell(random: &mut Random) -> Vec<Triangle> {
 /// Tube along a random closed curve, or several.
 pub(super) fn tubes(random: &mut Random) -> Vec<Triangle> {
     let mut soup = Vec::new();
-    for _ in 0..1 + random.below(3) {
+    for _ in 0..1 + random.index(3) {
         let terms: Vec<([f64; 3], [f64; 3])> = (1..4)
             .map(|k| [(); 2].map(|()| random.normals().map(|c| c / f64::from(k * k))))
             .map(|[a, b]| (a, b))
             .collect();
-        let wanted = random.between(0.05, 0.3);
+        let wanted = random.uniform_in(0.05, 0.3);
         let center = |t: f64| -> [f64; 3] {
             std::array::from_fn(|k| {
                 terms
@@ -265,15 +265,15 @@ fn curve_radius(center: &impl Fn(f64) -> [f64; 3], t: f64) -> f64 {
 
 /// Open terrain with ridges and steps.
 pub(super) fn terrain(random: &mut Random) -> Vec<Triangle> {
-    let n_ridges = random.below(5);
+    let n_ridges = random.index(5);
     let waves: Vec<([f64; 2], f64, f64)> = (0..8)
         .map(|_| {
-            let (angle, length) = (random.between(0.0, TAU), random.between(1.0, 8.0));
+            let (angle, length) = (random.uniform_in(0.0, TAU), random.uniform_in(1.0, 8.0));
             let k = [length * angle.cos(), length * angle.sin()];
-            (k, random.between(0.0, TAU), random.between(0.05, 0.3) / length)
+            (k, random.uniform_in(0.0, TAU), random.uniform_in(0.05, 0.3) / length)
         })
         .collect();
-    let (step, edge) = (random.between(0.0, 0.15), random.between(-0.5, 0.5));
+    let (step, edge) = (random.uniform_in(0.0, 0.15), random.uniform_in(-0.5, 0.5));
     let mut soup = Vec::new();
     push_grid(&mut soup, [160, 160], |u, v| {
         let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
@@ -289,17 +289,18 @@ pub(super) fn terrain(random: &mut Random) -> Vec<Triangle> {
 
 /// Room with furniture; it is seen from inside.
 pub(super) fn room(random: &mut Random) -> Vec<Triangle> {
-    let half = [random.between(0.7, 1.0), random.between(0.5, 1.0), random.between(0.3, 0.5)];
+    let half = [random.uniform_in(0.7, 1.0), random.uniform_in(0.5, 1.0), random.uniform_in(0.3, 0.5)];
     let mut soup = Vec::new();
     push_box(&mut soup, [0.0; 3], half);
-    for _ in 0..3 + random.below(6) {
-        let size = [random.between(0.03, 0.2), random.between(0.03, 0.2), random.between(0.05, 0.25)];
-        let x = random.between(-0.9, 0.9) * half[0];
-        let y = random.between(-0.9, 0.9) * half[1];
+    for _ in 0..3 + random.index(6) {
+        let size =
+            [random.uniform_in(0.03, 0.2), random.uniform_in(0.03, 0.2), random.uniform_in(0.05, 0.25)];
+        let x = random.uniform_in(-0.9, 0.9) * half[0];
+        let y = random.uniform_in(-0.9, 0.9) * half[1];
         if x.hypot(y) < 0.35 {
             continue;
         }
-        match random.below(3) {
+        match random.index(3) {
             0 => push_box(&mut soup, [x, y, size[2] - half[2]], size),
             1 => push_grid(&mut soup, [24, 12], |u, v| {
                 let (angle, polar, r) = (TAU * u, PI * v, size[0]);

@@ -11,7 +11,8 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Options that no result depends on, with the reason.
-const WITHOUT_EFFECT: [(&str, &str, &str); 15] = [
+const WITHOUT_EFFECT: [(&str, &str, &str); 16] = [
+    ("denoise", "--outliers", "the inputs have no outliers; tests of the denoiser have some"),
     ("*", "--threads", "results do not depend on it"),
     ("*", "--max-input", "a limit; commands without an input have nothing to limit"),
     (

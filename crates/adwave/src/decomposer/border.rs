@@ -7,7 +7,7 @@ use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
 
 /// Relative rounding of unfolded distances: a vertex that is as far from the border as a width does not count as farther.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING: f64 = 1e-14;
 
 impl Decomposer {
     /// The welded vertices on the border of a mesh (ends of edges of a single triangle) or of a cloud (points with
@@ -48,7 +48,7 @@ impl Decomposer {
         let metric = self.metric();
         let line = |x: usize| FrontSource { extent: SourceExtent::Line, ..metric.vertex_source(x, 0.0) };
         let sources: Vec<FrontSource> = self.border(progress)?.into_iter().map(line).collect();
-        let within = metric.find_within(&sources, radius, progress)?;
+        let within = metric.find_within(&sources, radius * (1.0 + ROUNDING), progress)?;
         let mut distances = vec![f64::INFINITY; self.geometry().n_vertices()];
         for (&x, distance) in within.vertices.iter().zip(within.distances) {
             distances[x as usize] = distance * (1.0 - ROUNDING);
