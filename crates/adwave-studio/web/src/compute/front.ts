@@ -236,8 +236,7 @@ export class Front {
     } else {
       const known = this.distances[place]!;
       const isShorter = distance < known * (1 - EQUAL);
-      const isStraighter =
-        distance <= known * (1 + EQUAL) && start < this.starts[place]! - EQUAL * distance;
+      const isStraighter = distance <= known * (1 + EQUAL) && start < this.starts[place]! - EQUAL * distance;
       if (!(isShorter || isStraighter) || this.visits[place]! > MOST_VISITS) return;
     }
     this.distances[place] = distance;

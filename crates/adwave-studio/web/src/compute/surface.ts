@@ -39,7 +39,13 @@ export function cloudSurface(positions: Float32Array, nNeighbors: number): Surfa
   const n = positions.length / 3;
   const places = Uint32Array.from({ length: n }, (_, v) => v);
   const neighbors = neighborsOfCloud(positions, nNeighbors);
-  return { places, points: Float64Array.from(positions), members: listMembers(places, n), neighbors, corners: null };
+  return {
+    places,
+    points: Float64Array.from(positions),
+    members: listMembers(places, n),
+    neighbors,
+    corners: null,
+  };
 }
 
 /** Lists the pairs of other corners in ascending order, each pair the smaller corner first. */
