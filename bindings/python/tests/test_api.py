@@ -97,7 +97,7 @@ def test_gains_change_what_they_name_and_nothing_else() -> None:
     both = bands.apply([aw.Layer([0, 1, 1, 1], mask), aw.Layer([2, 1, 1, 1])])
     assert np.allclose(both[100:], CREATURE.points[100:] + bands.wavelet(1)[100:])
     assert np.allclose(bands.apply("smooth"), bands.apply(aw.preset_gains("smooth", 4)))
-    for wrong, said in (([1, 1], "2 gains"), ("loud", "got 'loud'"), ([1, 1, 1, np.inf], "gain")):
+    for wrong, said in (([1, 1], "got 2"), ("loud", "got 'loud'"), ([1, 1, 1, np.inf], "gain")):
         with pytest.raises(ValueError, match=said):
             bands.apply(wrong)
     with pytest.raises(ValueError, match="where"):

@@ -26,7 +26,7 @@ def test_ends_stay_unless_they_are_free() -> None:
 
 def test_noise_of_a_curve_is_removed() -> None:
     (truth, edges), (noisy, _) = helix(), helix(0.02)
-    denoised = aw.denoise(aw.graph(400, edges, points=noisy)).points
+    denoised = aw.denoise(aw.graph(400, edges, points=noisy)).result.points
     error = np.sqrt(((denoised - truth) ** 2).mean())
     assert error < 0.7 * np.sqrt(((noisy - truth) ** 2).mean())
 
@@ -36,9 +36,8 @@ def test_pickled_curves_keep_their_edges() -> None:
     copy = pickle.loads(pickle.dumps(aw.graph(400, edges, points=points).with_field("s", np.arange(400))))
     assert copy.kind == "graph" and np.array_equal(copy.points, points)
     assert np.array_equal(copy.edges()[0], edges) and copy["s"][7] == 7
-    signal = np.random.default_rng(2).normal(size=400)
-    before = aw.decompose(aw.graph(400, edges, points=points), signal, levels=3).coarsest
-    assert np.array_equal(aw.decompose(copy, signal, levels=3).coarsest, before)
+    before = aw.filter(aw.graph(400, edges, points=points), "smooth", levels=3).points
+    assert np.array_equal(aw.filter(copy, "smooth", levels=3).points, before)
 
 
 def test_a_graph_needs_one_position_per_node() -> None:

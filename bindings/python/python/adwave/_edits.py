@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Union, overload
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from adwave import _native
 from adwave._decomposer import Bands, Decomposer, GainsLike, Layer, Where, edit_layers, prepare_decomposer
-from adwave._options import BandsRequest, Constraints, LevelsLike, Operator, OperatorLike, SignalLike, as_operator
+from adwave._options import BandsRequest, Constraints, LevelsLike, OperatorLike, SignalLike, as_operator
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
@@ -183,7 +183,7 @@ def filter(
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
     """
     if constraints is not None and constraints.border == "free" and not isinstance(shape, Decomposer):
-        operator = _with_free_ends(operator)
+        operator = as_operator(operator).with_free_ends()
     decomposer = prepare_decomposer(shape, operator, levels)
     layers = edit_layers(gains, where, decomposer.n_vertices)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
@@ -205,12 +205,6 @@ def filter(
         return edited[:, 0] if is_flat else edited
     settings = EditSettings(signal or "coords", steps, constraints or Constraints(), local_fit, accuracy)
     return edit_shape(decomposer, settings, edit, progress)
-
-
-def _with_free_ends(operator: OperatorLike) -> Operator:
-    """Options of an operator under which the ends of a curve are free unless they say otherwise."""
-    options = as_operator(operator)
-    return options if options.end_points is not None else replace(options, end_points="free")
 
 
 @dataclass(frozen=True)

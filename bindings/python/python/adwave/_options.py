@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -158,8 +159,6 @@ class Operator:
         Walk: remove the effect of the sampling density.
     keep_creases : bool, optional
         Do not step across creases, where the normals turn sharply.
-    end_points : {'keep', 'free'}, optional
-        Whether the ends of a curve keep their values, the default, or are smoothed like other vertices.
 
     Examples
     --------
@@ -177,13 +176,20 @@ class Operator:
     area: Union[str, None] = None
     density_invariant: Union[bool, None] = None
     keep_creases: Union[bool, None] = None
-    end_points: Union[Literal["keep", "free"], None] = None
+    end_points: Union[Literal["keep", "free"], None] = field(default=None, init=False)
+
+    def with_free_ends(self) -> Operator:
+        """Options under which the ends of a curve are smoothed like other vertices, instead of keeping their values."""
+        return self._with("end_points", "free")
+
+    def _with(self, name: str, value: str) -> Operator:
+        changed = copy(self)
+        object.__setattr__(changed, name, value)
+        return changed
 
     def with_default_kind(self, kind: OperatorKind) -> Operator:
         """Options with this kind if none was given."""
-        from dataclasses import replace
-
-        return self if self.kind is not None else replace(self, kind=kind)
+        return self if self.kind is not None else self._with("kind", kind)
 
     def needs_walk(self) -> bool:
         """Tells whether an option is given that only the walk has."""

@@ -53,14 +53,14 @@ pub fn dual_graph(mesh: &Mesh) -> Result<Graph, GraphError> {
     }));
     let mut edges = Vec::with_capacity(sides.len() / 2);
     for group in sides.chunk_by(|a, b| a.ends == b.ends) {
-        let weight = |f: &Side, g: &Side| {
+        let weight = |f: &FaceSide, g: &FaceSide| {
             let [p, q] = f.corners.map(|corner| Vector3::from(scaled[corner as usize]));
             let length = (q - p).norm();
             let across: f64 =
                 [f, g].map(|side| center_distance(&scaled, faces.get(side.face as usize), side)).iter().sum();
             if length > 0.0 { length / across.max(length / MAX_WEIGHT) } else { 0.0 }
         };
-        let mut join = |f: &Side, g: &Side, share: f64| {
+        let mut join = |f: &FaceSide, g: &FaceSide, share: f64| {
             if f.face != g.face {
                 edges.push((f.face, g.face, share * weight(f, g)));
             }
@@ -80,7 +80,7 @@ pub fn dual_graph(mesh: &Mesh) -> Result<Graph, GraphError> {
 
 /// Side of a face.
 #[derive(Clone, Copy)]
-struct Side {
+struct FaceSide {
     /// Welded vertices at its ends, the smaller one first.
     ends: [u32; 2],
     /// Vertices of the mesh at these ends.
@@ -89,7 +89,7 @@ struct Side {
 }
 
 /// Sides of all faces whose ends are different welded vertices.
-fn sides(mesh: &Mesh, welded: &[u32]) -> Vec<Side> {
+fn sides(mesh: &Mesh, welded: &[u32]) -> Vec<FaceSide> {
     let mut sides = Vec::with_capacity(mesh.faces().corners().len());
     for (face, corners) in (0..).zip(mesh.faces().iter()) {
         if corners.len() < 3 {
@@ -99,9 +99,9 @@ fn sides(mesh: &Mesh, welded: &[u32]) -> Vec<Side> {
             let pair = [corners[k], corners[(k + 1) % corners.len()]];
             let [a, b] = pair.map(|corner| welded[corner as usize]);
             match a.cmp(&b) {
-                std::cmp::Ordering::Less => sides.push(Side { ends: [a, b], corners: pair, face }),
+                std::cmp::Ordering::Less => sides.push(FaceSide { ends: [a, b], corners: pair, face }),
                 std::cmp::Ordering::Greater => {
-                    sides.push(Side { ends: [b, a], corners: [pair[1], pair[0]], face });
+                    sides.push(FaceSide { ends: [b, a], corners: [pair[1], pair[0]], face });
                 }
                 std::cmp::Ordering::Equal => {}
             }
@@ -111,7 +111,7 @@ fn sides(mesh: &Mesh, welded: &[u32]) -> Vec<Side> {
 }
 
 /// Distance of the center of a face from one of its sides (see the module), in the unit of `points`; ≥ 0.
-fn center_distance(points: &[[f64; 3]], corners: &[u32], side: &Side) -> f64 {
+fn center_distance(points: &[[f64; 3]], corners: &[u32], side: &FaceSide) -> f64 {
     let at = |corner: u32| Vector3::from(points[corner as usize]);
     let [p, q] = side.corners.map(at);
     let length = (q - p).norm();

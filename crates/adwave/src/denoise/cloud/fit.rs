@@ -14,14 +14,14 @@ const LEAST_WEIGHT: f64 = 1e-6;
 
 /// Axes of a neighborhood, ordered by ascending spread, and the variance along each.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct FitFrame {
     /// Normal and two tangents.
     pub(super) axes: [Vector; 3],
     /// Variance along each axis.
     pub(super) variances: [f64; 3],
 }
 
-impl Frame {
+impl FitFrame {
     /// Principal axes of the neighbors `row` of point `x` and itself, with Gaussian weights of width `width`.
     pub(super) fn new(points: &[Vector], x: usize, row: &[u32], width: f64) -> Self {
         let scale = -0.5 / (width * width);
@@ -49,7 +49,7 @@ impl Frame {
 }
 
 /// Eigenvectors of a symmetric matrix by Jacobi's rotations.
-fn principal_axes(mut a: [[f64; 3]; 3]) -> Frame {
+fn principal_axes(mut a: [[f64; 3]; 3]) -> FitFrame {
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
@@ -76,7 +76,7 @@ fn principal_axes(mut a: [[f64; 3]; 3]) -> Frame {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| a[i][i].total_cmp(&a[j][j]));
-    Frame { axes: order.map(|j| [v[0][j], v[1][j], v[2][j]]), variances: order.map(|j| a[j][j].max(0.0)) }
+    FitFrame { axes: order.map(|j| [v[0][j], v[1][j], v[2][j]]), variances: order.map(|j| a[j][j].max(0.0)) }
 }
 
 /// Heights of neighbors over the plane of a frame through a point, in the order of the neighbors.
@@ -114,7 +114,7 @@ fn basis<const N: usize>([u, v]: [f64; 2]) -> [f64; N] {
 }
 
 impl Heights {
-    pub(super) fn new(points: &[Vector], x: usize, row: &[u32], frame: &Frame, radius: f64) -> Self {
+    pub(super) fn new(points: &[Vector], x: usize, row: &[u32], frame: &FitFrame, radius: f64) -> Self {
         let mut out = Self {
             n: row.len(),
             tangential: [[0.0; 2]; NEIGHBORS],
@@ -209,7 +209,7 @@ pub(super) struct RobustReach {
 
 impl HeightFit {
     /// Motion of the point onto the surface, along its normal.
-    pub(super) fn motion(&self, frame: &Frame) -> Vector {
+    pub(super) fn motion(&self, frame: &FitFrame) -> Vector {
         let [normal, first, second] = &frame.axes;
         let [a, b] = self.slopes;
         let upright = add_scaled(&add_scaled(normal, -a, first), -b, second);

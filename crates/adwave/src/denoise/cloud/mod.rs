@@ -15,7 +15,7 @@ use super::{Creases, DenoiseParams};
 use crate::shape::Adjacency;
 use crate::vector::{Vector, add_scaled, dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
-use fit::{Frame, HeightFit, Heights, RobustReach};
+use fit::{FitFrame, HeightFit, Heights, RobustReach};
 use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quantile};
 
 /// Number of nearest neighbors that fits use.
@@ -267,14 +267,14 @@ fn point_fits(
     if row.len() < FIT_SIZES[0] || radius < NOTHING || noise < NOTHING {
         return out;
     }
-    let frame = Frame::new(points, x, row, WIDTH * radius);
+    let frame = FitFrame::new(points, x, row, WIDTH * radius);
     let is_line = frame.variances[1] < LINE_RATIO * frame.variances[2];
     let share = noise / near.radius(points, x, FIT_SIZES[2]);
     if is_line || (share > VOLUME_NOISE && CAUTION * noise > VOLUME_RATIO * typical) {
         return out;
     }
     let reach = RobustReach { start: START_REACH * noise, fit: FIT_REACH * noise };
-    let mut add = |first: usize, fits: [Option<HeightFit>; 2], frame: &Frame| {
+    let mut add = |first: usize, fits: [Option<HeightFit>; 2], frame: &FitFrame| {
         for (k, fit) in (first..).zip(fits) {
             if let Some(fit) = fit {
                 (out.motions[k], out.leverages[k]) = (fit.motion(frame), fit.variance.min(1.0));
@@ -290,7 +290,7 @@ fn point_fits(
         let radius = near.radius(points, x, FEW_NEIGHBORS);
         if radius >= NOTHING {
             let is_large = LEAST_SIZE * noise < radius;
-            let frame = if is_large { Frame::new(points, x, row, WIDTH * radius) } else { frame };
+            let frame = if is_large { FitFrame::new(points, x, row, WIDTH * radius) } else { frame };
             let heights = Heights::new(points, x, row, &frame, radius);
             add(2, heights.robust_fits(WIDTH, reach), &frame);
         }
@@ -317,7 +317,7 @@ fn pulled(points: &[Vector], near: &NearestRows, x: usize) -> Vector {
     // The neighbors as one of them sees them, so that the outlier itself does not turn the plane.
     let Some(&first) = row.first() else { return [0.0; 3] };
     let own = near.row(first as usize);
-    let frame = Frame::new(points, first as usize, own, WIDTH * radius.max(NOTHING));
+    let frame = FitFrame::new(points, first as usize, own, WIDTH * radius.max(NOTHING));
     let mut heights: Vec<f64> = row
         .iter()
         .take(FIT_SIZES[0])

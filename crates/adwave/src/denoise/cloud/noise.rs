@@ -1,6 +1,6 @@
 //! Noise of a cloud by place.
 
-use super::fit::{Frame, Heights};
+use super::fit::{FitFrame, Heights};
 use super::{NEIGHBORS, NOTHING, NearestRows};
 use crate::denoise::noise_level::median;
 use crate::vector::{Vector, norm, subtract};
@@ -43,7 +43,7 @@ pub(super) fn fit_residuals(
         if row.len() < FIT_SIZES[0] || radius < NOTHING {
             return [f64::NAN; 3];
         }
-        let frame = Frame::new(points, x, row, 0.5 * radius);
+        let frame = FitFrame::new(points, x, row, 0.5 * radius);
         let heights = Heights::new(points, x, row, &frame, radius);
         std::array::from_fn(|c| {
             if row.len() < FIT_SIZES[c] {
