@@ -158,7 +158,7 @@ fn noisy_files(folder: &Path) -> BenchOutcome<Vec<PathBuf>> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() {
             found.extend(noisy_files(&path)?);
-        } else if name.starts_with("noisy_10000_0") && name.ends_with(".xyz") {
+        } else if name.starts_with("noisy_10000_0") && path.extension().is_some_and(|e| e == "xyz") {
             found.push(path);
         }
     }

@@ -205,7 +205,7 @@ fn neighbor_cells(cell: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     (0..27).map(move |k| [cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1])
 }
 
-/// What rays from the sensor hit: density falls with the square of the distance and with the angle.
+/// Points that rays from the sensor hit: their density falls with the square of the distance and with the angle.
 fn cast_rays(soup: &[Triangle], sensor: [f64; 3], n: usize, random: &mut Random) -> PointsAndNormals {
     // Equal angles, as a turning scanner has them, with a little disorder.
     let n_rings = ((n as f64 / 2.0).sqrt() * 0.8) as usize;

@@ -221,7 +221,7 @@ pub(super) fn shell(random: &mut Random) -> Vec<Triangle> {
 /// Tube along a random closed curve, or several.
 pub(super) fn tubes(random: &mut Random) -> Vec<Triangle> {
     let mut soup = Vec::new();
-    for _ in 0..1 + random.index(3) {
+    for _ in 0..=random.index(3) {
         let terms: Vec<([f64; 3], [f64; 3])> = (1..4)
             .map(|k| [(); 2].map(|()| random.normals().map(|c| c / f64::from(k * k))))
             .map(|[a, b]| (a, b))

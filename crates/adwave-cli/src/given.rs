@@ -112,7 +112,7 @@ impl GivenOptions {
     }
 }
 
-/// Whether an option names a file or folder for a result. `--features` is a result of `tiles` and an input of `render`.
+/// Tells if an option names a file or folder for a result. `--features` is a result of `tiles` and an input of `render`.
 fn is_output(command: &str, option: &str) -> bool {
     OUTPUTS.contains(&option) || (command == "tiles" && option == "--features")
 }
@@ -122,7 +122,7 @@ fn short_name(option: &str) -> &str {
     if option == "--output" { "-o" } else { option }
 }
 
-/// Whether two paths name one file, which need not exist.
+/// Tells if two paths name one file, which need not exist.
 fn is_same_place(a: &Path, b: &Path) -> bool {
     let resolve = |path: &Path| {
         path.canonicalize().ok().or_else(|| {

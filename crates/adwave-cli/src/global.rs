@@ -33,7 +33,7 @@ pub(crate) struct Global<'a> {
     pub(crate) arguments: &'a [OsString],
     /// The options of the command line.
     pub(crate) given: &'a GivenOptions,
-    /// Whether --max-input was given.
+    /// True if --max-input was given.
     pub(crate) has_max_input: bool,
     /// Limits on what is read.
     pub(crate) limits: ReadLimits,

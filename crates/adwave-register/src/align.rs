@@ -49,7 +49,7 @@ const ROUNDING: f64 = 1e-9;
 pub const MAX_GROWTH: f64 = 1.5;
 /// Factor by which the reach shrinks in a round.
 const SHRINKING: f64 = 0.7;
-/// The same after a round that moved little.
+/// Factor by which the reach shrinks after a round that moved little.
 const FAST_SHRINKING: f64 = 0.2;
 /// Movement of a round relative to the residual below which the iteration ends.
 const MIN_PROGRESS: f64 = 0.01;

@@ -48,7 +48,7 @@ impl Default for SearchParams {
 pub(crate) struct MotionSearch {
     /// Distinct motions, the one with the most information first.
     pub(crate) motions: Vec<FoundMotion>,
-    /// The same for the mirror image of the first shape, found by the same procedure.
+    /// Motions of the mirror image of the first shape, found by the same procedure.
     pub(crate) chance: Vec<FoundMotion>,
 }
 

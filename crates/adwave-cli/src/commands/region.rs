@@ -85,7 +85,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     print(global, &text, &json)
 }
 
-/// Whether a region depends on a field, which may be computed by the diffusion operator.
+/// Tells if a region depends on a field, which may be computed by the diffusion operator.
 fn names_field(region: &Region) -> bool {
     match region {
         Region::Field { .. } => true,

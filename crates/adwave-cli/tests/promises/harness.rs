@@ -25,7 +25,7 @@ impl Run {
         self.code == Some(0)
     }
 
-    /// What the run printed, in short.
+    /// Beginning of the output of the run.
     pub(crate) fn tail(&self) -> String {
         let text = format!("{} {}", self.err.trim(), self.out.trim());
         text.chars().take(400).collect::<String>().replace('\n', " ⏎ ")
@@ -126,12 +126,12 @@ impl Faults {
     }
 }
 
-/// Whether all cases are to be run, as `cargo xtask command-check` asks for.
+/// Tells if all cases are to be run, as `cargo xtask command-check` asks for.
 pub(crate) fn runs_all() -> bool {
     std::env::var_os("ADWAVE_COMMAND_CHECK").is_some_and(|value| value == "full")
 }
 
-/// Whether a case is part of the sample of one in `share`; all are if all are to be run. The choice depends on the case alone.
+/// Tells if a case is part of the sample of one in `share`; all are if all are to be run. The choice depends on the case alone.
 pub(crate) fn is_in_sample(case: &str, share: u64) -> bool {
     // FNV-1a: the same on every machine.
     let hash =
@@ -157,7 +157,7 @@ pub(crate) fn name(arg: &clap::Arg) -> String {
     format!("--{}", arg.get_long().unwrap_or_default())
 }
 
-/// Whether an option takes a value.
+/// Tells if an option takes a value.
 pub(crate) fn takes_value(arg: &clap::Arg) -> bool {
     arg.get_action().takes_values()
 }

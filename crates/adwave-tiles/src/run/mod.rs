@@ -44,13 +44,11 @@ pub fn run_task(job: &TilingJob, task: Task, progress: Progress<'_>) -> Result<(
         return job.find_neighbors(&blocks, &BoundsTree::new(blocks.bounds.clone()), tile, progress);
     }
     let neighbor_index = job.neighbor_index(&blocks)?;
-    match task {
-        Task::Maps(_) => job.compute_maps(&blocks, &neighbor_index, tile, progress),
-        _ => {
-            let denoiser = job.denoiser(&blocks, progress.quiet())?;
-            job.compute_bands(&blocks, &neighbor_index, denoiser.as_ref(), tile, progress)
-        }
+    if let Task::Maps(_) = task {
+        return job.compute_maps(&blocks, &neighbor_index, tile, progress);
     }
+    let denoiser = job.denoiser(&blocks, progress.quiet())?;
+    job.compute_bands(&blocks, &neighbor_index, denoiser.as_ref(), tile, progress)
 }
 
 /// Runs all tasks that are not done. Reports progress in vertices, counting each vertex once per stage.

@@ -26,7 +26,7 @@ const BLOCKS_PER_PIECE: usize = 2;
 /// Largest number of vertices of the sample.
 pub(crate) const MAX_SAMPLE_VERTICES: usize = N_PIECES * BLOCKS_PER_PIECE * VERTICES_IN_A_BLOCK;
 
-/// What the surface around the vertices is known by: their neighbors in a cloud, or the faces of a mesh.
+/// Knowledge of the surface around the vertices: their neighbors in a cloud, or the faces of a mesh.
 pub(crate) enum TileSurface {
     Cloud,
     Mesh(FaceFiles),

@@ -66,9 +66,9 @@ fn principal_axes(mut a: [[f64; 3]; 3]) -> FitFrame {
             for row in &mut a {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-            }
+            let (at_p, at_q) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|k| c * at_p[k] - s * at_q[k]);
+            a[q] = std::array::from_fn(|k| s * at_p[k] + c * at_q[k]);
             for row in &mut v {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
@@ -86,7 +86,7 @@ pub(super) struct Heights {
     /// Tangential coordinates in units of `radius`.
     tangential: [[f64; 2]; NEIGHBORS],
     /// Heights in the unit of the points.
-    heights: [f64; NEIGHBORS],
+    over_plane: [f64; NEIGHBORS],
     /// Squared distances in units of `radius`.
     squares: [f64; NEIGHBORS],
     radius: f64,
@@ -118,7 +118,7 @@ impl Heights {
         let mut out = Self {
             n: row.len(),
             tangential: [[0.0; 2]; NEIGHBORS],
-            heights: [0.0; NEIGHBORS],
+            over_plane: [0.0; NEIGHBORS],
             squares: [0.0; NEIGHBORS],
             radius,
         };
@@ -126,7 +126,7 @@ impl Heights {
         for (k, &y) in row.iter().enumerate() {
             let d = subtract(&points[y as usize], &points[x]);
             out.tangential[k] = [dot(&d, first) / radius, dot(&d, second) / radius];
-            out.heights[k] = dot(&d, normal);
+            out.over_plane[k] = dot(&d, normal);
             out.squares[k] = dot(&d, &d) / (radius * radius);
         }
         out
@@ -145,7 +145,7 @@ impl Heights {
         let (mut by_distance, mut start) = ([0.0; NEIGHBORS], [0.0; NEIGHBORS]);
         for k in 0..self.n {
             by_distance[k] = (scale * self.squares[k]).exp();
-            start[k] = by_distance[k] * gauss(self.heights[k], reach.start);
+            start[k] = by_distance[k] * gauss(self.over_plane[k], reach.start);
         }
         [
             self.refit::<3>(&start[..self.n], &by_distance, reach.fit),
@@ -162,7 +162,7 @@ impl Heights {
         };
         let mut weights = [0.0; NEIGHBORS];
         for k in 0..self.n {
-            weights[k] = by_distance[k] * gauss(residual(self.tangential[k], self.heights[k]), reach);
+            weights[k] = by_distance[k] * gauss(residual(self.tangential[k], self.over_plane[k]), reach);
         }
         let center = gauss(residual([0.0; 2], 0.0), reach);
         let (fit, _) = self.solve::<N>(&weights[..self.n], center)?;
@@ -183,7 +183,7 @@ impl Heights {
                 for j in 0..=i {
                     matrix[i][j] += weighted * f[j];
                 }
-                right[i] += weighted * self.heights[k];
+                right[i] += weighted * self.over_plane[k];
             }
         }
         if !factorize(&mut matrix) {
