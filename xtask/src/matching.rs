@@ -3,7 +3,7 @@
 use crate::{StepResult, data, run};
 use std::process::Command;
 
-/// Surfaces that are cut, viewed and compared, below the folder of test data; those that are missing are left out. Only the
+/// Surfaces that are cut, viewed and compared, below the folder of test data; those that are missing are left out. The
 /// flower pot fits on itself after a rotation.
 const FILES: [&str; 13] = [
     "benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply",
