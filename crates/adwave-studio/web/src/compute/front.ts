@@ -4,6 +4,7 @@
  * only; each place keeps its origin in the plane of the triangle through which the front came.
  */
 
+import { Heap } from './heap';
 import type { Surface } from './surface';
 
 const EQUAL = 1e-12;
@@ -50,9 +51,7 @@ export class Front {
   private readonly numbers: Uint32Array;
   private readonly visits: Uint32Array;
   private readonly waiting: Uint8Array;
-  private heapKeys = new Uint32Array(1024);
-  private heapLabels = new Uint32Array(1024);
-  private heapSize = 0;
+  private readonly heap = new Heap();
   private readonly bits = new DataView(new ArrayBuffer(8));
 
   constructor(private readonly surface: Surface) {
@@ -74,7 +73,7 @@ export class Front {
       this.distances[place] = Infinity;
     }
     this.nLabels = 0;
-    this.heapSize = 0;
+    this.heap.size = 0;
   }
 
   /**
@@ -87,13 +86,13 @@ export class Front {
       const x = sources[i]!;
       this.offer(x, 0, 0, points[3 * x]!, points[3 * x + 1]!, points[3 * x + 2]!, x, reach);
     }
-    while (this.heapSize > 0) {
-      const key = this.heapKeys[0]!;
-      const x = this.labelled[this.heapLabels[0]!]!;
-      this.pop();
+    while (this.heap.size > 0) {
+      const key = this.heap.firstKey;
+      const x = this.labelled[this.heap.firstNumber]!;
+      this.heap.pop();
       if (!this.waiting[x] || key !== this.key(this.distances[x]!)) continue;
       if (this.nLabels > most) {
-        this.heapSize = 0;
+        this.heap.size = 0;
         return false;
       }
       this.waiting[x] = 0;
@@ -246,7 +245,7 @@ export class Front {
     this.origins[3 * place + 2] = oz;
     this.numbers[place] = number;
     this.waiting[place] = 1;
-    this.push(this.key(distance), this.labels[place]!);
+    this.heap.push(this.key(distance), this.labels[place]!);
     reach(place);
   }
 
@@ -254,55 +253,6 @@ export class Front {
   private key(distance: number): number {
     this.bits.setFloat64(0, distance);
     return this.bits.getUint32(0);
-  }
-
-  private push(key: number, label: number): void {
-    if (this.heapSize === this.heapKeys.length) {
-      const keys = new Uint32Array(2 * this.heapSize);
-      keys.set(this.heapKeys);
-      this.heapKeys = keys;
-      const labels = new Uint32Array(2 * this.heapSize);
-      labels.set(this.heapLabels);
-      this.heapLabels = labels;
-    }
-    const { heapKeys: keys, heapLabels: labels } = this;
-    let i = this.heapSize++;
-    while (i > 0) {
-      const up = (i - 1) >> 1;
-      const k = keys[up]!;
-      if (k < key || (k === key && labels[up]! <= label)) break;
-      keys[i] = k;
-      labels[i] = labels[up]!;
-      i = up;
-    }
-    keys[i] = key;
-    labels[i] = label;
-  }
-
-  private pop(): void {
-    const { heapKeys: keys, heapLabels: labels } = this;
-    const size = --this.heapSize;
-    const key = keys[size]!;
-    const label = labels[size]!;
-    let i = 0;
-    for (;;) {
-      let child = 2 * i + 1;
-      if (child >= size) break;
-      const right = child + 1;
-      if (
-        right < size &&
-        (keys[right]! < keys[child]! || (keys[right] === keys[child] && labels[right]! < labels[child]!))
-      ) {
-        child = right;
-      }
-      const k = keys[child]!;
-      if (key < k || (key === k && label <= labels[child]!)) break;
-      keys[i] = k;
-      labels[i] = labels[child]!;
-      i = child;
-    }
-    keys[i] = key;
-    labels[i] = label;
   }
 }
 

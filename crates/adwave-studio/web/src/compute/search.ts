@@ -5,6 +5,7 @@
  */
 
 import { Front } from './front';
+import { Heap } from './heap';
 import type { Surface } from './surface';
 
 const NONE = 0xffffffff;
@@ -22,9 +23,7 @@ export class SurfaceSearch {
   private stamp = 0;
   /** Stamp of the search that later ones were added to. */
   private first = 0;
-  private heapKeys = new Float64Array(1024);
-  private heapPlaces = new Uint32Array(1024);
-  private heapSize = 0;
+  private readonly heap = new Heap();
 
   private longestOnce: number | null = null;
   /** Distances on a mesh. */
@@ -72,7 +71,7 @@ export class SurfaceSearch {
     this.stamp++;
     this.nFound = 0;
     this.nReached = 0;
-    this.heapSize = 0;
+    this.heap.size = 0;
     this.radius = radius;
     if (this.front) return this.addToFront(this.front, sources, radius, most);
     for (let i = 0; i < sources.length; i++) {
@@ -81,10 +80,10 @@ export class SurfaceSearch {
     }
     const { offsets, entries } = neighbors;
     const { stamps, distances, first } = this;
-    while (this.heapSize > 0) {
-      const key = this.heapKeys[0]!;
-      const x = this.heapPlaces[0]!;
-      this.pop();
+    while (this.heap.size > 0) {
+      const key = this.heap.firstKey;
+      const x = this.heap.firstNumber;
+      this.heap.pop();
       const here = distances[x]!;
       if (key > here) continue; // outdated entry: a shorter path was found
       if (this.nFound > most) return false;
@@ -143,56 +142,7 @@ export class SurfaceSearch {
     this.reach(place);
     this.distances[place] = distance;
     this.before[place] = before;
-    this.push(distance, place);
-  }
-
-  private push(key: number, place: number): void {
-    if (this.heapSize === this.heapKeys.length) {
-      const keys = new Float64Array(2 * this.heapSize);
-      keys.set(this.heapKeys);
-      this.heapKeys = keys;
-      this.heapPlaces = growArray(this.heapPlaces);
-    }
-    const keys = this.heapKeys;
-    const places = this.heapPlaces;
-    let i = this.heapSize++;
-    while (i > 0) {
-      const up = (i - 1) >> 1;
-      const k = keys[up]!;
-      if (k < key || (k === key && places[up]! <= place)) break;
-      keys[i] = k;
-      places[i] = places[up]!;
-      i = up;
-    }
-    keys[i] = key;
-    places[i] = place;
-  }
-
-  private pop(): void {
-    const keys = this.heapKeys;
-    const places = this.heapPlaces;
-    const size = --this.heapSize;
-    const key = keys[size]!;
-    const place = places[size]!;
-    let i = 0;
-    for (;;) {
-      let child = 2 * i + 1;
-      if (child >= size) break;
-      const right = child + 1;
-      if (
-        right < size &&
-        (keys[right]! < keys[child]! || (keys[right] === keys[child] && places[right]! < places[child]!))
-      ) {
-        child = right;
-      }
-      const k = keys[child]!;
-      if (key < k || (key === k && place <= places[child]!)) break;
-      keys[i] = k;
-      places[i] = places[child]!;
-      i = child;
-    }
-    keys[i] = key;
-    places[i] = place;
+    this.heap.push(distance, place);
   }
 }
 
