@@ -42,6 +42,7 @@ fn write_fixtures(folder: &Path) {
     }
     scan(&at("scan.las"), false);
     scan(&at("scan2.las"), true);
+    fs::write(at("outliers.xyz"), with_outliers()).unwrap();
     let texture = "texture.obj";
     fs::write(at(texture), textured()).unwrap();
     fs::write(at("texture.mtl"), "newmtl m\nmap_Kd first.png\n").unwrap();
@@ -56,6 +57,16 @@ fn write_fixtures(folder: &Path) {
     let n = mesh(1).n_vertices();
     let mask: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", u8::from(k % 5 != 0)));
     fs::write(at("mask.csv"), format!("inside\n{mask}")).unwrap();
+}
+
+/// A rough square of 400 points, and three points above it.
+fn with_outliers() -> String {
+    let mut text = String::new();
+    for k in 0..400 {
+        let (i, j) = (k / 20, k % 20);
+        let _ = writeln!(text, "{i} {j} {}", f64::from((7 * i + 13 * j) % 11 - 5) / 100.0);
+    }
+    text + "4.5 5.5 3\n12.5 9.5 3\n8.5 15.5 3\n"
 }
 
 fn save(file: &ShapeFile, path: &Path) {

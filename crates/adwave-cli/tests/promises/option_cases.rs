@@ -143,6 +143,7 @@ const CASES: &[OptionCase] = &[
     with(case("denoise", "--cloud-area", "unit"), "--signal heat"),
     with(case("denoise", "--density-invariant", ""), "--signal heat"),
     with(case("denoise", "--keep-creases", ""), "--signal heat"),
+    in_file(case("denoise", "--outliers", "drop"), "outliers.xyz"),
     case("denoise", "--strength", "2"),
     case("denoise", "--creases", "none"),
     case("denoise", "--noise-sigma", "0.03"),

@@ -11,8 +11,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Options that no result depends on, with the reason.
-const WITHOUT_EFFECT: [(&str, &str, &str); 16] = [
-    ("denoise", "--outliers", "the inputs have no outliers; tests of the denoiser have some"),
+const WITHOUT_EFFECT: [(&str, &str, &str); 15] = [
     ("*", "--threads", "results do not depend on it"),
     ("*", "--max-input", "a limit; commands without an input have nothing to limit"),
     (
@@ -42,7 +41,8 @@ const WITHOUT_DATA: [(&str, &str, &str); 3] = [
 ];
 
 /// Options that act on some data alone, with the kinds of input of the fixtures on which they have nothing to do.
-const BY_DATA: [(&str, &str, &str, &str); 21] = [
+const BY_DATA: [(&str, &str, &str, &str); 22] = [
+    ("denoise", "--outliers", "cloud scan", "there are no outliers"),
     ("*", "--as", "cloud scan", "they are clouds"),
     ("*", "--no-weld", "scan own", "no two points are equal"),
     ("*", "--weld", "own", "no two vertices are near"),

@@ -380,19 +380,20 @@ fn mixed_motion(
 /// Number of coordinates that tell whether they are rounded.
 const ROUNDING_SAMPLE: usize = 20_000;
 
-/// Step to which coordinates are rounded, the largest of the axes; 0 if most of them differ.
+/// Step to which coordinates are rounded, the smallest of the axes; 0 if most of them differ along an axis, as the heights
+/// over a regular grid do. Axes along which all are equal do not count.
 fn rounding_step(points: &[Vector]) -> f64 {
     let stride = points.len().div_ceil(ROUNDING_SAMPLE).max(1);
-    (0..3)
-        .map(|axis| {
-            let mut values: Vec<f64> = points.iter().step_by(stride).map(|p| p[axis]).collect();
-            let n = values.len();
-            values.sort_unstable_by(f64::total_cmp);
-            values.dedup();
-            if values.len() < 2 || 4 * values.len() > n {
-                return 0.0;
-            }
-            values.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min)
-        })
-        .fold(0.0, f64::max)
+    let step = |axis: usize| {
+        let mut values: Vec<f64> = points.iter().step_by(stride).map(|p| p[axis]).collect();
+        let n = values.len();
+        values.sort_unstable_by(f64::total_cmp);
+        values.dedup();
+        match values.len() {
+            0 | 1 => None,
+            distinct if 4 * distinct > n => Some(0.0),
+            _ => Some(values.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min)),
+        }
+    };
+    (0..3).filter_map(step).reduce(f64::min).unwrap_or_default()
 }

@@ -146,3 +146,22 @@ fn lines_and_volumes_are_left_alone() {
     // A tenth of the size of the tree.
     assert!(moved < 0.25, "{moved}");
 }
+
+#[test]
+fn coordinates_are_rounded_only_if_they_are_along_every_axis() {
+    let found = |points: Vec<[f64; 3]>| {
+        let result = denoised(&cloud(points), &defaults());
+        result.info.cloud.unwrap().rounding
+    };
+    let mut random = Deviates(5);
+    let any = sheet(30, 0.0, 0.05, &mut random);
+    let rounded = |step: f64| any.iter().map(|p| p.map(|c| (c / step).round() * step)).collect::<Vec<_>>();
+    assert_eq!(found(any.clone()), 0.0);
+    assert!((found(rounded(0.25)) - 0.25).abs() < 1e-9);
+    // Heights over a regular grid: its spacing is no rounding, and that of the heights is.
+    let grid = |height: &dyn Fn(f64) -> f64| {
+        any.iter().map(|p| [p[0].round(), p[1].round(), height(p[2])]).collect::<Vec<_>>()
+    };
+    assert_eq!(found(grid(&|z| z)), 0.0);
+    assert!((found(grid(&|z| (z / 0.01).round() * 0.01)) - 0.01).abs() < 1e-9);
+}
