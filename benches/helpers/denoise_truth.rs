@@ -89,7 +89,7 @@ fn row(clean: &CleanCloud, dense: &Tree, noise: CloudNoise, seed: u64) -> Row {
     let (truth, before, after) = (pick(&clean.points), pick(&noisy.points), pick(&points));
     let distance = |cloud: &[[f64; 3]]| {
         let off = |p: &[f64; 3]| {
-            let x = dense.closest(p, |_, _| true).0 as usize;
+            let x = dense.closest(p, |_, _| true).name as usize;
             dot(&clean.dense_normals[x], &difference(p, &clean.dense[x])).powi(2)
         };
         (cloud.iter().map(off).sum::<f64>() / cloud.len() as f64).sqrt() / clean.spacing

@@ -1,5 +1,14 @@
 //! Closest points by a tree of halved boxes.
 
+/// Point found by a search.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Index of the point, `u32::MAX` if none is wanted.
+    pub name: u32,
+    /// Squared distance to it, infinite if none is wanted.
+    pub square: f64,
+}
+
 /// Search structure over points.
 pub struct Tree {
     points: Vec<[f64; 3]>,
@@ -17,16 +26,16 @@ impl Tree {
         Self { points: names.iter().map(|&x| points[x as usize]).collect(), names }
     }
 
-    /// Index of the closest point and its squared distance, among those for which `is_wanted` is true.
-    pub fn closest(&self, p: &[f64; 3], is_wanted: impl Fn(u32, f64) -> bool) -> (u32, f64) {
-        let mut best = (u32::MAX, f64::INFINITY);
+    /// Closest of the points for which `is_wanted`, called with the index and the squared distance, is true.
+    pub fn closest(&self, p: &[f64; 3], is_wanted: impl Fn(u32, f64) -> bool) -> Hit {
+        let mut best = Hit { name: u32::MAX, square: f64::INFINITY };
         self.search(p, [0, self.names.len()], 0, &is_wanted, &mut best);
         best
     }
 
     /// Distance to the closest point at another position.
     pub fn nearest_other(&self, p: &[f64; 3]) -> f64 {
-        self.closest(p, |_, square| square > 0.0).1.sqrt()
+        self.closest(p, |_, square| square > 0.0).square.sqrt()
     }
 
     fn search(
@@ -35,7 +44,7 @@ impl Tree {
         [low, high]: [usize; 2],
         depth: usize,
         is_wanted: &impl Fn(u32, f64) -> bool,
-        best: &mut (u32, f64),
+        best: &mut Hit,
     ) {
         if high - low <= LEAF {
             for k in low..high {
@@ -49,16 +58,16 @@ impl Tree {
         let (near, far) = ([low, middle], [middle + 1, high]);
         let (first, second) = if gap < 0.0 { (near, far) } else { (far, near) };
         self.search(p, first, depth + 1, is_wanted, best);
-        if gap * gap <= best.1 {
+        if gap * gap <= best.square {
             self.search(p, second, depth + 1, is_wanted, best);
         }
     }
 
-    fn compare(&self, p: &[f64; 3], k: usize, is_wanted: &impl Fn(u32, f64) -> bool, best: &mut (u32, f64)) {
+    fn compare(&self, p: &[f64; 3], k: usize, is_wanted: &impl Fn(u32, f64) -> bool, best: &mut Hit) {
         let q = &self.points[k];
         let square = (0..3).map(|c| (p[c] - q[c]).powi(2)).sum();
-        if square < best.1 && is_wanted(self.names[k], square) {
-            *best = (self.names[k], square);
+        if square < best.square && is_wanted(self.names[k], square) {
+            *best = Hit { name: self.names[k], square };
         }
     }
 }
@@ -81,7 +90,7 @@ fn sort(points: &[[f64; 3]], names: &mut [u32], depth: usize) {
 pub fn chamfer(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     let one_way = |from: &[[f64; 3]], to: &[[f64; 3]]| {
         let tree = Tree::new(to);
-        from.iter().map(|p| tree.closest(p, |_, _| true).1).sum::<f64>() / from.len() as f64
+        from.iter().map(|p| tree.closest(p, |_, _| true).square).sum::<f64>() / from.len() as f64
     };
     1e4 * (one_way(a, b) + one_way(b, a))
 }
@@ -117,7 +126,7 @@ mod tests {
             let p = random.normals();
             let square = |q: &[f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>();
             let least = points.iter().map(square).fold(f64::INFINITY, f64::min);
-            assert_eq!(tree.closest(&p, |_, _| true).1, least);
+            assert_eq!(tree.closest(&p, |_, _| true).square, least);
         }
         assert_eq!(chamfer(&points, &points), 0.0);
     }
