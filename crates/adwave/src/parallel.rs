@@ -6,13 +6,14 @@
 //! thread pool is used or started. Every loop checks its [`Progress`] before each chunk, so a call stops within the
 //! time of one chunk.
 //!
-//! Work on a chunk is called through a pointer, so the loops are compiled once per type of value instead of once
-//! per caller.
+//! Work on a chunk is called through a pointer that knows only the number of the chunk, so the two loops of the thread
+//! pool are compiled once. Compiled per caller or per type of result, they were a quarter of this crate.
 
 use crate::pages::zeros;
 use crate::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Number of rows up to which the calling thread works alone: handing the work over would take longer, and a
 /// process that only handles small shapes starts no threads.
@@ -42,13 +43,71 @@ fn nth(n: usize, at_a_time: usize, chunk: usize) -> Range<usize> {
     chunk * at_a_time..((chunk + 1) * at_a_time).min(n)
 }
 
+/// Calls `work(chunk)` for each chunk, on all threads of the pool or, if there is little to do, on this one alone.
+/// Stops if the call is cancelled.
+fn each_chunk(
+    n_chunks: usize,
+    is_small: bool,
+    progress: Progress<'_>,
+    work: &(dyn Fn(usize) + Sync),
+) -> Result<(), Cancelled> {
+    let asked = |chunk| progress.check().map(|()| work(chunk));
+    if is_small {
+        (0..n_chunks).try_for_each(asked)
+    } else {
+        (0..n_chunks).into_par_iter().with_max_len(1).try_for_each(asked)
+    }
+}
+
+/// Work on a chunk with its own scratch data.
+type Worker<'a> = Box<dyn FnMut(usize) + 'a>;
+
+/// [`each_chunk`] by workers, which are made once per thread or a few times more.
+fn each_chunk_by_workers<'a>(
+    n_chunks: usize,
+    is_small: bool,
+    progress: Progress<'_>,
+    worker: &(dyn Fn() -> Worker<'a> + Sync),
+) -> Result<(), Cancelled> {
+    let asked = |worker: &mut Worker<'a>, chunk| progress.check().map(|()| worker(chunk));
+    if is_small {
+        let mut worker = worker();
+        (0..n_chunks).try_for_each(|chunk| asked(&mut worker, chunk))
+    } else {
+        (0..n_chunks).into_par_iter().try_for_each_init(worker, asked)
+    }
+}
+
+/// Locks what one chunk alone reads and writes, so that nobody waits.
+fn own<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Results by chunk.
+struct Slots<R>(Vec<Mutex<Option<R>>>);
+
+impl<R> Slots<R> {
+    fn new(n_chunks: usize) -> Self {
+        Self((0..n_chunks).map(|_| Mutex::new(None)).collect())
+    }
+
+    fn set(&self, chunk: usize, result: R) {
+        *own(&self.0[chunk]) = Some(result);
+    }
+
+    /// The results in the order of the chunks, each of which has been set.
+    fn into_results(self) -> Vec<R> {
+        let result = |slot: Mutex<Option<R>>| slot.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.0.into_iter().map(|slot| result(slot).expect("each chunk sets its result")).collect()
+    }
+}
+
 /// Results of `work(rows)` for each chunk of the rows `0..n`, in order.
 pub(crate) fn map_chunks<R: Send>(
     n: usize,
     at_a_time: usize,
     work: impl Fn(Range<usize>) -> R + Sync + Send,
 ) -> Vec<R> {
-    let work: &(dyn Fn(Range<usize>) -> R + Sync) = &work;
     map_items(n, n.div_ceil(at_a_time), |chunk| work(nth(n, at_a_time, chunk)))
 }
 
@@ -60,31 +119,15 @@ pub(crate) fn try_map_chunks<S, R: Send>(
     scratch: impl Fn() -> S + Sync + Send,
     work: impl Fn(&mut S, Range<usize>) -> R + Sync + Send,
 ) -> Result<Vec<R>, Cancelled> {
-    let with_scratch = || -> Worker<'_, R> {
-        let mut own = scratch();
-        let work = &work;
-        Box::new(move |range| work(&mut own, range))
-    };
-    ask_chunks(n, at_a_time, progress, &with_scratch)
-}
-
-/// Work on chunks with its own scratch data.
-type Worker<'a, R> = Box<dyn FnMut(Range<usize>) -> R + 'a>;
-
-fn ask_chunks<'a, R: Send>(
-    n: usize,
-    at_a_time: usize,
-    progress: Progress<'_>,
-    worker: &(dyn Fn() -> Worker<'a, R> + Sync),
-) -> Result<Vec<R>, Cancelled> {
-    let asked = |worker: &mut Worker<'a, R>, range| progress.check().map(|()| worker(range));
     let n_chunks = n.div_ceil(at_a_time);
-    if n <= SERIAL {
-        let mut own = worker();
-        return (0..n_chunks).map(|chunk| asked(&mut own, nth(n, at_a_time, chunk))).collect();
-    }
-    let chunks = (0..n_chunks).into_par_iter().map(|chunk| nth(n, at_a_time, chunk));
-    chunks.map_init(worker, asked).collect()
+    let results = Slots::new(n_chunks);
+    let worker = || -> Worker<'_> {
+        let mut own = scratch();
+        let (work, results) = (&work, &results);
+        Box::new(move |chunk| results.set(chunk, work(&mut own, nth(n, at_a_time, chunk))))
+    };
+    each_chunk_by_workers(n_chunks, n <= SERIAL, progress, &worker)?;
+    Ok(results.into_results())
 }
 
 /// Calls `work(first row, rows)` for each chunk of the rows of `values`, with `width` values per row.
@@ -118,26 +161,13 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     progress: Progress<'_>,
     work: impl Fn(usize, &mut [T]) -> R + Sync + Send,
 ) -> Result<Vec<R>, Cancelled> {
-    let work: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &work;
     let is_small = values.len() <= SERIAL * width;
-    ask_rows(values, (at_a_time * width).max(1), is_small, &|chunk, rows| {
-        progress.check().map(|()| work(chunk * at_a_time, rows))
-    })
-}
-
-/// Result of a chunk of rows, by its number, or cancellation.
-type AskedOfRows<'a, T, R> = dyn Fn(usize, &mut [T]) -> Result<R, Cancelled> + Sync + 'a;
-
-fn ask_rows<T: Send, R: Send>(
-    values: &mut [T],
-    len: usize,
-    is_small: bool,
-    asked: &AskedOfRows<'_, T, R>,
-) -> Result<Vec<R>, Cancelled> {
-    if is_small {
-        return values.chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect();
-    }
-    values.par_chunks_mut(len).enumerate().map(|(chunk, rows)| asked(chunk, rows)).collect()
+    let parts: Vec<Mutex<&mut [T]>> = values.chunks_mut((at_a_time * width).max(1)).map(Mutex::new).collect();
+    let results = Slots::new(parts.len());
+    each_chunk(parts.len(), is_small, progress, &|chunk| {
+        results.set(chunk, work(chunk * at_a_time, &mut own(&parts[chunk])));
+    })?;
+    Ok(results.into_results())
 }
 
 /// Values at `0..n`, computed by chunks of rows.
@@ -160,11 +190,10 @@ pub(crate) fn map_items<R: Send>(
     n_items: usize,
     work: impl Fn(usize) -> R + Sync + Send,
 ) -> Vec<R> {
-    let work: &(dyn Fn(usize) -> R + Sync) = &work;
-    if n_rows <= SERIAL {
-        return (0..n_items).map(work).collect();
-    }
-    (0..n_items).into_par_iter().map(work).collect()
+    let results = Slots::new(n_items);
+    let done = each_chunk(n_items, n_rows <= SERIAL, Progress::none(), &|item| results.set(item, work(item)));
+    expect_not_cancelled(done);
+    results.into_results()
 }
 
 /// Values at `0..n`, computed by chunks of rows; stops if the call is cancelled.
@@ -192,6 +221,23 @@ pub(crate) fn try_sum(
     Ok(try_map_chunks(n, TERMS_AT_A_TIME, progress, || (), chunk)?.into_iter().sum())
 }
 
+/// Results of `work(item)` for each of some items, which are parts of `n_rows` rows, in order; stops if the call is
+/// cancelled.
+pub(crate) fn try_map_owned<T: Send, R: Send>(
+    items: Vec<T>,
+    n_rows: usize,
+    progress: Progress<'_>,
+    work: impl Fn(T) -> R + Sync + Send,
+) -> Result<Vec<R>, Cancelled> {
+    let items: Vec<Mutex<Option<T>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
+    let results = Slots::new(items.len());
+    each_chunk(items.len(), n_rows <= SERIAL, progress, &|i| {
+        let item = own(&items[i]).take().expect("each item is taken once");
+        results.set(i, work(item));
+    })?;
+    Ok(results.into_results())
+}
+
 /// Calls `work(item)` for each of some items, which are parts of `n_rows` rows.
 pub(crate) fn try_each<T: Send>(
     items: Vec<T>,
@@ -199,12 +245,7 @@ pub(crate) fn try_each<T: Send>(
     progress: Progress<'_>,
     work: impl Fn(T) -> Result<(), Cancelled> + Sync + Send,
 ) -> Result<(), Cancelled> {
-    let work: &(dyn Fn(T) -> Result<(), Cancelled> + Sync) = &work;
-    let asked = |item| progress.check().and_then(|()| work(item));
-    if n_rows <= SERIAL {
-        return items.into_iter().try_for_each(asked);
-    }
-    items.into_par_iter().with_max_len(1).try_for_each(asked)
+    try_map_owned(items, n_rows, progress, work)?.into_iter().collect()
 }
 
 /// Result of a call with [`Progress::none`], which nothing can cancel.

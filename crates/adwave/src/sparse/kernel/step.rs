@@ -96,8 +96,9 @@ impl<I> RowEntries<'_, I> {
 }
 
 /// Copies the weights of the rows of `runs` to `to`, in the order of the runs. In the operator they are in vertex
-/// order, and those of the rings are scattered over memory, which no prefetcher follows.
-#[inline(always)]
+/// order, and those of the rings are scattered over memory, which no prefetcher follows. The copies gain nothing from
+/// wider instructions, so this is compiled for the base instructions alone.
+#[inline(never)]
 pub(super) fn gather<const CHECKED: bool>(
     mut rows: impl TileRows,
     runs: &[DegreeRun],
@@ -146,6 +147,12 @@ pub(super) fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: boo
         let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
         let these;
         (these, entries) = entries.split_at(n_rows * degree);
+        if !FMA {
+            // Old processors: the same bits in a fraction of the code.
+            any::<I, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale);
+            rows = rows.after(n_rows);
+            continue;
+        }
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match degree {
