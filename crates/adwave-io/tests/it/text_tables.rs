@@ -23,7 +23,13 @@ fn names_decide_which_columns_are_coordinates() {
     let file = read("id,lon,lat,elev\n1,8.5,50.5,300\n2,8.75,50.25,301\n", "a.csv");
     assert_eq!(file.points(), [[8.5, 50.5, 300.0], [8.75, 50.25, 301.0]]);
     assert_eq!(file.field("id").unwrap().to_f64(), [1.0, 2.0]);
-    assert_eq!(file.notes(), ["the columns `lon`, `lat` and `elev` are x, y and z"]);
+    let notes = file.notes();
+    assert_eq!(notes[0], "the columns `lon`, `lat` and `elev` are x, y and z");
+    assert!(notes[1].contains("degrees (by the names of the columns)"), "{notes:?}");
+    assert!(file.coordinate_system().unwrap().is_geographic());
+    // Meters, whatever the names say.
+    let file = read("long,lat,z\n500000,5400000,300\n500001,5400000,301\n", "a.csv");
+    assert!(file.coordinate_system().is_none());
     for (head, row) in [
         ("Northing,Easting,H", "50,8,3"),
         ("intensity,Y [m],X [m],Z [m]", "9,50,8,3"),

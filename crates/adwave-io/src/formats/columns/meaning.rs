@@ -17,7 +17,13 @@ pub(crate) struct ColumnMeanings {
     pub(crate) axes: [usize; 3],
     /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without names.
     pub(crate) note: Option<String>,
+    /// True if the columns of x and y are named longitude and latitude; the values have the last word.
+    pub(crate) are_named_degrees: bool,
 }
+
+/// Names of longitudes and latitudes.
+const DEGREE_NAMES: [&[&str]; 2] =
+    [&["lon", "long", "lng", "longitude", "laenge", "länge"], &["lat", "latitude", "breite"]];
 
 /// Names of the three coordinates that belong together, in the order in which they are looked for.
 const AXIS_NAMES: [[&[&str]; 2]; 3] = [
@@ -29,7 +35,7 @@ const AXIS_NAMES: [[&[&str]; 2]; 3] = [
         &["easting", "east", "e", "utmx", "utme", "xutm", "rechtswert", "ost"],
         &["northing", "north", "n", "utmy", "utmn", "yutm", "hochwert", "nord"],
     ],
-    [&["lon", "long", "lng", "longitude", "laenge", "länge"], &["lat", "latitude", "breite"]],
+    DEGREE_NAMES,
 ];
 
 /// Names of the third coordinate.
@@ -159,13 +165,15 @@ pub(crate) fn name_columns(
         };
         let axes = find_axes(&named, &has_words).map_err(ReadError::Whole)?;
         let note = describe(&named, axes, words);
+        let are_named_degrees =
+            (0..2).all(|k| DEGREE_NAMES[k].contains(&comparable(&named[axes[k]]).as_str()));
         if let Some(first) = named.iter_mut().find(|name| name.is_empty()) {
             "index".clone_into(first);
         }
         for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
             named[at] = axis.into();
         }
-        return Ok(ColumnMeanings { names: named, axes, note });
+        return Ok(ColumnMeanings { names: named, axes, note, are_named_degrees });
     }
     let mut named: Vec<String> = ["x", "y", "z"].map(String::from).to_vec();
     let at = |row: usize, column: usize| values[row * n_columns + column];
@@ -190,7 +198,7 @@ pub(crate) fn name_columns(
         }
     }
     named.truncate(n_columns);
-    Ok(ColumnMeanings { names: named, axes: [0, 1, 2], note: None })
+    Ok(ColumnMeanings { names: named, axes: [0, 1, 2], note: None, are_named_degrees: false })
 }
 
 /// Deviation from a unit vector that a few digits of text allow.

@@ -13,7 +13,10 @@ use crate::model::grouping::group;
 use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::{BYTES_PER_STEP, all, collect};
 use crate::text::{line_end, parse_f64, parse_u64, show};
-use crate::{Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
+use crate::{
+    CoordinateSystem, CoordinateSystemKind, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile,
+};
+use std::sync::Arc;
 
 /// Numbers of a file before their meaning is known.
 struct NumberTable {
@@ -78,6 +81,13 @@ pub(crate) fn read_columns(
     shape.vertex_fields = group(others.collect::<Result<_, Cancelled>>()?, progress)?.0;
     shape.vertex_fields.extend(normals);
     shape.notes.extend(meanings.note);
+    if meanings.are_named_degrees && has_degrees(shape.points(), progress)? {
+        shape.coordinate_system = Some(Arc::new(CoordinateSystem {
+            name: "by the names of the columns".to_owned(),
+            kind: CoordinateSystemKind::Geographic,
+            unit: None,
+        }));
+    }
     if words.iter().any(Option::is_some) {
         shape.extras.push("columns of text".into());
     }
@@ -98,6 +108,19 @@ pub(crate) fn read_columns(
         bytes,
     }));
     Ok(shape)
+}
+
+/// True if x is within ±360 and y within ±90, as longitudes and latitudes are. Rows without a position do not count.
+fn has_degrees(points: &[[f64; 3]], progress: Progress<'_>) -> Result<bool, Cancelled> {
+    all(points.len(), progress, |i| {
+        let [x, y, _] = points[i].map(f64::abs);
+        (x <= 360.0 && y <= 90.0) || is_placeholder(points[i])
+    })
+}
+
+/// True for records without a position: not a number, or one of the numbers that programs write for "no data".
+fn is_placeholder(point: [f64; 3]) -> bool {
+    point.iter().any(|c| c.is_nan() || *c <= -9999.0)
 }
 
 /// Error for a word where a coordinate belongs.
