@@ -96,13 +96,31 @@ pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global:
 /// Warns that points of a cloud have neighbors on two surfaces, which an edit of the positions joins.
 pub(crate) fn note_close_sheets(sheets: Option<CloseSheets>, global: &Global<'_>) {
     let Some(sheets) = sheets else { return };
-    let text = format!(
-        "{:.0} % of the points lie between two surfaces about {} apart, which is closer than their neighbors, and these \
-         surfaces are joined; normals that point outwards (nx, ny, nz) keep them apart",
+    let text =
+        format!("{}, and these surfaces are joined; {KEEP_SHEETS_APART}", describe_close_sheets(sheets));
+    note(global, &text);
+}
+
+/// Warns that points of a cloud have neighbors on two surfaces, and tells how far apart these are after an edit.
+pub(crate) fn note_moved_sheets(before: CloseSheets, after: Option<CloseSheets>, global: &Global<'_>) {
+    let outcome = match after {
+        Some(after) => {
+            format!("afterwards {:.0} % do, about {}", 100.0 * after.share, number(after.distance))
+        }
+        None => "afterwards none do: the surfaces were joined".to_owned(),
+    };
+    note(global, &format!("{}; {outcome}; {KEEP_SHEETS_APART}", describe_close_sheets(before)));
+}
+
+/// Advice for clouds with surfaces closer than their points.
+const KEEP_SHEETS_APART: &str = "normals that point outwards (nx, ny, nz) keep them apart";
+
+fn describe_close_sheets(sheets: CloseSheets) -> String {
+    format!(
+        "{:.0} % of the points lie between two surfaces about {} apart, which is closer than their neighbors",
         100.0 * sheets.share,
         number(sheets.distance)
-    );
-    note(global, &text);
+    )
 }
 
 /// A signal split into channels that are NaN at the same vertices, with a decomposer that masks these, so that a gap in one channel

@@ -13,6 +13,7 @@ mod labels;
 mod levels;
 mod missing_values;
 mod moved_shapes;
+mod plates;
 mod provenance;
 mod real_shapes;
 mod region;

@@ -77,20 +77,28 @@ pub fn close_sheets(
     Ok(Some(CloseSheets { share, distance }))
 }
 
-/// [`close_sheets`] of a cloud whose given normals do not separate its sheets; `None` for any other shape.
+/// [`close_sheets`] of a cloud whose given normals do not separate its sheets; `None` for any other shape. The neighbors are
+/// those of the cloud; `moved` are the positions of its vertices after an edit, n × 3 in the order of the shape, if they are
+/// to be used instead of its own.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
+///
+/// # Panics
+/// If there are not as many moved positions as vertices.
 pub fn find_close_sheets(
     geometry: &PreparedGeometry,
+    moved: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<Option<CloseSheets>, Cancelled> {
     if !matches!(geometry.shape(), Shape::Cloud(_)) || geometry.has_separate_sheets() {
         return Ok(None);
     }
-    let points = geometry.points();
-    let near = geometry.nearest(points, STRAY_NEIGHBORS, progress)?;
-    let found = close_sheets(points, &near.adjacency, progress)?;
+    let near = geometry.nearest(geometry.points(), STRAY_NEIGHBORS, progress)?;
+    let found = match moved {
+        None => close_sheets(geometry.points(), &near.adjacency, progress)?,
+        Some(moved) => close_sheets(&geometry.vertex_map().positions(moved), &near.adjacency, progress)?,
+    };
     geometry.keep_nearest(near);
     Ok(found)
 }

@@ -11,7 +11,7 @@ use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
 use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::operator::{
-    SignalParts, check_operator, note_close_sheets, note_outsiders, operator_for_task, prepare,
+    SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
 };
 use crate::resolve::region::{note_far_points, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
@@ -54,6 +54,12 @@ fn denoise_positions(
     if args.fit.local_fit.is_some() {
         return Err(CliError::Input("--local-fit is for a field (--signal); leave it out".to_owned()));
     }
+    if args.outliers != Outliers::Keep && !matches!(input.shape, Shape::Cloud(_)) {
+        return Err(CliError::Input(format!(
+            "--outliers applies to clouds, and {} has faces or edges; leave it out",
+            input.name
+        )));
+    }
     if matches!(input.shape, Shape::Graph(_)) {
         global.given.refuse(&["--creases"], "applies to meshes and clouds; corners of a curve stay sharp")?;
     }
@@ -70,18 +76,16 @@ fn denoise_positions(
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
     note_outsiders(&geometry, &input, global);
-    let sheets = find_close_sheets(&geometry, global.progress()).map_err(|_| CliError::Cancelled)?;
-    note_close_sheets(sheets, global);
+    let sheets = find_close_sheets(&geometry, None, global.progress()).map_err(|_| CliError::Cancelled)?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))
             .map_err(|e| CliError::classify(&e))?;
-    if args.outliers != Outliers::Keep && !matches!(input.shape, Shape::Cloud(_)) {
-        return Err(CliError::Input(format!(
-            "--outliers applies to clouds, and {} has faces or edges; leave it out",
-            input.name
-        )));
-    }
     let moved = limit_positions(&input, denoised.points, args, global)?;
+    if let Some(before) = sheets {
+        let after =
+            find_close_sheets(&geometry, Some(&moved), global.progress()).map_err(|_| CliError::Cancelled)?;
+        note_moved_sheets(before, after, global);
+    }
     let movement = Movement::measure(&geometry, &moved)?.in_file_rows(&input.file);
     let n_vertices = input.shape.n_vertices();
     if args.outliers == Outliers::Drop && !denoised.outliers.is_empty() {
