@@ -136,10 +136,19 @@ fn edited_values(
     }
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
     let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
-        let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
-        let request = request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress);
-        let mut editor = request.editor()?;
-        editor.set_edit(&Edit::new(layers).with_fields(&lookup, &names))?;
+        let edit = Edit::new(layers).with_fields(&lookup, &names);
+        let request = |values, n_channels, progress| {
+            let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
+            request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress)
+        };
+        if n_channels >= MANY_CHANNELS {
+            let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
+            return edited_in_groups(values, n_channels, progress, |values, n_channels, progress| {
+                Ok(request(values, n_channels, progress).filter_layers(&layers)?)
+            });
+        }
+        let mut editor = request(values, n_channels, progress).editor()?;
+        editor.set_edit(&edit)?;
         Ok(editor.into_edited())
     };
     match axis {
@@ -150,6 +159,35 @@ fn edited_values(
         }
         None => edited(values, n_channels),
     }
+}
+
+/// Number of channels from which a signal is filtered in groups without an editor, whose bands would take several times
+/// the memory of the signal.
+const MANY_CHANNELS: usize = 16;
+
+/// Largest number of channels of a group.
+const CHANNELS_TOGETHER: usize = 32;
+
+/// Result of `edit(values, n_channels, progress)` for groups of channels of nearly equal size.
+fn edited_in_groups(
+    values: &[f64],
+    n_channels: usize,
+    progress: Progress<'_>,
+    edit: impl Fn(&[f64], usize, Progress<'_>) -> Result<Vec<f64>, CliError>,
+) -> Result<Vec<f64>, CliError> {
+    let most = n_channels.div_ceil(n_channels.div_ceil(CHANNELS_TOGETHER));
+    let mut edited = vec![0.0; values.len()];
+    for at in (0..n_channels).step_by(most) {
+        progress.step(at as u64, n_channels as u64)?;
+        let width = most.min(n_channels - at);
+        let group: Vec<f64> =
+            values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
+        let group = edit(&group, width, progress.quiet())?;
+        for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
+            row[at..at + width].copy_from_slice(group);
+        }
+    }
+    Ok(edited)
 }
 
 /// New positions under the constraints on directions, borders and volume.
@@ -171,7 +209,15 @@ impl SignalChange {
         let known = || before.iter().zip(after).filter(|(a, b)| !(a.is_nan() || b.is_nan()));
         let max = known().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let n_changed = known().filter(|(a, b)| a != b).count();
-        let (before, after): (Vec<f64>, Vec<f64>) = known().unzip();
-        Self { rms: if before.is_empty() { 0.0 } else { rms(&before, &after, 1) }, max, n_changed }
+        let n_known = known().count();
+        let rms = match n_known {
+            0 => 0.0,
+            n if n == before.len() => rms(before, after, 1),
+            _ => {
+                let (before, after): (Vec<f64>, Vec<f64>) = known().unzip();
+                rms(&before, &after, 1)
+            }
+        };
+        Self { rms, max, n_changed }
     }
 }
