@@ -6,10 +6,11 @@ use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
 use crate::sparse::{
-    Continuation, MAX_CHANNELS, Recurrence, RowOutput, Sum, TiledDiffusion, Weighing, copied,
+    BlockRecurrence, Continuation, MAX_CHANNELS, RowOutput, SignalView, Sum, TiledDiffusion, Weighing,
+    WideOperator, WideRecurrence, channel_blocks, copied, is_wide,
 };
 use crate::{Cancelled, Progress};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Cost and accuracy of an evaluation.
 #[derive(Clone, Debug, Default)]
@@ -35,13 +36,6 @@ impl EvaluationInfo {
         self.terms += other.terms;
         self.error_bound = self.error_bound.max(other.error_bound);
     }
-}
-
-/// Values of a signal, n_vertices × n_channels.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SignalView<'a> {
-    pub(crate) values: &'a [f64],
-    pub(crate) n_channels: usize,
 }
 
 /// Polynomials of Φ₁ that one evaluation computes together.
@@ -112,7 +106,9 @@ const ROUNDING: f64 = 1e-15;
 /// used by several threads at a time.
 #[derive(Debug)]
 pub(crate) struct ChebyshevEvaluator {
-    pub(crate) operator: TiledDiffusion,
+    diffusion: Arc<Diffusion>,
+    /// The operator in tiles, cut by the first call with few channels.
+    tiled: OnceLock<TiledDiffusion>,
     /// Weights μ of the norm that bounds errors, if it is not π.
     weights: Option<Vec<f64>>,
     pub(crate) growth: Growth,
@@ -165,33 +161,58 @@ fn norm_weights(
 }
 
 impl ChebyshevEvaluator {
-    /// Prepares `diffusion`. O(entries).
+    /// Prepares `diffusion`; the first call with few channels does the rest. O(entries).
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
     pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
         let (weights, growth) = norm_weights(&diffusion, progress)?;
-        Ok(Self { operator: TiledDiffusion::new(diffusion, progress)?, weights, growth })
+        Ok(Self { diffusion, tiled: OnceLock::new(), weights, growth })
+    }
+
+    /// The operator in tiles. O(entries) for the first call.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    pub(crate) fn tiled(&self, progress: Progress<'_>) -> Result<&TiledDiffusion, Cancelled> {
+        if let Some(tiled) = self.tiled.get() {
+            return Ok(tiled);
+        }
+        // If two threads arrive here at once, one of them works in vain.
+        let tiled = TiledDiffusion::new(Arc::clone(&self.diffusion), progress)?;
+        Ok(self.tiled.get_or_init(|| tiled))
     }
 
     /// Weights μ of the norm.
     fn weights(&self) -> &[f64] {
-        self.weights.as_deref().unwrap_or(self.operator.diffusion().stationary())
+        self.weights.as_deref().unwrap_or(self.diffusion.stationary())
     }
 
-    /// Bytes that an evaluation needs for a signal of `n_channels` channels beyond the signal and its results: the
-    /// prepared data, including the diffusion operator, and the vectors of the recurrence.
+    /// Bytes that an evaluation of some series needs for a signal of `n_channels` channels beyond the signal and its
+    /// results: the prepared data, including the diffusion operator, and the vectors of the recurrence.
     pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
         let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
-        let vectors = self.operator.vector_bytes(n_channels.min(MAX_CHANNELS));
-        self.operator.diffusion().bytes() + self.operator.bytes() + weights + vectors
+        let tiles = self.tiled.get().map_or(0, TiledDiffusion::bytes);
+        let vectors = match self.tiled.get() {
+            _ if is_wide(n_channels) => {
+                WideRecurrence::bytes(self.diffusion.n_vertices(), n_channels, usize::MAX)
+            }
+            Some(tiled) => tiled.vector_bytes(n_channels.min(MAX_CHANNELS)),
+            None => TiledDiffusion::forecast_bytes(&self.diffusion, n_channels.min(MAX_CHANNELS)),
+        };
+        self.diffusion.bytes() + tiles + weights + vectors
     }
 
     /// Upper bound of [`working_bytes`](Self::working_bytes), without the diffusion operator, before it is
     /// prepared.
     pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         let weights = size_of_val(diffusion.stationary()) as u64;
-        weights + TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
+        let vectors = if is_wide(n_channels) {
+            WideRecurrence::bytes(diffusion.n_vertices(), n_channels, usize::MAX)
+        } else {
+            TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
+        };
+        weights + vectors
     }
 
     /// Computes `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, each n_vertices × n_channels, with a relative error
@@ -212,17 +233,16 @@ impl ChebyshevEvaluator {
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, Cancelled> {
-        let SignalView { values: signal, n_channels } = signal;
         let Polynomials { series, guard, passes, output: kept } = polynomials;
-        let (operator, weights) = (&self.operator, self.weights());
+        let operator = WideOperator { diffusion: &self.diffusion, weights: self.weights() };
         let mut outcome = EvaluationInfo::default();
         let mut worst = vec![WorstError::default(); series.len()];
-        let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.len() });
+        let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.values.len() });
         let guard_degree = guard.len().saturating_sub(1);
-        for (block, at) in (0..n_channels).step_by(MAX_CHANNELS).enumerate() {
-            let width = MAX_CHANNELS.min(n_channels - at);
-            let recurrence =
-                Recurrence::new(operator, weights, signal, n_channels, at..at + width, progress)?;
+        let n_sums = series.len() + usize::from(!guard.is_empty());
+        for (block, channels) in channel_blocks(signal.n_channels).enumerate() {
+            let tiled = || self.tiled(progress);
+            let recurrence = BlockRecurrence::new(operator, tiled, signal, channels, n_sums, progress)?;
             let mut recurrence = recurrence.with_kept(kept);
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<SeriesCut> = series.iter().map(SeriesCut::new).collect();
@@ -237,7 +257,7 @@ impl ChebyshevEvaluator {
                 // Passes have equal length, because a short last pass would cost as much memory traffic as a long
                 // one.
                 let n_steps =
-                    left.div_ceil(left.div_ceil(operator.steps_per_pass()).max(1)).min(last - k.min(last));
+                    left.div_ceil(left.div_ceil(recurrence.steps_per_pass()).max(1)).min(last - k.min(last));
                 let mut sums: Vec<Sum<'_>> = cuts
                     .iter()
                     .zip(&mut *outs)
@@ -395,11 +415,73 @@ mod tests {
             let fused =
                 ChebyshevEvaluator::new(Arc::clone(&diffusion), Progress::none()).expect("nobody stops it");
             let mut plain = ChebyshevEvaluator::new(diffusion, Progress::none()).expect("nobody stops it");
-            plain.operator = plain.operator.with_tiles(n as usize, 1);
+            let tiles = plain.tiled(Progress::none()).expect("nobody stops it").with_tiles(n as usize, 1);
+            plain.tiled = OnceLock::from(tiles);
             let found = evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it");
             assert!(found == evaluate(&plain, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
             // Again, with vectors that an earlier call returned to the pool.
             assert!(found == evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
+        }
+    }
+
+    #[test]
+    fn wide_blocks_agree_with_narrow_ones_on_any_number_of_threads() {
+        /// Rounding of up to 128 steps of values up to 101.
+        const ROUNDING: f64 = 1e-10;
+        let lazy = ring(3000, 9);
+        let rows = lazy.to_rows(Progress::none()).expect("nobody stops it");
+        let from_rows = |share: f64| {
+            let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+            for x in 0..3000_usize {
+                let (row, weights) = rows.row(x);
+                columns.extend_from_slice(row);
+                let held =
+                    |(&y, w): (&u32, &f64)| share * w + if y as usize == x { 1.0 - share } else { 0.0 };
+                values.extend(row.iter().zip(weights).map(held));
+                offsets.push(columns.len());
+            }
+            Arc::new(Diffusion::from_rows(&offsets, &columns, &values).expect("a walk"))
+        };
+        for diffusion in [Arc::clone(&lazy), from_rows(0.75)] {
+            let prepared = ChebyshevEvaluator::new(diffusion, Progress::none()).expect("nobody stops it");
+            for d in [16, 20, 33, 70] {
+                let signal: Vec<f64> = (0..3000 * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
+                let wide = evaluate(&prepared, &signal, d, Progress::none()).expect("nobody stops it");
+                for channel in [0, 1, d / 2, d - 1] {
+                    let alone: Vec<f64> = signal.iter().skip(channel).step_by(d).copied().collect();
+                    let narrow = evaluate(&prepared, &alone, 1, Progress::none()).expect("nobody stops it");
+                    for (wide, narrow) in wide.iter().zip(&narrow) {
+                        let of_wide = wide.iter().skip(channel).step_by(d);
+                        let worst =
+                            of_wide.zip(narrow).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
+                        assert!(worst < ROUNDING, "{d} channels: {worst}");
+                    }
+                }
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
+                let again = pool.install(|| evaluate(&prepared, &signal, d, Progress::none()));
+                assert!(wide == again.expect("nobody stops it"), "{d} channels by three threads");
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_wide_sum_takes_one_step_at_a_time_with_the_same_result() {
+        const ROUNDING: f64 = 1e-10;
+        let prepared = ChebyshevEvaluator::new(ring(2000, 5), Progress::none()).expect("nobody stops it");
+        let signal: Vec<f64> = (0..2000 * 24).map(|i| ((i * 17 + i / 5) % 89) as f64).collect();
+        let all = evaluate(&prepared, &signal, 24, Progress::none()).expect("nobody stops it");
+        for (level, (a, b)) in [(0, 1), (8, 16), (64, 128)].into_iter().enumerate() {
+            let series = [Series::band(a, b, Growth::Bounded)];
+            let mut band = vec![0.0; signal.len()];
+            let passes = &mut PassPlan::default();
+            let polynomials =
+                Polynomials { series: &series, guard: &[], passes, output: RowOutput::Channels };
+            let view = SignalView { values: &signal, n_channels: 24 };
+            prepared
+                .evaluate(view, polynomials, 0.0, &mut [&mut band], Progress::none())
+                .expect("nobody stops it");
+            let worst = band.iter().zip(&all[level]).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
+            assert!(worst < ROUNDING, "band {level}: {worst}");
         }
     }
 

@@ -1,13 +1,13 @@
 //! Polynomials of Φ₁ whose degree does not depend on the signal, so that part of a shape has the same bands as the
 //! whole.
 
-use super::chebyshev::{PassPlan, Polynomials, SignalView};
+use super::chebyshev::{PassPlan, Polynomials};
 use super::error::{check_buffer, check_signal};
 use super::series::{Growth, Series, TruncationBound};
 use super::transform::whole_steps_from_zero;
 use super::{BandsError, BandsParams, Schedule, Transform};
 use crate::Progress;
-use crate::sparse::RowOutput;
+use crate::sparse::{RowOutput, SignalView};
 
 /// A band, or a weighted sum of bands, as a polynomial of Φ₁ whose degree depends on the levels and the accuracy
 /// only.

@@ -1,13 +1,13 @@
 //! Norms or normal components of the wavelet coefficients, without storing all channels of all levels.
 
-use super::chebyshev::{EvaluationInfo, PassPlan, Polynomials, SignalView};
+use super::chebyshev::{EvaluationInfo, PassPlan, Polynomials};
 use super::error::check_signal;
 use super::real_series::LADDER;
 use super::series::Series;
 use super::wavelets::RowMeasure;
 use super::{BandsError, Engine, Schedule, Transform, Wavelets};
 use crate::pages::zeros;
-use crate::sparse::RowOutput;
+use crate::sparse::{RowOutput, SignalView};
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 

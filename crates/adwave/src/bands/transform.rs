@@ -1,13 +1,13 @@
 //! The diffusion operator prepared for the bands of many signals.
 
-use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials, SignalView};
+use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials};
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
-use crate::sparse::{RowOutput, apply, difference};
+use crate::sparse::{RowOutput, SignalView, apply, difference};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
@@ -62,7 +62,7 @@ impl Transform {
     /// [`Cancelled`] if the call is cancelled.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<(), Cancelled> {
         if self.engine == Engine::Chebyshev {
-            self.evaluator(progress)?;
+            self.evaluator(progress)?.tiled(progress)?;
         }
         Ok(())
     }

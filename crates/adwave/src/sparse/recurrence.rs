@@ -8,9 +8,8 @@ use super::kernel::{self, PassInput, PassTerm, TilePass};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 use super::tiles::{Index, TileList, TileView, Tiles};
 use crate::operator::Semigroup;
-use crate::parallel::SERIAL;
+use crate::parallel;
 use crate::{Cancelled, Progress};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// A sum `Σ_k a_k T_k(Y)u` that is being accumulated.
@@ -150,6 +149,10 @@ impl<'a> Recurrence<'a> {
         self
     }
 
+    pub(crate) fn steps_per_pass(&self) -> usize {
+        self.operator.steps_per_pass()
+    }
+
     pub(crate) fn k(&self) -> usize {
         self.k
     }
@@ -247,7 +250,7 @@ impl<'a> Recurrence<'a> {
             (&terms, &self.operator.pool, self.operator.target, self.weights);
         let normals = self.normals;
         let jobs: Vec<_> = tiles.iter().zip(outs).zip(outputs).collect();
-        let squares = map_tiles(jobs, len / width, progress, |((tile, mut outs), output)| {
+        let squares = parallel::try_map_owned(jobs, len / width, progress, |((tile, mut outs), output)| {
             let whole = PassInput::Whole { before: whole_before, now: whole_now };
             let (input, next_before, next_now): (_, &mut [f64], &mut [f64]) = match output {
                 TileOutput::Nothing => (whole, &mut [], &mut []),
@@ -306,7 +309,7 @@ impl<'a> Recurrence<'a> {
             rest = others;
         }
         let (now, before, is_first) = (&self.now[..len], &self.before[..len], self.k == 0);
-        map_tiles(jobs, len / width, progress, |(tile, around)| {
+        parallel::try_map_owned(jobs, len / width, progress, |(tile, around)| {
             let n = |rings| (tile.n_within(rings) - tile.n_own()) * width;
             let (around_now, around_before) = around.split_at_mut(tile.halo().len() * width);
             kernel::copy_halo(tile, width, now, &mut around_now[..n(n_steps)]);
@@ -321,21 +324,6 @@ impl<'a> Recurrence<'a> {
 /// Number of values of `T_k` and `T_{k−1}` around a tile.
 fn n_around<I: Index>(tile: TileView<'_, I>, width: usize) -> usize {
     tile.n_around() * width
-}
-
-/// Results of `work(job)` for each tile's job, in order, for an operator of `n` vertices.
-fn map_tiles<T: Send, R: Send>(
-    jobs: Vec<T>,
-    n: usize,
-    progress: Progress<'_>,
-    work: impl Fn(T) -> R + Sync + Send,
-) -> Result<Vec<R>, Cancelled> {
-    let asked = |job| progress.check().map(|()| work(job));
-    if n <= SERIAL {
-        jobs.into_iter().map(asked).collect()
-    } else {
-        jobs.into_par_iter().map(asked).collect()
-    }
 }
 
 impl Drop for Recurrence<'_> {

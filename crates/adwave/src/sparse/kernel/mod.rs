@@ -12,8 +12,10 @@ mod rows;
 mod step;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub(crate) use rows::{RowProduct, apply_rows};
+pub(crate) use wide::{MAX_LANES, WideProduct, WideRows, WideTerms, combine_wide, multiply_wide};
 
 use super::tiles::{DegreeRun, Index, TileView};
 use combine::{combine_all, combine_along};
@@ -309,56 +311,57 @@ pub(super) fn run<I: Index>(
     pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
+    match width {
+        1 => run_width::<I, 1, 1>(target, tile, pass, scratch),
+        2 => run_width::<I, 2, 2>(target, tile, pass, scratch),
+        3 => run_width::<I, 4, 3>(target, tile, pass, scratch),
+        4 => run_width::<I, 4, 4>(target, tile, pass, scratch),
+        _ => unreachable!("a block has 1 to 4 channels, not {width}"),
+    }
+}
+
+/// [`run`] for `D` channels in `L` lanes.
+///
+/// Each width and instruction set is a function of its own: as one function for all of them they take far longer to
+/// compile.
+fn run_width<I: Index, const L: usize, const D: usize>(
+    target: InstructionSet,
+    tile: TileView<'_, I>,
+    pass: TilePass<'_, '_>,
+    scratch: &mut [f64],
+) -> Vec<f64> {
     match target {
-        InstructionSet::Portable => dispatch_width::<I, FUSED, false>(tile, width, pass, scratch),
+        InstructionSet::Portable => steps::<I, L, D, FUSED, false>(tile, pass, scratch),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
-        InstructionSet::Avx2 => unsafe { avx2(tile, width, pass, scratch) },
+        InstructionSet::Avx2 => unsafe { avx2::<I, L, D>(tile, pass, scratch) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
-        InstructionSet::Avx512 => unsafe { avx512(tile, width, pass, scratch) },
+        InstructionSet::Avx512 => unsafe { avx512::<I, L, D>(tile, pass, scratch) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<I: Index>(
+fn avx2<I: Index, const L: usize, const D: usize>(
     tile: TileView<'_, I>,
-    width: usize,
     pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
-    dispatch_width::<I, true, false>(tile, width, pass, scratch)
+    steps::<I, L, D, true, false>(tile, pass, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<I: Index>(
+fn avx512<I: Index, const L: usize, const D: usize>(
     tile: TileView<'_, I>,
-    width: usize,
     pass: TilePass<'_, '_>,
     scratch: &mut [f64],
 ) -> Vec<f64> {
-    dispatch_width::<I, true, false>(tile, width, pass, scratch)
+    steps::<I, L, D, true, false>(tile, pass, scratch)
 }
 
 /// Number of lanes of a scratch row for `width` channels.
 pub(super) fn lanes(width: usize) -> usize {
     width.next_power_of_two()
-}
-
-#[inline(always)]
-fn dispatch_width<I: Index, const FMA: bool, const CHECKED: bool>(
-    tile: TileView<'_, I>,
-    width: usize,
-    pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
-) -> Vec<f64> {
-    match width {
-        1 => steps::<I, 1, 1, FMA, CHECKED>(tile, pass, scratch),
-        2 => steps::<I, 2, 2, FMA, CHECKED>(tile, pass, scratch),
-        3 => steps::<I, 4, 3, FMA, CHECKED>(tile, pass, scratch),
-        4 => steps::<I, 4, 4, FMA, CHECKED>(tile, pass, scratch),
-        _ => unreachable!("a block has 1 to 4 channels, not {width}"),
-    }
 }
