@@ -26,7 +26,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
     "_decomposer": ("Bands", "Decomposer", "Layer"),
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
-    "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels"),
+    "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"),
     "_measures": (
         "FeatureOptions",
         "Features",

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from adwave import _native
+from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import Length, OperatorLike, as_operator
+from adwave._part import Part, ask_about_faces, read_part
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Shape, as_shape
+from adwave._shape import Shape
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions
 
 _PAIR = np.dtype(
     [
@@ -25,13 +31,16 @@ _PAIR = np.dtype(
 )
 
 
+_SIMPLIFY = ("error", "vertices", "ratio", "keep_border", "progress")
+
+
 class SimplifyResult(NamedTuple):
     """A shape with fewer vertices, and its distance from the original.
 
     Attributes
     ----------
-    shape : Shape
-        With the fields, texture coordinates and materials of the remaining vertices and faces.
+    shape : object like the shape
+        A `Shape` for a `Shape` or a path, a trimesh for a trimesh, and so on, with the fields, texture coordinates and materials of the remaining vertices and faces.
     vertices : (m,) array of int
         Index in the original of each remaining vertex.
     greatest : float
@@ -47,7 +56,7 @@ class SimplifyResult(NamedTuple):
     True
     """
 
-    shape: Shape
+    shape: Any
     vertices: NDArray[np.uint32]
     greatest: float
     rms: float
@@ -71,6 +80,7 @@ def simplify(
     ratio: float | None = None,
     keep_border: bool = False,
     progress: ProgressLike = None,
+    **options: Unpack[PartOptions],
 ) -> SimplifyResult:
     """Remove vertices, and measure the distance of the result from the shape.
 
@@ -92,6 +102,8 @@ def simplify(
         Leave the borders of an open mesh unchanged.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+    **options
+        ``faces=``, and ``mask=`` or ``only=``: the other vertices are left out.
 
     Returns
     -------
@@ -109,16 +121,32 @@ def simplify(
     >>> found.shape.n_vertices < 3000 and found.greatest < 0.02
     True
     """
+    if ratio is not None and not 0 < ratio <= 1:
+        raise ValueError(f"ratio is the share of the vertices that remain, above 0 and at most 1, got {ratio}")
     given = [name for name, value in (("error", error), ("vertices", vertices), ("ratio", ratio)) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one of error, vertices and ratio, got {' and '.join(given) or 'none'}")
-    own = as_shape(shape)
+    part = read_part("simplify", shape, options, _SIMPLIFY)
+    own = part.shape
     with report_progress(progress, "simplifying") as report:
-        options = SimplifyOptions(error, vertices, ratio, keep_border)
-        data, remaining, greatest, rms = _native.simplify(own._data, options, report)
+        settings = SimplifyOptions(error, vertices, ratio, keep_border)
+        data, remaining, greatest, rms = _native.simplify(own._data, settings, report)
     if remaining is None:
         remaining = np.arange(own.n_vertices, dtype=np.uint32)
-    return SimplifyResult(Shape._from_data(data), remaining, greatest, rms)
+    if part.selection is not None:
+        remaining = part.selection.rows[remaining].astype(np.uint32)
+    return SimplifyResult(_in_kind(part, Shape._from_data(data)), remaining, greatest, rms)
+
+
+def _in_kind(part: Part, simpler: Shape) -> Any:
+    """A simpler shape as an object of the caller's kind."""
+    if part.is_own:
+        return simpler
+    faces = None
+    if simpler.kind == "mesh":
+        faces = np.array(simpler.faces, dtype=np.int64)
+    fields = dict(simpler.fields) if _adapt.holds_fields(part.given) else {}
+    return _adapt.with_results(part.given, points=np.array(simpler.points), fields=fields, faces=faces)
 
 
 class MatchResult(NamedTuple):
@@ -215,6 +243,7 @@ def match(
            [0., 0., 1.],
            [1., 0., 0.]])
     """
+    ask_about_faces("match", first, second)
     one, two = _surface_decomposer(first, operator), _surface_decomposer(second, operator)
     with report_progress(progress, "matching") as report:
         found = _native.match_shapes(one._data, two._data, MatchOptions(theta, within, scaled), report)
@@ -269,7 +298,7 @@ def distances(
 ) -> Distances:
     """Signed distance of each vertex of one shape to the closest point of another.
 
-    Their bands, ``decompose(first, signal=distances(first, second).values)``, show at which scale two versions differ.
+    Their bands, ``decompose(first, distances(first, second).values)``, show at which scale two versions differ.
 
     Parameters
     ----------
@@ -299,6 +328,7 @@ def distances(
     >>> found.is_signed, round(float(found.values.mean()), 2)
     (True, 0.1)
     """
+    ask_about_faces("distances", first, second)
     one, two = _surface_decomposer(first), _surface_decomposer(second)
     with report_progress(progress, "measuring") as report:
         values, is_signed, motion = _native.distances(one._data, two._data, align, limit, report)

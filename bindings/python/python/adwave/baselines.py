@@ -236,12 +236,12 @@ def taubin(
     <adwave.Shape: mesh, 300 vertices, 596 faces>
     """
     own = prepare_decomposer(shape)
-    _, values, is_flat = own._resolve_signal(signal)
+    _, values, layout = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     smoothed = _native.taubin(own.shape._data, given, _TaubinOptions(lam, mu, iterations, weights))
     if values is None:
         return own.shape._with_positions(smoothed)
-    return smoothed[:, 0] if is_flat else smoothed
+    return layout.arrange(smoothed)
 
 
 def differential_coordinates(
@@ -274,10 +274,10 @@ def differential_coordinates(
     (500, 3)
     """
     own = prepare_decomposer(shape)
-    _, values, is_flat = own._resolve_signal(signal)
+    _, values, layout = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     delta = _native.differential_coordinates(own.shape._data, given, weights)
-    return delta[:, 0] if is_flat else delta
+    return layout.arrange(delta)
 
 
 def from_differential_coordinates(
@@ -482,11 +482,11 @@ class GraphWavelets:
 
     def analyze(self, signal: SignalLike = None, *, progress: ProgressLike = None) -> NDArray[np.float64]:
         """Coefficients ``c_i = g_i(L) f``, kernels × n (× channels), with the low pass first."""
-        _, values, is_flat = self.decomposer._resolve_signal(signal)
+        _, values, layout = self.decomposer._resolve_signal(signal)
         given = np.array(self.decomposer.shape.points) if values is None else values
         with report_progress(progress, "splitting") as report:
             found = self._data.analyze(given, report)
-        return found[:, :, 0] if is_flat else found
+        return layout.arrange(found)
 
     def synthesize(
         self, coefficients: ArrayLike, *, tolerance: float = 1e-10, progress: ProgressLike = None
