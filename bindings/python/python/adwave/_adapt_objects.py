@@ -142,8 +142,12 @@ def _read_trimesh(x: Any) -> Found:
         uv = getattr(x.visual, "uv", None)
         if uv is not None and len(uv) == len(x.vertices):
             found.fields["texcoord"] = np.asarray(uv)[:, :2]
-        if getattr(x.visual, "material", None) is not None:
+        material = getattr(x.visual, "material", None)
+        pictures = [getattr(material, name, None) for name in ("image", "baseColorTexture")]
+        if any(picture is not None for picture in pictures):
             found.lost = ("the material and its texture",)
+        elif getattr(material, "name", None):
+            found.lost = ("the material",)
     return found
 
 

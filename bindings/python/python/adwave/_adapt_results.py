@@ -362,7 +362,7 @@ def _rebuild_laspy(like: Any, results: _Results) -> Any:
         new = laspy.create(point_format=like.header.point_format, file_version=like.header.version)
         new.header.offsets, new.header.scales = like.header.offsets, like.header.scales
     else:
-        new = copy.deepcopy(like)
+        new = laspy.LasData(copy.deepcopy(like.header), like.points.copy())
     if results.points is not None:
         new.x, new.y, new.z = np.array(results.points).T
     known = set(new.point_format.dimension_names)
