@@ -66,7 +66,9 @@ def test_signals_of_any_layout() -> None:
     rows = np.stack([f, 2 * f, 3 * f])
     by_time = aw.decompose(SHAPE, rows, levels=3)
     assert by_time.shape == (4, 3, N) and np.allclose(by_time[:, 1], 2 * one.array)
-    assert np.allclose(by_time.apply([0, 0, 0]), np.stack([aw.decompose(SHAPE, row, levels=3).apply([0, 0, 0]) for row in rows]))
+    assert np.allclose(
+        by_time.apply([0, 0, 0]), np.stack([aw.decompose(SHAPE, row, levels=3).apply([0, 0, 0]) for row in rows])
+    )
     assert np.allclose(aw.smooth(SHAPE, rows, steps=2)[2], 3 * aw.smooth(SHAPE, f, steps=2))
     assert aw.filter(SHAPE, [0, 1], signal=rows).shape == rows.shape
     assert aw.denoise(SHAPE, rows).result.shape == rows.shape

@@ -19,7 +19,7 @@ def test_nilearn() -> None:
     moved = aw.filter(mesh, "smooth")
     assert isinstance(moved, surface.InMemoryMesh) and np.array_equal(moved.faces, F)
     assert np.array_equal(moved.coordinates, aw.filter(SHAPE, "smooth").points)
-    both = surface.PolyMesh(left=mesh, right=surface.InMemoryMesh(V + [5, 0, 0], F))
+    both = surface.PolyMesh(left=mesh, right=surface.InMemoryMesh(V + np.array([5, 0, 0]), F))
     assert aw.Shape(both).n_vertices == 2 * N and aw.info(both).components == 2
     clean = aw.denoise(both).result
     assert isinstance(clean, surface.PolyMesh) and clean.parts["right"].coordinates.shape == (N, 3)

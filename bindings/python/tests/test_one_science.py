@@ -35,9 +35,7 @@ def test_a_prepared_shape_takes_the_operator_of_the_request() -> None:
     smooth = aw.filter(prepared, [0, 1, 1], levels=WIDTHS).points
     assert np.array_equal(smooth, aw.filter(SHAPE, [0, 1, 1], levels=WIDTHS).points)
     masked = prepared.with_mask(np.arange(N) < 9)
-    assert np.array_equal(
-        masked.decompose(f, levels=WIDTHS), prepared.decompose(gap, levels=WIDTHS), equal_nan=True
-    )
+    assert np.array_equal(masked.decompose(f, levels=WIDTHS), prepared.decompose(gap, levels=WIDTHS), equal_nan=True)
 
 
 def test_an_operator_that_was_chosen_stays() -> None:
@@ -55,7 +53,7 @@ def test_options_without_effect_are_errors() -> None:
     with pytest.raises(ValueError, match="border must be one of 'natural', 'keep', 'free', got 'banana'"):
         aw.Constraints(border="banana")  # type: ignore[arg-type]
     for signal in (f, "x"):
-        with pytest.raises(ValueError, match="constraints: .* leave them out"):
+        with pytest.raises(ValueError, match=r"constraints: .* leave them out"):
             aw.filter(walk, [0, 1], signal=signal, constraints=aw.Constraints(volume="keep", along="normal"))
     edges = np.stack([np.arange(30), np.arange(30) + 1], axis=1)
     curve = aw.Decomposer(aw.graph(31, edges, points=np.c_[np.arange(31), np.sin(np.arange(31)), np.zeros(31)]))
@@ -118,7 +116,9 @@ def test_raised_masses_are_reported_and_can_be_left_alone() -> None:
     assert "raised_masses" not in aw.info(uneven)
     signal = rng.normal(size=N)
     by_default, without = (aw.smooth(uneven, signal, fwhm=0.05, exact=flag) for flag in (False, True))
-    assert np.array_equal(without, aw.Decomposer(uneven, operator=aw.Operator("surface").with_exact_masses()).smooth(signal, fwhm=0.05))
+    assert np.array_equal(
+        without, aw.Decomposer(uneven, operator=aw.Operator("surface").with_exact_masses()).smooth(signal, fwhm=0.05)
+    )
     assert 0 < np.abs(without - by_default).max() < 0.5
     # The definition: exp(−τ·M⁻¹L), with the masses of the mesh.
     areas = aw.Decomposer(uneven, operator=aw.Operator("surface").with_exact_masses()).areas

@@ -85,7 +85,7 @@ def test_functional_transforms() -> None:
         torch.testing.assert_close(
             func.vmap(func.grad(loss))(batch), torch.stack([func.grad(loss)(one) for one in batch])
         )
-        out, tangent = func.jvp(function, (f,), (f**2,))
+        _, tangent = func.jvp(function, (f,), (f**2,))
         torch.testing.assert_close(tangent, function(f**2))
         hessian = func.hessian(loss)(f)
         jacobian = func.jacrev(function)(f).reshape(-1, WALK.n_vertices)

@@ -144,7 +144,8 @@ def _read_trimesh(x: Any) -> Found:
             found.fields["texcoord"] = np.asarray(uv)[:, :2]
         material = getattr(x.visual, "material", None)
         pictures = [getattr(material, name, None) for name in ("image", "baseColorTexture")]
-        if any(picture is not None for picture in pictures):
+        # A material without a texture has a picture of 2 × 2 pixels of its color.
+        if any(picture is not None and max(picture.size) > 2 for picture in pictures):
             found.lost = ("the material and its texture",)
         elif getattr(material, "name", None):
             found.lost = ("the material",)
@@ -424,7 +425,8 @@ def _read_torch_geometric(x: Any) -> Found:
         found = Found("torch_geometric", points=points)
     else:
         raise _refused(x, "it has neither edge_index nor pos")
-    for name in x.keys() if callable(x.keys) else x.keys:  # noqa: SIM118 (not a mapping)
+    names: Any = x.keys() if callable(x.keys) else x.keys
+    for name in names:
         if name not in ("pos", "face", "edge_index", "edge_weight", "edge_attr") and hasattr(x[name], "detach"):
             found.fields[name] = array(name)
     return found

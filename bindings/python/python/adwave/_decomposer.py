@@ -14,7 +14,7 @@ from adwave import _native
 from adwave._diffusion import PreparedShape
 from adwave._layout import Layout, vertex_weights
 from adwave._native import FWHM
-from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, Operator
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
 
@@ -488,7 +488,7 @@ def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: Lev
     """
     if isinstance(shape, Decomposer):
         own = shape.for_levels(levels)
-        if operator is not None and as_operator(operator) not in (Operator(own.operator), own._options, shape._options):
+        if operator is not None and as_operator(operator) not in (as_operator(own.operator), own._options, shape._options):
             raise ValueError(
                 f"operator: this Decomposer was prepared with {own._options}; leave the options of the operator out, or pass "
                 "the shape itself, decomposer.shape"

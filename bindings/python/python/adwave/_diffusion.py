@@ -286,7 +286,7 @@ class PreparedShape:
         """
         from scipy.sparse import csr_array, eye_array
 
-        step = csr_array(_native.diffusion_matrix(self._data))
+        step: Any = csr_array(_native.diffusion_matrix(self._data))
         if lazy:
             return step
         if self.operator != "walk":
@@ -471,7 +471,7 @@ class PreparedShape:
         n_channels = values.shape[1]
         missing = np.isnan(values)
         if not missing.any() or n_channels == 1:
-            return [(self._masked_where(missing.any(axis=1)), values, list(range(n_channels)))]
+            return [(self._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(n_channels)))]
         patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
         groups: list[tuple[_Prepared, NDArray[np.float64] | None, list[int]]] = []
         for group in range(patterns.shape[1]):

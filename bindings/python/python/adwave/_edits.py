@@ -347,7 +347,8 @@ def filter(
 
 def _check_gains(gains: GainsLike, n_vertices: int) -> None:
     """Raise TypeError if the gains look like a signal."""
-    if not isinstance(gains, (str, Layer)) and np.ndim(gains) and len(gains) == n_vertices > 64:
+    numbers: Any = gains
+    if not isinstance(gains, (str, Layer)) and np.ndim(numbers) and len(numbers) == n_vertices > 64:
         raise TypeError(
             f"gains: got {n_vertices} numbers, one for each vertex: is this the signal? It goes by keyword, "
             'aw.filter(shape, "smooth", signal=f); aw.smooth(shape, f, fwhm=8) takes it second'
