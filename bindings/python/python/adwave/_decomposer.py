@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
@@ -17,6 +18,7 @@ from adwave._native import FWHM
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
+from adwave._viewer import bands_html
 
 if TYPE_CHECKING:
     from xarray import DataArray
@@ -467,6 +469,15 @@ class Bands(NDArrayOperatorsMixin):
     def __repr__(self) -> str:
         widths = ", ".join(f"{width:.4g}" for width in self.rms_widths)
         return f"<adwave.Bands: {self.n_levels} levels of {self.shape[1:]}, rms widths {widths}>"
+
+    def _repr_html_(self) -> str:
+        widths = self.rms_widths
+        titles = [f"{j} · {width:.3g}" for j, width in enumerate(widths, start=1)]
+        shape = self.decomposer.shape if self._selection is None else self._selection.whole
+        view = ""
+        if shape.kind == "mesh":
+            view = bands_html(shape._data, self._array, [*titles, "rest"], self._request.signal is None)
+        return f"<div>{escape(repr(self))}</div>{view}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return split_signal, (self.decomposer, self._request, self._part_layout, self._selection)
