@@ -6,6 +6,7 @@ passed on as it is. Every check is one pass over the array, and looks for the ro
 
 from __future__ import annotations
 
+import math
 from itertools import chain, pairwise
 from typing import Any, Literal
 
@@ -87,6 +88,9 @@ def _refuse_uneven(x: Any, name: str) -> None:
 
 
 def _float64(array: Array) -> Floats:
+    flags = array.flags
+    if array.dtype == np.float64 and flags.c_contiguous and flags.aligned and array.dtype.isnative:
+        return array
     # A long double too large for a double becomes an infinity, which the callers report.
     with np.errstate(over="ignore"):
         return np.require(array, np.float64, _DIRECT)
@@ -175,6 +179,9 @@ def finite_values(array: Array, name: str) -> Floats:
         A value is infinite.
     """
     result = _float64(array)
+    # The sum of finite numbers is finite, unless it overflows.
+    if math.isfinite(result.sum()):
+        return result
     infinite = np.isinf(result)
     if infinite.any():
         row = int(np.argmax(infinite.any(axis=1)))

@@ -499,7 +499,11 @@ def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: Lev
     """
     if isinstance(shape, Decomposer):
         own = shape.for_levels(levels)
-        if operator is not None and as_operator(operator) not in (as_operator(own.operator), own._options, shape._options):
+        if operator is not None and as_operator(operator) not in (
+            as_operator(own.operator),
+            own._options,
+            shape._options,
+        ):
             raise ValueError(
                 f"operator: this Decomposer was prepared with {own._options}; leave the options of the operator out, or pass "
                 "the shape itself, decomposer.shape"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -446,8 +447,8 @@ class PreparedShape:
     def _resolve_signal(self: _Prepared, signal: SignalLike) -> tuple[_Prepared, NDArray[np.float64] | None, Layout]:
         """Owner of the signal (masked where a channel is NaN), its n × channels values (None: coordinates), its axes."""
         values, layout = self._signal_values(signal)
-        if values is None:
-            return self, None, layout
+        if values is None or math.isfinite(values.sum()):
+            return self, values, layout
         return self._masked_where(np.atleast_1d(np.isnan(values).any(axis=1))), values, layout
 
     def _signal_values(self, signal: SignalLike) -> tuple[NDArray[np.float64] | None, Layout]:
@@ -469,6 +470,8 @@ class PreparedShape:
         if values is None:
             return [(self, None, [0, 1, 2])]
         n_channels = values.shape[1]
+        if math.isfinite(values.sum()):
+            return [(self, values, list(range(n_channels)))]
         missing = np.isnan(values)
         if not missing.any() or n_channels == 1:
             return [(self._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(n_channels)))]

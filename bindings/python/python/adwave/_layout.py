@@ -75,7 +75,8 @@ def signal_values(signal: Any, n_vertices: int, name: str = "signal") -> tuple[F
     ValueError
         No axis has the number of vertices, or a value is infinite.
     """
-    array = array_of(signal, name)
+    is_plain = type(signal) is np.ndarray and signal.dtype == np.float64
+    array = signal if is_plain else array_of(signal, name)
     layout = _layout_of(array, n_vertices, name)
     if layout.n_channels == 0:
         raise ValueError(f"{name}: shape {array.shape} has no columns")

@@ -145,8 +145,7 @@ mod tests {
             let params = OperatorParams::default().with_kind(kind);
             let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
             let (map, transform) = (decomposer.geometry().vertex_map(), decomposer.transform());
-            let sum =
-                transform.sum_of_bands(map, &signals, n_channels, &schedule, Progress::none()).unwrap();
+            let sum = transform.sum_of_bands(map, &signals, n_channels, &schedule, Progress::none()).unwrap();
             let mut expected = vec![0.0; len];
             for (level, signal) in signals.chunks_exact(len).enumerate() {
                 let bands = transform.bands(map, signal, n_channels, &schedule, Progress::none()).unwrap();
