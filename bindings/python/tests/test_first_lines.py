@@ -42,6 +42,7 @@ def test_short_forms_of_levels() -> None:
     assert np.allclose(by_width.fwhm, [0.1, 0.2]) and by_width.decomposer.operator == "surface"
     assert np.array_equal(by_width, aw.decompose(SHAPE, f, levels=aw.Widths(fwhm=[0.1, 0.2])))
     assert aw.decompose(SHAPE, f, steps=[1, 3]).steps.tolist() == [1, 3]
+    assert np.array_equal(aw.Decomposer(SHAPE).decompose(f, fwhm=[0.1, 0.2]), by_width)
     with pytest.raises(ValueError, match="levels and fwhm"):
         aw.decompose(SHAPE, f, levels=3, fwhm=[0.1])
 
@@ -148,6 +149,8 @@ def test_where_takes_indices() -> None:
         (lambda: aw.smooth(SHAPE, f, sigma=2), r"fwhm=4\.7096"),
         (lambda: aw.decompose(SHAPE, f, sigma=[1, 2]), r"levels=aw\.Widths\(fwhm=\[2\.3548, 4\.7096\]\)"),
         (lambda: aw.decompose(SHAPE, f, n_levels=5), "levels=5"),
+        (lambda: aw.Decomposer(SHAPE).decompose(f, scales=[1, 2]), r"levels=aw\.Widths\(fwhm=\[1, 2\]\)"),
+        (lambda: aw.filter(SHAPE, "smooth", region="ball:vertex=3,radius=5%"), "where='ball:vertex=3,radius=5%'"),
         (lambda: aw.decompose(SHAPE, f, opertor="surface"), "operator='surface'"),
         (lambda: aw.decompose(SHAPE, levels=[1, 2]), r"levels=aw\.Widths\(fwhm=\[1, 2\]\)"),
         (lambda: aw.decompose(SHAPE, levels=2.5), r"levels=aw\.Steps\(\[2\.5\]\)"),

@@ -15,13 +15,17 @@ from adwave import _native
 from adwave._diffusion import PreparedShape
 from adwave._layout import Layout, vertex_weights
 from adwave._native import FWHM
-from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
+from adwave._unknown import refuse_unknown
 from adwave._viewer import bands_html
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
     from xarray import DataArray
+
+    from adwave._options import LevelOptions
 
 Where = Union[str, ArrayLike, None]
 
@@ -100,6 +104,7 @@ class Decomposer(PreparedShape):
         levels: LevelsLike = None,
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
     ) -> Bands:
         """Split a signal into its bands; see `adwave.decompose`.
 
@@ -113,7 +118,12 @@ class Decomposer(PreparedShape):
             Largest error of a band relative to the band, 1e-13 to 0.1.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+        **options
+            ``fwhm=[2, 4, 8]`` and ``steps=[1, 2.5, 8]``, short for `levels`.
         """
+        if options:
+            refuse_unknown("decompose", options, ("signal", "levels", "accuracy", "progress"), ("fwhm", "steps"))
+            levels = levels_of(levels, options)
         owner = self.for_levels(levels)
         values, layout = owner._signal_values(signal)
         request = BandsRequest(values, owner.schedule(levels), accuracy)

@@ -31,8 +31,9 @@ from adwave._options import (
     OperatorLike,
     SignalLike,
     as_operator,
+    levels_of,
 )
-from adwave._part import Part, default_signal, exact_operator, levels_of, read_part
+from adwave._part import Part, default_signal, exact_operator, read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
 

@@ -12,8 +12,8 @@ from adwave import _adapt, _native
 from adwave._decomposer import prepare_decomposer
 from adwave._diffusion import EXTENT
 from adwave._layout import Layout
-from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike
-from adwave._part import default_signal, exact_operator, levels_of, read_part
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, levels_of
+from adwave._part import default_signal, exact_operator, read_part
 from adwave._progress import ProgressLike, report_progress
 
 if TYPE_CHECKING:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Literal, Union
+from typing import Any, Literal, TypedDict, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -112,8 +112,41 @@ class Octaves:
     voices: int = 2
 
 
+class LevelOptions(TypedDict, total=False):
+    """Short forms of levels.
+
+    Parameters
+    ----------
+    fwhm : float, str or sequence
+        Short for ``levels=aw.Widths(fwhm=…)``.
+    steps : float or sequence of float
+        Short for ``levels=aw.Steps(…)``.
+    """
+
+    fwhm: Union[Length, Sequence[Length]]
+    steps: Union[float, Sequence[float]]
+
+
 LevelsLike = Union[int, Widths, Steps, Octaves, None]
 """Levels: a number of dyadic levels, `Widths`, `Steps` or `Octaves`; None for as many as the shape asks for."""
+
+
+def levels_of(levels: LevelsLike, options: Mapping[str, Any]) -> LevelsLike:
+    """Levels, from their short forms too.
+
+    Raises
+    ------
+    ValueError
+        If they are given twice.
+    """
+    fwhm, steps = options.get("fwhm"), options.get("steps")
+    if fwhm is None and steps is None:
+        return levels
+    given = {"levels": levels, "fwhm": fwhm, "steps": steps}
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) > 1:
+        raise ValueError(f"levels are given twice, by {' and '.join(names)}; leave one out")
+    return Widths(fwhm=fwhm) if steps is None else Steps(steps)
 
 
 def check_levels(levels: Any) -> LevelsLike:

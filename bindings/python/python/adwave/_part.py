@@ -7,7 +7,7 @@ pair for a pair, and a `Shape` for a `Shape`, a path or a `Decomposer`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, TypedDict, Union
 
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where
 from adwave._layout import Layout, signal_values, vertex_weights
-from adwave._options import Length, LevelsLike, OperatorLike, SignalLike, Steps, Widths, as_operator
+from adwave._options import LevelOptions, OperatorLike, SignalLike, as_operator
 from adwave._shape import Conditions, Path, Shape, as_shape
 from adwave._unknown import refuse_unknown
 
@@ -53,22 +53,8 @@ class SmoothOptions(PartOptions, total=False):
     exact: bool
 
 
-class SignalOptions(PartOptions, total=False):
-    """Options of all functions that split a signal into levels.
-
-    Parameters
-    ----------
-    fwhm : float, str or sequence
-        Short for ``levels=aw.Widths(fwhm=…)``.
-    steps : float or sequence of float
-        Short for ``levels=aw.Steps(…)``.
-    exact : bool
-        Heat on a surface with the masses of the mesh as they are; see `Operator.with_exact_masses`.
-    """
-
-    fwhm: Union[Length, Sequence[Length]]
-    steps: Union[float, Sequence[float]]
-    exact: bool
+class SignalOptions(SmoothOptions, LevelOptions, total=False):
+    """Options of all functions that split a signal into levels."""
 
 
 _PART = ("faces", "mask", "only")
@@ -229,24 +215,6 @@ def read_part(
     return Part(given, whole, part, Selection(whole, rows))
 
 
-def levels_of(levels: LevelsLike, options: Mapping[str, Any]) -> LevelsLike:
-    """Levels, from their short forms too.
-
-    Raises
-    ------
-    ValueError
-        If they are given twice.
-    """
-    fwhm, steps = options.get("fwhm"), options.get("steps")
-    given = {"levels": levels, "fwhm": fwhm, "steps": steps}
-    names = [name for name, value in given.items() if value is not None]
-    if len(names) > 1:
-        raise ValueError(f"levels are given twice, by {' and '.join(names)}; leave one out")
-    if fwhm is not None:
-        return Widths(fwhm=fwhm)
-    return levels if steps is None else Steps(steps)
-
-
 def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> OperatorLike:
     """The operator with exact masses, if these are asked for."""
     return as_operator(operator).with_exact_masses() if options.get("exact") else operator
@@ -277,6 +245,10 @@ def ask_about_faces(function: str, shape: object, second: object) -> None:
     if faces.shape[1] in (3, _MAX_CORNERS) and faces.size and faces.min() >= 0 and faces.max() < n_points:
         rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": "gains"}.get(function, "signal")
         raise TypeError(
-            f"{function}: are these the faces of the points? Faces come in a pair, aw.{function}((V, F), {rest}), or by "
-            "keyword, faces=F; a signal of whole numbers goes as F.astype(float)"
+            f"{function}: are these the faces of the points? Faces come in a pair, aw.{function}((V, F), {rest})"
+            + (
+                ""
+                if rest == "(V2, F2)"
+                else ", or by keyword, faces=F; a signal of whole numbers goes as F.astype(float)"
+            )
         )

@@ -17,7 +17,8 @@ _SAME_AS = {
     "color_map": ("cmap", "colormap", "colors_map"),
     "range": ("clim", "vmin", "vmax", "color_range"),
     "signal": ("f", "x", "data", "values", "scalars", "y", "field", "feature", "texture", "img"),
-    "where": ("region", "weights", "weight", "roi", "subset"),
+    "where": ("region", "roi", "subset"),
+    "weights": ("weight", "edge_weight", "w"),
     "operator": ("method", "kernel", "laplacian", "kind", "walk", "lazy", "exact"),
     "gains": ("preset", "gain", "filter", "coefficients"),
     "sigma": ("std", "sd", "smoothing", "bandwidth", "sigmas"),
@@ -127,7 +128,7 @@ def _signal(value: Any, known: Collection[str]) -> str:
     return "that is the second argument, or signal=…" if "signal" in known else ""
 
 
-def _where(value: Any, known: Collection[str]) -> str:
+def _weights(value: Any, known: Collection[str]) -> str:
     if "where" in known:
         return (
             "weights of an edit are where=…, those of a graph aw.graph(n, edges, weights), vertices to leave out mask=…"
@@ -145,7 +146,7 @@ _LINES: dict[str | None, Callable[[Any, Collection[str]], str]] = {
     "color_map": _color_map,
     "range": _range,
     "signal": _signal,
-    "where": _where,
+    "weights": _weights,
     "ratio": lambda value, known: "the share that remains is ratio=0.1" if "ratio" in known else "",
 }
 
