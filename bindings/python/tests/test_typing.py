@@ -16,11 +16,11 @@ FILES = Path(__file__).parent / "typing"
 
 def complaints(name: str, folder: Path) -> set[int]:
     """Lines of a file of which the type checker complains."""
-    (folder / name).write_text((FILES / name).read_text(encoding="utf-8"), encoding="utf-8")
+    (folder / f"{name}.py").write_text((FILES / f"{name}.txt").read_text(encoding="utf-8"), encoding="utf-8")
     settings = {
         "typeCheckingMode": "strict",
         "pythonVersion": "3.10",
-        "include": [name],
+        "include": [f"{name}.py"],
         "extraPaths": [str(Path(adwave.__file__).parent.parent)],
     }
     (folder / "pyrightconfig.json").write_text(json.dumps(settings), encoding="utf-8")
@@ -32,7 +32,7 @@ def complaints(name: str, folder: Path) -> set[int]:
 
 @pytest.mark.skipif(find_spec("basedpyright") is None, reason="basedpyright is not installed")
 def test_right_calls_pass_and_wrong_ones_do_not(tmp_path: Path) -> None:
-    assert complaints("gallery.py", tmp_path) == set()
-    lines = (FILES / "wrong.py").read_text(encoding="utf-8").splitlines()
+    assert complaints("gallery", tmp_path) == set()
+    lines = (FILES / "wrong.txt").read_text(encoding="utf-8").splitlines()
     wrong = {number for number, line in enumerate(lines, start=1) if line.endswith("# wrong")}
-    assert len(wrong) > 15 and complaints("wrong.py", tmp_path) == wrong
+    assert len(wrong) > 15 and complaints("wrong", tmp_path) == wrong

@@ -286,6 +286,7 @@ def _match_features(first: Features, second: Features, within: float, scaled: bo
         best = agrees if agrees.sum() > best.sum() else best
     if best.sum() < _AGREEING:
         return MatchResult(np.empty(0, dtype=_PAIR), None, None, None, (len(first), len(second)), [])
+    motion = np.eye(4)
     for _ in range(5):
         motion = _fit_motion(from_points[best], to_points[best], scaled)
         best = _residuals(motion, from_points, to_points) < within * sigma
