@@ -196,3 +196,26 @@ def test_the_accessor_takes_every_signal() -> None:
     assert mesh.adwave.match(mesh).motion.shape == (4, 4)
     assert mesh.adwave.region([1, 2]).sum() == 2 and mesh.adwave.info().closed
     assert mesh.adwave.render("elev", size=(30, 20)).array.shape == (20, 30, 4)
+
+
+def test_weights_that_are_not_used_as_they_are_are_warned_of() -> None:
+    sparse = pytest.importorskip("scipy.sparse")
+    weights = np.array([[0.0, 2, 1], [2, 0, 0], [1, 0, 0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        aw.Shape(sparse.csr_array(weights))
+    for changed, message in (
+        (weights / weights.sum(axis=1, keepdims=True), "looks like a walk"),
+        (np.triu(weights), "not symmetric"),
+        (weights + np.eye(3), "diagonal"),
+    ):
+        with pytest.warns(UserWarning, match=message):
+            aw.Shape(sparse.csr_array(changed))
+
+
+def test_recipes_and_baselines_follow_the_rule_of_results() -> None:
+    points, faces = np.array(SHAPE.points), np.array(SHAPE.faces)
+    recipe = aw.Recipe("levels = 3\n[[layer]]\npreset = 'smooth'")
+    moved, same = recipe.apply((points, faces))
+    assert np.array_equal(moved, recipe.apply(SHAPE).points) and np.array_equal(same, faces)
+    assert isinstance(aw.baselines.taubin((points, faces), iterations=2), tuple)

@@ -6,6 +6,7 @@ there as it is; `adwave._adapt` checks and converts it.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -322,6 +323,8 @@ def _read_open3d(x: Any) -> Found:
         found = Found("open3d", np.asarray(x.vertices), np.asarray(x.triangles))
         found.fields = {"color": np.asarray(x.vertex_colors), "normal": np.asarray(x.vertex_normals)}
         found.face_fields = {"normal": np.asarray(x.triangle_normals)}
+        if len(x.triangle_uvs):
+            found.lost = ("texture coordinates of corners",)
         return found
     found = Found("open3d", np.asarray(x.points))
     if kind == "LineSet":
@@ -375,7 +378,31 @@ def _read_scipy(x: Any) -> Found:
     if len(x.shape) != 2 or x.shape[0] != x.shape[1]:
         raise ValueError(f"shape: the sparse matrix of weights has shape {x.shape}, but must be square")
     entries = x.tocoo(copy=False)
+    _warn_of_weights(entries)
     return Found("scipy", edges=(entries.row, entries.col, entries.data, False), n_vertices=x.shape[0])
+
+
+def _warn_of_weights(entries: Any) -> None:
+    """Warn of weights that are not used as they are: those of a walk, of one direction, and on the diagonal."""
+    if entries.data.dtype.kind not in "biuf" or not entries.data.size:
+        return
+    rows, cols, weights = entries.row, entries.col, entries.data.astype(np.float64)
+    if not np.isfinite(weights).all():
+        return
+    n = entries.shape[0]
+    # Products with one vector from both sides differ if the matrix is not symmetric.
+    vector = np.random.default_rng(0).random(n)
+    from_rows = np.bincount(rows, weights * vector[cols], n)
+    from_columns = np.bincount(cols, weights * vector[rows], n)
+    if np.abs(from_rows - from_columns).max() > 1e-9 * np.abs(from_rows).max():
+        sums = np.bincount(rows, weights, n)
+        if np.allclose(sums[np.bincount(rows, minlength=n) > 0], 1.0):
+            message = "looks like a walk, whose rows sum to 1, and is taken for weights; pass the symmetric weights"
+        else:
+            message = "is not symmetric: (W + W.T) / 2 is used"
+        warnings.warn(f"the matrix {message}", UserWarning, stacklevel=2)
+    elif (weights[rows == cols] != 0).any():
+        warnings.warn("the diagonal of the matrix of weights is not used", UserWarning, stacklevel=2)
 
 
 def axes_of(x: Any) -> list[Any]:

@@ -75,7 +75,8 @@ class Shape:
     points : shape_like
         Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
         ``(points, faces)``, a path, a sparse matrix of weights (a graph), or an object of trimesh, PyVista, meshio,
-        Open3D or networkx.
+        Open3D, networkx, nilearn, PyTorch Geometric, PyGSP, laspy or pandas. Both hemispheres of nilearn are one mesh, and
+        the points of images and volumes of PyVista the nodes of a graph.
     faces : array_like, optional
         Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
         cloud.

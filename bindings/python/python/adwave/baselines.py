@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import OperatorLike, SignalLike
+from adwave._part import read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
@@ -223,7 +224,7 @@ def taubin(
 
     Returns
     -------
-    Shape, or an array like the signal if one is given
+    object like the shape, or an array like the signal if one is given
 
     References
     ----------
@@ -235,12 +236,13 @@ def taubin(
     >>> aw.baselines.taubin(aw.sample("sphere", vertices=300, noise=0.3), iterations=5)
     <adwave.Shape: mesh, 300 vertices, 596 faces>
     """
-    own = prepare_decomposer(shape)
+    part = read_part("taubin", shape, {}, (), signal)
+    own = prepare_decomposer(part.part)
     _, values, layout = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     smoothed = _native.taubin(own.shape._data, given, _TaubinOptions(lam, mu, iterations, weights))
     if values is None:
-        return own.shape._with_positions(smoothed)
+        return part.moved(own.shape._with_positions(smoothed))
     return layout.arrange(smoothed)
 
 
