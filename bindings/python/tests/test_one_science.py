@@ -138,6 +138,15 @@ def test_the_walk_that_always_steps() -> None:
     assert np.allclose(walk.matrix().toarray(), 0.5 * (np.eye(3) + walk.matrix(lazy=False).toarray()))
     with pytest.raises(ValueError, match="operator='walk'"):
         aw.Decomposer(SHAPE, operator="surface").matrix(lazy=False)
+    shape = sparse.csr_array(weights)
+    x = np.array([[1.0, 0], [2, 1], [4, np.nan]])
+    step = weights / weights.sum(axis=1, keepdims=True)
+    found = aw.smooth(shape, x, steps=2, lazy=False)
+    assert np.allclose(found[:, 0], step @ step @ x[:, 0]) and np.allclose(found[:2, 1], [0, 1])
+    assert np.isnan(found[2, 1])
+    assert np.allclose(walk.smooth(x[:, 0], 2, lazy=False), found[:, 0])
+    with pytest.raises(ValueError, match="whole steps"):
+        aw.smooth(shape, x, steps=1.5, lazy=False)
 
 
 def test_texture_coordinates_survive(tmp_path: Path) -> None:

@@ -341,6 +341,7 @@ class PreparedShape:
         *,
         rms: Length | None = None,
         fwhm: Length | None = None,
+        lazy: bool = True,
         accuracy: float = _native.ACCURACY,
     ) -> NDArray[np.float64]:
         """Smooth a signal: ``Φ₁^steps f``, for any number of steps from 1/64, or by a width.
@@ -358,6 +359,8 @@ class PreparedShape:
             Root mean square distance instead of steps, in model units or as a share of the diagonal such as ``"2%"``.
         fwhm : float or str, optional
             Full width at half maximum instead of steps.
+        lazy : bool
+            False for steps of the walk that always moves, ``Q^steps f``; see `matrix`. Steps must be whole.
         accuracy : float
             Largest error relative to the change.
 
@@ -374,6 +377,8 @@ class PreparedShape:
         """
         levels = smoothing_levels(steps, rms, fwhm)
         owner = self.for_levels(levels)
+        if not lazy:
+            return owner._walk(signal, levels)
         return owner._smooth(signal, owner.schedule(levels), accuracy)
 
     def _smooth(
@@ -387,6 +392,30 @@ class PreparedShape:
                 return change + (self.shape.points if values is None else values)
 
             return layout.arrange(self._map_channels(values, smooth))
+
+    def _walk(self, signal: SignalLike, levels: LevelsLike) -> NDArray[np.float64]:
+        """``Q^steps f`` with the walk that always moves."""
+        steps = levels.steps[0] if isinstance(levels, Steps) else 0.5
+        if steps != int(steps):
+            raise ValueError("lazy: the walk that always moves takes whole steps, such as steps=3, lazy=False")
+        values, layout = self._signal_values(signal)
+
+        def walk(owner: PreparedShape, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            given = self.shape.points if values is None else np.nan_to_num(values)
+            matrix: Any = owner.matrix(lazy=False)
+            n = matrix.shape[0]
+            # Vertices are in the order of the shape, unless some are welded.
+            place = owner.vertex_map() if n < self.n_vertices else np.arange(n)
+            now = np.stack([np.bincount(place, column, n) for column in given.T], axis=1)
+            now /= np.bincount(place, minlength=n)[:, None]
+            for _step in range(int(steps)):
+                now = matrix @ now
+            result = now[place]
+            if owner.mask is not None:
+                result[owner.mask] = np.nan
+            return result
+
+        return layout.arrange(self._map_channels(values, walk))
 
     def adjoint(self, signal: ArrayLike, steps: float, *, accuracy: float = _native.ACCURACY) -> NDArray[np.float64]:
         """``(Φ₁^steps)ᵀ g``: by reversibility ``π·Φ₁^steps(g/π)``, where π is the stationary distribution.

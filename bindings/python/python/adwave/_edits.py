@@ -130,6 +130,7 @@ def smooth(
     fwhm: Length | None = None,
     rms: Length | None = None,
     steps: float | None = None,
+    lazy: bool = True,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
@@ -150,6 +151,9 @@ def smooth(
         along one axis.
     steps : float, optional
         Number of steps of the diffusion. Exactly one of the three is given.
+    lazy : bool
+        The walk stays where it is half of the time, ``½(I + D⁻¹A)`` on a graph with weights A; False for whole steps of the
+        walk that always moves, ``D⁻¹A``.
     operator : str or Operator, optional
         As in `decompose`: by default heat on the surface for widths, and the walk for steps. Between whole numbers of
         steps the walk may leave the range of the signal by a few percent; heat never does.
@@ -186,7 +190,10 @@ def smooth(
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
     taken, schedule = part.take_signal(signal), decomposer.schedule(levels)
     _refuse_labels(signal, decomposer)
-    values = decomposer._smooth(taken, schedule, accuracy, progress)
+    if lazy:
+        values = decomposer._smooth(taken, schedule, accuracy, progress)
+    else:
+        values = decomposer._walk(taken, levels)
     if signal is not None and not isinstance(signal, str):
         return part.spread(values, _layout_of(decomposer, taken))
     return _with_named_signal(part, decomposer.shape, signal or "coords", values)
@@ -655,7 +662,7 @@ def _only_weld(part: Part, operator: OperatorLike) -> bool | float:
 
 
 _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
-_SMOOTH = ("signal", "fwhm", "rms", "steps", "operator", "accuracy", "progress")
+_SMOOTH = ("signal", "fwhm", "rms", "steps", "lazy", "operator", "accuracy", "progress")
 _FILTER = ("gains", "where", "signal", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
 _DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

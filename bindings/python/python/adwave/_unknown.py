@@ -106,8 +106,8 @@ def _neighbors(value: Any, known: Collection[str]) -> str:
 def _operator(value: Any, known: Collection[str]) -> str:
     if isinstance(value, bool):
         return (
-            "the bands are of the lazy walk; aw.Decomposer(shape).matrix(lazy=False) is the walk that always "
-            "steps, and exact=True is for heat on a surface"
+            "the bands are of the lazy walk; aw.smooth(shape, f, steps=3, lazy=False) takes steps of the walk that always "
+            "moves, aw.Decomposer(shape).matrix(lazy=False) is its matrix, and exact=True is for heat on a surface"
         )
     return "that is operator='walk' or 'surface', or aw.Operator(…)" if "operator" in known else ""
 
