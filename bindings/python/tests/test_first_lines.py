@@ -54,7 +54,10 @@ def test_faces_in_the_place_of_the_signal_are_asked_about() -> None:
     for call in (aw.match, aw.distances):
         with pytest.raises(TypeError, match=rf"aw\.{call.__name__}\(\(V, F\), \(V2, F2\)\)"):
             call(V, F)
-    # A signal of whole numbers that are no corners, and one of floats, are signals.
+    # Colors, and whole numbers that are no corners, are signals.
+    colors = (f[:, None] % 1 * [255, 100, 30]).astype(np.uint8)
+    assert aw.decompose(V, colors, levels=2).shape == (3, N, 3)
+    assert aw.decompose(V, np.repeat(np.arange(N)[:, None], 3, axis=1), levels=2).shape == (3, N, 3)
     assert aw.decompose(V, np.full((N, 3), N), levels=2).shape == (3, N, 3)
 
 

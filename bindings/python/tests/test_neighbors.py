@@ -126,3 +126,13 @@ def test_results_without_a_place_are_shapes_or_arrays() -> None:
     smooth = aw.smooth(graph, "wave", steps=2)
     assert isinstance(smooth, networkx.Graph)
     assert np.allclose([smooth.nodes[i]["wave"] for i in range(30)], aw.smooth(ring + ring.T, np.cos(ends), steps=2))
+
+
+def test_stored_normals_follow_the_positions() -> None:
+    pv = pytest.importorskip("pyvista")
+    mesh = SHAPE.to_pyvista().compute_normals(cell_normals=False, split_vertices=False)
+    stretched = aw.filter(mesh, [0, 0, 3])
+    assert isinstance(stretched, pv.PolyData) and "Normals" in stretched.point_data
+    expected = stretched.compute_normals(cell_normals=False, split_vertices=False)["Normals"]
+    assert np.abs((stretched["Normals"] * expected).sum(axis=1)).min() > 0.9
+    assert not np.array_equal(stretched["Normals"], mesh["Normals"])

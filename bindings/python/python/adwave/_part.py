@@ -240,7 +240,11 @@ def ask_about_faces(function: str, shape: object, second: object) -> None:
     if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or len(shape[0]) not in (2, 3):
         return
     faces, n_points = np.asarray(second), len(shape)
-    if faces.dtype.kind not in "iu" or faces.ndim != 2:
+    # Bytes are colors, and corners of a face differ.
+    if faces.dtype.kind not in "iu" or faces.dtype.itemsize == 1 or faces.ndim != 2:
+        return
+    few = np.sort(faces[:100], axis=1)
+    if (few[:, 1:] == few[:, :-1]).any():
         return
     if faces.shape[1] in (3, _MAX_CORNERS) and faces.size and faces.min() >= 0 and faces.max() < n_points:
         rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": "gains"}.get(function, "signal")
