@@ -166,6 +166,11 @@ impl Prepared {
         (self.decomposer.diagonal(), self.decomposer.mean_length(), self.decomposer.diffusion().step_length())
     }
 
+    /// Number of vertices whose masses were raised, and the share of the area that this adds; `None` for a walk.
+    fn raised_masses(&self) -> Option<(usize, f64)> {
+        self.decomposer.surface_info().map(|info| (info.n_raised, info.added_mass))
+    }
+
     /// Tells whether the diffusion is reversible.
     fn is_reversible(&self) -> bool {
         self.decomposer.diffusion().is_reversible()

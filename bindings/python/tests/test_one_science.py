@@ -124,6 +124,10 @@ def test_raised_masses_are_reported_and_can_be_left_alone() -> None:
     areas = aw.Decomposer(uneven, operator=aw.Operator("surface").with_exact_masses()).areas
     assert np.isclose(areas @ without, areas @ signal, rtol=1e-9)
     assert not np.isclose(areas @ by_default, areas @ signal, rtol=1e-9)
+    bands = aw.decompose(uneven, signal, fwhm=[0.05, 0.1])
+    assert bands.info["raised_masses"] == raised.raised_masses and bands.info["added_mass"] == raised.added_mass
+    assert aw.decompose(uneven, signal, fwhm=[0.05, 0.1], exact=True).info["added_mass"] == 0
+    assert "added_mass" not in aw.decompose(uneven, signal, levels=2).info
     with pytest.raises(ValueError, match="prepared with"):
         aw.smooth(aw.Decomposer(uneven, operator="surface"), signal, fwhm=0.05, exact=True)
 

@@ -155,6 +155,9 @@ def split_signal(
             return array
 
         array = decomposer._map_channels(request.signal, split)
+    raised = decomposer._data.raised_masses()
+    if raised is not None:
+        info["raised_masses"], info["added_mass"] = raised
     return Bands._from_parts(decomposer, request, array, layout, info, selection)
 
 
@@ -188,20 +191,16 @@ class Bands(NDArrayOperatorsMixin):
     (dtype('float64'), (6, 2024, 3), (6,))
     """
 
-    __slots__ = (
-        "__weakref__",
-        "_array",
-        "_editors",
-        "_is_plain",
-        "_layout",
-        "_part_layout",
-        "_request",
-        "_selection",
-        "decomposer",
-        "info",
-    )
-
+    _array: NDArray[np.float64]
+    _editors: list[tuple[_native.EditorData, list[int]]] | None
+    _is_plain: bool | None
+    _layout: Layout
+    _part_layout: Layout
+    _request: BandsRequest
+    _selection: Selection | None
     decomposer: Decomposer
+    #: Bound of the relative error, degree of the polynomials, bytes of memory, and for heat on a surface the number of
+    #: vertices whose masses were raised and the share of the area that this adds (see `Operator.with_exact_masses`).
     info: dict[str, float]
 
     @classmethod

@@ -285,14 +285,14 @@ class PreparedShape:
                [0.5, 0. , 0.5],
                [0. , 1. , 0. ]])
         """
-        from scipy.sparse import csr_array, eye_array
+        from scipy.sparse import csr_array, identity
 
         step: Any = csr_array(_native.diffusion_matrix(self._data))
         if lazy:
             return step
         if self.operator != "walk":
             raise ValueError("lazy: heat on the surface is no walk; prepare the shape with operator='walk'")
-        walk = csr_array(2 * step - eye_array(step.shape[0], format="csr"))
+        walk = csr_array(2 * step - identity(step.shape[0], format="csr"))
         walk.eliminate_zeros()
         return walk
 
