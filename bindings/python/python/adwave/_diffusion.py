@@ -40,7 +40,7 @@ _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 class PreparedShape:
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
-    __slots__ = ("__weakref__", "_by_width", "_data", "_mask", "_options", "shape")
+    __slots__ = ("__weakref__", "_by_width", "_data", "_last_masked", "_mask", "_options", "shape")
 
     shape: Shape
 
@@ -51,6 +51,7 @@ class PreparedShape:
             self._data = _native.Prepared(self.shape._data, self._options.with_default_kind("walk"), report)
         self._mask: NDArray[np.bool_] | None = None
         self._by_width: Any = None
+        self._last_masked: Any = None
 
     def for_levels(self: _Prepared, levels: LevelsLike) -> _Prepared:
         """This shape with the operator that suits these levels, unless it was prepared with one: heat for widths.
@@ -139,7 +140,8 @@ class PreparedShape:
         if flags.shape != (self.n_vertices,):
             raise ValueError(f"mask must have one flag for each of {self.n_vertices} vertices, got shape {flags.shape}")
         other = type(self).__new__(type(self))
-        other.shape, other._options, other._mask, other._by_width = self.shape, self._options, flags, None
+        other.shape, other._options, other._mask = self.shape, self._options, flags
+        other._by_width = other._last_masked = None
         other._data = self._data.with_mask(flags)
         return other
 
@@ -537,7 +539,13 @@ class PreparedShape:
 
     def _masked_where(self: _Prepared, missing: NDArray[np.bool_]) -> _Prepared:
         """Copy without the vertices where a signal is missing, unless it has a mask already."""
-        return self.with_mask(missing) if missing.any() and self._mask is None else self
+        if self._mask is not None or not missing.any():
+            return self
+        # Signals of one study have their gaps in common, and a masked operator is built anew.
+        last = self._last_masked
+        if last is None or not np.array_equal(last._mask, missing):
+            last = self._last_masked = self.with_mask(missing)
+        return last
 
     def __repr__(self) -> str:
         operator = f"{self.operator} (surface for widths)" if self.chooses_operator else self.operator
