@@ -77,7 +77,7 @@ def rms(signal):
 
 
 levels = [rms(bands.scaling(level)) for level in range(7)]
-denoised, info = aw.denoise(walk, signal=noisy)
+denoised, info = aw.denoise(walk, noisy)
 print("rms error without the first 0, 1 … 6 bands:", *(f"{error:.3f}" for error in levels))
 print(f"denoise: {rms(denoised):.3f}; noise of {info['noise']:.2f} found")
 assert abs(info["noise"] - 0.5) < 0.05 and rms(denoised) < 0.9 * min(levels)

@@ -57,7 +57,7 @@ print(f"{places.n_points} features, glyphs of {spheres.n_points} points")
 # %%
 back = aw.as_shape(mesh)
 assert np.array_equal(back["saliency"], saliency.map)
-crisp = aw.filter(mesh, [2, 2, 1.5, 1]).to(mesh)
+crisp = aw.filter(mesh, [2, 2, 1.5, 1])
 assert isinstance(crisp, pv.PolyData) and "saliency" in crisp.point_data and crisp.n_cells == mesh.n_cells
 assert not np.array_equal(crisp.points, mesh.points)
 

@@ -61,7 +61,7 @@ assert min(errors, key=errors.get) in (1, 2)
 # `denoise` estimates the amount of noise and mixes widths: better than each single width.
 
 # %%
-denoised, info = aw.denoise(plan, signal=z)
+denoised, info = aw.denoise(plan, z)
 print(f"denoise: {rms(denoised):.1f} cm; noise found: {100 * info['noise']:.1f} cm")
 assert abs(info["noise"] - 0.25) < 0.02 and rms(denoised) < min(errors.values())
 

@@ -6,7 +6,7 @@ use adwave::denoise::{Creases, Outliers};
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::local_fit::LocalFit;
-use adwave::operator::{CloudGraph, EndPoints, OperatorKind, OperatorParams};
+use adwave::operator::{CloudGraph, EndPoints, Masses, OperatorKind, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Length;
 use adwave::saliency::Weighting;
@@ -103,6 +103,7 @@ pub(crate) struct OperatorOptions {
     density_invariant: Option<bool>,
     keep_creases: Option<bool>,
     end_points: Option<String>,
+    exact: Option<bool>,
 }
 
 impl OperatorOptions {
@@ -135,6 +136,9 @@ impl OperatorOptions {
         }
         if let Some(ends) = &self.end_points {
             params = params.with_end_points(word("end_points", ends, END_POINTS)?);
+        }
+        if self.exact == Some(true) {
+            params = params.with_masses(Masses::Exact);
         }
         if params.density_invariant && params.cloud_graph == CloudGraph::Directed {
             return Err(value_error("density_invariant steps both ways; leave out directed"));

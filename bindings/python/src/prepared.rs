@@ -10,7 +10,7 @@ use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule, Transform};
 use adwave::positions::constrain_positions;
 use adwave::shape::{Shape, VertexRole, bounding_box};
 use adwave::{BandsRequest, Cancelled, Decomposer, LevelSpec, Progress};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -149,6 +149,10 @@ impl Prepared {
         facts.set_item("mean_length", d.mean_length())?;
         facts.set_item("step_length", d.diffusion().step_length())?;
         facts.set_item("reversible", d.diffusion().is_reversible())?;
+        if let Some(info) = d.surface_info() {
+            facts.set_item("raised_masses", info.n_raised)?;
+            facts.set_item("added_mass", info.added_mass)?;
+        }
         Ok(facts)
     }
 
@@ -160,6 +164,11 @@ impl Prepared {
     /// Diagonal, mean length and step length, in model units.
     fn lengths(&self) -> (f64, f64, f64) {
         (self.decomposer.diagonal(), self.decomposer.mean_length(), self.decomposer.diffusion().step_length())
+    }
+
+    /// Number of vertices whose masses were raised, and the share of the area that this adds; `None` for a walk.
+    fn raised_masses(&self) -> Option<(usize, f64)> {
+        self.decomposer.surface_info().map(|info| (info.n_raised, info.added_mass))
     }
 
     /// Tells whether the diffusion is reversible.
@@ -243,6 +252,38 @@ impl Prepared {
             self.request(signal, &schedule, request.accuracy, p).weighted(&factors)
         })?;
         Ok(arrays::matrix(py, sum, signal.n_channels)?.into_any())
+    }
+
+    /// Tells whether `sum_of_bands` applies to these levels.
+    fn has_sum_of_bands(&self, steps: Vec<f64>) -> PyResult<bool> {
+        Ok(self.decomposer.mask_flags().is_none()
+            && self.decomposer.transform().has_sum_of_bands(&schedule(&steps)?))
+    }
+
+    /// `Σ_j W_{h_j}(j)` of one signal of each level: levels × n × channels.
+    #[pyo3(signature = (signals, steps, progress=None))]
+    fn sum_of_bands<'py>(
+        &self,
+        py: Python<'py>,
+        signals: PyReadonlyArray3<'_, f64>,
+        steps: Vec<f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (schedule, n) = (schedule(&steps)?, self.decomposer.n_vertices());
+        let [n_levels, n_rows, n_channels] = [0, 1, 2].map(|axis| signals.shape()[axis]);
+        if n_levels != schedule.n_levels() || n_rows != n || !signals.is_c_contiguous() {
+            return Err(value_error(format!(
+                "signals must be C-contiguous, {} levels × {n} vertices × channels, got shape {:?}",
+                schedule.n_levels(),
+                signals.shape()
+            )));
+        }
+        let values = signals.as_slice()?;
+        let map = self.decomposer.geometry().vertex_map();
+        let sum = run(py, n, progress.as_ref(), |p| {
+            self.decomposer.transform().sum_of_bands(map, values, n_channels, &schedule, p)
+        })?;
+        Ok(arrays::matrix(py, sum, n_channels)?.into_any())
     }
 
     /// Positions after a filter, under constraints on directions, borders and volume.

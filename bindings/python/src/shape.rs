@@ -251,6 +251,12 @@ impl ShapeData {
         &self.name
     }
 
+    /// Content of the file that only its own format keeps, such as materials.
+    #[getter]
+    fn extras(&self) -> Vec<String> {
+        self.file.extras().to_vec()
+    }
+
     #[getter]
     fn format(&self) -> Option<&'static str> {
         self.file.format().map(Format::name)

@@ -218,7 +218,9 @@ VALUE_ERRORS: dict[str, Callable[[], Any]] = {
     "points: row 5 is [nan, nan, nan]; coor": lambda: parts_of(np.where(POINTS == 5, np.nan, POINTS)),
     "points: shape (3, 6) looks transposed; pass points.T": lambda: parts_of(POINTS.T),
     "points: shape (18,) has one dimension; pass points.reshape(-1": lambda: parts_of(POINTS.ravel()),
-    "points: shape (6, 4) has 4 columns; pass points[:, :3]": lambda: parts_of(np.ones((6, 4))),
+    "points: shape (6, 4) has 4 columns, but positions have 2 or 3: values at the vertices of a shape are a signal": lambda: parts_of(
+        np.ones((6, 4))
+    ),
     "points: shape (6, 6) looks like weights between nodes; pass scipy": lambda: parts_of(GRAPH_LIKE),
     "points: shape (4, 3, 3) looks like separate triangles": lambda: parts_of(np.ones((4, 3, 3))),
     "points: row 1 has 2 entries, but row 0 has 3": lambda: parts_of([[0, 0, 0], [1, 1]]),
@@ -442,8 +444,6 @@ def test_pyvista_lines_mixed_cells_and_refusals() -> None:
     assert bigger.points.dtype == np.float32 and "Normals" not in bigger.point_data
     assert "Normals" in ball.point_data
     for refused, advice in [
-        (ball.delaunay_3d(), "VTK type 10, which is no flat polygon: call .extract_surface"),
-        (pv.ImageData(dimensions=(2, 2, 2)), "call .extract_surface"),
         (ball.strip(), "triangle strips: call .triangulate"),
         (pv.MultiBlock([ball]), "pass one of its blocks"),
     ]:

@@ -12,8 +12,28 @@ Each band is local in space and in frequency. Look at the bands (`saliency`, `fe
 True
 
 A *shape* may be a path, an array of points, a pair ``(points, faces)``, a sparse matrix or an object of trimesh,
-PyVista, meshio, Open3D or networkx. The order and the number of its vertices never change, and nothing is changed in
-place.
+PyVista, meshio, Open3D, networkx, nilearn, PyTorch Geometric, PyGSP or laspy. The order and the number of its vertices
+never change, and nothing is changed in place.
+
+==========================================  ============================================================
+smooth(shape, f, fwhm=8)                    smooth a signal, or the shape, by one width or number of steps
+decompose(shape, f, levels=8)               split it into `Bands` from fine to coarse
+filter(shape, "smooth")                     change the bands of the shape or of a signal, and sum them
+denoise(shape, f)                           remove noise whose amount is estimated
+filter_labels(shape, labels, gains)         change labels by their shares
+saliency(shape, f), features(shape, f)      map where it stands out; find such places
+match(a, b), distances(a, b)                find the motion between two scans; measure their distance
+simplify(shape, ratio=0.1)                  remove vertices, with a measured error
+render(shape, f), report(shape, "a.html")   draw it; write a page about it
+info(shape), signal(shape, name)            facts; signals such as curvatures
+region(shape, "ball:vertex=3,radius=5%")    weights of a region
+read(path), Shape(points, faces)            shapes; sample() and graph() make others
+Decomposer(shape)                           a shape prepared once, for many requests
+studio(shape)                               an equalizer in the browser
+==========================================  ============================================================
+
+``help(aw.decompose)`` has the arguments of one function; `aw.torch`, `aw.sklearn`, `aw.dask` and `aw.baselines` are
+loaded when they are first used.
 
 ``import adwave`` loads this file only; numpy and the extension are loaded with the first name that is used.
 """
@@ -26,7 +46,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
     "_decomposer": ("Bands", "Decomposer", "Layer"),
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
-    "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels"),
+    "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"),
     "_measures": (
         "FeatureOptions",
         "Features",

@@ -22,6 +22,7 @@ from adwave._edits import decompose as decompose
 from adwave._edits import denoise as denoise
 from adwave._edits import filter as filter
 from adwave._edits import filter_labels as filter_labels
+from adwave._edits import smooth as smooth
 from adwave._measures import FeatureOptions as FeatureOptions
 from adwave._measures import Features as Features
 from adwave._measures import Saliency as Saliency
@@ -113,6 +114,7 @@ __all__ = [
     "show_versions",
     "signal",
     "simplify",
+    "smooth",
     "studio",
     "threads",
 ]

@@ -32,15 +32,20 @@ from ._adapt_arrays import (
     values_array,
     weights_array,
 )
-from ._adapt_objects import Found, by_names, has_shape_names, library_of, read
-from ._adapt_results import rebuild
+from ._adapt_objects import SIGNALS, Found, by_names, has_shape_names, library_of, read
+from ._adapt_results import has_place, rebuild
 
 __all__ = [
     "Parts",
+    "can_hold_results",
+    "depth",
     "graph_parts",
+    "holds_fields",
     "is_path",
+    "own_signal",
     "parts_of",
     "points_array",
+    "stores_normals",
     "values_array",
     "with_results",
 ]
@@ -76,6 +81,8 @@ class Parts:
         Values per vertex and per face, (n,) or (n, c), of any real type of at most 8 bytes.
     source
         The library the shape came from: 'trimesh', 'pyvista', ..., 'dlpack' or 'arrays'.
+    lost
+        What the object has and a `Shape` has no place for.
     """
 
     kind: Literal["mesh", "cloud", "graph"]
@@ -90,6 +97,7 @@ class Parts:
     fields: dict[str, Array] = field(default_factory=dict)
     face_fields: dict[str, Array] = field(default_factory=dict)
     source: str = "arrays"
+    lost: tuple[str, ...] = ()
 
 
 def is_path(shape: object) -> TypeGuard[str | os.PathLike[str]]:
@@ -211,6 +219,29 @@ def with_results(
     return np.array(points), (pair[1] if faces is None else np.array(faces))
 
 
+def can_hold_results(given: object) -> bool:
+    """Tells whether `with_results` can make an object of the kind of `given`."""
+    if (library := library_of(given)) is not None:
+        return has_place(given, library)
+    return _pair_of(given) is not None or (_is_array_like(given) and not has_shape_names(given))
+
+
+def holds_fields(given: object) -> bool:
+    """Tells whether an object has a place for values at its vertices."""
+    return library_of(given) is not None
+
+
+def stores_normals(given: object) -> bool:
+    """Tells whether an object stores normals, instead of computing them."""
+    return library_of(given) in ("pyvista", "meshio", "open3d")
+
+
+def own_signal(given: object) -> str | None:
+    """Name of the field that an object is about, if it is a signal on a shape rather than a shape."""
+    library = library_of(given)
+    return read(given, library).own_signal if library in SIGNALS else None
+
+
 def _find(shape: object, faces: object) -> Found:
     """Content of a shape, recognized by its library, as a pair, as an array, or by the names of its attributes."""
     if is_path(shape):
@@ -227,7 +258,7 @@ def _find(shape: object, faces: object) -> Found:
     else:
         raise TypeError(
             f"shape: cannot read {kind_of(shape)}; pass points, (points, faces), a scipy.sparse matrix, or a "
-            "mesh, cloud or graph of trimesh, PyVista, meshio, Open3D or NetworkX"
+            "mesh, cloud or graph of trimesh, PyVista, meshio, Open3D, NetworkX, nilearn, PyTorch Geometric, PyGSP or laspy"
         )
     if faces is not None:
         if found.faces is not None or found.lines is not None or found.edges is not None:
@@ -243,6 +274,8 @@ def _parts_from(found: Found) -> Parts:
         parts.rows = index_array(rows, parts.n_vertices, "edges", "node")
         parts.cols = index_array(cols, parts.n_vertices, "edges", "node")
         parts.weights = weights_array(weights, parts.rows.size)
+        if found.points is not None:
+            parts.points = points_array(found.points)
     else:
         points = points_array(found.points)
         parts = Parts("cloud", len(points), points)
@@ -252,7 +285,7 @@ def _parts_from(found: Found) -> Parts:
         elif found.lines is not None:
             parts.kind = "graph"
             parts.rows, parts.cols = edges_of_lines(found.lines, len(points))
-    parts.source = found.source
+    parts.source, parts.lost = found.source, found.lost
     return parts
 
 

@@ -6,6 +6,7 @@ passed on as it is. Every check is one pass over the array, and looks for the ro
 
 from __future__ import annotations
 
+import math
 from itertools import chain, pairwise
 from typing import Any, Literal
 
@@ -87,6 +88,9 @@ def _refuse_uneven(x: Any, name: str) -> None:
 
 
 def _float64(array: Array) -> Floats:
+    flags = array.flags
+    if array.dtype == np.float64 and flags.c_contiguous and flags.aligned and array.dtype.isnative:
+        return array
     # A long double too large for a double becomes an infinity, which the callers report.
     with np.errstate(over="ignore"):
         return np.require(array, np.float64, _DIRECT)
@@ -125,9 +129,24 @@ def _points_hint(shape: tuple[int, ...], name: str) -> str:
     if len(shape) == 2 and shape[0] == shape[1]:
         return "looks like weights between nodes; pass scipy.sparse.csr_array of it for a graph"
     if len(shape) == 2 and shape[1] > 3:
-        return f"has {shape[1]} columns; pass {name}[:, :3]"
+        return (
+            f"has {shape[1]} columns, but positions have 2 or 3: values at the vertices of a shape are a signal, "
+            "aw.decompose(shape, values); samples with many features are the nodes of a graph, "
+            "aw.decompose(sklearn.neighbors.kneighbors_graph(X, 10), X); columns x, y, z and others are "
+            f"aw.decompose({name}[:, :3], {name}[:, 3:])"
+        )
+    if len(shape) == 3 and shape[2] in (3, 4) and min(shape[:2]) > 3:
+        return (
+            "looks like an image; its pixels are the nodes of a graph: aw.decompose("
+            "sklearn.feature_extraction.image.grid_to_graph(*image.shape[:2]), image.reshape(-1, image.shape[2]))"
+        )
     if len(shape) == 1 and shape[0] % 3 == 0:
         return f"has one dimension; pass {name}.reshape(-1, 3)"
+    if len(shape) == 3 and shape[1:] != (3, 3):
+        return (
+            "looks like a volume; its voxels are the nodes of a graph: aw.decompose(pyvista.wrap(volume)) or "
+            "aw.decompose(sklearn.feature_extraction.image.grid_to_graph(*volume.shape), volume.ravel())"
+        )
     if shape[1:] == (3, 3):
         return "looks like separate triangles; join equal corners, and pass points and faces"
     return "is not one row per vertex, (n, 3) or (n, 2)"
@@ -148,9 +167,21 @@ def values_array(values: object, n_vertices: int, name: str = "signal") -> Float
     array = _rows_of(array_of(values, name), n_vertices, name)
     if array.shape[1:] == (0,):
         raise ValueError(f"{name}: shape {array.shape} has no columns")
+    return finite_values(array[:, np.newaxis] if array.ndim == 1 else array, name)
+
+
+def finite_values(array: Array, name: str) -> Floats:
+    """An (n, c) array as float64 without infinite values; NaN means that there is no value.
+
+    Raises
+    ------
+    ValueError
+        A value is infinite.
+    """
     result = _float64(array)
-    if result.ndim == 1:
-        result = result[:, np.newaxis]
+    # The sum of finite numbers is finite, unless it overflows.
+    if math.isfinite(result.sum()):
+        return result
     infinite = np.isinf(result)
     if infinite.any():
         row = int(np.argmax(infinite.any(axis=1)))
@@ -183,10 +214,18 @@ def weights_array(weights: object, n_edges: int) -> Floats | None:
     """Weights of the edges, one for each; None stays None."""
     if weights is None:
         return None
-    array = array_of(weights, "weights")
+    array = _float64(array_of(weights, "weights"))
     if array.shape != (n_edges,):
         raise ValueError(f"weights: shape {array.shape} is not one per edge, ({n_edges},)")
-    return _float64(array)
+    # Entries of 0 are no edges.
+    is_bad = ~np.isfinite(array) | (array < 0)
+    if is_bad.any():
+        row = int(np.argmax(is_bad))
+        raise ValueError(
+            f"weights: edge {row} has the weight {array[row]:g}, but weights are positive and finite: they say how "
+            "alike both ends are; take exp(-distance²/scale²) of distances"
+        )
+    return array
 
 
 def faces_arrays(faces: Any, n_points: int) -> tuple[Indices, Indices | None]:

@@ -6,6 +6,7 @@ there as it is; `adwave._adapt` checks and converts it.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,7 +29,19 @@ _SHAPE_NAMES = (
     ("vertices", None),
     ("points", None),
 )
+# Classes of further libraries that have a reader here.
+_NEIGHBORS = {
+    ("nilearn", "SurfaceMesh"),
+    ("nilearn", "PolyMesh"),
+    ("nilearn", "SurfaceImage"),
+    ("torch_geometric", "Data"),
+    ("pygsp", "Graph"),
+    ("laspy", "LasData"),
+}
+# Libraries with objects that are signals on shapes.
+SIGNALS = ("nilearn", "pyvista", "torch_geometric")
 _VTK_VERTICES, _VTK_LINES, _VTK_FACES = (0, 1, 2), (3, 4), (5, 7, 9)
+_NO_ENDS: Array = np.empty(0, np.int64)
 # What Open3D's tensor geometries call the fields that other libraries have too.
 OPEN3D_NAMES = {"colors": "color", "normals": "normal"}
 
@@ -38,7 +51,8 @@ class Found:
     """Unchecked content of an object: points with faces, with lines or alone; or edges between nodes.
 
     `lines` are cells of two corners and more; `edges` are rows, columns, weights, and whether each undirected
-    edge is listed once, and come with `n_vertices`.
+    edge is listed once, and come with `n_vertices`. `own_signal` names the field that the object is about, if it is a
+    signal on a shape, and `lost` what the object has and a `Shape` has no place for.
     """
 
     source: str
@@ -49,6 +63,8 @@ class Found:
     n_vertices: int = 0
     fields: dict[str, Any] = field(default_factory=dict)
     face_fields: dict[str, Any] = field(default_factory=dict)
+    own_signal: str | None = None
+    lost: tuple[str, ...] = ()
 
 
 def library_of(x: object) -> str | None:
@@ -58,6 +74,8 @@ def library_of(x: object) -> str | None:
     for cls in type(x).__mro__:
         root, _, rest = cls.__module__.partition(".")
         if root in ("trimesh", "pyvista", "meshio", "networkx"):
+            return root
+        if (root, cls.__name__) in _NEIGHBORS:
             return root
         if root in ("vtkmodules", "vtk"):
             return "vtk"
@@ -121,6 +139,17 @@ def _read_trimesh(x: Any) -> Found:
         found.fields["color"] = x.visual.vertex_colors
     elif x.visual.kind == "face":
         found.face_fields["color"] = x.visual.face_colors
+    elif x.visual.kind == "texture":
+        uv = getattr(x.visual, "uv", None)
+        if uv is not None and len(uv) == len(x.vertices):
+            found.fields["texcoord"] = np.asarray(uv)[:, :2]
+        material = getattr(x.visual, "material", None)
+        pictures = [getattr(material, name, None) for name in ("image", "baseColorTexture")]
+        # A material without a texture has a picture of 2 × 2 pixels of its color.
+        if any(picture is not None and max(picture.size) > 2 for picture in pictures):
+            found.lost = ("the material and its texture",)
+        elif getattr(material, "name", None):
+            found.lost = ("the material",)
     return found
 
 
@@ -144,11 +173,59 @@ def _read_pyvista(x: Any) -> Found:
         found = _read_grid(x)
     elif "PointSet" in names:
         found = Found("pyvista")
+    elif "MultiBlock" in names:
+        raise _refused(x, "pass one of its blocks")
+    elif hasattr(x, "dimensions"):
+        found = _read_lattice(x)
     else:
-        blocks = "MultiBlock" in names
-        raise _refused(x, "pass one of its blocks" if blocks else "call .extract_surface() on it first")
+        raise _refused(x, "pass a PolyData, an UnstructuredGrid or an ImageData")
     found.points, found.fields = x.points, dict(x.point_data)
+    texcoord = x.point_data.active_texture_coordinates
+    if texcoord is not None and np.ndim(texcoord) == 2:
+        name = _vtk_name(x, "GetTCoords")
+        found.fields.pop(name, None)
+        found.fields["texcoord"] = np.asarray(texcoord)[:, :2]
+    if found.edges is not None:
+        found.own_signal = _only_scalars(x)
     return found
+
+
+def _vtk_name(x: Any, getter: str) -> str:
+    array = getattr(x.GetPointData(), getter)()
+    return "" if array is None else array.GetName()
+
+
+def _only_scalars(x: Any) -> str | None:
+    """Name of the values that a grid is about: the active ones, or the only ones."""
+    names = list(x.point_data)
+    active = x.point_data.active_scalars_name
+    return active if active is not None else names[0] if len(names) == 1 else None
+
+
+def _read_lattice(x: Any) -> Found:
+    """Points of an image or a structured grid as nodes, each joined with the next along each axis.
+
+    Weights are the mean square distance of neighbors over their own, as for heat.
+    """
+    sizes = tuple(int(size) for size in x.dimensions)
+    if x.n_cells and not len(x.point_data) and len(x.cell_data):
+        raise _refused(x, "its values are at the cells: call .cell_data_to_point_data() on it first")
+    index = np.arange(int(np.prod(sizes))).reshape(sizes, order="F")
+    pairs = [
+        (np.take(index, range(size - 1), axis).ravel(), np.take(index, range(1, size), axis).ravel())
+        for axis, size in enumerate(sizes)
+        if size > 1
+    ]
+    return _weighted_graph(x, *(np.concatenate(ends) for ends in zip(*pairs, strict=True)))
+
+
+def _weighted_graph(x: Any, first: Array = _NO_ENDS, second: Array = _NO_ENDS) -> Found:
+    points = np.asarray(x.points, np.float64)
+    squares = ((points[first] - points[second]) ** 2).sum(axis=1)
+    is_apart = squares > 0
+    first, second, squares = first[is_apart], second[is_apart], squares[is_apart]
+    weights = squares.mean() / squares if squares.size else squares
+    return Found("pyvista", edges=(first, second, weights, True), n_vertices=len(points))
 
 
 def _read_polydata(x: Any) -> Found:
@@ -169,11 +246,11 @@ def _read_polydata(x: Any) -> Found:
 def _read_grid(x: Any) -> Found:
     found = Found("pyvista")
     types: Array = np.asarray(x.celltypes)
-    is_known = np.isin(types, _VTK_VERTICES + _VTK_LINES + _VTK_FACES)
-    if not is_known.all():
-        cell = int(np.argmin(is_known))
-        why = f"cell {cell} is of VTK type {types[cell]}, which is no flat polygon"
-        raise _refused(x, f"{why}: call .extract_surface() on it first")
+    if not np.isin(types, _VTK_VERTICES + _VTK_LINES + _VTK_FACES).all():
+        # Volumes: a graph of the edges of all cells.
+        edges = x.extract_all_edges()
+        ends = np.asarray(edges.lines).reshape(-1, 3)[:, 1:]
+        return _weighted_graph(x, ends[:, 0], ends[:, 1])
     offsets: Array = np.asarray(x.cell_offsets if hasattr(x, "cell_offsets") else x.offset)
     for cells, kinds in (("faces", _VTK_FACES), ("lines", _VTK_LINES)):
         keep = np.isin(types, kinds)
@@ -246,6 +323,8 @@ def _read_open3d(x: Any) -> Found:
         found = Found("open3d", np.asarray(x.vertices), np.asarray(x.triangles))
         found.fields = {"color": np.asarray(x.vertex_colors), "normal": np.asarray(x.vertex_normals)}
         found.face_fields = {"normal": np.asarray(x.triangle_normals)}
+        if len(x.triangle_uvs):
+            found.lost = ("texture coordinates of corners",)
         return found
     found = Found("open3d", np.asarray(x.points))
     if kind == "LineSet":
@@ -299,7 +378,31 @@ def _read_scipy(x: Any) -> Found:
     if len(x.shape) != 2 or x.shape[0] != x.shape[1]:
         raise ValueError(f"shape: the sparse matrix of weights has shape {x.shape}, but must be square")
     entries = x.tocoo(copy=False)
+    _warn_of_weights(entries)
     return Found("scipy", edges=(entries.row, entries.col, entries.data, False), n_vertices=x.shape[0])
+
+
+def _warn_of_weights(entries: Any) -> None:
+    """Warn of weights that are not used as they are: those of a walk, of one direction, and on the diagonal."""
+    if entries.data.dtype.kind not in "biuf" or not entries.data.size:
+        return
+    rows, cols, weights = entries.row, entries.col, entries.data.astype(np.float64)
+    if not np.isfinite(weights).all():
+        return
+    n = entries.shape[0]
+    # Products with one vector from both sides differ if the matrix is not symmetric.
+    vector = np.random.default_rng(0).random(n)
+    from_rows = np.bincount(rows, weights * vector[cols], n)
+    from_columns = np.bincount(cols, weights * vector[rows], n)
+    if np.abs(from_rows - from_columns).max() > 1e-9 * np.abs(from_rows).max():
+        sums = np.bincount(rows, weights, n)
+        if np.allclose(sums[np.bincount(rows, minlength=n) > 0], 1.0):
+            message = "looks like a walk, whose rows sum to 1, and is taken for weights; pass the symmetric weights"
+        else:
+            message = "is not symmetric: (W + W.T) / 2 is used"
+        warnings.warn(f"the matrix {message}", UserWarning, stacklevel=2)
+    elif (weights[rows == cols] != 0).any():
+        warnings.warn("the diagonal of the matrix of weights is not used", UserWarning, stacklevel=2)
 
 
 def axes_of(x: Any) -> list[Any]:
@@ -316,6 +419,58 @@ def _read_frame(x: Any) -> Found:
     return Found("pandas", points=x[axes], fields=rest)
 
 
+def _read_nilearn(x: Any) -> Found:
+    names = class_names(x)
+    if "SurfaceMesh" in names:
+        return Found("nilearn", points=x.coordinates, faces=x.faces)
+    mesh = x.mesh if "SurfaceImage" in names else x
+    # Both hemispheres as one mesh of two components.
+    parts = [(np.asarray(part.coordinates), np.asarray(part.faces)) for part in mesh.parts.values()]
+    starts = np.cumsum([0, *(len(points) for points, _ in parts)])
+    points = np.concatenate([points for points, _ in parts])
+    faces = np.concatenate([faces + start for (_, faces), start in zip(parts, starts, strict=False)])
+    found = Found("nilearn", points=points, faces=faces)
+    if mesh is not x:
+        found.fields["data"] = np.concatenate([np.asarray(values) for values in x.data.parts.values()])
+        found.own_signal = "data"
+    return found
+
+
+def _read_torch_geometric(x: Any) -> Found:
+    def array(name: str) -> Any:
+        tensor = getattr(x, name, None)
+        return None if tensor is None else tensor.detach().cpu().numpy()
+
+    points, faces, ends = array("pos"), array("face"), array("edge_index")
+    if faces is not None and points is not None:
+        found = Found("torch_geometric", points=points, faces=faces.T)
+    elif ends is not None:
+        weights = array("edge_weight")
+        found = Found("torch_geometric", edges=(ends[0], ends[1], weights, False), n_vertices=int(x.num_nodes))
+        found.own_signal = "x" if array("x") is not None else None
+    elif points is not None:
+        found = Found("torch_geometric", points=points)
+    else:
+        raise _refused(x, "it has neither edge_index nor pos")
+    names: Any = x.keys() if callable(x.keys) else x.keys
+    for name in names:
+        if name not in ("pos", "face", "edge_index", "edge_weight", "edge_attr") and hasattr(x[name], "detach"):
+            found.fields[name] = array(name)
+    return found
+
+
+def _read_pygsp(x: Any) -> Found:
+    entries = x.W.tocoo()
+    found = Found("pygsp", edges=(entries.row, entries.col, entries.data, False), n_vertices=int(x.N))
+    found.fields = dict(getattr(x, "signals", {}))
+    return found
+
+
+def _read_laspy(x: Any) -> Found:
+    names = [name for name in x.point_format.dimension_names if name not in ("X", "Y", "Z")]
+    return Found("laspy", points=x.xyz, fields={name: np.asarray(x[name]) for name in names})
+
+
 _READERS: dict[str, Callable[[Any], Found]] = {
     "trimesh": _read_trimesh,
     "pyvista": _read_pyvista,
@@ -326,4 +481,8 @@ _READERS: dict[str, Callable[[Any], Found]] = {
     "scipy": _read_scipy,
     "pandas": _read_frame,
     "polars": _read_frame,
+    "nilearn": _read_nilearn,
+    "torch_geometric": _read_torch_geometric,
+    "pygsp": _read_pygsp,
+    "laspy": _read_laspy,
 }

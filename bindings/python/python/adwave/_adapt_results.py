@@ -6,6 +6,7 @@ The library is loaded already, because the caller holds an object of it; so what
 
 from __future__ import annotations
 
+import copy
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -53,10 +54,11 @@ def rebuild(
     if library not in _REBUILDERS:
         raise TypeError(f"like: {_WITHOUT_PLACE[library]}; ask for arrays")
     results = _Results(points, fields, face_fields, faces)
-    if library == "networkx":
-        n_vertices = len(like)
+    if library in ("networkx", "pygsp"):
+        n_vertices = len(like) if library == "networkx" else int(like.N)
+    elif (found := read(like, library)).points is None:
+        n_vertices = found.n_vertices
     else:
-        found = read(like, library)
         n_old = len(found.points)
         n_vertices = n_old if points is None else len(points)
         if n_vertices != n_old and faces is None and (found.faces is not None or found.lines is not None):
@@ -128,7 +130,13 @@ def _rebuild_trimesh(like: Any, results: _Results) -> Any:
         new = like.copy()
     if results.points is not None:
         new.vertices = np.array(results.points)
+    if "texcoord" in results.fields:
+        material = getattr(like.visual, "material", None)
+        uv = np.array(results.fields["texcoord"], np.float64)
+        new.visual = sys.modules["trimesh"].visual.TextureVisuals(uv=uv, material=material)
     for name, values in results.fields.items():
+        if name == "texcoord":
+            continue
         if name == "color" and _is_color(values) and hasattr(type(new.visual), "vertex_colors"):
             new.visual.vertex_colors = np.array(values)
         else:
@@ -140,7 +148,10 @@ def _rebuild_trimesh(like: Any, results: _Results) -> Any:
 
 def _rebuild_pyvista(like: Any, results: _Results) -> Any:
     points, faces = results.points, results.faces
-    is_grid = "UnstructuredGrid" in class_names(like)
+    names = class_names(like)
+    is_grid = "UnstructuredGrid" in names
+    if points is not None and names & {"ImageData", "RectilinearGrid"}:
+        raise TypeError("like: the points of an image are fixed; give a signal, such as the name of its values")
     if results.is_fresh and points is not None:
         new = sys.modules["pyvista"].PolyData(_points_like(points, like.points))
         if faces is not None:
@@ -155,7 +166,10 @@ def _rebuild_pyvista(like: Any, results: _Results) -> Any:
                 for name in [name for name in data if name.lower() in _NORMALS]:
                     del data[name]
     for name, values in results.fields.items():
-        new.point_data[name] = np.array(values)
+        if name == "texcoord":
+            new.point_data.active_texture_coordinates = np.array(values)
+        else:
+            new.point_data[name] = np.array(values)
     if results.face_fields:
         if is_grid:
             is_face = is_face_of_grid(new)
@@ -282,6 +296,89 @@ def _rebuild_pandas(like: Any, results: _Results) -> Any:
     return new
 
 
+def _rebuild_nilearn(like: Any, results: _Results) -> Any:
+    surface = sys.modules["nilearn.surface"]
+    names = class_names(like)
+    if "SurfaceMesh" in names:
+        _refuse_fields(like, [*results.fields, *results.face_fields], "")
+        points = like.coordinates if results.points is None else results.points
+        return surface.InMemoryMesh(np.array(points), np.array(like.faces if results.faces is None else results.faces))
+    if results.is_fresh:
+        raise TypeError("like: the hemispheres of another number of vertices cannot be told apart; ask for arrays")
+    is_image = "SurfaceImage" in names
+    _refuse_fields(like, [n for n in (*results.fields, *results.face_fields) if not is_image or n != "data"], "")
+    mesh = like.mesh if is_image else like
+    ends = np.cumsum([len(part.coordinates) for part in mesh.parts.values()])[:-1]
+    if results.points is not None:
+        split = np.split(np.array(results.points), ends)
+        parts = zip(mesh.parts.items(), split, strict=True)
+        mesh = surface.PolyMesh(**{name: surface.InMemoryMesh(at, np.array(part.faces)) for (name, part), at in parts})
+    if not is_image:
+        return mesh
+    if "data" in results.fields:
+        values = dict(zip(mesh.parts, np.split(np.array(results.fields["data"]), ends), strict=True))
+    else:
+        values = {name: np.array(part) for name, part in like.data.parts.items()}
+    return type(like)(mesh=mesh, data=values)
+
+
+def _rebuild_torch_geometric(like: Any, results: _Results) -> Any:
+    torch = sys.modules["torch"]
+    if results.is_fresh and results.faces is None and getattr(like, "edge_index", None) is not None:
+        raise TypeError("like: a graph of another number of nodes has other edges; ask for arrays")
+    if results.points is not None and getattr(like, "pos", None) is None:
+        raise TypeError("like: the graph has no positions; ask for arrays")
+    new = type(like)() if results.is_fresh else like.clone()
+
+    def tensor(values: Array, old: Any) -> Any:
+        made = torch.from_numpy(np.ascontiguousarray(values))
+        return made.to(old.device, old.dtype) if old is not None and old.is_floating_point() else made
+
+    if results.points is not None:
+        new.pos = tensor(_points_like(results.points, like.pos.detach().cpu().numpy()), like.pos)
+    if results.faces is not None:
+        new.face = tensor(np.asarray(results.faces, np.int64).T, None)
+    for name, values in results.fields.items():
+        new[name] = tensor(values, getattr(like, name, None))
+    return new
+
+
+def _rebuild_pygsp(like: Any, results: _Results) -> Any:
+    if results.points is not None or results.faces is not None or results.face_fields:
+        raise TypeError("like: a PyGSP graph holds signals only; ask for arrays")
+    new = copy.copy(like)
+    new.signals = {
+        **getattr(like, "signals", {}),
+        **{name: np.array(values) for name, values in results.fields.items()},
+    }
+    return new
+
+
+def _rebuild_laspy(like: Any, results: _Results) -> Any:
+    laspy = sys.modules["laspy"]
+    if results.faces is not None or results.face_fields:
+        raise TypeError("like: a LAS holds points only; ask for arrays")
+    if results.is_fresh:
+        new = laspy.create(point_format=like.header.point_format, file_version=like.header.version)
+        new.header.offsets, new.header.scales = like.header.offsets, like.header.scales
+    else:
+        new = laspy.LasData(copy.deepcopy(like.header), like.points.copy())
+    if results.points is not None:
+        new.x, new.y, new.z = np.array(results.points).T
+    known = set(new.point_format.dimension_names)
+    for name, values in results.fields.items():
+        if name not in known:
+            kind = f"{values.shape[1]}{values.dtype.str[1:]}" if np.ndim(values) == 2 else values.dtype
+            new.add_extra_dim(laspy.ExtraBytesParams(name=name, type=kind))
+        new[name] = np.array(values)
+    return new
+
+
+def has_place(like: Any, library: str) -> bool:
+    """Tells whether results can be put into an object of `library`."""
+    return library in _REBUILDERS and not (library == "open3d" and open3d_kind(like) == "LineSet")
+
+
 _WITHOUT_PLACE = {
     "scipy": "a sparse matrix has no place for points or values per node",
     "polars": "a polars frame takes no results",
@@ -294,4 +391,8 @@ _REBUILDERS: dict[str, Callable[[Any, _Results], Any]] = {
     "open3d": _rebuild_open3d,
     "networkx": _rebuild_networkx,
     "pandas": _rebuild_pandas,
+    "nilearn": _rebuild_nilearn,
+    "torch_geometric": _rebuild_torch_geometric,
+    "pygsp": _rebuild_pygsp,
+    "laspy": _rebuild_laspy,
 }

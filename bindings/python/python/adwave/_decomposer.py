@@ -4,17 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Union
+from html import escape
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from adwave import _adapt, _native
+from adwave import _native
 from adwave._diffusion import PreparedShape
+from adwave._layout import Layout, vertex_weights
 from adwave._native import FWHM
-from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Steps, Widths, as_operator
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape
+from adwave._unknown import refuse_unknown
+from adwave._viewer import bands_html
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+    from xarray import DataArray
+
+    from adwave._options import LevelOptions
 
 Where = Union[str, ArrayLike, None]
 
@@ -58,9 +69,10 @@ class Decomposer(PreparedShape):
     ----------
     shape : shape_like
         Anything that is a shape; see `Shape`.
-    operator : str or Operator
-        How signals are smoothed: ``'walk'``, the paper's lazy random walk, or ``'surface'``, heat, whose widths hardly depend on the
-        mesh; `Operator` has further options.
+    operator : str or Operator, optional
+        How signals are smoothed: ``'walk'``, the paper's lazy random walk, or ``'surface'``, heat, whose widths hardly depend
+        on the mesh; `Operator` has further options. Without one each request takes what `adwave.decompose` takes: heat for
+        levels that are widths, and the walk for others.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
 
@@ -92,6 +104,7 @@ class Decomposer(PreparedShape):
         levels: LevelsLike = None,
         accuracy: float = _native.ACCURACY,
         progress: ProgressLike = None,
+        **options: Unpack[LevelOptions],
     ) -> Bands:
         """Split a signal into its bands; see `adwave.decompose`.
 
@@ -105,23 +118,64 @@ class Decomposer(PreparedShape):
             Largest error of a band relative to the band, 1e-13 to 0.1.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+        **options
+            ``fwhm=[2, 4, 8]`` and ``steps=[1, 2.5, 8]``, short for `levels`.
         """
-        steps = self.schedule(levels)
-        owner, values, is_flat = self._resolve_signal(signal)
-        with report_progress(progress, "splitting") as report:
-            array, info = owner._data.bands(BandsRequest(values, steps, accuracy), report)
-        return Bands._from_parts(owner, BandsRequest(values, steps, accuracy), array, is_flat, info)
+        if options:
+            refuse_unknown("decompose", options, ("signal", "levels", "accuracy", "progress"), ("fwhm", "steps"))
+            levels = levels_of(levels, options)
+        owner = self.for_levels(levels)
+        values, layout = owner._signal_values(signal)
+        request = BandsRequest(values, owner.schedule(levels), accuracy)
+        return split_signal(owner, request, layout, None, progress)
 
 
-class Bands:
+@dataclass(frozen=True)
+class Selection:
+    """The vertices of a shape that take part."""
+
+    whole: Shape
+    rows: NDArray[np.intp]
+
+
+def split_signal(
+    decomposer: Decomposer,
+    request: BandsRequest,
+    layout: Layout,
+    selection: Selection | None = None,
+    progress: ProgressLike = None,
+) -> Bands:
+    """The bands of a signal, channels that are NaN at the same vertices together."""
+    info: dict[str, float] = {}
+    with report_progress(progress, "splitting") as report:
+
+        def split(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            array, found = owner._data.bands(BandsRequest(values, request.steps, request.accuracy), report)
+            info.update({name: max(value, info.get(name, 0.0)) for name, value in found.items()})
+            return array
+
+        array = decomposer._map_channels(request.signal, split)
+    raised = decomposer._data.raised_masses()
+    if raised is not None:
+        info["raised_masses"], info["added_mass"] = raised
+    return Bands._from_parts(decomposer, request, array, layout, info, selection)
+
+
+#: Public attributes of arrays, which `Bands` has too.
+_OF_ARRAYS = frozenset(name for name in dir(np.ndarray) if not name.startswith("_"))
+
+
+class Bands(NDArrayOperatorsMixin):
     """The bands of a signal, ``W_f(1), …, W_f(J)`` from fine to coarse, and the rest, ``S_f(J)``.
 
-    It behaves as an array of (J + 1) × n × channels ((J + 1) × n for a signal of one dimension); its sum over the first
-    axis is the signal. `adwave.decompose` computes it.
+    It behaves as an array of (J + 1) × n × channels, that is (J + 1) × the shape of the signal: it has the attributes and
+    operators of `numpy.ndarray`, numpy's functions take it, and its sum over the first axis is the signal. Results are plain
+    arrays. `adwave.decompose` computes it.
 
     Notes
     -----
-    `apply` takes milliseconds. If vertices are welded or masked, the first call keeps a second copy of the bands.
+    ``bands[0]`` is ``bands.wavelet(1)``, and ``bands[-1]`` is ``bands.scaling(J)``. `apply` takes milliseconds. If vertices
+    are welded or masked, the first call keeps a second copy of the bands.
 
     Examples
     --------
@@ -133,11 +187,20 @@ class Bands:
     >>> rough = bands.apply([3, 2, 1, 1, 1], where="ball:vertex=0,radius=10%")
     >>> rough.shape
     (2024, 3)
+    >>> bands.dtype, (2 * bands).shape, abs(bands).max(axis=(1, 2)).shape
+    (dtype('float64'), (6, 2024, 3), (6,))
     """
 
-    __slots__ = ("__weakref__", "_array", "_editor", "_is_flat", "_is_plain", "_request", "decomposer", "info")
-
+    _array: NDArray[np.float64]
+    _editors: list[tuple[_native.EditorData, list[int]]] | None
+    _is_plain: bool | None
+    _layout: Layout
+    _part_layout: Layout
+    _request: BandsRequest
+    _selection: Selection | None
     decomposer: Decomposer
+    #: Bound of the relative error, degree of the polynomials, bytes of memory, and for heat on a surface the number of
+    #: vertices whose masses were raised and the share of the area that this adds (see `Operator.with_exact_masses`).
     info: dict[str, float]
 
     @classmethod
@@ -146,27 +209,87 @@ class Bands:
         decomposer: Decomposer,
         request: BandsRequest,
         array: NDArray[np.float64],
-        is_flat: bool,
+        layout: Layout,
         info: dict[str, float],
+        selection: Selection | None,
     ) -> Bands:
         bands = cls.__new__(cls)
-        array.setflags(write=False)
         # A copy, since the caller may change the array later.
         signal = None if request.signal is None else np.array(request.signal)
         bands._request = BandsRequest(signal, request.steps, request.accuracy)
-        bands.decomposer, bands._array, bands.info = decomposer, array, info
-        bands._is_flat, bands._editor, bands._is_plain = is_flat, None, None
+        bands._part_layout, bands._selection, bands.info = layout, selection, info
+        bands._editors, bands._is_plain = None, None
+        # The one shape whose vertices without a value are masked, if all channels have them in common.
+        groups = decomposer._channel_groups(signal)
+        bands.decomposer = groups[0][0] if len(groups) == 1 else decomposer
+        if selection is not None:
+            whole = np.full((len(array), selection.whole.n_vertices, array.shape[2]), np.nan)
+            whole[:, selection.rows] = array
+            array, layout = whole, layout.with_vertices(selection.whole.n_vertices)
+        array.setflags(write=False)
+        bands._array, bands._layout = array, layout
         return bands
 
     @property
     def array(self) -> NDArray[np.float64]:
-        """All bands as one read-only array: (J + 1) × n × channels, or (J + 1) × n."""
-        return self._array[:, :, 0] if self._is_flat else self._array
+        """All bands as one read-only array: (J + 1) × the shape of the signal."""
+        return self._layout.arrange(self._array)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of `array`."""
-        return self.array.shape
+        return (len(self._array), *self._layout.shape)
+
+    @property
+    def dtype(self) -> np.dtype[np.float64]:
+        """Type of the numbers, float64."""
+        return self._array.dtype
+
+    @property
+    def ndim(self) -> int:
+        """Number of axes of `array`."""
+        return len(self.shape)
+
+    @property
+    def size(self) -> int:
+        """Number of values of `array`."""
+        return self._array.size
+
+    @property
+    def T(self) -> NDArray[np.float64]:
+        """`array` with its axes in the reverse order, as a view."""
+        return self.array.T
+
+    def mean(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Any:
+        """Mean over an axis, as `numpy.mean`."""
+        return self.array.mean(axis, **options)
+
+    def sum(self, axis: int | tuple[int, ...] | None = None, **options: Any) -> Any:
+        """Sum over an axis, as `numpy.sum`; over axis 0 it is the signal."""
+        return self.array.sum(axis, **options)
+
+    def astype(self, dtype: DTypeLike, **options: Any) -> NDArray[Any]:
+        """A copy of `array` in another number type."""
+        return self.array.astype(dtype, **options)
+
+    def to_xarray(self) -> DataArray:
+        """An `xarray.DataArray` with the axes level, vertex and channel, and steps and widths of the levels.
+
+        Level j = 1 … J is ``W_f(j)`` and level J + 1 the rest, whose steps and widths are those of level J.
+        """
+        import xarray
+
+        names = (
+            ["channel"] if len(self._layout.channels) == 1 else [f"axis_{i}" for i in range(len(self._layout.channels))]
+        )
+        axes = [*names, "vertex"] if self._layout.is_last else ["vertex", *names]
+        steps, widths = self.steps, self.rms_widths
+        along = {
+            "level": np.arange(1, len(self) + 1),
+            "steps": ("level", np.append(steps, steps[-1:])),
+            "rms_width": ("level", np.append(widths, widths[-1:])),
+        }
+        return xarray.DataArray(self.array, dims=("level", *axes), coords=along, name="bands", attrs=dict(self.info))
 
     @property
     def n_levels(self) -> int:
@@ -209,18 +332,25 @@ class Bands:
         return self.array.sum(axis=0)
 
     def energy(self, weights: ArrayLike | None = None) -> NDArray[np.float64]:
-        """``Σ_x a(x)·‖W_f(j,x)‖²`` of each band and of S_f(J), (J + 1,).
+        """``Σ_x a(x)·‖W_f(j,x)‖²`` of each band and of S_f(J), (J + 1,); vertices without a value count nothing.
 
         Parameters
         ----------
         weights : (n,) array_like, optional
             a(x); by default the areas of the vertices.
         """
-        a = self.decomposer.areas if weights is None else np.asarray(weights, dtype=np.float64)
-        n = self.decomposer.n_vertices
+        n = self._layout.n_vertices
+        if weights is not None:
+            a = np.asarray(weights, dtype=np.float64)
+        elif self._selection is not None:
+            a = np.zeros(n)
+            a[self._selection.rows] = self.decomposer.areas
+        else:
+            a = self.decomposer.areas
         if a.shape != (n,):
             raise ValueError(f"weights must have one number for each of {n} vertices, got shape {a.shape}")
-        return np.einsum("jxc,jxc,x->j", self._array, self._array, a)
+        array = self._array if np.isfinite(self._array[-1]).all() else np.nan_to_num(self._array)
+        return np.einsum("jxc,jxc,x->j", array, array, a)
 
     def apply(
         self, gains: GainsLike, where: Where = None, *, out: NDArray[np.float64] | None = None
@@ -232,7 +362,8 @@ class Bands:
         gains : sequence of float, str, or one or more Layer
             One gain for each band from fine to coarse, or the name of a preset. The gains of several layers multiply.
         where : str or (n,) array_like, optional
-            A region in its text form, or a weight for each vertex (bool or any number); everywhere by default.
+            A region in its text form, a weight for each vertex (bool or any number), or indices of vertices; everywhere by
+            default.
         out : array, optional
             A C-contiguous float64 array of the signal's shape that receives the result and is returned.
 
@@ -246,44 +377,91 @@ class Bands:
         ValueError
             If there are not J gains, or `where` or `out` does not fit the shape.
         """
-        layers = edit_layers(gains, where, self.decomposer.n_vertices)
-        target = None
+        if isinstance(gains, (int, float, np.number)):
+            raise TypeError(
+                f"gains must be one number for each of {self.n_levels} bands, got {gains}; for all bands alike "
+                f"bands.apply([{gains}] * {self.n_levels})"
+            )
+        layers = edit_layers(gains, where, self._layout.n_vertices)
         if out is not None:
-            expected = self.array.shape[1:]
-            if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != expected:
-                found = f"{out.dtype}, shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+            expected = self._layout.shape
+            is_array = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == expected
+            if not is_array or not out.flags.c_contiguous:
+                found = (
+                    f"{out.dtype}, shape {out.shape}, strides {out.strides}"
+                    if isinstance(out, np.ndarray)
+                    else type(out).__name__
+                )
                 raise ValueError(f"out: must be a C-contiguous float64 array of shape {expected}, got {found}")
-            target = out[:, None] if self._is_flat else out
         if self._has_plain_vertices():
+            # Written in place where the axes allow.
+            target = self._layout.flatten(out) if out is not None and not self._layout.is_last else None
             edited = _native.apply_bands(self.decomposer._data, self._request.signal, self._array, layers, target)
         else:
-            edited = self._cached_editor().apply(layers, target)
-        if out is not None:
-            return out
-        return edited[:, 0] if self._is_flat else edited
+            target, edited = None, self._edit(layers)
+        if out is None:
+            return self._layout.arrange(edited)
+        if target is None:
+            out[...] = self._layout.arrange(edited)
+        return out
+
+    def _edit(self, layers: list[tuple[Any, Any]]) -> NDArray[np.float64]:
+        """The edited n × channels values, by an editor of each group of channels."""
+        if self._editors is None:
+            request = self._request
+            self._editors = [
+                (_native.EditorData(owner._data, BandsRequest(part, request.steps, request.accuracy)), channels)
+                for owner, part, channels in self.decomposer._channel_groups(request.signal)
+            ]
+        selection = self._selection
+        if selection is not None:
+            layers = [(gains, _at_rows(weights, selection.rows)) for gains, weights in layers]
+        values = self.decomposer.shape.points if self._request.signal is None else self._request.signal
+        if len(self._editors) == 1 and selection is None and len(self._editors[0][1]) == values.shape[1]:
+            return self._editors[0][0].apply(layers)
+        edited = np.array(values)
+        for editor, channels in self._editors:
+            edited[:, channels] = editor.apply(layers)
+        if selection is None:
+            return edited
+        whole = (
+            np.array(self._array.sum(axis=0)) if self._request.signal is not None else np.array(selection.whole.points)
+        )
+        whole[selection.rows] = edited
+        return whole
 
     def to_shape(self, points: ArrayLike) -> Shape:
         """The shape of these bands at other positions, n × 3."""
-        return self.decomposer.shape.with_points(points)
+        shape = self.decomposer.shape if self._selection is None else self._selection.whole
+        return shape.with_points(points)
 
     def _has_plain_vertices(self) -> bool:
         """Tells whether no vertices are welded or masked: then an edit needs these bands alone."""
         if self._is_plain is None:
+            signal = self._request.signal
+            has_gaps = signal is not None and bool(np.isnan(signal).any())
             welded = self.decomposer.vertex_map()
             n_welded = int(welded.max()) + 1 if len(welded) else 0
-            self._is_plain = self.decomposer.mask is None and len(welded) == n_welded
+            is_whole = self._selection is None and self.decomposer.mask is None and not has_gaps
+            self._is_plain = is_whole and len(welded) == n_welded
         return self._is_plain
-
-    def _cached_editor(self) -> _native.EditorData:
-        if self._editor is None:
-            self._editor = _native.EditorData(self.decomposer._data, self._request)
-        return self._editor
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         if copy is False and dtype is not None and np.dtype(dtype) != np.float64:
             raise ValueError("bands are float64; another type needs a copy")
         array = self.array if dtype is None else self.array.astype(dtype, copy=False)
         return array.copy() if copy else array
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        if any(isinstance(out, Bands) for out in options.get("out") or ()):
+            raise TypeError("bands are read-only; write `new = bands + 1` instead of `bands += 1`")
+        plain = [each.array if isinstance(each, Bands) else each for each in inputs]
+        return getattr(ufunc, method)(*plain, **options)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _OF_ARRAYS:
+            raise AttributeError(f"'Bands' object has no attribute {name!r}")
+        return getattr(self.array, name)
 
     def __len__(self) -> int:
         return len(self._array)
@@ -294,29 +472,52 @@ class Bands:
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         return iter(self.array)
 
+    def __matmul__(self, other: Any) -> Any:
+        return self.array @ np.asarray(other)
+
     def __repr__(self) -> str:
         widths = ", ".join(f"{width:.4g}" for width in self.rms_widths)
         return f"<adwave.Bands: {self.n_levels} levels of {self.shape[1:]}, rms widths {widths}>"
 
+    def _repr_html_(self) -> str:
+        widths = self.rms_widths
+        titles = [f"{j} · {width:.3g}" for j, width in enumerate(widths, start=1)]
+        shape = self.decomposer.shape if self._selection is None else self._selection.whole
+        view = ""
+        if shape.kind == "mesh":
+            view = bands_html(shape._data, self._array, [*titles, "rest"], self._request.signal is None)
+        return f"<div>{escape(repr(self))}</div>{view}"
+
     def __reduce__(self) -> tuple[Any, ...]:
-        request = self._request
-        signal = request.signal[:, 0] if self._is_flat and request.signal is not None else request.signal
-        return _restore_bands, (self.decomposer, signal, request.steps, request.accuracy)
+        return split_signal, (self.decomposer, self._request, self._part_layout, self._selection)
 
 
-def _restore_bands(decomposer: Decomposer, signal: Any, steps: Sequence[float], accuracy: float) -> Bands:
-    return decomposer.decompose(signal, levels=Steps(steps), accuracy=accuracy)
+def _at_rows(weights: Any, rows: NDArray[np.intp]) -> Any:
+    return np.ascontiguousarray(weights[rows]) if isinstance(weights, np.ndarray) else weights
 
 
 def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: LevelsLike = None) -> Decomposer:
-    """A `Decomposer` of a shape; one that is given is returned.
+    """A `Decomposer` of a shape; of one that is given, the operator that suits the levels.
 
     Without a kind, levels by width take heat on the surface unless an option of the walk is given.
+
+    Raises
+    ------
+    ValueError
+        If a `Decomposer` is to have another operator than its own.
     """
     if isinstance(shape, Decomposer):
-        if operator is not None:
-            raise ValueError("a Decomposer has an operator already; leave operator out")
-        return shape
+        own = shape.for_levels(levels)
+        if operator is not None and as_operator(operator) not in (
+            as_operator(own.operator),
+            own._options,
+            shape._options,
+        ):
+            raise ValueError(
+                f"operator: this Decomposer was prepared with {own._options}; leave the options of the operator out, or pass "
+                "the shape itself, decomposer.shape"
+            )
+        return own
     options = as_operator(operator)
     by_width = isinstance(levels, Widths) and not options.needs_walk()
     return Decomposer(shape, operator=options.with_default_kind("surface" if by_width else "walk"))
@@ -346,14 +547,9 @@ def _plain_gains(gains: Sequence[float] | str) -> Any:
         return gains
     array = np.asarray(gains, dtype=np.float64)
     if array.ndim != 1:
-        raise ValueError(f"gains must be one number for each band, got shape {array.shape}")
+        raise ValueError(f"gains must be one number for each band, such as [0, 1, 1], got shape {array.shape}")
     return array.tolist()
 
 
 def _plain_weights(where: Where, n: int) -> Any:
-    if where is None or isinstance(where, str):
-        return where
-    weights = _adapt.values_array(where, n, "where")
-    if weights.shape[1] != 1:
-        raise ValueError(f"where must have one weight for each vertex, got shape {weights.shape}")
-    return np.ascontiguousarray(weights[:, 0])
+    return where if where is None or isinstance(where, str) else vertex_weights(where, n)

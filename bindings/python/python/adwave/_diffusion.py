@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from adwave import _adapt, _native
+from adwave import _native
+from adwave._layout import Layout, coordinates, signal_values
 from adwave._options import (
     BandsRequest,
     Length,
@@ -20,6 +22,7 @@ from adwave._options import (
     Widths,
     as_operator,
     check_levels,
+    check_steps,
 )
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
@@ -37,16 +40,47 @@ _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 class PreparedShape:
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
-    __slots__ = ("__weakref__", "_data", "_mask", "_options", "shape")
+    __slots__ = ("__weakref__", "_by_width", "_data", "_last_masked", "_mask", "_options", "shape")
 
     shape: Shape
 
-    def __init__(self, shape: object, *, operator: OperatorLike = "walk", progress: ProgressLike = None) -> None:
+    def __init__(self, shape: object, *, operator: OperatorLike = None, progress: ProgressLike = None) -> None:
         self.shape = as_shape(shape)
-        self._options: Operator = as_operator(operator).with_default_kind("walk")
+        self._options: Operator = as_operator(operator)
         with report_progress(progress, "preparing") as report:
-            self._data = _native.Prepared(self.shape._data, self._options, report)
+            self._data = _native.Prepared(self.shape._data, self._options.with_default_kind("walk"), report)
         self._mask: NDArray[np.bool_] | None = None
+        self._by_width: Any = None
+        self._last_masked: Any = None
+
+    def for_levels(self: _Prepared, levels: LevelsLike) -> _Prepared:
+        """This shape with the operator that suits these levels, unless it was prepared with one: heat for widths.
+
+        The second operator is prepared when it is first needed.
+
+        Parameters
+        ----------
+        levels : int, Widths, Steps or Octaves, optional
+            Levels as in `adwave.decompose`.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> prepared = aw.Decomposer(aw.sample("sphere", vertices=500))
+        >>> prepared.for_levels(4).operator, prepared.for_levels(aw.Widths(fwhm=[0.2])).operator
+        ('walk', 'surface')
+        """
+        if not isinstance(levels, Widths) or not self.chooses_operator:
+            return self
+        if self._by_width is None:
+            other = type(self)(self.shape, operator=self._options.with_default_kind("surface"))
+            self._by_width = other if self._mask is None else other.with_mask(self._mask)
+        return self._by_width
+
+    @property
+    def chooses_operator(self) -> bool:
+        """Whether each request chooses the operator that suits its levels, because none was given."""
+        return self._options.kind is None and not self._options.needs_walk()
 
     @property
     def n_vertices(self) -> int:
@@ -55,7 +89,7 @@ class PreparedShape:
 
     @property
     def operator(self) -> str:
-        """Kind of the diffusion operator, ``'walk'`` or ``'surface'``."""
+        """Kind of the diffusion operator, ``'walk'`` or ``'surface'``; see also `for_levels`."""
         return self._data.operator
 
     @property
@@ -107,6 +141,7 @@ class PreparedShape:
             raise ValueError(f"mask must have one flag for each of {self.n_vertices} vertices, got shape {flags.shape}")
         other = type(self).__new__(type(self))
         other.shape, other._options, other._mask = self.shape, self._options, flags
+        other._by_width = other._last_masked = None
         other._data = self._data.with_mask(flags)
         return other
 
@@ -125,6 +160,11 @@ class PreparedShape:
         list of float
             n_1 … n_J.
 
+        Raises
+        ------
+        ValueError
+            If levels are widths and the shape was prepared without an operator, on which their steps depend.
+
         Examples
         --------
         >>> import adwave as aw
@@ -134,6 +174,11 @@ class PreparedShape:
         checked = check_levels(levels)
         if isinstance(checked, Steps):
             return list(checked.steps)
+        if isinstance(checked, Widths) and self.chooses_operator:
+            raise ValueError(
+                "levels: the steps of a width depend on the operator, and none was given; prepare the shape with one, "
+                "aw.Decomposer(shape, operator='surface')"
+            )
         return self._data.schedule(checked, extent)
 
     def rms_widths(self, steps: Sequence[float]) -> NDArray[np.float64]:
@@ -186,10 +231,13 @@ class PreparedShape:
         -------
         (n,) or (n, channels) array
         """
-        owner, values, is_flat = self._resolve_signal(signal)
-        request = BandsRequest(values, [float(n) for n in steps], accuracy)
-        total = owner._data.combine_bands(request, [float(f) for f in factors])
-        return total[:, 0] if is_flat else total
+        given, weights = check_steps(steps), [float(f) for f in factors]
+        values, layout = self._signal_values(signal)
+
+        def combine(owner: PreparedShape, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            return owner._data.combine_bands(BandsRequest(values, given, accuracy), weights)
+
+        return layout.arrange(self._map_channels(values, combine))
 
     def functions(self, vertex: int, level: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Scaling function φ and wavelet ψ of one vertex on a dyadic level, as values at all vertices.
@@ -212,15 +260,43 @@ class PreparedShape:
             raise ValueError(f"vertex must be in 0..={self.n_vertices - 1}, got {vertex}")
         return self._data.vertex_functions(vertex, self.schedule(level))
 
-    def matrix(self) -> csr_array:
+    def matrix(self, *, lazy: bool = True) -> csr_array:
         """Φ₁ as an n × n sparse matrix whose rows are ≥ 0 and sum to 1.
 
         Vertices are in the order of the shape. If some were welded, the matrix is over the welded vertices, and
-        `vertex_map` tells which is which.
-        """
-        from scipy.sparse import csr_array
+        `vertex_map` tells which is which. The diagonal of given weights is not used, and the edges of a point cloud's
+        nearest neighbors go both ways unless ``directed``.
 
-        return csr_array(_native.diffusion_matrix(self._data))
+        Parameters
+        ----------
+        lazy : bool
+            The walk of the bands, Φ₁ = ½(I + Q), whose eigenvalues are in [0, 1], stays where it is half of the time.
+            False for Q, the walk that always steps: ``D⁻¹A`` of a graph with weights A.
+
+        Raises
+        ------
+        ValueError
+            If the operator is heat on the surface, and no walk is asked for.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> walk = aw.Decomposer(aw.graph(3, [[0, 1], [1, 2]]))
+        >>> walk.matrix(lazy=False).toarray()
+        array([[0. , 1. , 0. ],
+               [0.5, 0. , 0.5],
+               [0. , 1. , 0. ]])
+        """
+        from scipy.sparse import csr_array, identity
+
+        step: Any = csr_array(_native.diffusion_matrix(self._data))
+        if lazy:
+            return step
+        if self.operator != "walk":
+            raise ValueError("lazy: heat on the surface is no walk; prepare the shape with operator='walk'")
+        walk = csr_array(2 * step - identity(step.shape[0], format="csr"))
+        walk.eliminate_zeros()
+        return walk
 
     def vertex_map(self) -> NDArray[np.uint32]:
         """Index of the welded vertex of each vertex of the shape, (n,)."""
@@ -265,11 +341,15 @@ class PreparedShape:
         signal: SignalLike,
         steps: float | None = None,
         *,
-        rms_width: Length | None = None,
+        rms: Length | None = None,
         fwhm: Length | None = None,
+        lazy: bool = True,
         accuracy: float = _native.ACCURACY,
     ) -> NDArray[np.float64]:
         """Smooth a signal: ``Φ₁^steps f``, for any number of steps from 1/64, or by a width.
+
+        Unless the shape was prepared with an operator, widths are those of heat on the surface and steps those of the
+        walk. Between whole numbers of steps the walk may leave the range of the signal by a few percent; heat never does.
 
         Parameters
         ----------
@@ -277,35 +357,67 @@ class PreparedShape:
             Signal as in `adwave.decompose`.
         steps : float, optional
             Number of steps, an integer or not.
-        rms_width : float or str, optional
+        rms : float or str, optional
             Root mean square distance instead of steps, in model units or as a share of the diagonal such as ``"2%"``.
         fwhm : float or str, optional
             Full width at half maximum instead of steps.
+        lazy : bool
+            False for steps of the walk that always moves, ``Q^steps f``; see `matrix`. Steps must be whole.
         accuracy : float
             Largest error relative to the change.
 
         Returns
         -------
-        (n,) or (n, channels) array
+        array like the signal
 
         Examples
         --------
         >>> import adwave as aw
-        >>> walk = aw.Decomposer(aw.sample("sphere", vertices=500), operator="surface")
-        >>> walk.smooth("z", fwhm="10%").shape
+        >>> prepared = aw.Decomposer(aw.sample("sphere", vertices=500))
+        >>> prepared.smooth("z", fwhm="10%").shape
         (500,)
         """
-        if [steps is None, rms_width is None, fwhm is None].count(False) != 1:
-            raise ValueError("smooth takes exactly one of steps, rms_width and fwhm")
-        if rms_width is not None:
-            (steps,) = self.schedule(Widths(rms=[rms_width]))
-        elif fwhm is not None:
-            (steps,) = self.schedule(Widths(fwhm=[fwhm]))
-        owner, values, is_flat = self._resolve_signal(signal)
-        request = BandsRequest(values, [float(steps)], accuracy)  # type: ignore[arg-type]
-        change = owner._data.combine_bands(request, [-1.0])
-        smoothed = change + (self.shape.points if values is None else values)
-        return smoothed[:, 0] if is_flat else smoothed
+        levels = smoothing_levels(steps, rms, fwhm)
+        owner = self.for_levels(levels)
+        if not lazy:
+            return owner._walk(signal, levels)
+        return owner._smooth(signal, owner.schedule(levels), accuracy)
+
+    def _smooth(
+        self, signal: SignalLike, steps: Sequence[float], accuracy: float, progress: ProgressLike = None
+    ) -> NDArray[np.float64]:
+        values, layout = self._signal_values(signal)
+        with report_progress(progress, "smoothing") as report:
+
+            def smooth(owner: PreparedShape, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+                change = owner._data.combine_bands(BandsRequest(values, steps, accuracy), [-1.0], report)
+                return change + (self.shape.points if values is None else values)
+
+            return layout.arrange(self._map_channels(values, smooth))
+
+    def _walk(self, signal: SignalLike, levels: LevelsLike) -> NDArray[np.float64]:
+        """``Q^steps f`` with the walk that always moves."""
+        steps = levels.steps[0] if isinstance(levels, Steps) else 0.5
+        if steps != int(steps):
+            raise ValueError("lazy: the walk that always moves takes whole steps, such as steps=3, lazy=False")
+        values, layout = self._signal_values(signal)
+
+        def walk(owner: PreparedShape, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
+            given = self.shape.points if values is None else np.nan_to_num(values)
+            matrix: Any = owner.matrix(lazy=False)
+            n = matrix.shape[0]
+            # Vertices are in the order of the shape, unless some are welded.
+            place = owner.vertex_map() if n < self.n_vertices else np.arange(n)
+            now = np.stack([np.bincount(place, column, n) for column in given.T], axis=1)
+            now /= np.bincount(place, minlength=n)[:, None]
+            for _step in range(int(steps)):
+                now = matrix @ now
+            result = now[place]
+            if owner.mask is not None:
+                result[owner.mask] = np.nan
+            return result
+
+        return layout.arrange(self._map_channels(values, walk))
 
     def adjoint(self, signal: ArrayLike, steps: float, *, accuracy: float = _native.ACCURACY) -> NDArray[np.float64]:
         """``(Φ₁^steps)ᵀ g``: by reversibility ``π·Φ₁^steps(g/π)``, where π is the stationary distribution.
@@ -326,10 +438,9 @@ class PreparedShape:
         """
         if not self._data.is_reversible() or self._mask is not None:
             raise ValueError("the adjoint needs a reversible diffusion; leave out directed and masks")
-        share = self._data.welding()[1]
-        values = np.asarray(signal, dtype=np.float64)
-        share = share if values.ndim == 1 else share[:, None]
-        return share * self.smooth(values / share, steps, accuracy=accuracy)
+        share = self._data.welding()[1][:, None]
+        values, layout = signal_values(signal, self.n_vertices)
+        return layout.arrange(share * self.smooth(values / share, steps, accuracy=accuracy))
 
     def linear_operator(self, steps: float = 1.0, *, accuracy: float = _native.ACCURACY) -> LinearOperator:
         """``Φ₁^steps`` as a `scipy.sparse.linalg.LinearOperator` with its adjoint.
@@ -364,31 +475,101 @@ class PreparedShape:
         factory: Any = LinearOperator
         return factory((n, n), matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
 
-    def _resolve_signal(self: _Prepared, signal: SignalLike) -> tuple[_Prepared, NDArray[np.float64] | None, bool]:
-        """Owner of the signal (masked where it is NaN), its n × channels values (None: coordinates), whether it was 1-D."""
-        values, is_flat = self._signal_values(signal)
-        if values is None:
-            return self, None, is_flat
-        return self._masked_where(np.atleast_1d(np.isnan(values).any(axis=1))), values, is_flat
+    def _resolve_signal(self: _Prepared, signal: SignalLike) -> tuple[_Prepared, NDArray[np.float64] | None, Layout]:
+        """Owner of the signal (masked where a channel is NaN), its n × channels values (None: coordinates), its axes."""
+        values, layout = self._signal_values(signal)
+        if values is None or math.isfinite(values.sum()):
+            return self, values, layout
+        return self._masked_where(np.atleast_1d(np.isnan(values).any(axis=1))), values, layout
 
-    def _signal_values(self, signal: SignalLike) -> tuple[NDArray[np.float64] | None, bool]:
-        """The n × channels values of a signal (None: coordinates), and whether it was 1-D."""
+    def _signal_values(self, signal: SignalLike) -> tuple[NDArray[np.float64] | None, Layout]:
+        """The n × channels values of a signal (None: coordinates), and its axes."""
         if signal is None or (isinstance(signal, str) and signal == "coords"):
-            return None, False
+            return None, coordinates(self.n_vertices)
         if isinstance(signal, str):
             values = self.shape._data.signal(signal)
-            return values, values.shape[1] == 1
-        return _adapt.values_array(signal, self.n_vertices), np.ndim(signal) == 1
+            return values, Layout(self.n_vertices, () if values.shape[1] == 1 else (values.shape[1],))
+        return signal_values(signal, self.n_vertices)
+
+    def _channel_groups(
+        self: _Prepared, values: NDArray[np.float64] | None
+    ) -> list[tuple[_Prepared, NDArray[np.float64] | None, list[int]]]:
+        """Channels that are NaN at the same vertices, with this shape masked there; without those that are NaN all over.
+
+        A single channel without any value is an error of the extension.
+        """
+        if values is None:
+            return [(self, None, [0, 1, 2])]
+        n_channels = values.shape[1]
+        if math.isfinite(values.sum()):
+            return [(self, values, list(range(n_channels)))]
+        missing = np.isnan(values)
+        if not missing.any() or n_channels == 1:
+            return [(self._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(n_channels)))]
+        patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
+        groups: list[tuple[_Prepared, NDArray[np.float64] | None, list[int]]] = []
+        for group in range(patterns.shape[1]):
+            channels = np.flatnonzero(np.ravel(group_of_channel) == group)
+            if patterns.shape[1] == 1 or not patterns[:, group].all():
+                owner = self._masked_where(patterns[:, group])
+                groups.append((owner, np.ascontiguousarray(values[:, channels]), channels.tolist()))
+        return groups
+
+    def _map_channels(
+        self: _Prepared,
+        values: NDArray[np.float64] | None,
+        compute: Callable[[_Prepared, NDArray[np.float64] | None, list[int]], NDArray[np.float64]],
+    ) -> NDArray[np.float64]:
+        """New values of (…, n, channels), computed together for channels that are NaN at the same vertices.
+
+        `compute` takes the masked shape, the values of some channels, and their indices. Channels without any value stay
+        as they are.
+        """
+        groups = self._channel_groups(values)
+        if values is None or (len(groups) == 1 and len(groups[0][2]) == values.shape[1]):
+            return compute(*groups[0])
+        result: NDArray[np.float64] | None = None
+        for owner, part, channels in groups:
+            found = compute(owner, part, channels)
+            if result is None:
+                result = np.full((*found.shape[:-1], values.shape[1]), np.nan)
+            result[..., channels] = found
+        assert result is not None
+        return result
 
     def _masked_where(self: _Prepared, missing: NDArray[np.bool_]) -> _Prepared:
         """Copy without the vertices where a signal is missing, unless it has a mask already."""
-        return self.with_mask(missing) if missing.any() and self._mask is None else self
+        if self._mask is not None or not missing.any():
+            return self
+        # Signals of one study have their gaps in common, and a masked operator is built anew.
+        last = self._last_masked
+        if last is None or not np.array_equal(last._mask, missing):
+            last = self._last_masked = self.with_mask(missing)
+        return last
 
     def __repr__(self) -> str:
-        return f"<adwave.{type(self).__name__}: {self.operator} on {self.shape!r}>"
+        operator = f"{self.operator} (surface for widths)" if self.chooses_operator else self.operator
+        return f"<adwave.{type(self).__name__}: {operator} on {self.shape!r}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (type(self), self.shape, self._options, self._mask)
+
+
+def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | None) -> Steps | Widths:
+    """The single level of a smoothing.
+
+    Raises
+    ------
+    ValueError
+        If not exactly one measure is given, or `steps` is none.
+    """
+    given = {name: value for name, value in (("steps", steps), ("rms", rms), ("fwhm", fwhm)) if value is not None}
+    if len(given) != 1:
+        found = " and ".join(given) or "none"
+        raise ValueError(f'smooth takes one of fwhm=8, rms="2%" and steps=3, got {found}')
+    if steps is not None:
+        return Steps(check_steps([steps]))
+    return Widths(rms=None if rms is None else [rms], fwhm=None if fwhm is None else [fwhm])
 
 
 def _restore(kind: type[_Prepared], shape: Shape, options: Operator, mask: NDArray[np.bool_] | None) -> _Prepared:

@@ -4,28 +4,56 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._decomposer import Bands, Decomposer, GainsLike, Layer, Where, edit_layers, prepare_decomposer
-from adwave._options import BandsRequest, Constraints, LevelsLike, OperatorLike, SignalLike, as_operator
+from adwave._decomposer import (
+    Bands,
+    Decomposer,
+    GainsLike,
+    Layer,
+    Where,
+    edit_layers,
+    prepare_decomposer,
+    split_signal,
+)
+from adwave._diffusion import smoothing_levels
+from adwave._layout import Layout
+from adwave._options import (
+    BandsRequest,
+    Constraints,
+    Length,
+    LevelsLike,
+    Operator,
+    OperatorLike,
+    SignalLike,
+    as_operator,
+    levels_of,
+)
+from adwave._part import Part, default_signal, exact_operator, read_part
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Shape, as_shape
+from adwave._shape import Shape
 
-__all__ = ["DenoiseResult", "decompose", "denoise", "filter"]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions, SignalOptions, SmoothOptions
+
+__all__ = ["DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"]
 
 
 def decompose(
     shape: object,
-    *,
     signal: SignalLike = None,
+    *,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
+    **options: Unpack[SignalOptions],
 ) -> Bands:
     """Split the positions of a shape, or a signal on it, into bands from fine to coarse.
 
@@ -35,9 +63,9 @@ def decompose(
     ----------
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or (n,) or (n, channels) array_like, optional
-        The coordinates by default, a signal by its name (see `signal`), or numbers at the vertices. Vertices where it is
-        NaN are masked: the diffusion goes around them.
+    signal : str or array_like, optional
+        The coordinates by default, a signal by its name (see `signal`), or numbers at the vertices: (n,), (n, channels),
+        (n, 3, times) or (times, n). Each channel is masked where it is NaN: the diffusion goes around these vertices.
     levels : int, Widths, Steps or Octaves, optional
         A number of dyadic levels (1, 2, 4 … steps of the diffusion); widths, such as ``aw.Widths(fwhm=[2, 4, 8])`` in
         model units or ``aw.Widths(rms=["1%", "2%"])`` of the diagonal; numbers of steps, ``aw.Steps([1, 2.5, 8])``; or
@@ -49,11 +77,15 @@ def decompose(
         Largest error of a band relative to the band, 1e-13 to 0.1.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total), called from this thread.
+    **options
+        ``faces=`` of an array of points; ``mask=`` or ``only=``, the vertices that take part (the bands of the others are
+        NaN); ``fwhm=[2, 4, 8]`` and ``steps=[1, 2.5, 8]``, short for `levels`; ``exact=True``, heat on a surface with the
+        masses of the mesh as they are (see `Operator.with_exact_masses`).
 
     Returns
     -------
     Bands
-        An array-like of (levels + 1) × n × channels, which can be changed band by band.
+        An array of (levels + 1) × the shape of the signal, which can be changed band by band.
 
     Raises
     ------
@@ -78,9 +110,113 @@ def decompose(
     >>> bands = aw.decompose(shape, levels=5)
     >>> bands.steps
     array([ 1.,  2.,  4.,  8., 16.])
+    >>> heights = aw.decompose(shape, shape.points[:, 2], fwhm=["2%", "4%"])
+    >>> heights.shape
+    (3, 2024)
     """
-    decomposer = prepare_decomposer(shape, operator, levels)
-    return decomposer.decompose(signal, levels=levels, accuracy=accuracy, progress=progress)
+    part = read_part("decompose", shape, options, _DECOMPOSE, signal)
+    levels = levels_of(levels, options)
+    signal = part.take_signal(default_signal(part.given, signal))
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
+    values, layout = decomposer._signal_values(signal)
+    request = BandsRequest(values, decomposer.schedule(levels), accuracy)
+    return split_signal(decomposer, request, layout, part.selection, progress)
+
+
+def smooth(
+    shape: object,
+    signal: SignalLike = None,
+    *,
+    fwhm: Length | None = None,
+    rms: Length | None = None,
+    steps: float | None = None,
+    lazy: bool = True,
+    operator: OperatorLike = None,
+    accuracy: float = _native.ACCURACY,
+    progress: ProgressLike = None,
+    **options: Unpack[SmoothOptions],
+) -> Any:
+    """Smooth a signal on a shape, or the shape itself, by one width or number of steps: ``Φ₁^steps f``.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape (see `Shape`), or a `Decomposer`.
+    signal : str or array_like, optional
+        As in `decompose`; the coordinates by default, which shrinks the shape (``aw.filter(shape, "smooth")`` does not).
+    fwhm : float or str, optional
+        Full width at half maximum, in model units or as a share of the diagonal such as ``"2%"``.
+    rms : float or str, optional
+        Root mean square distance that a value spreads to, in the same units; on a surface √2 times the standard deviation
+        along one axis.
+    steps : float, optional
+        Number of steps of the diffusion. Exactly one of the three is given.
+    lazy : bool
+        The walk stays where it is half of the time, ``½(I + D⁻¹A)`` on a graph with weights A; False for whole steps of the
+        walk that always moves, ``D⁻¹A``.
+    operator : str or Operator, optional
+        As in `decompose`: by default heat on the surface for widths, and the walk for steps. Between whole numbers of
+        steps the walk may leave the range of the signal by a few percent; heat never does.
+    accuracy : float
+        Largest error relative to the change.
+    progress : bool or callable, optional
+        As in `decompose`.
+    **options
+        ``faces=``, ``mask=`` or ``only=``, and ``exact=True`` as in `decompose`.
+
+    Returns
+    -------
+    array like the signal, or an object like the shape
+        Numbers if numbers are given. Without a signal, or for the name of one, an object of the caller's kind: a `Shape`
+        for a `Shape` or a path, a trimesh for a trimesh.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is invalid; the message is one line.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> shape = aw.sample("sphere", vertices=2000)
+    >>> f = shape.points[:, 2]
+    >>> smooth = aw.smooth(shape, f, fwhm=0.5)
+    >>> smooth.shape, bool(smooth.std() < f.std())
+    ((2000,), True)
+    """
+    part = read_part("smooth", shape, options, _SMOOTH, signal)
+    levels = smoothing_levels(steps, rms, fwhm)
+    signal = default_signal(part.given, signal)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
+    taken, schedule = part.take_signal(signal), decomposer.schedule(levels)
+    _refuse_labels(signal, decomposer)
+    if lazy:
+        values = decomposer._smooth(taken, schedule, accuracy, progress)
+    else:
+        values = decomposer._walk(taken, levels)
+    if signal is not None and not isinstance(signal, str):
+        return part.spread(values, _layout_of(decomposer, taken))
+    return _with_named_signal(part, decomposer.shape, signal or "coords", values)
+
+
+def _layout_of(decomposer: Decomposer, signal: SignalLike) -> Layout:
+    return decomposer._signal_values(signal)[1]
+
+
+def _with_named_signal(part: Part, shape: Shape, name: str, values: NDArray[np.float64]) -> Any:
+    """The caller's object with new values of a signal that was named."""
+    return part.with_named_signal(_changed(shape, name, values), name)
+
+
+def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
+    if name == "coords":
+        return shape._with_positions(np.ascontiguousarray(values))
+    if name in ("x", "y", "z") and name not in shape.fields:
+        points = np.array(shape.points)
+        points[:, "xyz".index(name)] = values.reshape(-1)
+        return shape.with_points(points)
+    rows = np.ascontiguousarray(values.reshape(len(values), -1))
+    return Shape._from_data(shape._data.with_signal(name, rows))
 
 
 LocalFit = Literal["linear", "constant"]
@@ -92,14 +228,15 @@ def filter(
     gains: GainsLike,
     *,
     where: Where = ...,
-    signal: str = ...,
+    signal: str | None = ...,
     levels: LevelsLike = ...,
     operator: OperatorLike = ...,
     constraints: Constraints | None = ...,
     local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
-) -> Shape: ...
+    **options: Unpack[SignalOptions],
+) -> Any: ...
 
 
 @overload
@@ -115,6 +252,7 @@ def filter(
     local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
+    **options: Unpack[SignalOptions],
 ) -> NDArray[np.float64]: ...
 
 
@@ -123,14 +261,15 @@ def filter(
     gains: GainsLike,
     *,
     where: Where = None,
-    signal: SignalLike = "coords",
+    signal: SignalLike = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     constraints: Constraints | None = None,
     local_fit: LocalFit = "linear",
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
-) -> Shape | NDArray[np.float64]:
+    **options: Unpack[SignalOptions],
+) -> Any:
     """Change the bands of a shape, or of a signal on it: smooth, enhance, keep or drop, everywhere or in a region.
 
     ``f′ = f + Σ_j (Γ(j,x) − 1)·W_f(j,x)``, where Γ is the product of the layers' gains (eq. 18).
@@ -145,17 +284,17 @@ def filter(
         preserved (with one level it drops that band); ``'suppress-paper'`` drops all bands, which shrinks limbs;
         ``'enhance'``, ``'band1'``, ``'band2'``. Or several edits as `Layer`.
     where : str or (n,) array_like, optional
-        A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), or a weight for each
-        vertex; everywhere by default.
-    signal : str or array_like
-        What is changed: ``'coords'``, ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the vertices. Each
-        channel is masked where it is NaN, and stays NaN there.
+        A region in its text form (``"ball:vertex=120,radius=10%"``; see `Decomposer.region`), a weight for each vertex, or
+        indices of vertices; everywhere by default.
+    signal : str or array_like, optional
+        What is changed: ``'coords'`` (the default), ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the
+        vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default one level for each gain.
     operator : str or Operator, optional
         As in `decompose`.
     constraints : Constraints, optional
-        How vertices may move if the coordinates are changed.
+        How vertices may move if the coordinates are changed; an error for other signals.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal other than ``'coords'``, and in coordinates that move along one axis:
         ``'linear'`` keeps slopes, however irregular the samples are; ``'constant'`` is the diffusion operator itself,
@@ -164,11 +303,15 @@ def filter(
         As in `decompose`.
     progress : bool or callable, optional
         As in `decompose`.
+    **options
+        ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=`` and ``steps=`` as in
+        `decompose`.
 
     Returns
     -------
-    Shape, or an array like the signal if numbers are given
-        At new positions or with the field changed, and with everything else that its file had.
+    object like the shape, or an array like the signal if numbers are given
+        At new positions or with the field changed: a `Shape` for a `Shape`, a path or a `Decomposer`, with everything else
+        that its file had; a trimesh for a trimesh, a pair for a pair, and so on.
 
     Raises
     ------
@@ -182,10 +325,14 @@ def filter(
     >>> smooth = aw.filter(noisy, "smooth", levels=4)
     >>> head = aw.filter(noisy, [2, 2, 1], where="ball:vertex=0,radius=20%")
     """
-    if constraints is not None and constraints.border == "free" and not isinstance(shape, Decomposer):
-        operator = as_operator(operator).with_free_ends()
-    decomposer = prepare_decomposer(shape, operator, levels)
-    layers = edit_layers(gains, where, decomposer.n_vertices)
+    part = read_part("filter", shape, options, _FILTER, gains)
+    levels = levels_of(levels, options)
+    named = default_signal(part.given, signal)
+    _check_gains(gains, part.whole_shape.n_vertices)
+    if constraints is not None:
+        operator = _constrained_operator(part, constraints, named, operator)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
+    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
         levels = len(gains)  # type: ignore[arg-type]
     steps = decomposer.schedule(levels)
@@ -193,18 +340,54 @@ def filter(
     def edit(editor: _native.EditorData) -> NDArray[np.float64]:
         return editor.apply(layers)
 
-    if signal is not None and not isinstance(signal, str):
-        values, is_flat = decomposer._signal_values(signal)
-        assert values is not None
+    if named is not None and not isinstance(named, str):
+        values, layout = decomposer._signal_values(part.take_signal(named))
         with report_progress(progress, "filtering") as report:
 
-            def filtered(owner: Decomposer, values: NDArray[np.float64], _: list[int]) -> NDArray[np.float64]:
+            def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
                 return edit(_native.EditorData(owner._data, BandsRequest(values, steps, accuracy, local_fit), report))
 
-            edited = _map_channels(decomposer, values, filtered)
-        return edited[:, 0] if is_flat else edited
-    settings = EditSettings(signal or "coords", steps, constraints or Constraints(), local_fit, accuracy)
-    return edit_shape(decomposer, settings, edit, progress)
+            edited = decomposer._map_channels(values, filtered)
+        return part.spread(layout.arrange(edited), layout, named)
+    settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy)
+    return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
+
+
+def _check_gains(gains: GainsLike, n_vertices: int) -> None:
+    """Raise TypeError if the gains look like a signal."""
+    numbers: Any = gains
+    if not isinstance(gains, (str, Layer)) and np.ndim(numbers) and len(numbers) == n_vertices > 64:
+        raise TypeError(
+            f"gains: got {n_vertices} numbers, one for each vertex: is this the signal? It goes by keyword, "
+            'aw.filter(shape, "smooth", signal=f); aw.smooth(shape, f, fwhm=8) takes it second'
+        )
+
+
+def _constrained_operator(
+    part: Part, constraints: Constraints, signal: SignalLike, operator: OperatorLike
+) -> OperatorLike:
+    """The operator that honors the constraints.
+
+    Raises
+    ------
+    ValueError
+        If the signal is not the coordinates, or the operator was prepared without free ends of a curve.
+    """
+    if not (signal is None or (isinstance(signal, str) and signal == "coords")):
+        raise ValueError(
+            "constraints: they say how vertices may move, and apply to the coordinates only; leave them out for another "
+            "signal"
+        )
+    if constraints.border != "free":
+        return operator
+    if not isinstance(part.part, Decomposer):
+        return as_operator(operator).with_free_ends()
+    if part.shape.kind == "graph" and part.part._options.end_points != "free":
+        raise ValueError(
+            "constraints: this Decomposer keeps the end points of a curve; pass the shape itself, "
+            "aw.filter(decomposer.shape, …), or prepare it with operator=aw.Operator().with_free_ends()"
+        )
+    return operator
 
 
 @dataclass(frozen=True)
@@ -227,7 +410,7 @@ def edit_shape(
     """The shape with one of its signals edited."""
     signal, shape = settings.signal, decomposer.shape
     values, _ = decomposer._signal_values(signal)
-    _refuse_labels(signal, values)
+    _refuse_labels(signal, decomposer)
     is_linear = settings.local_fit != "constant"
     heights = values is None and is_linear and settings.constraints.along in ("x", "y", "z")
     along = "xyz".index(str(settings.constraints.along)) if heights else 0
@@ -241,7 +424,7 @@ def edit_shape(
             request = BandsRequest(values, settings.steps, settings.accuracy, fit)
             return edit(_native.EditorData(owner._data, request, report))
 
-        edited = filtered(decomposer, None, []) if values is None else _map_channels(decomposer, values, filtered)
+        edited = decomposer._map_channels(values, filtered)
         if heights:
             points = np.array(shape.points)
             points[:, along] = edited[:, 0]
@@ -249,41 +432,14 @@ def edit_shape(
         if values is None or heights:
             moved = decomposer._data.constrain_positions(edited, settings.constraints, report)
             return shape._with_positions(moved)
-    axis = "xyz".find(signal) if len(signal) == 1 and signal not in shape.fields else -1
-    if axis >= 0:
-        points = np.array(shape.points)
-        points[:, axis] = edited[:, 0]
-        return shape.with_points(points)
-    return Shape._from_data(shape._data.with_signal(signal, edited))
+    return _changed(shape, signal, edited)
 
 
-def _map_channels(
-    decomposer: Decomposer,
-    values: NDArray[np.float64],
-    compute: Callable[[Decomposer, NDArray[np.float64], list[int]], NDArray[np.float64]],
-) -> NDArray[np.float64]:
-    """New n × channels values, computed together for channels that are NaN at the same vertices, which are masked.
-
-    `compute` takes the masked decomposer, the values of some channels, and their indices.
-    """
-    missing = np.isnan(values)
-    patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
-    if patterns.shape[1] <= 1:
-        return compute(
-            decomposer._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(values.shape[1]))
-        )
-    result = np.array(values)
-    for group in range(patterns.shape[1]):
-        channels = np.flatnonzero(np.ravel(group_of_channel) == group)
-        # A channel without any value stays as it is.
-        if not patterns[:, group].all():
-            owner = decomposer._masked_where(patterns[:, group])
-            result[:, channels] = compute(owner, np.ascontiguousarray(values[:, channels]), channels.tolist())
-    return result
-
-
-def _refuse_labels(signal: SignalLike, values: NDArray[np.float64] | None) -> None:
-    if isinstance(signal, str) and values is not None and _native.labels_of_signal(signal, values):
+def _refuse_labels(signal: SignalLike, decomposer: Decomposer) -> None:
+    if not isinstance(signal, str):
+        return
+    values, _ = decomposer._signal_values(signal)
+    if values is not None and _native.labels_of_signal(signal, values):
         raise ValueError(
             f"signal: {signal!r} has labels, and a mean of labels is none: use filter_labels, or give the values as an"
             " array to take them for numbers"
@@ -300,6 +456,7 @@ def filter_labels(
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
+    **options: Unpack[SignalOptions],
 ) -> NDArray[np.float64]:
     """Change labels by filtering the share of each label.
 
@@ -312,7 +469,7 @@ def filter_labels(
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     labels : str or (n,) array_like
         A field of the shape, or a label for each vertex; NaN where there is none.
-    gains, where, levels, operator, accuracy, progress
+    gains, where, levels, operator, accuracy, progress, **options
         As in `filter`.
 
     Returns
@@ -334,14 +491,17 @@ def filter_labels(
     >>> bool((aw.filter_labels(shape, classes, [0, 0, 0]) == 5).any())
     False
     """
-    decomposer = prepare_decomposer(shape, operator, levels)
-    layers = edit_layers(gains, where, decomposer.n_vertices)
+    part = read_part("filter_labels", shape, options, _LABELS)
+    levels = levels_of(levels, options)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
+    layers = edit_layers(part.take_layers(gains), part.take_where(where), decomposer.n_vertices)
     if levels is None and not isinstance(gains, str) and not _has_layers(gains):
         levels = len(gains)  # type: ignore[arg-type]
-    owner, values, _ = decomposer._resolve_signal(labels)
+    owner, values, layout = decomposer._resolve_signal(part.take_signal(labels))
     request = BandsRequest(values, decomposer.schedule(levels), accuracy)
     with report_progress(progress, "filtering") as report:
-        return _native.filter_labels(owner._data, request, layers, report)[:, 0]
+        filtered = _native.filter_labels(owner._data, request, layers, report)[:, 0]
+    return part.spread(filtered, layout, part.whole_shape.signal(labels) if isinstance(labels, str) else labels)
 
 
 def _has_layers(gains: Any) -> bool:
@@ -353,8 +513,9 @@ class DenoiseResult(NamedTuple):
 
     Attributes
     ----------
-    result : Shape or array
-        A `Shape`, or an array like the signal.
+    result : object like the shape, or array
+        A `Shape` for a `Shape` or a path, a trimesh for a trimesh, a pair for a pair, and so on; an array like the signal if
+        numbers are given.
     info : dict
         ``noise``: the standard deviation of the noise, in model units of a shape and in the units of a signal. For a
         shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
@@ -388,8 +549,8 @@ class DenoiseOptions:
 
 def denoise(
     shape: object,
-    *,
     signal: SignalLike = None,
+    *,
     strength: float = 1.0,
     creases: Literal["auto", "keep", "none"] = "auto",
     noise: float | None = None,
@@ -397,6 +558,7 @@ def denoise(
     outliers: Literal["keep", "pull"] = "keep",
     operator: OperatorLike = None,
     progress: ProgressLike = None,
+    **options: Unpack[PartOptions],
 ) -> DenoiseResult:
     """Remove noise from a shape, or from a signal on it, without tuning.
 
@@ -407,8 +569,8 @@ def denoise(
     ----------
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    signal : str or (n,) or (n, channels) array_like, optional
-        A signal instead of the shape; each channel is masked where it is NaN.
+    signal : str or array_like, optional
+        A signal instead of the shape, in the axes of `decompose`; each channel is masked where it is NaN.
     strength : float
         Factor of the noise: below 1 more careful, above 1 more thorough.
     creases : {'auto', 'keep', 'none'}
@@ -423,11 +585,14 @@ def denoise(
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+    **options
+        ``faces=``, and ``mask=`` or ``only=``, the vertices that take part: the others stay as they are.
 
     Returns
     -------
     DenoiseResult
-        The shape or array, and the estimates.
+        The result and the estimates. Numbers come back for numbers; without a signal, or for the name of one, an object of
+        the caller's kind: a `Shape` for a `Shape` or a path, a trimesh for a trimesh.
 
     Raises
     ------
@@ -442,36 +607,62 @@ def denoise(
     >>> 0.1 < info["noise_in_edges"] < 0.5
     True
     """
-    options = DenoiseOptions(strength, creases, noise, local_fit, outliers)
+    part = read_part("denoise", shape, options, _DENOISE, signal)
+    settings = DenoiseOptions(strength, creases, noise, local_fit, outliers)
+    signal = default_signal(part.given, signal)
     if signal is None:
-        own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
-        given = as_operator(operator)
-        if given != type(given)(weld=given.weld):
-            raise TypeError("operator: denoising a shape takes no option but weld; leave the others out")
+        weld = _only_weld(part, operator)
         with report_progress(progress, "denoising") as report:
-            points, info = _native.denoise_points(
-                own._data, options, True if given.weld is None else given.weld, report
-            )
-        return DenoiseResult(own._with_positions(points), info)
+            points, info = _native.denoise_points(part.shape._data, settings, weld, report)
+        return DenoiseResult(part.moved(part.shape._with_positions(points)), info)
     if creases != "auto":
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
-    decomposer = prepare_decomposer(shape, operator)
-    values, is_flat = decomposer._signal_values(signal)
-    _refuse_labels(signal, values)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, options))
+    taken = part.take_signal(signal)
+    values, layout = decomposer._signal_values(taken)
+    _refuse_labels(signal, decomposer)
     found: list[dict[str, Any]] = []
     with report_progress(progress, "denoising") as report:
-        if values is None:
-            denoised, found = _native.denoise_values(decomposer._data, values, options, report)
-        else:
 
-            def denoise_channels(
-                owner: Decomposer, values: NDArray[np.float64], channels: list[int]
-            ) -> NDArray[np.float64]:
-                result, own = _native.denoise_values(owner._data, values, options, report)
-                found.extend({**info, "channels": [channels[c] for c in info["channels"]]} for info in own)
-                return result
+        def denoise_channels(
+            owner: Decomposer, values: NDArray[np.float64] | None, channels: list[int]
+        ) -> NDArray[np.float64]:
+            result, own = _native.denoise_values(owner._data, values, settings, report)
+            found.extend({**info, "channels": [channels[c] for c in info["channels"]]} for info in own)
+            return result
 
-            denoised = _map_channels(decomposer, values, denoise_channels)
-            found.sort(key=lambda info: info["channels"])
+        denoised = decomposer._map_channels(values, denoise_channels)
+        found.sort(key=lambda info: info["channels"])
     info = dict(found[0]) if len(found) == 1 else {"groups": found}
-    return DenoiseResult(denoised[:, 0] if is_flat else denoised, info)
+    if isinstance(signal, str):
+        return DenoiseResult(_with_named_signal(part, decomposer.shape, signal, denoised), info)
+    return DenoiseResult(part.spread(layout.arrange(denoised), layout, signal), info)
+
+
+def _only_weld(part: Part, operator: OperatorLike) -> bool | float:
+    """The tolerance of welding, the only option of the operator that denoising a shape honors.
+
+    Raises
+    ------
+    TypeError
+        If there is another option, or a `Decomposer` has some.
+    """
+    given = as_operator(operator)
+    if given != Operator(weld=given.weld):
+        raise TypeError("operator: denoising a shape takes no option but weld; leave the others out")
+    if isinstance(part.part, Decomposer):
+        own = part.part._options
+        if own != Operator(kind=own.kind, weld=own.weld) or part.part.mask is not None:
+            raise TypeError(
+                "shape: denoising builds operators of its own, so that the options and the mask of this Decomposer would have "
+                "no effect; pass the shape, aw.denoise(decomposer.shape, mask=…)"
+            )
+        given = own if given.weld is None else given
+    return True if given.weld is None else given.weld
+
+
+_DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
+_SMOOTH = ("signal", "fwhm", "rms", "steps", "lazy", "operator", "accuracy", "progress")
+_FILTER = ("gains", "where", "signal", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
+_LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
+_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

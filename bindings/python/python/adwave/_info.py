@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._decomposer import Decomposer, prepare_decomposer
-from adwave._options import OperatorLike
-from adwave._shape import Path, as_shape
+from adwave._decomposer import Where, prepare_decomposer
+from adwave._layout import Layout, vertex_weights
+from adwave._options import Length, OperatorLike, check_levels
+from adwave._part import exact_operator, read_part
+from adwave._shape import Path
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions, SmoothOptions
 
 
 class Info(Mapping[str, Any]):
@@ -62,7 +69,7 @@ def _plain(value: Any) -> str:
     return str(value)
 
 
-def info(shape: object, *, operator: OperatorLike = None) -> Info:
+def info(shape: object, *, operator: OperatorLike = None, **options: Unpack[SmoothOptions]) -> Info:
     """Facts about a shape: what it consists of, what is unusual about it, and how its diffusion is built.
 
     Parameters
@@ -71,11 +78,15 @@ def info(shape: object, *, operator: OperatorLike = None) -> Info:
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     operator : str or Operator, optional
         As in `decompose`.
+    **options
+        ``faces=``, and ``mask=`` or ``only=``, the vertices that take part.
 
     Returns
     -------
     Info
-        Numbers of vertices, faces, edges and components, areas and lengths in model units, and more.
+        Numbers of vertices, faces, edges and components, areas and lengths in model units, and more. With
+        ``operator="surface"`` also ``raised_masses``, the number of vertices whose masses were raised to bound the time, and
+        ``added_mass``, the share of the area that this adds; ``exact=True`` raises none.
 
     Examples
     --------
@@ -84,20 +95,27 @@ def info(shape: object, *, operator: OperatorLike = None) -> Info:
     >>> found.closed, found.euler_characteristic, found.components
     (True, 0, 1)
     """
-    decomposer = prepare_decomposer(shape, operator)
+    part = read_part("info", shape, options, ("operator",)).part
+    decomposer = prepare_decomposer(part, exact_operator(operator, options))
     own = decomposer.shape
     return Info({"kind": own.kind, "format": own.format, "fields": list(own.fields), **decomposer._data.facts()})
 
 
-def region(shape: object, region: str) -> NDArray[np.float64]:
+def region(
+    shape: object, region: Where, *, blur: Length | None = None, **options: Unpack[PartOptions]
+) -> NDArray[np.float64]:
     """Weights of a region, (n,), in [0, 1].
 
     Parameters
     ----------
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
-    region : str
-        A region in its text form; see `Decomposer.region`.
+    region : str or array_like
+        A region in its text form (see `Decomposer.region`), a weight for each vertex, or indices of vertices.
+    blur : float or str, optional
+        Length over which the weights are smoothed along the shape, in model units or as a share of the diagonal.
+    **options
+        ``faces=``, and ``mask=`` or ``only=``, the vertices that take part; the others are 0.
 
     Raises
     ------
@@ -107,11 +125,29 @@ def region(shape: object, region: str) -> NDArray[np.float64]:
     Examples
     --------
     >>> import adwave as aw
-    >>> weights = aw.region(aw.sample("sphere", vertices=500), "half-space:point=0 0 0,normal=0 0 1")
+    >>> sphere = aw.sample("sphere", vertices=500)
+    >>> weights = aw.region(sphere, "half-space:point=0 0 0,normal=0 0 1")
     >>> float(weights.min()), float(weights.max())
     (0.0, 1.0)
+    >>> soft = aw.region(sphere, sphere.points[:, 2] > 0, blur="5%")
+    >>> bool(((0.2 < soft) & (soft < 0.8)).any())
+    True
     """
-    return prepare_decomposer(shape).region(region)
+    part = read_part("region", shape, options, ("region", "blur"))
+    text, own = part.take_where(region), part.part
+    if not isinstance(text, str):
+        if text is None:
+            raise ValueError("region must be a text such as 'ball:vertex=120,radius=10%', weights or indices, got None")
+        weights = np.clip(vertex_weights(text, part.shape.n_vertices, "region"), 0.0, 1.0)
+        own, text = part.shape.with_field(_REGION, weights), f"field:name={_REGION},low=0,high=1"
+    if blur is not None:
+        text = f"blurred:by={blur}({text})"
+    found = prepare_decomposer(own).region(text)
+    return part.spread(found, Layout(len(found)), np.zeros(part.whole_shape.n_vertices))
+
+
+#: Field that holds the weights of a region which is given by numbers.
+_REGION = "_region"
 
 
 def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[np.float64]:
@@ -145,8 +181,7 @@ def signal(shape: object, name: str, *, texture: Path | None = None) -> NDArray[
     >>> bool(abs(curvature - 1).mean() < 0.05)
     True
     """
-    own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
-    return own.signal(name, texture=texture)
+    return read_part("signal", shape, {}, ()).shape.signal(name, texture=texture)
 
 
 def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
@@ -170,7 +205,10 @@ def preset_gains(preset: str, levels: int) -> NDArray[np.float64]:
     >>> aw.preset_gains("smooth", 3)
     array([0., 0., 2.])
     """
-    return np.array(_native.preset_gains(preset, levels))
+    checked = check_levels(levels)
+    if not isinstance(checked, int):
+        raise TypeError(f"levels must be a number of levels such as 8, got {levels!r}")
+    return np.array(_native.preset_gains(preset, checked))
 
 
 def memory_needed(shape: object, *, levels: int = 8, channels: int = 3) -> dict[str, int]:
@@ -223,7 +261,7 @@ def report(shape: object, path: Path) -> None:
     """
     import tempfile
 
-    own = as_shape(shape)
+    own = read_part("report", shape, {}, ()).shape
     with tempfile.TemporaryDirectory() as folder:
         source = os.path.join(folder, "shape.mtx" if own.kind == "graph" else "shape.ply")
         own.write(source)

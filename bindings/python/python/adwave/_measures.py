@@ -11,11 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt, _native
 from adwave._decomposer import prepare_decomposer
 from adwave._diffusion import EXTENT
-from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike
+from adwave._layout import Layout
+from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, levels_of
+from adwave._part import default_signal, exact_operator, read_part
 from adwave._progress import ProgressLike, report_progress
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
+
+    from adwave._part import SignalOptions
 
 _FEATURE = np.dtype(
     [
@@ -30,6 +35,9 @@ _FEATURE = np.dtype(
     ]
 )
 
+
+_SALIENCY = ("signal", "weighting", "options", "levels", "operator", "accuracy", "progress")
+_FEATURES = ("signal", "theta", "best", "options", "levels", "operator", "accuracy", "progress")
 
 Weighting = Literal["signed", "paper", "printed", "normalized", "ranks", "none"]
 Response = Literal["normalized", "literal", "channels", "sigma"]
@@ -117,14 +125,15 @@ class SaliencyOptions:
 
 def saliency(
     shape: object,
-    *,
     signal: SignalLike = None,
+    *,
     weighting: Weighting = "signed",
     options: SaliencyOptions | None = None,
     levels: LevelsLike = None,
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
+    **selection: Unpack[SignalOptions],
 ) -> Saliency:
     """Map where a shape, or a signal on it, stands out over all levels (eq. 17 and extensions of it).
 
@@ -133,7 +142,7 @@ def saliency(
     shape : shape_like
         Anything that is a shape (see `Shape`), or a `Decomposer`.
     signal : str or array_like, optional
-        As in `decompose`.
+        As in `decompose`; a vertex takes no part where any of its channels is NaN.
     weighting : str
         ``'signed'``: 1/mean times how unevenly the level is spread, with the sign. ``'paper'``: (max − mean)² for each
         level. ``'printed'``: (max − |W|)² at each vertex, as eq. 17 is printed. ``'normalized'``: 1/mean. ``'ranks'``.
@@ -148,6 +157,8 @@ def saliency(
         As in `decompose`.
     progress : bool or callable, optional
         As in `decompose`.
+    **selection
+        ``faces=``, ``mask=`` or ``only=`` (the map is NaN at the other vertices), ``fwhm=`` and ``steps=`` as in `decompose`.
 
     Returns
     -------
@@ -167,13 +178,18 @@ def saliency(
     ((2024,), '+ convex')
     """
     options = options or SaliencyOptions()
-    decomposer = prepare_decomposer(shape, operator, levels)
+    part = read_part("saliency", shape, selection, _SALIENCY, signal)
+    levels = levels_of(levels, selection)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels)
+    signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["saliency" if weighting == "signed" else "bands"])
     owner, values, _ = decomposer._resolve_signal(signal)
     request = BandsRequest(values, steps, accuracy)
     with report_progress(progress, "splitting") as report:
         array, each, rows, sides = _native.saliency_map(owner._data, request, weighting, options, report)
     kinds = np.dtype([("level", np.int32), *((name, np.float64) for name in ("sigma", "mean", "max", "alpha"))])
+    by_vertex = Layout(len(array))
+    array, each = part.spread(array, by_vertex), [part.spread(one, by_vertex) for one in each]
     return _restore_saliency(array, np.array(rows, dtype=kinds), sides, each)
 
 
@@ -267,8 +283,8 @@ class FeatureThreshold:
 
 def features(
     shape: object,
-    *,
     signal: SignalLike = None,
+    *,
     theta: float = _native.THETA,
     best: int | None = None,
     options: FeatureOptions | None = None,
@@ -276,6 +292,7 @@ def features(
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
+    **selection: Unpack[SignalOptions],
 ) -> Features:
     """Find the places where a level stands out among its neighbors in space and in scale (Algorithm 2).
 
@@ -302,6 +319,9 @@ def features(
         As in `decompose`.
     progress : bool or callable, optional
         As in `decompose`.
+    **selection
+        ``faces=``, ``mask=`` or ``only=`` (vertices keep their numbers in the whole shape), ``fwhm=`` and ``steps=`` as in
+        `decompose`.
 
     Returns
     -------
@@ -321,7 +341,10 @@ def features(
     (2, (2, 3))
     """
     options = options or FeatureOptions()
-    decomposer = prepare_decomposer(shape, operator, levels)
+    part = read_part("features", shape, selection, _FEATURES, signal)
+    levels = levels_of(levels, selection)
+    decomposer = prepare_decomposer(part.part, exact_operator(operator, selection), levels)
+    signal = part.take_signal(default_signal(part.given, signal))
     steps = decomposer.schedule(levels, extent=EXTENT["features"])
     owner, values, _ = decomposer._resolve_signal(signal)
     request, threshold = BandsRequest(values, steps, accuracy), FeatureThreshold(theta, best)
@@ -330,6 +353,8 @@ def features(
     found = np.empty(len(columns["vertex"]), dtype=_FEATURE)
     for name in _FEATURE.names or ():
         found[name] = columns[name]
+    if part.selection is not None:
+        found["vertex"] = part.selection.rows[found["vertex"]]
     return _restore_features(found, columns.get("descriptor"))
 
 

@@ -5,17 +5,24 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
-from adwave._decomposer import Decomposer
 from adwave._measures import Features
 from adwave._notebook import PictureRequest
+from adwave._part import default_signal, read_part
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Path, Shape, as_shape
+from adwave._shape import Path, Shape
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions
+
+_RENDER = ("values", "colors", "scale", "camera", "size", "background", "balls", "progress")
 
 Color = Union[tuple[int, int, int], "list[int]"]
 Ball = tuple[ArrayLike, float, Color]
@@ -165,8 +172,8 @@ class ColorScale:
 
 def render(
     shape: object,
-    *,
     values: str | ArrayLike | None = None,
+    *,
     colors: ArrayLike | None = None,
     scale: ColorScale | None = None,
     camera: Camera | None = None,
@@ -174,6 +181,7 @@ def render(
     background: Color | None = (255, 255, 255),
     balls: Features | Iterable[Ball] = (),
     progress: ProgressLike = None,
+    **options: Unpack[PartOptions],
 ) -> Picture:
     """Draw a shape, or a field on it.
 
@@ -197,6 +205,8 @@ def render(
         Marks: features as balls whose radius is their rms width, red if their sign is + and blue if it is −.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+    **options
+        ``faces=``, and ``mask=`` or ``only=``: the other vertices are not drawn.
 
     Returns
     -------
@@ -214,7 +224,13 @@ def render(
     >>> aw.render(shape, values=aw.saliency(shape), size=(200, 150))
     <adwave.Picture: 200 × 150>
     """
-    own = shape.shape if isinstance(shape, Decomposer) else as_shape(shape)
+    part = read_part("render", shape, options, _RENDER, values)
+    own = part.shape
+    values = default_signal(part.given, values)
+    if values is not None and not isinstance(values, str):
+        values = part.take_where(_one_value(values))  # type: ignore[arg-type]
+    if colors is not None and part.selection is not None:
+        colors = np.asarray(colors)[part.selection.rows]
     scale, camera = scale or ColorScale(), camera or Camera()
     label = scale.label
     if label is None:
@@ -243,6 +259,12 @@ def render(
     with report_progress(progress, "drawing") as report:
         png, array = _native.render_picture(own._data, request, report)
     return Picture(png, array)
+
+
+def _one_value(values: ArrayLike) -> ArrayLike:
+    """Values of one channel without its axis."""
+    array = np.asarray(values)
+    return array[:, 0] if array.ndim == 2 and array.shape[1] == 1 else array
 
 
 def _vertex_values(shape: Shape, values: str | ArrayLike) -> NDArray[np.float64]:

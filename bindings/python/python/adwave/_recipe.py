@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,14 @@ from adwave import _native
 from adwave._decomposer import Layer, prepare_decomposer
 from adwave._edits import EditSettings, edit_shape
 from adwave._options import Constraints, LevelsLike, Octaves, Operator, Steps, Widths, check_levels
+from adwave._part import read_part
 from adwave._progress import ProgressLike
-from adwave._shape import Path, Shape, as_shape
+from adwave._shape import Path
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions
 
 
 class Recipe:
@@ -60,7 +66,7 @@ class Recipe:
             return Widths(rms=content["lengths"])
         return Steps(content["steps"]) if "steps" in content else content.get("levels")
 
-    def apply(self, shape: object, *, progress: ProgressLike = None) -> Shape:
+    def apply(self, shape: object, *, progress: ProgressLike = None, **options: Unpack[PartOptions]) -> Any:
         """Edit a shape; the result has the same bits as that of ``adwave filter --recipe``.
 
         Parameters
@@ -69,11 +75,13 @@ class Recipe:
             Anything that is a shape; see `Shape`.
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+        **options
+            ``faces=``, and ``mask=`` or ``only=``, the vertices that take part.
 
         Returns
         -------
-        Shape
-            With new positions, or with the field changed.
+        object like the shape
+            With new positions, or with the field changed: a `Shape` for a `Shape` or a path, a trimesh for a trimesh.
         """
         content, levels = self._content, self.levels
         by_width = isinstance(levels, Widths)
@@ -82,7 +90,8 @@ class Recipe:
             density_invariant=content["density_invariant"],
             keep_creases=content["keep_creases"],
         )
-        decomposer = prepare_decomposer(as_shape(shape), operator)
+        part = read_part("Recipe.apply", shape, options, ("progress",))
+        decomposer = prepare_decomposer(part.shape, operator)
         constraints = Constraints(along=content["along"], border=content["border"], volume=content["volume"])
 
         def edit(editor: _native.EditorData) -> NDArray[np.float64]:
@@ -90,7 +99,7 @@ class Recipe:
 
         fit = content["local_fit"] or "linear"
         settings = EditSettings(self.signal, decomposer.schedule(levels), constraints, fit)
-        return edit_shape(decomposer, settings, edit, progress)
+        return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), self.signal)
 
     def write(self, path: Path) -> None:
         """Write the recipe to a file, completely or not at all.

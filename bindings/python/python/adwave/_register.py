@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from adwave import _native
+from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._measures import Features
 from adwave._options import Length, OperatorLike, as_operator
+from adwave._part import Part, ask_about_faces, read_part
 from adwave._progress import ProgressLike, report_progress
-from adwave._shape import Shape, as_shape
+from adwave._shape import Shape
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from adwave._part import PartOptions
 
 _PAIR = np.dtype(
     [
@@ -25,13 +32,16 @@ _PAIR = np.dtype(
 )
 
 
+_SIMPLIFY = ("error", "vertices", "ratio", "keep_border", "progress")
+
+
 class SimplifyResult(NamedTuple):
     """A shape with fewer vertices, and its distance from the original.
 
     Attributes
     ----------
-    shape : Shape
-        With the fields, texture coordinates and materials of the remaining vertices and faces.
+    shape : object like the shape
+        A `Shape` for a `Shape` or a path, a trimesh for a trimesh, and so on, with the fields, texture coordinates and materials of the remaining vertices and faces.
     vertices : (m,) array of int
         Index in the original of each remaining vertex.
     greatest : float
@@ -47,7 +57,7 @@ class SimplifyResult(NamedTuple):
     True
     """
 
-    shape: Shape
+    shape: Any
     vertices: NDArray[np.uint32]
     greatest: float
     rms: float
@@ -71,6 +81,7 @@ def simplify(
     ratio: float | None = None,
     keep_border: bool = False,
     progress: ProgressLike = None,
+    **options: Unpack[PartOptions],
 ) -> SimplifyResult:
     """Remove vertices, and measure the distance of the result from the shape.
 
@@ -92,6 +103,8 @@ def simplify(
         Leave the borders of an open mesh unchanged.
     progress : bool or callable, optional
         ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+    **options
+        ``faces=``, and ``mask=`` or ``only=``: the other vertices are left out.
 
     Returns
     -------
@@ -109,16 +122,32 @@ def simplify(
     >>> found.shape.n_vertices < 3000 and found.greatest < 0.02
     True
     """
+    if ratio is not None and not 0 < ratio <= 1:
+        raise ValueError(f"ratio is the share of the vertices that remain, above 0 and at most 1, got {ratio}")
     given = [name for name, value in (("error", error), ("vertices", vertices), ("ratio", ratio)) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one of error, vertices and ratio, got {' and '.join(given) or 'none'}")
-    own = as_shape(shape)
+    part = read_part("simplify", shape, options, _SIMPLIFY)
+    own = part.shape
     with report_progress(progress, "simplifying") as report:
-        options = SimplifyOptions(error, vertices, ratio, keep_border)
-        data, remaining, greatest, rms = _native.simplify(own._data, options, report)
+        settings = SimplifyOptions(error, vertices, ratio, keep_border)
+        data, remaining, greatest, rms = _native.simplify(own._data, settings, report)
     if remaining is None:
         remaining = np.arange(own.n_vertices, dtype=np.uint32)
-    return SimplifyResult(Shape._from_data(data), remaining, greatest, rms)
+    if part.selection is not None:
+        remaining = part.selection.rows[remaining].astype(np.uint32)
+    return SimplifyResult(_in_kind(part, Shape._from_data(data)), remaining, greatest, rms)
+
+
+def _in_kind(part: Part, simpler: Shape) -> Any:
+    """A simpler shape as an object of the caller's kind."""
+    if part.is_own:
+        return simpler
+    faces = None
+    if simpler.kind == "mesh":
+        faces = np.array(simpler.faces, dtype=np.int64)
+    fields = dict(simpler.fields) if _adapt.holds_fields(part.given) else {}
+    return _adapt.with_results(part.given, points=np.array(simpler.points), fields=fields, faces=faces)
 
 
 class MatchResult(NamedTuple):
@@ -183,7 +212,8 @@ def match(
     Parameters
     ----------
     first, second : shape_like
-        Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects.
+        Anything that is a mesh or a cloud (see `Shape`), or `Decomposer` objects; or `Features` of both with descriptors,
+        whose pairs of nearest descriptors are used, without the surfaces.
     theta : float
         Smallest response of a feature, in multiples of the mean response of its level.
     within : float
@@ -215,6 +245,9 @@ def match(
            [0., 0., 1.],
            [1., 0., 0.]])
     """
+    if isinstance(first, Features) and isinstance(second, Features):
+        return _match_features(first, second, within, scaled)
+    ask_about_faces("match", first, second)
     one, two = _surface_decomposer(first, operator), _surface_decomposer(second, operator)
     with report_progress(progress, "matching") as report:
         found = _native.match_shapes(one._data, two._data, MatchOptions(theta, within, scaled), report)
@@ -224,6 +257,80 @@ def match(
     return MatchResult(
         pairs, found["motion"], found["median"], found["overlap"], found["n_features"], found["equal_motions"]
     )
+
+
+#: Largest quotient of the distances of the nearest and the second nearest descriptor (`lowe2004`).
+_RATIO = 0.9
+#: Number of motions that are tried, each through three pairs.
+_TRIALS = 2000
+#: Fewest pairs that agree with a motion which is not one of chance.
+_AGREEING = 6
+
+
+def _match_features(first: Features, second: Features, within: float, scaled: bool) -> MatchResult:
+    """Motion between features by their descriptors: nearest ones that agree with a motion through three of them."""
+    if first.descriptors is None or second.descriptors is None:
+        raise ValueError(
+            "first, second: features need descriptors; find them with "
+            "aw.features(shape, options=aw.FeatureOptions(descriptors=True))"
+        )
+    ours, theirs = _descriptor_pairs(first, second)
+    from_points, to_points = np.asarray(first["position"])[ours], np.asarray(second["position"])[theirs]
+    sigma = np.asarray(first["sigma"])[ours]
+    best: NDArray[np.bool_] = np.zeros(len(ours), dtype=bool)
+    rng = np.random.default_rng(0)
+    for _ in range(_TRIALS if len(ours) >= _AGREEING else 0):
+        chosen = rng.choice(len(ours), 3, replace=False)
+        motion = _fit_motion(from_points[chosen], to_points[chosen], scaled)
+        agrees = _residuals(motion, from_points, to_points) < within * sigma
+        best = agrees if agrees.sum() > best.sum() else best
+    if best.sum() < _AGREEING:
+        return MatchResult(np.empty(0, dtype=_PAIR), None, None, None, (len(first), len(second)), [])
+    motion = np.eye(4)
+    for _ in range(5):
+        motion = _fit_motion(from_points[best], to_points[best], scaled)
+        best = _residuals(motion, from_points, to_points) < within * sigma
+    pairs = np.empty(int(best.sum()), dtype=_PAIR)
+    pairs["first"], pairs["second"] = (
+        np.asarray(first["vertex"])[ours[best]],
+        np.asarray(second["vertex"])[theirs[best]],
+    )
+    distance = _residuals(motion, from_points, to_points)[best] / sigma[best]
+    pairs["sigma"], pairs["distance"], pairs["confidence"] = sigma[best], distance, best.mean()
+    return MatchResult(pairs, motion, None, None, (len(first), len(second)), [])
+
+
+def _descriptor_pairs(first: Features, second: Features) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices of features of the same sign whose descriptors are mutually nearest, and clearly so."""
+    one, two = np.asarray(first.descriptors), np.asarray(second.descriptors)
+    distance = ((one[:, None] - two[None]) ** 2).sum(axis=2)
+    distance[np.asarray(first["sign"])[:, None] != np.asarray(second["sign"])[None]] = np.inf
+    if min(distance.shape, default=0) < 2:
+        return np.empty(0, np.intp), np.empty(0, np.intp)
+    nearest = distance.argmin(axis=1)
+    two_least = np.partition(distance, 1, axis=1)[:, :2]
+    is_clear = two_least[:, 0] < _RATIO**2 * two_least[:, 1]
+    is_mutual = distance.argmin(axis=0)[nearest] == np.arange(len(one))
+    ours = np.flatnonzero(is_clear & is_mutual & np.isfinite(two_least[:, 0]))
+    return ours, nearest[ours]
+
+
+def _fit_motion(points: NDArray[np.float64], targets: NDArray[np.float64], scaled: bool) -> NDArray[np.float64]:
+    """The rigid motion (and scale) with the least squared distance, (4, 4) (`umeyama1991`)."""
+    middle, target = points.mean(axis=0), targets.mean(axis=0)
+    u, s, v = np.linalg.svd((targets - target).T @ (points - middle))
+    handed = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ v)) or 1.0])
+    scale = (s * handed).sum() / (((points - middle) ** 2).sum() or 1.0) if scaled else 1.0
+    motion = np.eye(4)
+    motion[:3, :3] = scale * (u * handed) @ v
+    motion[:3, 3] = target - motion[:3, :3] @ middle
+    return motion
+
+
+def _residuals(
+    motion: NDArray[np.float64], points: NDArray[np.float64], targets: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.linalg.norm(points @ motion[:3, :3].T + motion[:3, 3] - targets, axis=1)
 
 
 def _surface_decomposer(shape: object, operator: OperatorLike = None) -> Decomposer:
@@ -269,7 +376,7 @@ def distances(
 ) -> Distances:
     """Signed distance of each vertex of one shape to the closest point of another.
 
-    Their bands, ``decompose(first, signal=distances(first, second).values)``, show at which scale two versions differ.
+    Their bands, ``decompose(first, distances(first, second).values)``, show at which scale two versions differ.
 
     Parameters
     ----------
@@ -299,6 +406,7 @@ def distances(
     >>> found.is_signed, round(float(found.values.mean()), 2)
     (True, 0.1)
     """
+    ask_about_faces("distances", first, second)
     one, two = _surface_decomposer(first), _surface_decomposer(second)
     with report_progress(progress, "measuring") as report:
         values, is_signed, motion = _native.distances(one._data, two._data, align, limit, report)

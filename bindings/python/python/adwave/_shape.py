@@ -75,7 +75,8 @@ class Shape:
     points : shape_like
         Anything that is a shape: an array of points (n × 3, any type and order; n × 2 has z = 0), a pair
         ``(points, faces)``, a path, a sparse matrix of weights (a graph), or an object of trimesh, PyVista, meshio,
-        Open3D or networkx.
+        Open3D, networkx, nilearn, PyTorch Geometric, PyGSP, laspy or pandas. Both hemispheres of nilearn are one mesh, and
+        the points of images and volumes of PyVista the nodes of a graph.
     faces : array_like, optional
         Corners of the faces, counted from 0: m × k, or a list of polygons of any length. Without faces, points are a
         cloud.
@@ -105,7 +106,7 @@ class Shape:
     array([1., 1., 0.])
     """
 
-    __slots__ = ("__weakref__", "_data")
+    __slots__ = ("__weakref__", "_data", "_lost")
 
     def __init__(
         self,
@@ -115,21 +116,23 @@ class Shape:
         fields: Mapping[str, ArrayLike] | None = None,
         kind: Kind | None = None,
     ) -> None:
+        self._lost: tuple[str, ...] = ()
         if isinstance(points, Shape) and faces is None:
-            data = points._data
+            data, self._lost = points._data, points._lost
         elif _adapt.is_path(points) and faces is None:
             data = _native.ShapeData.read(os.fspath(points), ReadOptions())  # type: ignore[call-overload]
             _warn_of_flagged(data, stacklevel=3)
         else:
-            data = _data_from_parts(_adapt.parts_of(points, faces))
+            parts = _adapt.parts_of(points, faces)
+            data, self._lost = _data_from_parts(parts), parts.lost
         for name, values in (fields or {}).items():
             data = data.with_field(name, _field_values(values, data.n_vertices, name))
         self._data: _native.ShapeData = data.with_kind(kind) if kind is not None else data
 
     @classmethod
-    def _from_data(cls, data: _native.ShapeData) -> Shape:
+    def _from_data(cls, data: _native.ShapeData, lost: tuple[str, ...] = ()) -> Shape:
         shape = cls.__new__(cls)
-        shape._data = data
+        shape._data, shape._lost = data, lost
         return shape
 
     @property
@@ -187,6 +190,11 @@ class Shape:
     @property
     def points(self) -> NDArray[np.float64]:
         """Positions, n × 3, in model units: a read-only view. 0 × 3 for a graph without positions."""
+        return self._data.points
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """The same as `points`."""
         return self._data.points
 
     @property
@@ -266,10 +274,10 @@ class Shape:
         >>> float(shape.with_points(2 * shape.points).points.max() / shape.points.max())
         2.0
         """
-        return Shape._from_data(self._data.with_points(_adapt.points_array(points), keep_normals))
+        return Shape._from_data(self._data.with_points(_adapt.points_array(points), keep_normals), self._lost)
 
     def _with_positions(self, points: NDArray[np.float64]) -> Shape:
-        return Shape._from_data(self._data.with_points(points))
+        return Shape._from_data(self._data.with_points(points), self._lost)
 
     def with_field(self, name: str, values: ArrayLike) -> Shape:
         """Shape with values at its vertices; a field of the same name is replaced.
@@ -288,7 +296,8 @@ class Shape:
         >>> int(shape["heat"].max())
         99
         """
-        return Shape._from_data(self._data.with_field(name, _field_values(values, self.n_vertices, name)))
+        data = self._data.with_field(name, _field_values(values, self.n_vertices, name))
+        return Shape._from_data(data, self._lost)
 
     def with_fields(self, fields: Mapping[str, ArrayLike]) -> Shape:
         """Shape with several fields; see `with_field`.
@@ -347,9 +356,9 @@ class Shape:
         if mask is None or _adapt.is_path(mask):
             path = None if mask is None else os.fspath(mask)  # type: ignore[call-overload]
             options = SelectionOptions(conditions, path, invert_mask, all_points=True)
-            return Shape._from_data(self._data.select(options))
+            return Shape._from_data(self._data.select(options), self._lost)
         options = SelectionOptions(conditions, all_points=True)
-        return Shape._from_data(self._data.select(options, self._mask_flags(mask, invert_mask)))
+        return Shape._from_data(self._data.select(options, self._mask_flags(mask, invert_mask)), self._lost)
 
     def _mask_flags(self, mask: object, invert: bool) -> NDArray[np.bool_]:
         values = np.asarray(mask)
@@ -383,7 +392,8 @@ class Shape:
         Returns
         -------
         list of str
-            Parts of the shape that the format cannot store; empty if everything was written.
+            Parts of the shape that the format cannot store, and of the object that the shape came from; empty if everything
+            was written.
 
         Raises
         ------
@@ -393,7 +403,7 @@ class Shape:
             If the file cannot be written.
         """
         with report_progress(progress, "writing") as report:
-            return self._data.write(os.fspath(path), format, report)
+            return [*self._data.write(os.fspath(path), format, report), *self._lost]
 
     def to_bytes(self, format: str = "ply") -> bytes:
         """Content of a file.
@@ -434,15 +444,21 @@ class Shape:
         return _adapt.with_results(like, points=points, fields=dict(self.fields), face_fields=dict(self.face_fields))
 
     def to_trimesh(self) -> Any:
-        """A `trimesh.Trimesh` with the same vertices in the same order; fields become its vertex attributes."""
+        """A `trimesh.Trimesh` with the same vertices in the same order; fields become its vertex and face attributes.
+
+        Texture coordinates and colors become its visuals. A warning names what it has no place for.
+        """
         import trimesh
 
         mesh = trimesh.Trimesh(np.array(self.points), self._triangles(), process=False)
-        mesh.vertex_attributes.update(self.fields)
-        return mesh
+        self._warn_of_loss("trimesh")
+        return _adapt.with_results(mesh, fields=dict(self.fields), face_fields=dict(self.face_fields))
 
     def to_pyvista(self) -> Any:
-        """A `pyvista.PolyData` with the same points and faces; fields become its point and cell data."""
+        """A `pyvista.PolyData` with the same points and faces; fields become its point and cell data.
+
+        Texture coordinates become its active ones. A warning names what it has no place for.
+        """
         import pyvista
 
         if self.kind == "cloud" or not self.n_faces:
@@ -452,11 +468,18 @@ class Shape:
             sizes = np.diff(offsets.astype(np.int64))
             padded = np.insert(corners.astype(np.int64), offsets[:-1].astype(np.int64), sizes)
             poly = pyvista.PolyData(np.array(self.points), padded)
-        for name, values in self.fields.items():
-            poly.point_data[name] = values
-        for name, values in self.face_fields.items():
-            poly.cell_data[name] = values
-        return poly
+        self._warn_of_loss("PyVista")
+        return _adapt.with_results(poly, fields=dict(self.fields), face_fields=dict(self.face_fields))
+
+    def _warn_of_loss(self, library: str) -> None:
+        """Warn of content of the file or object that another library's object is not given."""
+        lost = [*self._data.extras, *self._lost]
+        if lost:
+            warnings.warn(
+                f"the {library} object is without {', '.join(lost)}; Shape.write keeps what the file had",
+                UserWarning,
+                stacklevel=3,
+            )
 
     def _triangles(self) -> NDArray[np.int64]:
         return np.array(self.faces, dtype=np.int64)
@@ -517,7 +540,7 @@ def _restore_shape(
 def _data_from_parts(parts: _adapt.Parts) -> _native.ShapeData:
     if parts.kind == "graph" or parts.points is None:
         data = _native.ShapeData.from_graph(
-            parts.n_vertices, parts.rows, parts.cols, parts.weights, parts.is_symmetric_list
+            parts.n_vertices, parts.rows, parts.cols, parts.weights, parts.is_symmetric_list, parts.points
         )
     else:
         data = _native.ShapeData.from_arrays(parts.points, parts.corners, parts.offsets, None)
@@ -562,8 +585,13 @@ def as_shape(shape: object, faces: object = None) -> Shape:
     >>> aw.as_shape(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     <adwave.Shape: mesh, 3 vertices, 1 faces>
     """
-    if isinstance(shape, Shape) and faces is None:
-        return shape
+    if faces is None:
+        if isinstance(shape, Shape):
+            return shape
+        # A `Decomposer`.
+        own = getattr(shape, "shape", None)
+        if isinstance(own, Shape):
+            return own
     return Shape(shape, faces)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import OperatorLike, SignalLike
+from adwave._part import read_part
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
@@ -223,7 +224,7 @@ def taubin(
 
     Returns
     -------
-    Shape, or an array like the signal if one is given
+    object like the shape, or an array like the signal if one is given
 
     References
     ----------
@@ -235,13 +236,14 @@ def taubin(
     >>> aw.baselines.taubin(aw.sample("sphere", vertices=300, noise=0.3), iterations=5)
     <adwave.Shape: mesh, 300 vertices, 596 faces>
     """
-    own = prepare_decomposer(shape)
-    _, values, is_flat = own._resolve_signal(signal)
+    part = read_part("taubin", shape, {}, (), signal)
+    own = prepare_decomposer(part.part)
+    _, values, layout = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     smoothed = _native.taubin(own.shape._data, given, _TaubinOptions(lam, mu, iterations, weights))
     if values is None:
-        return own.shape._with_positions(smoothed)
-    return smoothed[:, 0] if is_flat else smoothed
+        return part.moved(own.shape._with_positions(smoothed))
+    return layout.arrange(smoothed)
 
 
 def differential_coordinates(
@@ -274,10 +276,10 @@ def differential_coordinates(
     (500, 3)
     """
     own = prepare_decomposer(shape)
-    _, values, is_flat = own._resolve_signal(signal)
+    _, values, layout = own._resolve_signal(signal)
     given = np.array(own.shape.points) if values is None else values
     delta = _native.differential_coordinates(own.shape._data, given, weights)
-    return delta[:, 0] if is_flat else delta
+    return layout.arrange(delta)
 
 
 def from_differential_coordinates(
@@ -482,11 +484,11 @@ class GraphWavelets:
 
     def analyze(self, signal: SignalLike = None, *, progress: ProgressLike = None) -> NDArray[np.float64]:
         """Coefficients ``c_i = g_i(L) f``, kernels × n (× channels), with the low pass first."""
-        _, values, is_flat = self.decomposer._resolve_signal(signal)
+        _, values, layout = self.decomposer._resolve_signal(signal)
         given = np.array(self.decomposer.shape.points) if values is None else values
         with report_progress(progress, "splitting") as report:
             found = self._data.analyze(given, report)
-        return found[:, :, 0] if is_flat else found
+        return layout.arrange(found)
 
     def synthesize(
         self, coefficients: ArrayLike, *, tolerance: float = 1e-10, progress: ProgressLike = None

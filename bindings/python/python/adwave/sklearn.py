@@ -1,4 +1,4 @@
-"""Sizes of bands as features for scikit-learn.
+"""Bands for scikit-learn: shapes described by the sizes of their bands, and signals on one shape split into bands.
 
 >>> import adwave as aw
 >>> from adwave.sklearn import WaveletFeatures
@@ -10,16 +10,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 
+from adwave._decomposer import prepare_decomposer
 from adwave._edits import decompose
-from adwave._options import LevelsLike, OperatorLike
+from adwave._options import LevelsLike, OperatorLike, Steps
 
-__all__ = ["WaveletFeatures"]
+__all__ = ["SignalBands", "WaveletFeatures"]
 
 _QUANTILES = (0.1, 0.5, 0.9)
 
@@ -62,6 +63,20 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
         """
         self.n_features_out_ = self._n_levels() * (2 + len(_QUANTILES))
         return self
+
+    def fit_transform(self, shapes: Sequence[object], y: Any = None, **options: Any) -> NDArray[np.float64]:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """The same as `transform`, because nothing is learned.
+
+        Parameters
+        ----------
+        shapes : sequence of shape_like
+            Anything that is a shape; see `adwave.Shape`.
+        y : None
+            Not used.
+        **options
+            Not used.
+        """
+        return self.fit(shapes, y).transform(shapes)
 
     def transform(self, shapes: Sequence[object]) -> NDArray[np.float64]:
         """Features of shapes, as rows.
@@ -115,3 +130,161 @@ class WaveletFeatures(TransformerMixin, BaseEstimator):
             shares = np.cumsum(areas[order]) / total
             row += [float(sizes[order[min(np.searchsorted(shares, q), len(order) - 1)]]) for q in _QUANTILES]
         return np.array(row)
+
+
+class SignalBands(TransformerMixin, BaseEstimator):
+    """Split signals on one shape or graph into bands: rows of samples × vertices become features by level.
+
+    Parameters
+    ----------
+    shape : shape_like
+        Anything that is a shape; see `adwave.Shape`. A sparse matrix of weights is a graph. It is prepared by `fit`.
+    levels : int, Widths, Steps or Octaves, optional
+        As in `adwave.decompose`.
+    output : {'bands', 'energy', 'smooth'}
+        Features of a sample: all bands, (levels + 1) × vertices; the root mean square of each band over the vertices by
+        area, levels + 1; or the signal without its bands, vertices.
+    operator : str or Operator, optional
+        As in `adwave.decompose`.
+
+    Attributes
+    ----------
+    decomposer_ : Decomposer
+        The prepared shape.
+    n_features_in_ : int
+        Number of vertices.
+
+    Examples
+    --------
+    >>> import adwave as aw, numpy as np
+    >>> ring = aw.graph(60, [[i, (i + 1) % 60] for i in range(60)])
+    >>> samples = np.random.default_rng(0).normal(size=(5, 60))
+    >>> split = SignalBands(ring, levels=3)
+    >>> bands = split.fit_transform(samples)
+    >>> bands.shape, bool(np.allclose(split.inverse_transform(bands), samples))
+    ((5, 240), True)
+    >>> SignalBands(ring, levels=3, output="energy").fit_transform(samples).shape
+    (5, 4)
+    """
+
+    def __init__(
+        self,
+        shape: object = None,
+        levels: LevelsLike = 6,
+        output: Literal["bands", "energy", "smooth"] = "bands",
+        operator: OperatorLike = None,
+    ) -> None:
+        self.shape: object = shape
+        self.levels: LevelsLike = levels
+        self.output: Literal["bands", "energy", "smooth"] = output
+        self.operator: OperatorLike = operator
+
+    def fit(self, X: ArrayLike, y: Any = None) -> SignalBands:
+        """Prepare the shape; nothing is learned from the samples.
+
+        Parameters
+        ----------
+        X : (samples, vertices) array_like
+            Signals as rows.
+        y : None
+            Not used.
+
+        Raises
+        ------
+        ValueError
+            If there is no shape, the output is unknown, or rows do not have a value for each vertex.
+        """
+        if self.shape is None:
+            raise ValueError("shape must be given, SignalBands(shape); a sparse matrix of weights is a graph")
+        if self.output not in ("bands", "energy", "smooth"):
+            raise ValueError(f"output must be one of 'bands', 'energy', 'smooth', got {self.output!r}")
+        self.decomposer_ = prepare_decomposer(self.shape, self.operator, self.levels)
+        self.n_features_in_ = self.decomposer_.n_vertices
+        self.steps_ = self.decomposer_.schedule(self.levels)
+        self._rows(X)
+        return self
+
+    def fit_transform(self, X: ArrayLike, y: Any = None, **options: Any) -> NDArray[np.float64]:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Prepare the shape and split the samples.
+
+        Parameters
+        ----------
+        X : (samples, vertices) array_like
+            Signals as rows.
+        y : None
+            Not used.
+        **options
+            Not used.
+        """
+        return self.fit(X, y).transform(X)
+
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Features of samples, as rows.
+
+        Parameters
+        ----------
+        X : (samples, vertices) array_like
+            Signals as rows.
+
+        Returns
+        -------
+        (samples, features) array
+        """
+        rows = self._rows(X)
+        levels = Steps(self.steps_)
+        bands = self.decomposer_.decompose(np.ascontiguousarray(rows.T), levels=levels).array
+        if self.output == "smooth":
+            return np.ascontiguousarray(bands[-1].T)
+        if self.output == "bands":
+            return np.ascontiguousarray(bands.transpose(2, 0, 1)).reshape(len(rows), -1)
+        areas = self.decomposer_.areas
+        return np.sqrt(np.einsum("jnc,n->cj", bands**2, areas) / (areas.sum() or 1.0))
+
+    def inverse_transform(self, X: ArrayLike) -> NDArray[np.float64]:
+        """Signals from their bands, as sums over the levels.
+
+        Parameters
+        ----------
+        X : (samples, (levels + 1) · vertices) array_like
+            What `transform` gave, perhaps changed.
+
+        Returns
+        -------
+        (samples, vertices) array
+
+        Raises
+        ------
+        ValueError
+            If the output is not ``'bands'``, or rows have another length.
+        """
+        if self.output != "bands":
+            raise ValueError(f"only output='bands' has an inverse, got {self.output!r}")
+        given = np.asarray(X, dtype=np.float64)
+        n_bands = len(self.steps_) + 1
+        if given.ndim != 2 or given.shape[1] != n_bands * self.n_features_in_:
+            raise ValueError(f"X must have {n_bands} × {self.n_features_in_} columns, got shape {given.shape}")
+        return given.reshape(len(given), n_bands, -1).sum(axis=1)
+
+    def get_feature_names_out(self, input_features: Any = None) -> NDArray[np.object_]:
+        """Names ``level1_vertex0`` …, ``level1_rms`` … or ``vertex0`` …; the last level is the rest.
+
+        Parameters
+        ----------
+        input_features : None
+            Not used.
+        """
+        levels = [*(f"level{j}" for j in range(1, len(self.steps_) + 1)), "rest"]
+        vertices = [f"vertex{i}" for i in range(self.n_features_in_)]
+        if self.output == "energy":
+            return np.array([f"{level}_rms" for level in levels], dtype=object)
+        if self.output == "smooth":
+            return np.array(vertices, dtype=object)
+        return np.array([f"{level}_{vertex}" for level in levels for vertex in vertices], dtype=object)
+
+    def _rows(self, X: ArrayLike) -> NDArray[np.float64]:
+        rows = np.asarray(X, dtype=np.float64)
+        n = self.n_features_in_
+        if rows.ndim != 2 or rows.shape[1] != n:
+            hint = "; pass X.T" if rows.ndim == 2 and rows.shape[0] == n else ""
+            raise ValueError(f"X must be samples × {n} vertices, got shape {rows.shape}{hint}")
+        return rows

@@ -1,5 +1,8 @@
 """Diffusion and bands as differentiable functions of PyTorch.
 
+All functions are linear in the signal, and so are their gradients: they can be differentiated any number of times, under
+`torch.func` too, and `torch.vmap` and batches become further channels of one call.
+
 >>> import torch  # doctest: +SKIP
 >>> import adwave as aw  # doctest: +SKIP
 >>> walk = aw.Decomposer(aw.sample("sphere", vertices=100))  # doctest: +SKIP
@@ -11,6 +14,7 @@ True
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,41 +22,171 @@ import torch
 
 from adwave import _native
 from adwave._decomposer import Decomposer
-from adwave._options import LevelsLike
+from adwave._options import BandsRequest, LevelsLike, check_steps
 
-__all__ = ["bands", "combine_bands", "smooth"]
+__all__ = ["bands", "combine_bands", "filter", "smooth"]
+
+
+@dataclass(frozen=True)
+class _Levels:
+    """A prepared shape with numbers of steps and an accuracy: everything but the signal."""
+
+    walk: Decomposer
+    steps: tuple[float, ...]
+    accuracy: float
+
+    def share(self) -> np.ndarray:
+        """Share π of each vertex in the stationary distribution, (n, 1)."""
+        return self.walk._data.welding()[1][:, None]
+
+    def split(self, signal: np.ndarray) -> np.ndarray:
+        """Bands of n × channels values, (J + 1) × n × channels."""
+        found, _ = self.walk._data.bands(BandsRequest(signal, self.steps, self.accuracy))
+        return found
+
+    def join(self, weights: np.ndarray) -> np.ndarray:
+        """Adjoint of `split`: with the bands self-adjoint under π, ``π·Σ_j W_(j)(g_j/π)``, n × channels.
+
+        The rest S(J) = f − Σ_j W_(j) has the adjoint ``g − Σ_j W_(j)ᵀ g``.
+        """
+        share = self.share()
+        rest = weights[-1]
+        signals = np.ascontiguousarray((weights[:-1] - rest) / share)
+        if self.walk._data.has_sum_of_bands(self.steps):
+            total = self.walk._data.sum_of_bands(signals, self.steps)
+        else:
+            total = sum(
+                self.walk._data.combine_bands(
+                    BandsRequest(signal, self.steps, self.accuracy),
+                    [float(j == level) for j in range(len(self.steps))],
+                )
+                for level, signal in enumerate(signals)
+            )
+        return rest + share * total
+
+
+class _Split(torch.autograd.Function):
+    """Bands of an n × channels signal, (J + 1) × n × channels."""
+
+    @staticmethod
+    def forward(signal: Any, levels: _Levels) -> Any:
+        return _from_numpy(levels.split(_to_numpy(signal)), signal)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.levels = inputs[1]
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Any:
+        return _Join.apply(gradients[0], ctx.levels), None
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Any, _: Any) -> Any:
+        return _Split.apply(tangent, ctx.levels)
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, signal: Any, levels: _Levels) -> Any:
+        # A batch becomes channels: (b, n, c) → (n, c·b).
+        last = signal.movedim(in_dims[0], -1)
+        found = _Split.apply(last.reshape(last.shape[0], -1), levels)
+        return found.reshape(found.shape[0], *last.shape), 3
+
+
+class _Join(torch.autograd.Function):
+    """Adjoint of `_Split`: n × channels values from (J + 1) × n × channels."""
+
+    @staticmethod
+    def forward(weights: Any, levels: _Levels) -> Any:
+        return _from_numpy(levels.join(_to_numpy(weights)), weights)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.levels = inputs[1]
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Any:
+        return _Split.apply(gradients[0], ctx.levels), None
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Any, _: Any) -> Any:
+        return _Join.apply(tangent, ctx.levels)
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, weights: Any, levels: _Levels) -> Any:
+        last = weights.movedim(in_dims[0], -1)
+        found = _Join.apply(last.reshape(*last.shape[:2], -1), levels)
+        return found.reshape(*last.shape[1:]), 2
+
+
+class _Combine(torch.autograd.Function):
+    """``Σ_j factors[j]·W_f(j)`` of an n × channels signal by a single polynomial p of Φ₁; its adjoint is ``π·p(Φ₁)(g/π)``."""
+
+    @staticmethod
+    def forward(signal: Any, levels: _Levels, factors: tuple[float, ...], is_adjoint: bool) -> Any:
+        values = _to_numpy(signal)
+        share = levels.share() if is_adjoint else 1.0
+        request = BandsRequest(np.ascontiguousarray(values / share), levels.steps, levels.accuracy)
+        return _from_numpy(share * levels.walk._data.combine_bands(request, factors), signal)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        _, ctx.levels, ctx.factors, ctx.is_adjoint = inputs
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Any:
+        return _Combine.apply(gradients[0], ctx.levels, ctx.factors, not ctx.is_adjoint), None, None, None
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Any, *_: Any) -> Any:
+        return _Combine.apply(tangent, ctx.levels, ctx.factors, ctx.is_adjoint)
+
+    @staticmethod
+    def vmap(
+        info: Any, in_dims: Any, signal: Any, levels: _Levels, factors: tuple[float, ...], is_adjoint: bool
+    ) -> Any:
+        last = signal.movedim(in_dims[0], -1)
+        found = _Combine.apply(last.reshape(last.shape[0], -1), levels, factors, is_adjoint)
+        return found.reshape(last.shape), 2
 
 
 def _to_numpy(tensor: torch.Tensor) -> np.ndarray:
     return tensor.detach().to("cpu", torch.float64).contiguous().numpy()
 
 
-class _CombineBands(torch.autograd.Function):
-    """``Σ_j factors[j]·W_f(j)``, a polynomial p of Φ₁; its adjoint is ``π·p(Φ₁)(g/π)``."""
+def _from_numpy(values: np.ndarray, like: torch.Tensor) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(values)).to(like.device, like.dtype)
 
-    @staticmethod
-    def forward(
-        ctx: Any, signal: Any, walk: Decomposer, factors: list[float], steps: list[float], accuracy: float
-    ) -> Any:
-        ctx.request = (walk, factors, steps, accuracy)
-        found = walk.combine_bands(_to_numpy(signal), factors, steps, accuracy=accuracy)
-        return torch.from_numpy(found).to(signal.device, signal.dtype)
 
-    @staticmethod
-    def backward(ctx: Any, *gradients: Any) -> Any:
-        walk, factors, steps, accuracy = ctx.request
-        (gradient,) = gradients
-        share = walk._data.welding()[1]
-        values = _to_numpy(gradient)
-        share = share if values.ndim == 1 else share[:, None]
-        found = share * walk.combine_bands(values / share, factors, steps, accuracy=accuracy)
-        return torch.from_numpy(found).to(gradient.device, gradient.dtype), None, None, None, None
+def _levels(walk: Decomposer, steps: Sequence[float], accuracy: float) -> _Levels:
+    if torch.is_tensor(steps) or any(torch.is_tensor(n) for n in steps):
+        raise TypeError("steps must be numbers: there is no gradient with respect to them; pass float(steps)")
+    if not walk._data.is_reversible() or walk.mask is not None:
+        raise ValueError("gradients need a reversible diffusion; leave out directed and masks")
+    return _Levels(walk, tuple(check_steps(steps)), accuracy)
+
+
+def _rows(signal: torch.Tensor, n: int) -> tuple[torch.Tensor, tuple[int, ...], int]:
+    """A signal as n × channels with the axes that the channels stand for, and the axis of the vertices.
+
+    The vertices are the first axis if it has their number, or else the last but one, or the last: a batch is
+    (batch, n, channels) or (batch, n).
+    """
+    if not torch.is_tensor(signal):
+        raise TypeError(f"signal must be a tensor, got {type(signal).__name__}; torch.as_tensor(f) of an array")
+    axes = [axis for axis in (0, signal.ndim - 2, signal.ndim - 1) if axis >= 0 and signal.shape[axis] == n]
+    if not axes:
+        raise ValueError(
+            f"signal: shape {tuple(signal.shape)} has no axis of {n} vertices; give ({n},), ({n}, channels), "
+            f"(batch, {n}) or (batch, {n}, channels)"
+        )
+    rows = signal.movedim(axes[0], 0)
+    return rows.reshape(n, -1), tuple(rows.shape[1:]), axes[0]
 
 
 def combine_bands(
     walk: Decomposer,
     signal: torch.Tensor,
-    factors: Sequence[float],
+    factors: Sequence[float] | torch.Tensor,
     steps: Sequence[float],
     *,
     accuracy: float = _native.ACCURACY,
@@ -63,10 +197,11 @@ def combine_bands(
     ----------
     walk : Decomposer
         Shape with a reversible diffusion.
-    signal : (n,) or (n, channels) tensor
-        Signal on any device; the work is done on the CPU in double precision.
-    factors : (J,) sequence of float
-        Factor of each band, from fine to coarse.
+    signal : tensor
+        Signal on any device, (n,), (n, channels), or a batch, (batch, n) or (batch, n, channels); the work is done on the CPU
+        in double precision.
+    factors : (J,) sequence of float, or tensor
+        Factor of each band, from fine to coarse. A tensor has a gradient too, and costs the separate bands.
     steps : (J,) sequence of float
         Number of steps of each level.
     accuracy : float
@@ -86,9 +221,15 @@ def combine_bands(
     >>> aw.torch.combine_bands(walk, f, [2.0, 1.0], [1.0, 2.0]).shape  # doctest: +SKIP
     torch.Size([100, 2])
     """
-    if not walk._data.is_reversible() or walk.mask is not None:
-        raise ValueError("gradients need a reversible diffusion; leave out directed and masks")
-    return _CombineBands.apply(signal, walk, [float(f) for f in factors], [float(n) for n in steps], accuracy)
+    levels = _levels(walk, steps, accuracy)
+    rows, channels, axis = _rows(signal, walk.n_vertices)
+    if len(factors) != len(levels.steps):
+        raise ValueError(f"factors must be one for each of {len(levels.steps)} levels, got {len(factors)}")
+    if torch.is_tensor(factors):
+        found = torch.einsum("j,jnc->nc", factors.to(rows), _Split.apply(rows, levels)[:-1])
+    else:
+        found = _Combine.apply(rows, levels, tuple(float(f) for f in factors), False)
+    return found.reshape(rows.shape[0], *channels).movedim(0, axis)
 
 
 def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: float = _native.ACCURACY) -> torch.Tensor:
@@ -98,8 +239,8 @@ def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: fl
     ----------
     walk : Decomposer
         Shape with a reversible diffusion.
-    signal : (n,) or (n, channels) tensor
-        Signal on any device.
+    signal : tensor
+        Signal or batch as in `combine_bands`.
     steps : float
         Number of steps, an integer or not.
     accuracy : float
@@ -108,6 +249,11 @@ def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: fl
     Returns
     -------
     tensor like the signal
+
+    Raises
+    ------
+    TypeError
+        If `steps` is a tensor.
 
     Examples
     --------
@@ -122,12 +268,14 @@ def bands(
 ) -> torch.Tensor:
     """The bands of a signal, (levels + 1) × n × …, with their exact gradient.
 
+    It takes the time of `adwave.decompose`, and so does its gradient.
+
     Parameters
     ----------
     walk : Decomposer
         Shape with a reversible diffusion.
-    signal : (n,) or (n, channels) tensor
-        Signal on any device.
+    signal : tensor
+        Signal or batch as in `combine_bands`.
     levels : int, Widths, Steps or Octaves
         As in `adwave.decompose`.
     accuracy : float
@@ -135,17 +283,68 @@ def bands(
 
     Returns
     -------
-    (levels + 1, n, …) tensor
+    (levels + 1) × shape of the signal tensor
 
     Examples
     --------
     >>> aw.torch.bands(walk, f, 4).shape  # doctest: +SKIP
     torch.Size([5, 100, 2])
     """
-    steps = walk.schedule(levels)
-    n_levels = len(steps)
-    found = [
-        combine_bands(walk, signal, [float(j == level) for j in range(n_levels)], steps, accuracy=accuracy)
-        for level in range(n_levels)
-    ]
-    return torch.stack([*found, signal - sum(found)])
+    own = walk.for_levels(levels)
+    given = _levels(own, own.schedule(levels), accuracy)
+    rows, channels, axis = _rows(signal, own.n_vertices)
+    found = _Split.apply(rows, given)
+    return found.reshape(*found.shape[:2], *channels).movedim(1, axis + 1)
+
+
+def filter(
+    walk: Decomposer,
+    signal: torch.Tensor,
+    gains: torch.Tensor | Sequence[float],
+    levels: LevelsLike = None,
+    *,
+    accuracy: float = _native.ACCURACY,
+) -> torch.Tensor:
+    """``f + Σ_j (g_j − 1)·W_f(j)`` with gradients of the signal and of the gains, which may be learned.
+
+    Parameters
+    ----------
+    walk : Decomposer
+        Shape with a reversible diffusion.
+    signal : tensor
+        Signal or batch as in `combine_bands`.
+    gains : (J,) or (J, n) tensor
+        A gain for each band from fine to coarse, or for each band and vertex.
+    levels : int, Widths, Steps or Octaves, optional
+        As in `adwave.decompose`; by default one dyadic level for each gain.
+    accuracy : float
+        Largest error of a band relative to the band.
+
+    Returns
+    -------
+    tensor like the signal
+
+    Raises
+    ------
+    ValueError
+        If there is not one gain for each level.
+
+    Examples
+    --------
+    >>> gains = torch.ones(4, dtype=torch.float64, requires_grad=True)  # doctest: +SKIP
+    >>> aw.torch.filter(walk, f, gains).square().sum().backward()  # doctest: +SKIP
+    >>> gains.grad.shape  # doctest: +SKIP
+    torch.Size([4])
+    """
+    gains = torch.as_tensor(gains).to(signal)
+    own = walk.for_levels(levels)
+    given = _levels(own, own.schedule(len(gains) if levels is None else levels), accuracy)
+    if gains.shape not in ((len(given.steps),), (len(given.steps), own.n_vertices)):
+        raise ValueError(
+            f"gains must be one for each of {len(given.steps)} levels, or for each level and vertex, got shape "
+            f"{tuple(gains.shape)}"
+        )
+    rows, channels, axis = _rows(signal, own.n_vertices)
+    wavelets = _Split.apply(rows, given)[:-1]
+    change = torch.einsum("j,jnc->nc" if gains.ndim == 1 else "jn,jnc->nc", gains - 1.0, wavelets)
+    return (rows + change).reshape(own.n_vertices, *channels).movedim(0, axis)

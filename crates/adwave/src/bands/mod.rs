@@ -17,6 +17,7 @@ mod schedule;
 mod series;
 mod shape_order;
 mod stages;
+mod sum;
 mod transform;
 mod wavelets;
 

@@ -57,6 +57,16 @@ pub enum EndPoints {
     Free,
 }
 
+/// Treatment of the vertices of a surface that exchange heat the fastest, and determine the number of products.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Masses {
+    /// The masses of 1 % of the vertices are raised, which bounds the cost on meshes with tiny or thin triangles.
+    #[default]
+    Raised,
+    /// The masses are those of the mesh, except where the cost would have no bound at all.
+    Exact,
+}
+
 /// Task that decides which operator is used if none is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -146,6 +156,8 @@ pub struct OperatorParams {
     pub keep_creases: bool,
     /// Curve: treatment of its end points.
     pub end_points: EndPoints,
+    /// Heat on a surface: masses of the vertices with the fastest exchange (see [`surface_diffusion`]).
+    pub masses: Masses,
 }
 
 impl Default for OperatorParams {
@@ -161,6 +173,7 @@ impl Default for OperatorParams {
             density_invariant: false,
             keep_creases: false,
             end_points: EndPoints::default(),
+            masses: Masses::default(),
         }
     }
 }
@@ -218,6 +231,12 @@ impl OperatorParams {
     #[must_use]
     pub fn with_end_points(self, end_points: EndPoints) -> Self {
         Self { end_points, ..self }
+    }
+
+    /// Sets the treatment of the masses of the vertices with the fastest exchange.
+    #[must_use]
+    pub fn with_masses(self, masses: Masses) -> Self {
+        Self { masses, ..self }
     }
 
     /// Sets the preference for vertices with similar normals.

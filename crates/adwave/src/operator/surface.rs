@@ -1,7 +1,7 @@
 //! Diffusion operator of a surface or a curve: heat by its Laplace–Beltrami operator, instead of a walk.
 
 use super::spectrum::largest_eigenvalue;
-use super::{Diffusion, EndPoints, OperatorParams, Semigroup};
+use super::{Diffusion, EndPoints, Masses, OperatorParams, Semigroup};
 use crate::laplacian::{Laplacian, LaplacianInfo};
 use crate::parallel;
 use crate::rows::{CompressedRows, try_visit_entries};
@@ -14,6 +14,9 @@ const RAISED: f64 = 0.01;
 /// Largest `τ·L(x,x)/M(x)` of a vertex, which limits the number of products for every shape: if edges are 1400
 /// times shorter than the mean, masses are raised whatever the number of their vertices.
 const MAX_RATE: f64 = 1e6;
+
+/// Relative rounding of a quotient and a product.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Number of reported stages: weights, masses, operator.
 const STAGES: u64 = 3;
@@ -38,6 +41,8 @@ pub struct SurfaceInfo {
     pub laplacian: LaplacianInfo,
     /// Share of the total mass that was added to vertices which would dominate the cost.
     pub added_mass: f64,
+    /// Number of vertices whose mass was raised.
+    pub n_raised: usize,
 }
 
 /// Heat on the surface: `S_n = exp(−n·τ·M⁻¹L)`, with M and L of [`Laplacian`].
@@ -54,7 +59,8 @@ pub struct SurfaceInfo {
 /// `Φ₁ = I − M⁻¹L/λ` has entries ≥ 0 and rows that sum to 1. Since λ is at least the largest eigenvalue of M⁻¹L,
 /// its eigenvalues are in [0, 1]; it is reversible, with π = M. The number of products grows with √λ, which the
 /// smallest and thinnest triangles determine. So the mass of the 1 % of vertices with the largest `L(x,x)/M(x)` is
-/// raised until this is no larger than elsewhere, and no larger than 10⁶/τ; not on a graph. O(n log n).
+/// raised until this is no larger than elsewhere, and no larger than 10⁶/τ; not on a graph. With [`Masses::Exact`] only
+/// the second bound holds. O(n log n).
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
@@ -85,9 +91,7 @@ pub fn surface_diffusion(
     } else {
         total / (4.0 * 3.0_f64.sqrt() * n_moving.max(1.0))
     };
-    if !is_graph {
-        raise(&mut mass, &stiffness, tau, progress)?;
-    }
+    let n_raised = if is_graph { 0 } else { raise(&mut mass, &stiffness, tau, params.masses, progress)? };
     let added = parallel::try_sum(n, progress, |x| mass[x])? - total;
     progress.step(2, STAGES)?;
     let lambda = largest_eigenvalue(&weights, &mass, &stiffness, progress)?;
@@ -114,7 +118,8 @@ pub fn surface_diffusion(
     let diffusion = Diffusion::from_heat_weights(pattern, values, mass, step_length, semigroup, progress)?;
     progress.step(STAGES, STAGES)?;
     let added_mass = if total > 0.0 { added / total } else { 0.0 };
-    Ok(SurfaceDiffusion { diffusion, areas, mean_length, info: SurfaceInfo { laplacian: info, added_mass } })
+    let info = SurfaceInfo { laplacian: info, added_mass, n_raised };
+    Ok(SurfaceDiffusion { diffusion, areas, mean_length, info })
 }
 
 /// Mean square length of the edges of a graph with equal weight per unit of edge weight; 1 without positions.
@@ -142,15 +147,25 @@ fn kept_ends(geometry: &PreparedGeometry, end_points: EndPoints) -> Vec<bool> {
     is_kept
 }
 
-/// Raises masses until no vertex has a larger `stiffness/mass` than all but [`RAISED`] of them, or than
-/// [`MAX_RATE`] per step.
-fn raise(mass: &mut [f64], stiffness: &[f64], tau: f64, progress: Progress<'_>) -> Result<(), Cancelled> {
+/// Raises masses until no vertex has a larger `stiffness/mass` than all but [`RAISED`] of them (unless masses are to be
+/// exact), or than [`MAX_RATE`] per step. Returns the number of raised masses.
+fn raise(
+    mass: &mut [f64],
+    stiffness: &[f64],
+    tau: f64,
+    masses: Masses,
+    progress: Progress<'_>,
+) -> Result<usize, Cancelled> {
     let mut rates: Vec<f64> =
         mass.iter().zip(stiffness).filter(|(_, s)| **s > 0.0).map(|(m, s)| s / m).collect();
     progress.check()?;
-    let kept = ((1.0 - RAISED) * rates.len() as f64) as usize;
+    let share = match masses {
+        Masses::Raised => RAISED,
+        Masses::Exact => 0.0,
+    };
+    let kept = ((1.0 - share) * rates.len() as f64) as usize;
     if rates.is_empty() {
-        return Ok(());
+        return Ok(0);
     }
     let kept = kept.min(rates.len() - 1);
     rates.select_nth_unstable_by(kept, f64::total_cmp);
@@ -162,8 +177,12 @@ fn raise(mass: &mut [f64], stiffness: &[f64], tau: f64, progress: Progress<'_>) 
     };
     let most = if tau > 0.0 { MAX_RATE / tau } else { f64::INFINITY };
     let cap = if cap > 0.0 { cap.min(most) } else { most.min(1.0) };
+    let mut n_raised = 0;
     for (m, s) in mass.iter_mut().zip(stiffness) {
-        *m = m.max(s / cap);
+        let least = s / cap;
+        // The vertex that sets the bound is as it was, up to rounding.
+        n_raised += usize::from(*m < least * (1.0 - ROUNDING));
+        *m = m.max(least);
     }
-    Ok(())
+    Ok(n_raised)
 }

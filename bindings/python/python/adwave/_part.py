@@ -1,0 +1,258 @@
+"""Shape arguments of the public functions: their faces, the vertices that take part, and results in the caller's kind.
+
+One rule holds for all functions. Numbers come back in the axes of the numbers that were given. A shape that was changed, or
+a signal of it that was named, comes back as an object of the caller's kind: a `trimesh.Trimesh` for a `trimesh.Trimesh`, a
+pair for a pair, and a `Shape` for a `Shape`, a path or a `Decomposer`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, TypedDict, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from adwave import _adapt
+from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where
+from adwave._layout import Layout, signal_values, vertex_weights
+from adwave._options import LevelOptions, OperatorLike, SignalLike, as_operator
+from adwave._shape import Conditions, Path, Shape, as_shape
+from adwave._unknown import refuse_unknown
+
+
+class PartOptions(TypedDict, total=False):
+    """Options of all functions of shapes.
+
+    Parameters
+    ----------
+    faces : array_like
+        Faces, if the shape is an array of points; a pair ``(points, faces)`` is the same.
+    mask : array_like or path_like
+        The vertices that take part, as a flag or number for each; see `Shape.select`. Arrays that are results are NaN at
+        the others, and shapes that are results have the others as they were.
+    only : str or sequence of str
+        Conditions on fields that the vertices that take part fulfill, such as ``'classification=2'``.
+    """
+
+    faces: ArrayLike
+    mask: Union[ArrayLike, Path]
+    only: Conditions
+
+
+class SmoothOptions(PartOptions, total=False):
+    """Options of all functions that smooth.
+
+    Parameters
+    ----------
+    exact : bool
+        Heat on a surface with the masses of the mesh as they are; see `Operator.with_exact_masses`.
+    """
+
+    exact: bool
+
+
+class SignalOptions(SmoothOptions, LevelOptions, total=False):
+    """Options of all functions that split a signal into levels."""
+
+
+_PART = ("faces", "mask", "only")
+_EXACT = (*_PART, "exact")
+_SIGNAL = (*_EXACT, "fwhm", "steps")
+_MAX_CORNERS = 4
+
+
+@dataclass
+class Part:
+    """A shape argument: the caller's object, the shape, and the part of it that takes part."""
+
+    given: object
+    whole: Union[Shape, Decomposer]
+    part: Union[Shape, Decomposer]
+    selection: Union[Selection, None]
+
+    @property
+    def shape(self) -> Shape:
+        """The part that takes part, as a shape."""
+        return self.part.shape if isinstance(self.part, Decomposer) else self.part
+
+    @property
+    def whole_shape(self) -> Shape:
+        """The shape with all vertices."""
+        return self.whole.shape if isinstance(self.whole, Decomposer) else self.whole
+
+    def take_signal(self, signal: SignalLike) -> SignalLike:
+        """A signal at the vertices that take part; names are unchanged."""
+        if self.selection is None or signal is None or isinstance(signal, str):
+            return signal
+        values, layout = signal_values(signal, self.whole_shape.n_vertices)
+        rows = np.ascontiguousarray(values[self.selection.rows])
+        return layout.with_vertices(len(rows)).arrange(rows)
+
+    def take_where(self, where: Where) -> Where:
+        """Weights at the vertices that take part; the text of a region is unchanged."""
+        if self.selection is None or where is None or isinstance(where, str):
+            return where
+        return vertex_weights(where, self.whole_shape.n_vertices)[self.selection.rows]
+
+    def take_layers(self, gains: GainsLike) -> GainsLike:
+        """Layers with weights at the vertices that take part; plain gains are unchanged."""
+        if self.selection is None or isinstance(gains, str):
+            return gains
+        if isinstance(gains, Layer):
+            return Layer(gains.gains, self.take_where(gains.where))
+        if len(gains) and all(isinstance(layer, Layer) for layer in gains):
+            return [Layer(layer.gains, self.take_where(layer.where)) for layer in gains]  # type: ignore[union-attr]
+        return gains
+
+    def spread(self, values: NDArray[np.float64], layout: Layout, others: SignalLike = None) -> NDArray[np.float64]:
+        """Values in the caller's axes at all vertices: those of `others`, or NaN, where a vertex takes no part."""
+        if self.selection is None:
+            return values
+        n = self.whole_shape.n_vertices
+        part = layout.with_vertices(len(self.selection.rows))
+        if others is None:
+            whole = np.full((n, layout.n_channels), np.nan)
+        else:
+            whole = np.array(signal_values(others, n)[0])
+        whole[self.selection.rows] = part.flatten(values)
+        return layout.with_vertices(n).arrange(whole)
+
+    def moved(self, part: Shape) -> Any:
+        """The caller's object with the vertices that take part at other positions."""
+        moved = part
+        if self.selection is not None:
+            points = np.array(self.whole_shape.points)
+            points[self.selection.rows] = part.points
+            moved = self.whole_shape._with_positions(points)
+        if self.is_own:
+            return moved
+        return _adapt.with_results(self.given, points=np.array(moved.points), fields=_normals(self.given, moved))
+
+    def with_named_signal(self, part: Shape, name: str) -> Any:
+        """The caller's object with a signal that was named as it is in `part`."""
+        if name in ("coords", "x", "y", "z") and name not in part.fields:
+            return self.moved(part)
+        if name not in part.fields:
+            return part if self.is_own else _adapt.with_results(self.given, fields=dict(part.fields))
+        values = np.asarray(part.fields[name])
+        if self.selection is not None:
+            whole = np.array(self.whole_shape.signal(name), dtype=np.float64)
+            whole[self.selection.rows] = values
+            values = whole
+        if self.is_own:
+            return part if self.selection is None else self.whole_shape.with_field(name, values)
+        return _adapt.with_results(self.given, fields={name: values})
+
+    @property
+    def is_own(self) -> bool:
+        """Whether results are `Shape` objects, because the caller's kind of object has no place for them."""
+        given = self.given
+        return isinstance(given, (Shape, Decomposer)) or _adapt.is_path(given) or not _adapt.can_hold_results(given)
+
+
+def _normals(given: object, moved: Shape) -> dict[str, Any]:
+    """Normals of moved vertices under the names that the caller's object has for them."""
+    if moved.kind != "mesh" or not _adapt.stores_normals(given):
+        return {}
+    names = [name for name in moved.fields if name.lower() in ("normal", "normals")]
+    return {name: moved.fields[name] if name == "normal" else moved.signal("normals") for name in names}
+
+
+def read_part(
+    function: str,
+    shape: object,
+    options: Mapping[str, Any],
+    known: Collection[str],
+    signal: object = None,
+) -> Part:
+    """The shape argument of a public function with its options.
+
+    Parameters
+    ----------
+    function : str
+        Name of the function, for messages.
+    shape : shape_like
+        The argument.
+    options : mapping
+        Options of `PartOptions` or `SignalOptions`, or unknown ones.
+    known : collection of str
+        Names of the function's own options.
+    signal : object
+        The signal, which may be faces by mistake.
+
+    Raises
+    ------
+    TypeError
+        If an option is unknown, or an argument is not what it looks like.
+    ValueError
+        If an argument is invalid.
+    """
+    if options:
+        wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
+        refuse_unknown(function, options, known, wanted)
+    faces = options.get("faces")
+    if faces is None and signal is not None:
+        ask_about_faces(function, shape, signal)
+    mask, only = options.get("mask"), options.get("only")
+    if isinstance(shape, Decomposer):
+        given = next((name for name in _PART if options.get(name) is not None), None)
+        if given is not None:
+            raise ValueError(
+                f"{given}: a Decomposer is prepared for its whole shape; prepare the part, "
+                f"aw.Decomposer(shape.select({given}={given}))"
+                if given != "faces"
+                else "faces: a Decomposer has a shape already; leave them out"
+            )
+        return Part(shape, shape, shape, None)
+    given = shape if faces is None else (shape, faces)
+    whole = as_shape(shape, faces)
+    if mask is None and only is None:
+        return Part(given, whole, whole, None)
+    part = whole.select(only, mask=mask)
+    rows = np.flatnonzero(np.isin(whole.file_rows, part.file_rows))
+    return Part(given, whole, part, Selection(whole, rows))
+
+
+def exact_operator(operator: OperatorLike, options: Mapping[str, Any]) -> OperatorLike:
+    """The operator with exact masses, if these are asked for."""
+    return as_operator(operator).with_exact_masses() if options.get("exact") else operator
+
+
+def default_signal(given: object, signal: SignalLike) -> SignalLike:
+    """The signal, or the data of an object that is a signal on a shape, such as an image on a surface."""
+    return _adapt.own_signal(given) if signal is None else signal
+
+
+def ask_about_faces(function: str, shape: object, second: object) -> None:
+    """Raise TypeError if the second argument looks like the faces of an array of points.
+
+    Parameters
+    ----------
+    function : str
+        Name of the function, for the message.
+    shape, second : object
+        The first two arguments.
+    """
+    if isinstance(second, str) or not isinstance(shape, (np.ndarray, list, tuple)):
+        return
+    if _adapt.depth(shape) != 2 or _adapt.depth(second) != 2 or len(shape[0]) not in (2, 3):
+        return
+    faces, n_points = np.asarray(second), len(shape)
+    # Bytes are colors, and corners of a face differ.
+    if faces.dtype.kind not in "iu" or faces.dtype.itemsize == 1 or faces.ndim != 2:
+        return
+    few = np.sort(faces[:100], axis=1)
+    if (few[:, 1:] == few[:, :-1]).any():
+        return
+    if faces.shape[1] in (3, _MAX_CORNERS) and faces.size and faces.min() >= 0 and faces.max() < n_points:
+        rest = {"match": "(V2, F2)", "distances": "(V2, F2)", "filter": "gains"}.get(function, "signal")
+        raise TypeError(
+            f"{function}: are these the faces of the points? Faces come in a pair, aw.{function}((V, F), {rest})"
+            + (
+                ""
+                if rest == "(V2, F2)"
+                else ", or by keyword, faces=F; a signal of whole numbers goes as F.astype(float)"
+            )
+        )

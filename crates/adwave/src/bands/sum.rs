@@ -1,0 +1,173 @@
+//! Sum of one band of each of several signals, by one recurrence: the adjoint of the bands.
+//!
+//! In the inner product of the stationary distribution π every band is self-adjoint, so the adjoint of
+//! `f ↦ (W_f(1), …, W_f(J))` is `(h_1, …, h_J) ↦ Σ_j W_{h_j}(j)`. With `W_h(j) = (I − Φ₁)·Σ_k a_{jk} T_k(Y) h`,
+//! `Y = 2Φ₁ − I`, this is `(I − Φ₁)·Σ_k T_k(Y) u_k` with `u_k = Σ_j a_{jk} h_j`, which the recurrence of
+//! `clenshaw1955` sums from the highest term down: `b_k = u_k + 2Y b_{k+1} − b_{k+2}`, and the sum is
+//! `u_0 + Y b_1 − b_2`.
+
+use super::error::{check_buffer, check_signal};
+use super::real_series::LADDER;
+use super::series::Series;
+use super::transform::add;
+use super::{BandsError, Schedule, Transform};
+use crate::operator::Semigroup;
+use crate::pages::zeros;
+use crate::parallel;
+use crate::shape::VertexMap;
+use crate::sparse::try_apply;
+use crate::{Cancelled, Progress};
+
+/// Remainder of a series, relative to the sum of its terms, below which further terms are omitted.
+const REMAINDER: f64 = 1e-15;
+
+impl Transform {
+    /// True if [`sum_of_bands`](Self::sum_of_bands) applies: the diffusion is reversible, the steps are whole or those
+    /// of heat, and few enough that one recurrence is accurate.
+    pub fn has_sum_of_bands(&self, schedule: &Schedule) -> bool {
+        let is_heat = self.diffusion().semigroup() != Semigroup::Steps;
+        self.diffusion().is_reversible()
+            && (is_heat || schedule.first_real().is_none())
+            && !self.is_staged(schedule)
+    }
+
+    /// Computes `Σ_j W_{h_j}(j)` for one signal h_j of each level (n_vertices × n_channels, in the order of the shape,
+    /// one after the other in `signals`), n_vertices × n_channels. It costs the products of the coarsest band, and
+    /// is accurate to rounding.
+    ///
+    /// As in [`bands`](Self::bands), the difference of h_1 from its mean over welded vertices is part of the sum.
+    ///
+    /// # Errors
+    /// [`BandsError`] if the signals have the wrong length or a value that is not finite, levels are fractional (see
+    /// [`has_sum_of_bands`](Self::has_sum_of_bands)), or the call is cancelled.
+    ///
+    /// ```
+    /// use adwave::bands::{BandsParams, Schedule, Transform};
+    /// use adwave::{Progress, operator::Diffusion, shape::VertexMap};
+    /// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.5, 0.5])?;
+    /// let transform = Transform::new(diffusion, &BandsParams::default())?;
+    /// let (map, schedule) = (VertexMap::identity(2), Schedule::dyadic(2)?);
+    /// let sum = transform.sum_of_bands(&map, &[1.0, 3.0, 5.0, 5.0], 1, &schedule, Progress::none())?;
+    /// assert!((sum[0] + 1.0).abs() < 1e-12 && (sum[1] - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn sum_of_bands(
+        &self,
+        vertex_map: &VertexMap,
+        signals: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, BandsError> {
+        let (n, n_levels) = (vertex_map.n_vertices(), schedule.n_levels());
+        let len = n * n_channels;
+        check_buffer(signals.len(), n_levels * len)?;
+        if !self.has_sum_of_bands(schedule) {
+            let level = schedule.first_real().unwrap_or(n_levels);
+            return Err(BandsError::NotWhole { level, steps: schedule.steps()[level - 1] });
+        }
+        let mut means = Vec::with_capacity(n_levels);
+        for signal in signals.chunks_exact(len.max(1)) {
+            check_signal(signal, n, n_channels)?;
+            means.push(vertex_map.mean(signal, n_channels));
+        }
+        let steps = schedule.steps_from_zero();
+        let growth = self.evaluator(progress)?.growth;
+        let series: Vec<Series> =
+            parallel::map_items(n, n_levels, |level| self.band(&steps[level..level + 2], LADDER[0], growth));
+        let sum = self.clenshaw(&series, &means, n_channels, progress)?;
+        let mut sum = vertex_map.scatter(&sum, n_channels);
+        if vertex_map.n_welded() < n {
+            let mean = vertex_map.scatter(&means[0], n_channels);
+            sum.iter_mut().zip(signals).zip(&mean).for_each(|((s, h), m)| *s += h - m);
+        }
+        Ok(sum)
+    }
+
+    /// `(I − Φ₁)·Σ_k T_k(2Φ₁ − I) u_k` with `u_k = Σ_j series[j]_k·signals[j]`.
+    fn clenshaw(
+        &self,
+        series: &[Series],
+        signals: &[Vec<f64>],
+        n_channels: usize,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let len = signals.first().map_or(0, Vec::len);
+        let degrees: Vec<usize> = series.iter().map(|s| s.degree_within(REMAINDER * s.total, 0)).collect();
+        let highest = degrees.iter().copied().max().unwrap_or(0);
+        let (mut b1, mut b2, mut product): (Vec<f64>, Vec<f64>, Vec<f64>) =
+            (zeros(len), zeros(len), zeros(len));
+        for k in (0..=highest).rev() {
+            progress.step((highest - k) as u64, highest as u64 + 1)?;
+            try_apply(self.diffusion(), &b1, &mut product, n_channels, progress)?;
+            // Y b = 2Φ₁b − b, once for the last term and twice for the others.
+            let factor = if k == 0 { 1.0 } else { 2.0 };
+            let terms: Vec<(f64, &[f64])> = (0..series.len())
+                .filter(|&j| k <= degrees[j])
+                .map(|j| (series[j].coefficients[k], &signals[j][..]))
+                .collect();
+            parallel::visit_rows(&mut b2, n_channels, super::bands::VERTICES_AT_A_TIME, |first, b2| {
+                let at = first * n_channels;
+                for (i, b2) in b2.iter_mut().enumerate() {
+                    let u: f64 = terms.iter().map(|(a, h)| a * h[at + i]).sum();
+                    *b2 = u + factor * (2.0 * product[at + i] - b1[at + i]) - *b2;
+                }
+            });
+            std::mem::swap(&mut b1, &mut b2);
+        }
+        try_apply(self.diffusion(), &b1, &mut product, n_channels, progress)?;
+        add(-1.0, &product, &mut b1, n_channels);
+        Ok(b1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Decomposer;
+    use crate::operator::{OperatorKind, OperatorParams};
+    use crate::shape::{Graph, Shape};
+
+    /// Default relative accuracy of bands, with a margin.
+    const ACCURATE: f64 = 1e-9;
+
+    #[test]
+    fn the_sum_is_that_of_the_bands_of_each_signal() {
+        let edges: Vec<(u32, u32, f64)> = (0..40_u32)
+            .flat_map(|i| [(i, (i + 1) % 41, 1.0 + f64::from(i % 3)), (i, (i * 7 + 3) % 41, 0.5)])
+            .filter(|(a, b, _)| a != b)
+            .collect();
+        let shape = Shape::Graph(Graph::new(41, &edges).unwrap());
+        let (n_channels, schedule) = (2, Schedule::new(vec![1, 3, 10, 40]).unwrap());
+        let len = 41 * n_channels;
+        let signals: Vec<f64> = (0..4 * len).map(|i| (i as f64 * 0.7).sin() + (i % 5) as f64).collect();
+        for kind in [OperatorKind::Walk, OperatorKind::Surface] {
+            let params = OperatorParams::default().with_kind(kind);
+            let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
+            let (map, transform) = (decomposer.geometry().vertex_map(), decomposer.transform());
+            let sum = transform.sum_of_bands(map, &signals, n_channels, &schedule, Progress::none()).unwrap();
+            let mut expected = vec![0.0; len];
+            for (level, signal) in signals.chunks_exact(len).enumerate() {
+                let bands = transform.bands(map, signal, n_channels, &schedule, Progress::none()).unwrap();
+                let band = bands.wavelets().nth(level).unwrap();
+                expected.iter_mut().zip(band).for_each(|(e, w)| *e += w);
+            }
+            let scale = expected.iter().fold(0.0_f64, |most, e| most.max(e.abs()));
+            for (found, expected) in sum.iter().zip(&expected) {
+                assert!((found - expected).abs() <= ACCURATE * scale, "{kind:?}: {found} for {expected}");
+            }
+            assert!(scale > 0.1);
+        }
+    }
+
+    #[test]
+    fn fractional_steps_of_a_walk_are_refused() {
+        let shape = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)]).unwrap());
+        let decomposer = Decomposer::new(&shape);
+        let schedule = Schedule::real(vec![0.5]).unwrap();
+        let map = decomposer.geometry().vertex_map();
+        let found =
+            decomposer.transform().sum_of_bands(map, &[1.0, 2.0, 3.0], 1, &schedule, Progress::none());
+        assert!(matches!(found, Err(BandsError::NotWhole { level: 1, .. })), "{found:?}");
+    }
+}
