@@ -26,5 +26,6 @@ mod slopes;
 mod strays;
 mod studio;
 mod tiles;
+mod tiles_in_memory;
 mod two_shapes;
 mod units;

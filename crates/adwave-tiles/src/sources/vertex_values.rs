@@ -31,9 +31,14 @@ impl<'a> VertexValues<'a> {
         Self { change, norm_fields, vector_fields, has_saliency: params.saliency.is_some(), unit, bands }
     }
 
-    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units. The saliency, which comes last, is 0
-    /// until the maps stage.
-    pub(crate) fn push_fields(&self, vertex: usize, out: &mut Vec<u8>) {
+    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units; NaN for a record that takes no part. The
+    /// saliency, which comes last, is 0 until the maps stage.
+    pub(crate) fn push_fields(&self, vertex: Option<usize>, out: &mut Vec<u8>) {
+        let Some(vertex) = vertex else {
+            let n = self.norm_fields.len() + 3 * self.vector_fields.len() + usize::from(self.has_saliency);
+            out.extend((0..n).flat_map(|_| f32::NAN.to_le_bytes()));
+            return;
+        };
         for band in &self.norm_fields {
             out.extend(((length(band[vertex]) * self.unit) as f32).to_le_bytes());
         }
