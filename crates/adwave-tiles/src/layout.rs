@@ -30,12 +30,16 @@ pub(crate) struct MemberRule {
 impl MemberRule {
     pub(crate) fn takes_part(&self, layout: &RecordLayout, record: &[u8]) -> bool {
         let marks = layout.marks(record);
-        if marks == 0 {
-            return true;
-        }
-        marks & UNSELECTED == 0
-            && (marks & FLAGGED == 0 || self.includes_flagged)
-            && !self.is_placeholder(layout, record)
+        marks == 0 || (self.is_chosen(marks) && !self.is_placeholder(layout, record))
+    }
+
+    fn is_chosen(&self, marks: u8) -> bool {
+        marks & UNSELECTED == 0 && (marks & FLAGGED == 0 || self.includes_flagged)
+    }
+
+    /// Fields of a record that takes no part: NaN if it was not chosen, 0 for a placeholder, as for a vertex without neighbors.
+    pub(crate) fn outsider_value(&self, layout: &RecordLayout, record: &[u8]) -> f32 {
+        if self.is_chosen(layout.marks(record)) { 0.0 } else { f32::NAN }
     }
 
     pub(crate) fn is_placeholder(&self, layout: &RecordLayout, record: &[u8]) -> bool {

@@ -54,7 +54,7 @@ impl MapWeights {
     }
 }
 
-/// Vertices of the inputs that take part. The others keep their values and are nobody's neighbors; their new fields are NaN.
+/// Vertices of the inputs that take part. The others keep their values and are nobody's neighbors; their new fields are NaN, those of strays and placeholders 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileSelection {
     /// Conditions on fields, all of which must hold, as [`FieldCondition`] parses them.

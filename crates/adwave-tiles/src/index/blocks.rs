@@ -207,6 +207,11 @@ impl Blocks {
         self.records.read(first * record_bytes as u64, n as usize * record_bytes)
     }
 
+    /// Fields of a record that takes no part.
+    pub(crate) fn outsider_value(&self, record: &[u8]) -> f32 {
+        self.rule.outsider_value(&self.layout, record)
+    }
+
     /// Reads the positions of the vertices of a block, in units of the layout.
     pub(crate) fn read_positions(&self, block: usize) -> Result<Vec<[f64; 3]>, TilesError> {
         let mut positions = Vec::with_capacity(VERTICES_IN_A_BLOCK);

@@ -214,7 +214,10 @@ pub(crate) fn output_records(
             };
             set_quantized_xyz(&mut output[start..], xyz);
         }
-        values.push_fields(vertex, &mut output);
+        match vertex {
+            Some(vertex) => values.push_fields(vertex, &mut output),
+            None => values.push_outsider_fields(blocks.outsider_value(record), &mut output),
+        }
     }
     Ok(output)
 }

@@ -160,7 +160,10 @@ pub(crate) fn result_rows(
         });
         rows.extend(index_in_file(record).to_le_bytes());
         rows.extend(position.iter().flatten().flat_map(|c| c.to_le_bytes()));
-        values.push_fields(vertex, &mut rows);
+        match vertex {
+            Some(vertex) => values.push_fields(vertex, &mut rows),
+            None => values.push_outsider_fields(blocks.outsider_value(record), &mut rows),
+        }
     }
     rows
 }

@@ -31,14 +31,9 @@ impl<'a> VertexValues<'a> {
         Self { change, norm_fields, vector_fields, has_saliency: params.saliency.is_some(), unit, bands }
     }
 
-    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units; NaN for a record that takes no part. The
-    /// saliency, which comes last, is 0 until the maps stage.
-    pub(crate) fn push_fields(&self, vertex: Option<usize>, out: &mut Vec<u8>) {
-        let Some(vertex) = vertex else {
-            let n = self.norm_fields.len() + 3 * self.vector_fields.len() + usize::from(self.has_saliency);
-            out.extend((0..n).flat_map(|_| f32::NAN.to_le_bytes()));
-            return;
-        };
+    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units. The saliency, which comes last, is 0
+    /// until the maps stage.
+    pub(crate) fn push_fields(&self, vertex: usize, out: &mut Vec<u8>) {
         for band in &self.norm_fields {
             out.extend(((length(band[vertex]) * self.unit) as f32).to_le_bytes());
         }
@@ -48,6 +43,12 @@ impl<'a> VertexValues<'a> {
         if self.has_saliency {
             out.extend(0_f32.to_le_bytes());
         }
+    }
+
+    /// Appends the fields of a record that takes no part, all with the same `value`.
+    pub(crate) fn push_outsider_fields(&self, value: f32, out: &mut Vec<u8>) {
+        let n = self.norm_fields.len() + 3 * self.vector_fields.len() + usize::from(self.has_saliency);
+        out.extend((0..n).flat_map(|_| value.to_le_bytes()));
     }
 
     /// Norms of all bands as 32-bit floats, a row per vertex. They are in units of the layout, since model units of a tiny or huge shape

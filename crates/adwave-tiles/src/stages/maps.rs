@@ -78,12 +78,13 @@ fn set_saliency(
     let mut norms = Vec::new();
     bands.norms.read(blocks.vertices(block), &mut norms)?;
     let records = blocks.read_records(block)?;
-    for ((vertex, _), row) in blocks.with_vertices(&records).zip(rows.chunks_exact_mut(row_bytes)) {
-        let saliency = vertex.map_or(f32::NAN, |vertex| {
+    for ((vertex, record), row) in blocks.with_vertices(&records).zip(rows.chunks_exact_mut(row_bytes)) {
+        let map_value = |vertex: usize| {
             // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
             let terms = bands.levels.iter().zip(&norms[vertex * n_levels..]);
             terms.map(|(level, &l)| level.alpha * unit * f64::from(l)).sum::<f64>() as f32
-        });
+        };
+        let saliency = vertex.map_or_else(|| blocks.outsider_value(record), map_value);
         let bytes = saliency.to_le_bytes();
         row[row_bytes - bytes.len()..].copy_from_slice(&bytes);
     }
