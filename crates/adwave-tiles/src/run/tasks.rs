@@ -29,7 +29,7 @@ use crate::stages::sort::faces::{FaceDistributor, vertices_per_pass};
 /// Time between two attempts to take the lock.
 const LOCK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What the bands stage computes for a tile.
+/// Computation of the bands stage for a tile.
 pub(crate) enum TileRule {
     /// Bands, and positions that the gains move.
     Bands(Motion),
@@ -188,7 +188,7 @@ impl TilingJob {
         self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK
     }
 
-    /// What the bands of any tile depend on. The first task that needs its files computes and stores them.
+    /// The computation of the bands stage, with all that it depends on beyond a tile. The first task that needs its files computes and stores them.
     pub(crate) fn tile_rule(
         &self,
         blocks: &Blocks,
