@@ -132,9 +132,9 @@ class Part:
     False
     """
 
-    files: Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLike[str]"]]]
+    files: Union[str, os.PathLike[str], Sequence[Union[str, os.PathLike[str]]]]
     only: Sequence[str] = ()
-    mask: Union[str, "os.PathLike[str]", None] = None
+    mask: Union[str, os.PathLike[str], None] = None
     invert_mask: bool = False
     all_points: bool = False
 
