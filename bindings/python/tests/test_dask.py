@@ -12,7 +12,7 @@ from pathlib import Path
 
 import adwave.dask
 import pytest
-from adwave.dask import Denoising, Fields
+from adwave.dask import Denoising, Fields, Filter, Part
 
 distributed = pytest.importorskip("distributed")
 
@@ -50,6 +50,17 @@ def test_worker_processes_give_the_bytes_of_one_process(cloud: Path, tmp_path: P
         before = [os.stat(path).st_mtime_ns for path in paths]
         assert adwave.dask.run(folder, client) == paths
         assert [os.stat(path).st_mtime_ns for path in paths] == before
+
+
+def test_a_filter_and_a_part_reach_the_command(cloud: Path, tmp_path: Path) -> None:
+    words = ["--gains=0,0.5,1", "--along", "z", "--only", "z=..60", "--memory", "1G", "--plan-only"]
+    adwave_command("tiles", cloud, "-o", tmp_path / "one", *words)
+    part = Part(files=cloud, only=["z=..60"])
+    chosen = Filter(gains=[0, 0.5, 1], along="z")
+    folder = adwave.dask.plan(part, tmp_path / "many", gains=chosen, memory="1G")
+    assert (Path(folder) / "plan.json").read_text() == (tmp_path / "one" / "plan.json").read_text()
+    with pytest.raises(RuntimeError, match="--local-fit is for heights"):
+        adwave.dask.plan(cloud, tmp_path / "other", gains=Filter(gains=[0, 1], local_fit="linear"))
 
 
 def test_a_worker_that_is_killed_loses_nothing(cloud: Path, tmp_path: Path) -> None:

@@ -83,14 +83,14 @@ pub use formats::las::fields::is_flagged_record;
 #[cfg(feature = "las")]
 pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
 #[cfg(feature = "las")]
-pub use formats::las::stream::{LasLayout, LasReader, LasWriter};
+pub use formats::las::stream::{LasColumn, LasLayout, LasReader, LasWriter};
 #[cfg(feature = "graph")]
 pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
-pub use mesh_stream::{MeshReader, VertexEdit, rewrite_mesh};
+pub use mesh_stream::{MeshReader, VertexColumn, VertexEdit, rewrite_mesh};
 pub use model::face_cells::FaceCells;
 pub use model::field::{COORDS, Field, FieldValues, ValueType};
 pub use model::graph_changes::GraphChanges;

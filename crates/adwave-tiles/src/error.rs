@@ -5,7 +5,7 @@ use std::path::Path;
 use adwave::bands::{BandsError, ScheduleError};
 use adwave::denoise::DenoiseError;
 use adwave::{Cancelled, ClassifiedError, ErrorKind};
-use adwave_io::{ReadError, WriteError};
+use adwave_io::{ReadError, SelectionError, WriteError};
 
 /// Error of a tiling job. Every message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -39,6 +39,9 @@ pub enum TilesError {
     /// A result cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The vertices that take part cannot be chosen.
+    #[error(transparent)]
+    Selection(#[from] SelectionError),
     /// The number of levels is invalid.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
@@ -72,6 +75,7 @@ impl ClassifiedError for TilesError {
             Self::Io { .. } | Self::Broken { .. } => ErrorKind::Machine,
             Self::Read(error) => error.kind(),
             Self::Write(error) => error.kind(),
+            Self::Selection(error) => error.kind(),
             Self::Schedule(error) => error.kind(),
             Self::Bands(error) => error.kind(),
             Self::Denoise(error) => error.kind(),

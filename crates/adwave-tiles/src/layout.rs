@@ -1,5 +1,6 @@
 //! Layout of the records that are sorted: where the position of a record is and how it is encoded.
 
+use adwave::shape::{KnownRange, OriginRule};
 use serde::{Deserialize, Serialize};
 
 use crate::bounds::BoundingBox;
@@ -8,8 +9,51 @@ use crate::bytes::u32_at;
 /// Largest number of points of a job: vertices are indexed by 32-bit numbers.
 pub(crate) const MAX_POINTS: u64 = u32::MAX as u64 - 1;
 
+/// Mark of a record that conditions or a mask leave out.
+pub(crate) const UNSELECTED: u8 = 1;
+
+/// Mark of a point that is flagged as withheld or classified as noise.
+pub(crate) const FLAGGED: u8 = 2;
+
+/// Mark of a record whose position may be a placeholder.
+pub(crate) const SUSPECT: u8 = 4;
+
+/// Rule by which records take part. The others keep their values and are nobody's neighbors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct MemberRule {
+    /// True if flagged points take part, since there are no others.
+    pub(crate) includes_flagged: bool,
+    /// Range of the coordinates outside of which suspects are placeholders; `None` if there are none.
+    pub(crate) known: Option<KnownRange>,
+}
+
+impl MemberRule {
+    pub(crate) fn takes_part(&self, layout: &RecordLayout, record: &[u8]) -> bool {
+        let marks = layout.marks(record);
+        marks == 0 || (self.is_chosen(marks) && !self.is_placeholder(layout, record))
+    }
+
+    fn is_chosen(&self, marks: u8) -> bool {
+        marks & UNSELECTED == 0 && (marks & FLAGGED == 0 || self.includes_flagged)
+    }
+
+    /// Fields of a record that takes no part: NaN if it was not chosen, 0 for a placeholder, as for a vertex without neighbors.
+    pub(crate) fn outsider_value(&self, layout: &RecordLayout, record: &[u8]) -> f32 {
+        if self.is_chosen(layout.marks(record)) { 0.0 } else { f32::NAN }
+    }
+
+    pub(crate) fn is_placeholder(&self, layout: &RecordLayout, record: &[u8]) -> bool {
+        let origin = match layout {
+            RecordLayout::Las(_) => OriginRule::Placeholder,
+            RecordLayout::Mesh(_) => OriginRule::Ordinary,
+        };
+        layout.marks(record) & SUSPECT != 0
+            && self.known.is_some_and(|known| known.is_placeholder(&layout.model_position(record), origin))
+    }
+}
+
 /// Layout of all records of a job. A record begins with its position; two records have the same position exactly if these bytes are
-/// equal.
+/// equal. Its last byte has the marks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum RecordLayout {
     /// Points of a cloud, as LAS point records.
@@ -21,7 +65,7 @@ pub(crate) enum RecordLayout {
 impl RecordLayout {
     pub(crate) fn record_bytes(&self) -> usize {
         match self {
-            Self::Las(quantization) => quantization.record_bytes,
+            Self::Las(quantization) => quantization.record_bytes + 1,
             Self::Mesh(_) => MeshUnits::RECORD_BYTES,
         }
     }
@@ -42,12 +86,17 @@ impl RecordLayout {
         }
     }
 
-    /// Returns true if a point is flagged as withheld or classified as noise.
-    pub(crate) fn is_flagged(&self, record: &[u8]) -> bool {
+    /// Position of a record, in model units.
+    pub(crate) fn model_position(&self, record: &[u8]) -> [f64; 3] {
         match self {
-            Self::Las(quantization) => adwave_io::is_flagged_record(quantization.format, record),
-            Self::Mesh(_) => false,
+            Self::Las(quantization) => quantization.to_position(quantized_xyz(record)),
+            Self::Mesh(_) => vertex_coordinates(record),
         }
+    }
+
+    /// Marks of a record.
+    pub(crate) fn marks(&self, record: &[u8]) -> u8 {
+        record.get(self.record_bytes() - 1).copied().unwrap_or(0)
     }
 
     /// Unit of positions and lengths during the computation, in model units: a power of two.
@@ -63,6 +112,7 @@ impl RecordLayout {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct LasQuantization {
     pub(crate) format: u8,
+    /// Bytes of a record in the file, without the marks.
     pub(crate) record_bytes: usize,
     pub(crate) scale: [f64; 3],
     pub(crate) offset: [f64; 3],
@@ -102,7 +152,7 @@ impl LasQuantization {
     }
 }
 
-/// Vertex records of a mesh: three 64-bit coordinates in model units and the index of the vertex in its file.
+/// Vertex records of a mesh: three 64-bit coordinates in model units, the index of the vertex in its file, and the marks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MeshUnits {
     /// Unit of lengths during the computation, in model units: a power of two near the size of the mesh, so that squares neither
@@ -115,7 +165,7 @@ const MODERATE_EXPONENT: f64 = 32.0;
 
 impl MeshUnits {
     pub(crate) const POSITION_BYTES: usize = 24;
-    pub(crate) const RECORD_BYTES: usize = Self::POSITION_BYTES + 4;
+    pub(crate) const RECORD_BYTES: usize = Self::POSITION_BYTES + 4 + 1;
 
     /// The unit for a mesh with this bounding box.
     pub(crate) fn from_bounds(bounds: &BoundingBox) -> Self {
@@ -136,9 +186,10 @@ pub(crate) fn index_in_file(record: &[u8]) -> u32 {
     u32_at(record, MeshUnits::POSITION_BYTES)
 }
 
-/// Appends a vertex record.
+/// Appends a vertex record without marks.
 pub(crate) fn push_vertex_record(records: &mut Vec<u8>, position: [f64; 3], index_in_file: u32) {
     // Equal coordinates must have equal bytes: adding 0 turns −0 into 0.
     records.extend(position.iter().flat_map(|c| (c + 0.0).to_le_bytes()));
     records.extend(index_in_file.to_le_bytes());
+    records.push(0);
 }

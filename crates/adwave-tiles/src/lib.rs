@@ -42,7 +42,7 @@ pub use job::begin::forecast;
 pub use job::forecast::Forecast;
 pub use job::status::{Status, Task};
 pub use job::tiling_job::TilingJob;
-pub use params::{MapKind, MapWeights, Params};
+pub use params::{MapKind, MapWeights, Params, TileSelection};
 pub use run::{Summary, join, run, run_task};
 pub use sources::mesh::is_mesh;
 pub use stages::totals::LevelSummary;

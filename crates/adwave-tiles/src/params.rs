@@ -3,8 +3,11 @@
 use adwave::bands::{FixedSeries, Schedule};
 use adwave::denoise::{DenoiseChoice, DenoiseParams};
 use adwave::features::{FeatureError, FeatureParams};
+use adwave::local_fit::{HeightSeries, LocalFit};
 use adwave::named_values;
+use adwave::positions::{Borders, MoveDirection, NORMAL_STEPS};
 use adwave::saliency::{SaliencyError, SaliencyParams};
+use adwave_io::{FieldCondition, FlaggedPoints, MaskFile, MaskSide, Selection};
 use serde::{Deserialize, Serialize};
 
 use crate::error::TilesError;
@@ -51,6 +54,48 @@ impl MapWeights {
     }
 }
 
+/// Vertices of the inputs that take part. The others keep their values and are nobody's neighbors; their new fields are NaN, those of strays and placeholders 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TileSelection {
+    /// Conditions on fields, all of which must hold, as [`FieldCondition`] parses them.
+    pub conditions: Vec<String>,
+    /// File with a mask that has one number for each row of the inputs, one input after the other.
+    pub mask: Option<String>,
+    /// True if the rows outside of the mask take part.
+    pub is_mask_inverted: bool,
+    /// True if points that are flagged as withheld or classified as noise take part.
+    pub includes_flagged: bool,
+}
+
+impl From<&Selection> for TileSelection {
+    fn from(selection: &Selection) -> Self {
+        Self {
+            conditions: selection.conditions.iter().map(ToString::to_string).collect(),
+            mask: selection.mask.as_ref().map(|mask| mask.name.clone()),
+            is_mask_inverted: selection.is_mask_inverted(),
+            includes_flagged: selection.flagged == FlaggedPoints::Included,
+        }
+    }
+}
+
+impl TileSelection {
+    /// The selection of a file in memory that chooses the same vertices.
+    ///
+    /// # Errors
+    /// [`TilesError`] if a condition cannot be parsed.
+    pub fn to_selection(&self) -> Result<Selection, TilesError> {
+        let parse = |text: &String| {
+            text.parse::<FieldCondition>().map_err(|e| TilesError::Input(format!("--only: {e}")))
+        };
+        let side = if self.is_mask_inverted { MaskSide::Outside } else { MaskSide::Inside };
+        Ok(Selection {
+            conditions: self.conditions.iter().map(parse).collect::<Result<_, _>>()?,
+            mask: self.mask.clone().map(|name| MaskFile { name, side }),
+            flagged: if self.includes_flagged { FlaggedPoints::Included } else { FlaggedPoints::LeftOut },
+        })
+    }
+}
+
 /// Parameters of a tiling job.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -59,6 +104,19 @@ pub struct Params {
     pub levels: usize,
     /// Gain of each band from fine to coarse, one per level; 1 keeps a band. Empty: all gains are 1.
     pub gains: Vec<f64>,
+    /// Vertices that take part.
+    #[serde(default)]
+    pub selection: TileSelection,
+    /// Directions in which vertices move by the gains; `None` means along the normals on a cloud, and all directions on a mesh, as in
+    /// [`PositionParams`](adwave::positions::PositionParams).
+    #[serde(default)]
+    pub along: Option<MoveDirection>,
+    /// Treatment of the borders of a mesh by the gains. [`Borders::Keep`] is not available.
+    #[serde(default)]
+    pub borders: Borders,
+    /// Local fit of coordinates that move along one axis.
+    #[serde(default = "linear_fit")]
+    pub local_fit: LocalFit,
     /// Bands, from 1, whose norm ‖W_j‖ is written to the field `wavelet_j`, in model units.
     pub magnitudes: Vec<usize>,
     /// Bands, from 1, whose vectors W_j are written to the fields `wavelet_j_x`, `wavelet_j_y` and `wavelet_j_z`, in model units.
@@ -85,11 +143,32 @@ pub struct Params {
     pub n_workers: usize,
 }
 
+fn linear_fit() -> LocalFit {
+    LocalFit::Linear
+}
+
+/// Rule by which the gains move vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Movement {
+    /// In all directions.
+    Free,
+    /// Along the normals in parts of a mesh that have a border, in all directions elsewhere.
+    OpenParts,
+    /// In one direction.
+    Directed(MoveDirection),
+    /// Along the axis with this index, about a local linear fit.
+    Heights(usize),
+}
+
 impl Default for Params {
     fn default() -> Self {
         Self {
             levels: 8,
             gains: Vec::new(),
+            selection: TileSelection::default(),
+            along: None,
+            borders: Borders::Natural,
+            local_fit: linear_fit(),
             magnitudes: Vec::new(),
             vectors: Vec::new(),
             saliency: None,
@@ -132,6 +211,12 @@ impl Params {
         }
         if let Some(gain) = self.gains.iter().find(|gain| !(gain.is_finite() && gain.abs() <= MAX_GAIN)) {
             return input(format!("gains must be finite, at most {MAX_GAIN:e} in magnitude, got {gain:?}"));
+        }
+        if self.borders == Borders::Keep {
+            return input(
+                "tiles cannot keep borders in place, which needs distances from them; use 'natural' or 'free', or filter the whole mesh in memory"
+                    .into(),
+            );
         }
         let mut bands = self.magnitudes.iter().chain(&self.vectors);
         if let Some(band) = bands.find(|band| !(1..=self.levels).contains(*band)) {
@@ -191,11 +276,46 @@ impl Params {
         self.saliency.is_some() || self.theta.is_some()
     }
 
-    /// Polynomials of the outputs: the change of the positions, if any gain is not 1, then the bands to compute.
+    /// Rule by which the gains move vertices.
+    pub(crate) fn movement(&self, is_mesh: bool) -> Movement {
+        match (self.along, self.along.and_then(MoveDirection::axis)) {
+            (_, Some(axis)) if self.local_fit == LocalFit::Linear => Movement::Heights(axis),
+            (Some(MoveDirection::Free), _) => Movement::Free,
+            (Some(direction), _) => Movement::Directed(direction),
+            (None, _) if !is_mesh => Movement::Directed(MoveDirection::Normal),
+            (None, _) if self.borders == Borders::Free => Movement::Free,
+            (None, _) => Movement::OpenParts,
+        }
+    }
+
+    /// Returns true if vertices of a mesh may move along its normals.
+    pub(crate) fn needs_mesh_normals(&self) -> bool {
+        let needs_normals = match self.movement(true) {
+            Movement::Free | Movement::Heights(_) => false,
+            Movement::OpenParts => true,
+            Movement::Directed(direction) => direction.axis().is_none(),
+        };
+        needs_normals && self.changes_positions() && self.denoise.is_none()
+    }
+
+    /// Returns true if the gains move heights about a local linear fit, which is no polynomial of Φ₁.
+    pub(crate) fn moves_heights(&self) -> bool {
+        self.denoise.is_none()
+            && self.changes_positions()
+            && matches!(self.movement(true), Movement::Heights(_))
+    }
+
+    /// The series by which heights are filtered about a local linear fit.
+    pub(crate) fn height_series(&self) -> Result<HeightSeries, TilesError> {
+        let factors: Vec<f64> = self.gains.iter().map(|gain| gain - 1.0).collect();
+        Ok(HeightSeries::new(&Schedule::dyadic(self.levels)?, self.accuracy, &factors)?)
+    }
+
+    /// Polynomials of the outputs: the change of the positions, if any gain is not 1 and it is a polynomial, then the bands to compute.
     pub(crate) fn output_series(&self) -> Result<Vec<FixedSeries>, TilesError> {
         let bands = FixedSeries::bands(&Schedule::dyadic(self.levels)?, self.accuracy)?;
         let mut series = Vec::new();
-        if self.changes_positions() {
+        if self.changes_positions() && !self.moves_heights() {
             let factors: Vec<f64> = self.gains.iter().map(|gain| gain - 1.0).collect();
             series.push(FixedSeries::weighted(&bands, &factors));
         }
@@ -226,7 +346,15 @@ impl Params {
         if self.denoise.is_some() {
             return Ok(if is_mesh { DenoiseChoice::reach()? } else { DenoiseChoice::CLOUD_REACH });
         }
-        let n_rings = self.output_series()?.iter().map(FixedSeries::reach).max().unwrap_or(0);
+        let mut n_rings = self.output_series()?.iter().map(FixedSeries::reach).max().unwrap_or(0);
+        if self.changes_positions() {
+            n_rings = n_rings.max(match self.movement(is_mesh) {
+                Movement::Heights(_) => self.height_series()?.reach(),
+                // The normal of a point of a cloud depends on its neighbors.
+                Movement::Directed(_) | Movement::OpenParts => NORMAL_STEPS + usize::from(!is_mesh),
+                Movement::Free => 0,
+            });
+        }
         if n_rings > MAX_RINGS {
             return Err(TilesError::Input(format!(
                 "a halo can have at most {MAX_RINGS} rings, and {} levels need {n_rings}; request fewer levels",

@@ -26,7 +26,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Union
 
-__all__ = ["Denoising", "Fields", "plan", "run"]
+__all__ = ["Denoising", "Fields", "Filter", "Part", "plan", "run"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,11 +80,94 @@ class Denoising:
     noise: Union[float, None] = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Filter:
+    """Gains, and how vertices move by them, as in `adwave.filter`.
+
+    Parameters
+    ----------
+    gains : sequence of float
+        A gain for each band, from fine to coarse: 0 drops it, 1 keeps it.
+    along : {'normal', 'surface', 'x', 'y', 'z', 'free'}, optional
+        Directions in which vertices move; by default the normals of a cloud and all directions of a mesh.
+    border : {'natural', 'free'}
+        Treatment of the borders of a mesh.
+    local_fit : {'linear', 'constant'}, optional
+        Local fit of coordinates that move along one axis; linear by default, so that slopes stay.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.Filter(gains=[0, 0.5, 1], along="z").border
+    'natural'
+    """
+
+    gains: Sequence[float]
+    along: Union[Literal["normal", "surface", "x", "y", "z", "free"], None] = None
+    border: Literal["natural", "free"] = "natural"
+    local_fit: Union[Literal["linear", "constant"], None] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Files of which a part of the points is computed; the others keep their values and are nobody's neighbors.
+
+    Parameters
+    ----------
+    files : path or sequence of paths
+        As in `plan`.
+    only : sequence of str
+        Conditions that all must hold, such as ``'classification=2'`` or ``'z=100..200'``.
+    mask : path, optional
+        File with one number for each row of the files; points with a number other than 0 and NaN take part.
+    invert_mask : bool
+        Whether the points outside of the mask take part instead.
+    all_points : bool
+        Whether points take part that are flagged as withheld or classified as noise.
+
+    Examples
+    --------
+    >>> import adwave.dask
+    >>> adwave.dask.Part(files="flight-*.laz", only=["classification=2"]).all_points
+    False
+    """
+
+    files: Union[str, os.PathLike[str], Sequence[Union[str, os.PathLike[str]]]]
+    only: Sequence[str] = ()
+    mask: Union[str, os.PathLike[str], None] = None
+    invert_mask: bool = False
+    all_points: bool = False
+
+
+def _filter_words(chosen: Filter) -> list[str]:
+    """Arguments of a filter."""
+    words = ["--gains=" + ",".join(str(float(gain)) for gain in chosen.gains)]
+    if chosen.along is not None:
+        words += ["--along", chosen.along]
+    if chosen.border != "natural":
+        words += ["--border", chosen.border]
+    if chosen.local_fit is not None:
+        words += ["--local-fit", chosen.local_fit]
+    return words
+
+
+def _part_words(part: Part) -> list[str]:
+    """Arguments that choose the points of a part."""
+    words = [word for condition in part.only for word in ("--only", condition)]
+    if part.mask is not None:
+        words += ["--mask", os.fspath(part.mask)]
+    if part.invert_mask:
+        words.append("--invert-mask")
+    if part.all_points:
+        words.append("--all-points")
+    return words
+
+
 def plan(
-    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | Part,
     folder: str | os.PathLike[str],
     *,
-    gains: Sequence[float] = (),
+    gains: Sequence[float] | Filter = (),
     fields: Fields | None = None,
     denoise: bool | Denoising = False,
     levels: int | None = None,
@@ -97,11 +180,11 @@ def plan(
 
     Parameters
     ----------
-    files : path or sequence of paths
+    files : path, sequence of paths, or Part
         LAS or LAZ files of one point format and scale; names may have ``*``. Or one PLY or OBJ with faces.
     folder : path
         Folder for the plan, intermediate files and the tiles. All workers must see it under this name.
-    gains : sequence of float
+    gains : sequence of float, or Filter
         A gain for each band, from fine to coarse: 0 drops it, 1 keeps it.
     fields : Fields, optional
         Fields that each point gets.
@@ -134,13 +217,16 @@ def plan(
     >>> adwave.dask.plan("flight-*.laz", "tiles", denoise=adwave.dask.Denoising(strength=0.7))  # doctest: +SKIP
     '/data/tiles'
     """
-    names = [files] if isinstance(files, (str, os.PathLike)) else list(files)
+    part = files if isinstance(files, Part) else Part(files=files)
+    names = [part.files] if isinstance(part.files, (str, os.PathLike)) else list(part.files)
     found: list[str] = []
     for name in [os.fspath(name) for name in names]:
         found += sorted(glob.glob(name)) if glob.has_magic(name) else [name]
     words = ["tiles", *found, "-o", os.fspath(folder), "--plan-only", "--accuracy", str(accuracy)]
-    if gains:
-        words.append("--gains=" + ",".join(str(float(gain)) for gain in gains))
+    words += _part_words(part)
+    chosen_filter = gains if isinstance(gains, Filter) else Filter(gains=gains)
+    if len(chosen_filter.gains) > 0:
+        words += _filter_words(chosen_filter)
     words += _field_words(fields or Fields())
     options: list[tuple[str, object]] = [("--levels", levels), ("--memory", memory), ("--tiles", tiles)]
     options.append(("--neighbors", neighbors))

@@ -27,5 +27,6 @@ mod slopes;
 mod strays;
 mod studio;
 mod tiles;
+mod tiles_in_memory;
 mod two_shapes;
 mod units;

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use adwave::shape::Polygons;
 
-use crate::ReadError;
+use crate::{ReadError, ValueType};
 use obj::ObjStream;
 use ply::PlyStream;
 use window::FileWindow;
@@ -41,6 +41,21 @@ use window::FileWindow;
 pub struct MeshReader {
     path: PathBuf,
     source: StreamSource,
+}
+
+/// Property of the vertices of a PLY with one number each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VertexColumn {
+    /// Index of the property.
+    pub(in crate::mesh_stream) property: usize,
+    pub(in crate::mesh_stream) value_type: ValueType,
+}
+
+impl VertexColumn {
+    /// Returns true if the numbers are 32-bit floats.
+    pub fn is_single_precision(&self) -> bool {
+        self.value_type == ValueType::F32
+    }
 }
 
 pub(in crate::mesh_stream) enum StreamSource {
@@ -78,7 +93,50 @@ impl MeshReader {
     /// The file is damaged or ends early; the message is one line with the file's name and the position.
     pub fn vertices(&mut self, points: &mut Vec<[f64; 3]>) -> Result<bool, ReadError> {
         let read = match &mut self.source {
-            StreamSource::Ply(ply) => ply.vertices(points),
+            StreamSource::Ply(ply) => ply.vertices(points, &[], &mut Vec::new()),
+            StreamSource::Obj(obj) => obj.vertices(points),
+        };
+        read.map_err(|e| e.in_file(&self.path))
+    }
+
+    /// Property of the vertices with one number each, of that name; `None` if there is none, as in every OBJ. The columns of
+    /// a color, a normal or a texture coordinate are no fields of one number.
+    pub fn column(&self, name: &str) -> Option<VertexColumn> {
+        match &self.source {
+            StreamSource::Ply(ply) => ply.column(name),
+            StreamSource::Obj(_) => None,
+        }
+    }
+
+    /// Returns true if the coordinates are 32-bit floats, as they may be in a PLY.
+    pub fn has_single_precision(&self) -> bool {
+        match &self.source {
+            StreamSource::Ply(ply) => ply.has_single_precision(),
+            StreamSource::Obj(_) => false,
+        }
+    }
+
+    /// Names of the properties of the vertices with one number each.
+    pub fn column_names(&self) -> Vec<String> {
+        match &self.source {
+            StreamSource::Ply(ply) => ply.column_names(),
+            StreamSource::Obj(_) => Vec::new(),
+        }
+    }
+
+    /// [`vertices`](Self::vertices), with the numbers of some properties: for each vertex one number for each of `columns`
+    /// is appended to `values`.
+    ///
+    /// # Errors
+    /// The errors of [`vertices`](Self::vertices).
+    pub fn vertices_with(
+        &mut self,
+        points: &mut Vec<[f64; 3]>,
+        columns: &[VertexColumn],
+        values: &mut Vec<f64>,
+    ) -> Result<bool, ReadError> {
+        let read = match &mut self.source {
+            StreamSource::Ply(ply) => ply.vertices(points, columns, values),
             StreamSource::Obj(obj) => obj.vertices(points),
         };
         read.map_err(|e| e.in_file(&self.path))

@@ -3,12 +3,14 @@
 use adwave::Progress;
 use adwave::shape::Polygons;
 
+use super::VertexColumn;
 use super::window::FileWindow;
 use crate::formats::ply::body::PlyBody;
 use crate::formats::ply::fixed::{FaceLayout, decode_count};
-use crate::formats::ply::header::{Element, Encoding, PlyHeader, PropertyKind, parse_header};
+use crate::formats::ply::header::{Element, Encoding, PlyHeader, Property, PropertyKind, parse_header};
 use crate::formats::ply::read::{check_axes, corner_list, strip_triangles};
 use crate::model::field::{ByteOrder, Number};
+use crate::model::grouping::single_columns;
 use crate::{ReadError, ValueType};
 
 /// Largest number of rows read at a time.
@@ -134,7 +136,37 @@ impl PlyStream {
         Ok(false)
     }
 
-    pub(super) fn vertices(&mut self, points: &mut Vec<[f64; 3]>) -> Result<bool, ReadError> {
+    pub(super) fn column(&self, name: &str) -> Option<VertexColumn> {
+        if !self.column_names().iter().any(|own| own == name) {
+            return None;
+        }
+        let element = &self.header.elements[self.vertex?];
+        let property = element.property(name)?;
+        let PropertyKind::Scalar(value_type) = element.properties[property].kind else { return None };
+        Some(VertexColumn { property, value_type })
+    }
+
+    pub(super) fn has_single_precision(&self) -> bool {
+        let Some(element) = self.vertex.map(|vertex| &self.header.elements[vertex]) else { return false };
+        let is_single = |p: &Property| matches!(p.kind, PropertyKind::Scalar(ValueType::F32));
+        element.properties.iter().filter(|p| ["x", "y", "z"].contains(&p.name.as_str())).all(is_single)
+    }
+
+    pub(super) fn column_names(&self) -> Vec<String> {
+        let Some(element) = self.vertex.map(|vertex| &self.header.elements[vertex]) else {
+            return Vec::new();
+        };
+        let own = element.properties.iter().filter(|p| matches!(p.kind, PropertyKind::Scalar(_)));
+        let names = own.map(|p| p.name.as_str()).filter(|name| !["x", "y", "z"].contains(name));
+        single_columns(&names.collect::<Vec<_>>())
+    }
+
+    pub(super) fn vertices(
+        &mut self,
+        points: &mut Vec<[f64; 3]>,
+        columns: &[VertexColumn],
+        values: &mut Vec<f64>,
+    ) -> Result<bool, ReadError> {
         let vertex = self.vertex;
         if let Some(vertex) = vertex {
             check_axes(&self.header.elements[vertex])?;
@@ -144,6 +176,9 @@ impl PlyStream {
         }
         let rows = self.rows()?;
         self.points(rows, points).map_err(|e| self.window.relocate_error(e))?;
+        if !columns.is_empty() {
+            self.values(rows, columns, values).map_err(|e| self.window.relocate_error(e))?;
+        }
         self.consume(rows);
         Ok(true)
     }
@@ -175,6 +210,34 @@ impl PlyStream {
                 }
             }
             points.push(point);
+        }
+        Ok(())
+    }
+
+    /// Reads the numbers of some properties of vertex rows.
+    fn values(
+        &self,
+        rows: RowSpan,
+        columns: &[VertexColumn],
+        values: &mut Vec<f64>,
+    ) -> Result<(), ReadError> {
+        let element = &self.header.elements[self.element];
+        let mut body = self.body(&self.window.rest()[..rows.n_bytes]);
+        for row in self.row..self.row + rows.n {
+            let start = values.len();
+            values.resize(start + columns.len(), f64::NAN);
+            for (p, property) in element.properties.iter().enumerate() {
+                let is_asked = columns.iter().any(|column| column.property == p);
+                match property.kind {
+                    PropertyKind::Scalar(t) if is_asked => {
+                        let mut one = t.empty();
+                        body.read_into(&mut one, element, row)?;
+                        let asked = columns.iter().zip(&mut values[start..]);
+                        asked.filter(|(c, _)| c.property == p).for_each(|(_, value)| *value = one.get(0));
+                    }
+                    kind => body.skip(kind, element, row)?,
+                }
+            }
         }
         Ok(())
     }

@@ -57,6 +57,13 @@ pub(crate) fn group(
     Ok((fields, members))
 }
 
+/// Names of the columns that form a field by themselves.
+pub(crate) fn single_columns(names: &[&str]) -> Vec<String> {
+    let columns = names.iter().map(|name| ((*name).to_owned(), FieldValues::U8(vec![0]))).collect();
+    let Ok((fields, _)) = group(columns, Progress::none()) else { return Vec::new() };
+    fields.into_iter().filter(|field| field.n_channels == 1).map(|field| field.name).collect()
+}
+
 type Columns = [(String, Option<FieldValues>)];
 
 /// Columns by name, and the columns that belong to no field yet.

@@ -93,7 +93,8 @@ impl FieldCondition {
     }
 
     /// Condition for a field of 32-bit floats, whose 0.1 is not that of 64-bit floats.
-    pub(super) fn in_single_precision(&self) -> Self {
+    #[must_use]
+    pub fn in_single_precision(&self) -> Self {
         let round = |x: f64| f64::from(x as f32);
         let rounded = |i: &ClosedInterval| ClosedInterval { low: round(i.low), high: round(i.high) };
         Self { field: self.field.clone(), intervals: self.intervals.iter().map(rounded).collect() }

@@ -32,13 +32,34 @@ pub enum MaskSide {
     Outside,
 }
 
+impl MaskFile {
+    /// Flags of the rows that take part, for a file of `n_rows` rows that is not read as a whole. O(n).
+    ///
+    /// # Errors
+    /// [`SelectionError`]: the mask cannot be read, has another number of rows, or several numbers per row.
+    pub fn read_rows(&self, n_rows: usize) -> Result<Vec<bool>, SelectionError> {
+        let mut found = match list_of_vertices(&self.name, n_rows)? {
+            Some(found) => found.takes_part,
+            None => numbers(&self.name, None, n_rows)?.takes_part,
+        };
+        if found.len() != n_rows {
+            let mask = self.name.clone();
+            return Err(SelectionError::MaskLength { mask, found: found.len(), n_rows });
+        }
+        if self.side == MaskSide::Outside {
+            found.iter_mut().for_each(|takes_part| *takes_part = !*takes_part);
+        }
+        Ok(found)
+    }
+}
+
 /// Reads a mask for the vertices of a shape.
 pub(super) fn read_mask(file: &ShapeFile, mask: &MaskFile) -> Result<VertexMask, SelectionError> {
     let n_rows = file.n_file_rows();
     let name = mask.name.as_str();
     let mut found = match list_of_vertices(name, n_rows)? {
         Some(found) => found,
-        None => numbers(name, file, n_rows)?,
+        None => numbers(name, file.structure(), n_rows)?,
     };
     let n_found = found.takes_part.len();
     if n_found != n_rows && n_found != file.n_vertices() {
@@ -69,8 +90,8 @@ fn list_of_vertices(name: &str, n_vertices: usize) -> Result<Option<VertexMask>,
 }
 
 /// Reads a file of one number per vertex.
-fn numbers(name: &str, file: &ShapeFile, n_rows: usize) -> Result<VertexMask, SelectionError> {
-    let field = values_of_file(name, file.structure(), n_rows)?
+fn numbers(name: &str, structure: Option<&str>, n_rows: usize) -> Result<VertexMask, SelectionError> {
+    let field = values_of_file(name, structure, n_rows)?
         .ok_or_else(|| SelectionError::NoMask { mask: name.to_owned() })?
         .field;
     if field.n_channels != 1 {

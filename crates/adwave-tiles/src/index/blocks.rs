@@ -5,13 +5,14 @@ use std::ops::Range;
 use std::path::Path;
 
 use adwave::pages::zeros;
+use adwave::shape::KnownRange;
 use rayon::prelude::*;
 
 use crate::bounds::BoundingBox;
 use crate::bytes::ByteCursor;
 use crate::error::TilesError;
 use crate::files::{RandomAccessFile, write_atomic};
-use crate::layout::RecordLayout;
+use crate::layout::{FLAGGED, MemberRule, RecordLayout, SUSPECT, UNSELECTED};
 
 /// Number of vertices of a block: that many distinct positions, consecutive along the curve.
 pub const VERTICES_IN_A_BLOCK: usize = 4096;
@@ -26,63 +27,103 @@ pub(crate) struct Blocks {
     /// Bounding box of each block, in units of the layout.
     pub(crate) bounds: Vec<BoundingBox>,
     pub(crate) n_vertices: u64,
-    /// Number of points that are flagged as withheld or classified as noise.
+    pub(crate) rule: MemberRule,
+    /// Numbers of the records that take no part.
+    pub(crate) outsiders: OutsiderCounts,
+}
+
+/// Numbers of the records that take no part, by the first reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct OutsiderCounts {
+    /// Left out by conditions or a mask.
+    pub(crate) n_unselected: u64,
+    /// Flagged as withheld or classified as noise.
     pub(crate) n_flagged: u64,
+    /// Placeholders without a real position.
+    pub(crate) n_placeholders: u64,
 }
 
 /// First bytes of a block table.
-const MAGIC: &[u8; 8] = b"adwblk02";
+const MAGIC: &[u8; 8] = b"adwblk03";
 
 /// Builds the block table from records in sorted order.
 pub(crate) struct BlockTableBuilder {
     layout: RecordLayout,
+    pub(crate) rule: MemberRule,
     first_records: Vec<u64>,
     bounds: Vec<BoundingBox>,
     n_records: u64,
-    n_vertices: u64,
-    n_flagged: u64,
-    /// Position bytes of the last record.
+    pub(crate) n_vertices: u64,
+    /// Number of records that take part, and may be placeholders.
+    pub(crate) n_suspects: u64,
+    pub(crate) outsiders: OutsiderCounts,
+    /// Position bytes of the last record that takes part.
     last_position: Vec<u8>,
 }
 
 impl BlockTableBuilder {
-    pub(crate) fn new(layout: RecordLayout) -> Self {
+    pub(crate) fn new(layout: RecordLayout, rule: MemberRule) -> Self {
         Self {
             layout,
+            rule,
             first_records: Vec::new(),
             bounds: Vec::new(),
             n_records: 0,
             n_vertices: 0,
-            n_flagged: 0,
+            n_suspects: 0,
+            outsiders: OutsiderCounts::default(),
             last_position: Vec::new(),
         }
     }
 
     pub(crate) fn push(&mut self, record: &[u8]) {
-        let position = &record[..self.layout.position_bytes()];
-        if self.last_position != position {
-            if self.n_vertices.is_multiple_of(VERTICES_IN_A_BLOCK as u64) {
-                self.first_records.push(self.n_records);
-                self.bounds.push(BoundingBox::EMPTY);
-            }
-            self.n_vertices += 1;
-            self.last_position.clear();
-            self.last_position.extend_from_slice(position);
-            if let Some(bounds) = self.bounds.last_mut() {
-                bounds.include(&BoundingBox::from_point(self.layout.position(record)));
+        if self.rule.takes_part(&self.layout, record) {
+            self.push_member(record);
+        } else {
+            let counts = &mut self.outsiders;
+            let marks = self.layout.marks(record);
+            if marks & UNSELECTED != 0 {
+                counts.n_unselected += 1;
+            } else if marks & FLAGGED != 0 && !self.rule.includes_flagged {
+                counts.n_flagged += 1;
+            } else {
+                counts.n_placeholders += 1;
             }
         }
         self.n_records += 1;
-        self.n_flagged += u64::from(self.layout.is_flagged(record));
+    }
+
+    fn push_member(&mut self, record: &[u8]) {
+        self.n_suspects += u64::from(self.layout.marks(record) & SUSPECT != 0);
+        let position = &record[..self.layout.position_bytes()];
+        if self.last_position == position {
+            return;
+        }
+        if self.n_vertices.is_multiple_of(VERTICES_IN_A_BLOCK as u64) {
+            // Records that take no part belong to the block before them, at the beginning to the first.
+            self.first_records.push(if self.n_vertices == 0 { 0 } else { self.n_records });
+            self.bounds.push(BoundingBox::EMPTY);
+        }
+        self.n_vertices += 1;
+        self.last_position.clear();
+        self.last_position.extend_from_slice(position);
+        if let Some(bounds) = self.bounds.last_mut() {
+            bounds.include(&BoundingBox::from_point(self.layout.position(record)));
+        }
     }
 
     pub(crate) fn write(self, path: &Path) -> Result<(), TilesError> {
         write_atomic(path, |out| {
+            let OutsiderCounts { n_unselected, n_flagged, n_placeholders } = self.outsiders;
+            let n_blocks = self.first_records.len() as u64;
             let mut bytes = MAGIC.to_vec();
-            bytes.extend(self.n_vertices.to_le_bytes());
-            bytes.extend(self.n_records.to_le_bytes());
-            bytes.extend(self.n_flagged.to_le_bytes());
-            bytes.extend((self.first_records.len() as u64).to_le_bytes());
+            let numbers =
+                [self.n_vertices, self.n_records, n_unselected, n_flagged, n_placeholders, n_blocks];
+            bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
+            let MemberRule { includes_flagged, known } = self.rule;
+            bytes.extend([u8::from(includes_flagged), u8::from(known.is_some())]);
+            let known = known.unwrap_or(KnownRange { low: [0.0; 3], high: [0.0; 3] });
+            bytes.extend(known.low.iter().chain(&known.high).flat_map(|c| c.to_le_bytes()));
             for (first, bounds) in self.first_records.iter().zip(&self.bounds) {
                 bytes.extend(first.to_le_bytes());
                 bytes.extend(bounds.min.iter().chain(&bounds.max).flat_map(|c| c.to_le_bytes()));
@@ -102,7 +143,18 @@ impl Blocks {
     fn parse(bytes: &[u8], records: RandomAccessFile, layout: RecordLayout) -> Option<Self> {
         let mut cursor = ByteCursor { bytes: bytes.strip_prefix(MAGIC)? };
         let (n_vertices, n_records) = (cursor.u64()?, cursor.u64()?);
-        let (n_flagged, n_blocks) = (cursor.u64()?, cursor.u64()?);
+        let outsiders = OutsiderCounts {
+            n_unselected: cursor.u64()?,
+            n_flagged: cursor.u64()?,
+            n_placeholders: cursor.u64()?,
+        };
+        let n_blocks = cursor.u64()?;
+        let (includes_flagged, has_range) = (cursor.u8()? != 0, cursor.u8()? != 0);
+        let mut known = KnownRange { low: [0.0; 3], high: [0.0; 3] };
+        for c in known.low.iter_mut().chain(&mut known.high) {
+            *c = cursor.f64()?;
+        }
+        let rule = MemberRule { includes_flagged, known: has_range.then_some(known) };
         let (mut first_records, mut all_bounds) = (Vec::new(), Vec::new());
         for _ in 0..n_blocks {
             first_records.push(cursor.u64()?);
@@ -119,7 +171,8 @@ impl Blocks {
             first_records,
             bounds: all_bounds,
             n_vertices,
-            n_flagged,
+            rule,
+            outsiders,
         })
     }
 
@@ -154,12 +207,19 @@ impl Blocks {
         self.records.read(first * record_bytes as u64, n as usize * record_bytes)
     }
 
+    /// Fields of a record that takes no part.
+    pub(crate) fn outsider_value(&self, record: &[u8]) -> f32 {
+        self.rule.outsider_value(&self.layout, record)
+    }
+
     /// Reads the positions of the vertices of a block, in units of the layout.
     pub(crate) fn read_positions(&self, block: usize) -> Result<Vec<[f64; 3]>, TilesError> {
         let mut positions = Vec::with_capacity(VERTICES_IN_A_BLOCK);
         let records = self.read_records(block)?;
-        for group in self.group_by_vertex(&records) {
-            positions.push(self.layout.position(group));
+        for (vertex, record) in self.with_vertices(&records) {
+            if vertex == Some(positions.len()) {
+                positions.push(self.layout.position(record));
+            }
         }
         if positions.len() != self.vertices(block).len() {
             return Err(TilesError::broken(self.records.path(), "its points do not match its table"));
@@ -177,17 +237,24 @@ impl Blocks {
         Ok(points)
     }
 
-    /// Splits the records of a block into one slice per vertex: the consecutive records with equal positions.
-    pub(crate) fn group_by_vertex<'a>(&self, records: &'a [u8]) -> impl Iterator<Item = &'a [u8]> {
+    /// The records of a block, each with the index of its vertex in the block; `None` for one that takes no part. Consecutive records with
+    /// equal positions are one vertex.
+    pub(crate) fn with_vertices<'a>(
+        &'a self,
+        records: &'a [u8],
+    ) -> impl Iterator<Item = (Option<usize>, &'a [u8])> + 'a {
         let (record_bytes, position_bytes) = (self.layout.record_bytes(), self.layout.position_bytes());
-        let mut rest = records;
-        std::iter::from_fn(move || {
-            let position = rest.get(..position_bytes)?;
-            let is_same = |record: &&[u8]| &record[..position_bytes] == position;
-            let n = rest.chunks_exact(record_bytes).take_while(is_same).count();
-            let (group, after) = rest.split_at(n * record_bytes);
-            rest = after;
-            (n > 0).then_some(group)
+        let (mut last, mut n) = (None, 0);
+        records.chunks_exact(record_bytes).map(move |record| {
+            if !self.rule.takes_part(&self.layout, record) {
+                return (None, record);
+            }
+            let position = &record[..position_bytes];
+            if last != Some(position) {
+                last = Some(position);
+                n += 1;
+            }
+            (Some(n - 1), record)
         })
     }
 }

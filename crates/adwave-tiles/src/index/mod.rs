@@ -10,3 +10,4 @@ pub(crate) mod neighbor_index;
 pub(crate) mod neighbor_lists;
 pub(crate) mod position_cache;
 pub(crate) mod scratch_buckets;
+pub(crate) mod vertex_rows;

@@ -16,12 +16,15 @@ const RECORDS: &str = "records.bin";
 const FACE_FILE_LENGTHS: &str = "faces.json";
 const LEVELS: &str = "levels.json";
 const DENOISE_CHOICE: &str = "choice.json";
+const HEIGHT_FIT: &str = "fit.json";
+const OPEN_PARTS: &str = "open.json";
 
 const fn tile_name(prefix: &'static str, suffix: &'static str) -> NumberedName {
     NumberedName { prefix, n_digits: 5, suffix }
 }
 
 const NEIGHBORS: NumberedName = tile_name("near-", ".bin");
+const SURFACE: NumberedName = tile_name("surface-", ".bin");
 const FACES: NumberedName = tile_name("faces-", ".bin");
 const ROWS_BEFORE_MAPS: NumberedName = tile_name("made-", ".bin");
 const BAND_NORMS: NumberedName = tile_name("lengths-", ".bin");
@@ -73,6 +76,21 @@ impl WorkFolder {
     /// Noise and weights that the sample decides.
     pub(crate) fn denoise_choice(&self) -> PathBuf {
         self.path.join(DENOISE_CHOICE)
+    }
+
+    /// Statistics of the fits of heights.
+    pub(crate) fn height_fit(&self) -> PathBuf {
+        self.path.join(HEIGHT_FIT)
+    }
+
+    /// Parts of a mesh with a border.
+    pub(crate) fn open_parts(&self) -> PathBuf {
+        self.path.join(OPEN_PARTS)
+    }
+
+    /// Normals and border flags of the vertices of a tile of a mesh.
+    pub(crate) fn surface(&self, tile: usize) -> PathBuf {
+        SURFACE.path(&self.path, tile as u64)
     }
 
     pub(crate) fn neighbors(&self, tile: usize) -> PathBuf {
@@ -160,12 +178,22 @@ fn is_tile(name: &str) -> bool {
 
 /// Returns true for names that the files of a job have.
 pub(crate) fn is_job_file(name: &str) -> bool {
-    const NAMES: [&str; 7] =
-        [PLAN, SORT_LOCK, BLOCK_TABLE, RECORDS, FACE_FILE_LENGTHS, LEVELS, DENOISE_CHOICE];
-    const NUMBERED_NAMES: [NumberedName; 11] = [
+    const NAMES: [&str; 9] = [
+        PLAN,
+        SORT_LOCK,
+        BLOCK_TABLE,
+        RECORDS,
+        FACE_FILE_LENGTHS,
+        LEVELS,
+        DENOISE_CHOICE,
+        HEIGHT_FIT,
+        OPEN_PARTS,
+    ];
+    const NUMBERED_NAMES: [NumberedName; 12] = [
         RUN_NAME,
         CORNERS_NAME,
         NEIGHBORS,
+        SURFACE,
         FACES,
         ROWS_BEFORE_MAPS,
         BAND_NORMS,

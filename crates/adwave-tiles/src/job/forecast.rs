@@ -6,9 +6,10 @@ use crate::error::TilesError;
 use crate::halo::HaloLimits;
 use crate::index::blocks::VERTICES_IN_A_BLOCK;
 use crate::layout::RecordLayout;
-use crate::params::Params;
+use crate::params::{Movement, Params};
 use crate::sources::input_shape::InputShape;
 use crate::stages::denoise::MAX_SAMPLE_VERTICES;
+use crate::stages::motion::SURFACE_ROW_BYTES;
 use crate::stages::output_row_bytes;
 
 /// Estimated cost of a job.
@@ -92,8 +93,9 @@ impl Cost {
             }
         };
         let n_outputs = params.computed_bands().len() as u64 + 1;
-        let vertex_bytes = vertex_bytes + OUTPUT_BYTES * n_outputs + 2 * record_bytes;
-        Self { vertex_bytes, ring_width, disk_bytes }
+        let (motion_bytes, surface_bytes) = motion_cost(shape, params);
+        let vertex_bytes = vertex_bytes + OUTPUT_BYTES * n_outputs + 2 * record_bytes + motion_bytes;
+        Self { vertex_bytes, ring_width, disk_bytes: disk_bytes + surface_bytes }
     }
 
     /// Size of a tile of `n` vertices with its halo, as a multiple of the tile.
@@ -104,6 +106,25 @@ impl Cost {
     /// Bytes of memory for a tile of `n` vertices with its halo.
     fn tile_bytes(&self, n: f64, n_rings: usize) -> u64 {
         (n * self.halo_factor(n, n_rings) * self.vertex_bytes as f64) as u64
+    }
+}
+
+/// Bytes of memory of a vertex of a tile with its halo for the directions in which it moves, and bytes of temporary files.
+fn motion_cost(shape: &InputShape, params: &Params) -> (u64, u64) {
+    /// Normals before and after a step.
+    const NORMAL_BYTES: u64 = 48;
+    if params.denoise.is_some() || !params.changes_positions() {
+        return (0, 0);
+    }
+    if params.moves_heights() {
+        let n_values = params.height_series().map_or(0, |series| series.n_values());
+        return (8 * n_values as u64, 0);
+    }
+    match params.movement(shape.is_mesh()) {
+        Movement::Free => (0, 0),
+        Movement::Directed(direction) if direction.axis().is_some() => (0, 0),
+        _ if shape.is_mesh() => (NORMAL_BYTES, SURFACE_ROW_BYTES as u64),
+        _ => (NORMAL_BYTES, 0),
     }
 }
 

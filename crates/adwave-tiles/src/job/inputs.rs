@@ -11,6 +11,7 @@ use crate::layout::MAX_POINTS;
 use crate::params::Params;
 use crate::sources::input_shape::input_error;
 use crate::sources::mesh::is_mesh;
+use crate::sources::record_marker::RecordMarker;
 use crate::sources::{cloud, mesh};
 
 /// Plans a job on `inputs`.
@@ -36,6 +37,8 @@ pub(crate) fn plan_job(inputs: &[PathBuf], params: &Params) -> Result<(Plan, For
             shape.n_points
         )));
     }
+    // A selection that does not fit the inputs is refused before anything is written.
+    RecordMarker::new(&shape, params)?;
     let Tiling { blocks_per_tile, forecast } = choose_tiling(&shape, params)?;
     Ok((Plan { shape, params: params.clone(), blocks_per_tile }, forecast))
 }

@@ -54,8 +54,8 @@ impl Status {
 
 impl TilingJob {
     pub(crate) fn sorter<'a>(&'a self, run_length: usize, progress: Progress<'a>) -> Sorter<'a> {
-        let memory = self.plan.params.memory;
-        Sorter { shape: &self.plan.shape, memory, folder: &self.folder.path, run_length, progress }
+        let (shape, params) = (&self.plan.shape, &self.plan.params);
+        Sorter { shape, params, folder: &self.folder.path, run_length, progress }
     }
 
     pub(crate) fn default_run_length(&self) -> usize {

@@ -47,8 +47,8 @@ pub fn run_task(job: &TilingJob, task: Task, progress: Progress<'_>) -> Result<(
     if let Task::Maps(_) = task {
         return job.compute_maps(&blocks, &neighbor_index, tile, progress);
     }
-    let denoiser = job.denoiser(&blocks, progress.quiet())?;
-    job.compute_bands(&blocks, &neighbor_index, denoiser.as_ref(), tile, progress)
+    let rule = job.tile_rule(&blocks, &neighbor_index, progress.quiet())?;
+    job.compute_bands(&blocks, &neighbor_index, &rule, tile, progress)
 }
 
 /// Runs all tasks that are not done. Reports progress in vertices, counting each vertex once per stage.
@@ -87,10 +87,8 @@ pub fn run(job: &TilingJob, progress: Progress<'_>) -> Result<Summary, TilesErro
     drop(tree);
     release_freed();
     let neighbor_index = job.neighbor_index(&blocks)?;
-    let denoiser = job.denoiser(&blocks, quiet)?;
-    run_stage(Task::Bands, &|tile| {
-        job.compute_bands(&blocks, &neighbor_index, denoiser.as_ref(), tile, quiet)
-    })?;
+    let rule = job.tile_rule(&blocks, &neighbor_index, quiet)?;
+    run_stage(Task::Bands, &|tile| job.compute_bands(&blocks, &neighbor_index, &rule, tile, quiet))?;
     if job.has_maps() {
         run_stage(Task::Maps, &|tile| job.compute_maps(&blocks, &neighbor_index, tile, quiet))?;
     }

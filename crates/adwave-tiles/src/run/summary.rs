@@ -2,6 +2,7 @@
 
 use adwave::denoise::{DenoiseChoice, DenoiseInfo};
 use adwave::features::Feature;
+use adwave::shape::STRAY_NEIGHBORS;
 use serde::{Deserialize, Serialize};
 
 use crate::error::TilesError;
@@ -18,8 +19,14 @@ use crate::stages::totals::{BlockSums, LevelSummary, ShapeScale, Totals};
 pub struct Summary {
     /// Number of points of all inputs, or of vertices in the file of a mesh.
     pub n_points: u64,
-    /// Number of points that are flagged as withheld or classified as noise; they took part like all others.
+    /// Number of points that conditions or a mask leave out.
+    pub n_unselected: u64,
+    /// Number of points left out because they are flagged as withheld or classified as noise.
     pub n_flagged: u64,
+    /// Number of points left out because their position stands for an unknown one.
+    pub n_placeholders: u64,
+    /// Number of distinct positions of a cloud that take no part because they are far from all others; 0 for a job that denoises.
+    pub n_strays: u64,
     /// Number of distinct positions.
     pub n_vertices: u64,
     /// Number of faces of the mesh; a triangle strip in a PLY counts once.
@@ -42,7 +49,7 @@ impl TilingJob {
         blocks: &Blocks,
         neighbor_index: &NeighborIndex,
     ) -> Result<Summary, TilesError> {
-        let Totals { moved, n_far, levels } = self.totals(blocks, neighbor_index)?;
+        let Totals { moved, n_far, n_members, levels } = self.totals(blocks, neighbor_index)?;
         let noise = match self.plan.params.denoise {
             Some(_) => Some(self.denoise_info(moved[1], n_far)?),
             None => None,
@@ -50,7 +57,14 @@ impl TilingJob {
         let shape = &self.plan.shape;
         Ok(Summary {
             n_points: shape.n_points,
-            n_flagged: blocks.n_flagged,
+            n_unselected: blocks.outsiders.n_unselected,
+            n_flagged: blocks.outsiders.n_flagged,
+            n_placeholders: blocks.outsiders.n_placeholders,
+            n_strays: if shape.is_mesh() || noise.is_some() || blocks.n_vertices <= STRAY_NEIGHBORS as u64 {
+                0
+            } else {
+                blocks.n_vertices.saturating_sub(n_members)
+            },
             n_vertices: blocks.n_vertices,
             n_faces: shape.n_faces,
             n_tiles: self.plan.n_tiles(blocks.len()),

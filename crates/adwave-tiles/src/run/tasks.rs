@@ -12,18 +12,30 @@ use crate::files::{RandomAccessFile, read_json, write_atomic, write_json};
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::index::bounds_tree::BoundsTree;
 use crate::index::neighbor_index::NeighborIndex;
+use crate::index::vertex_rows::VertexRows;
 use crate::job::tiling_job::TilingJob;
+use crate::params::Movement;
 use crate::sources::cloud::create_writer;
 use crate::stages::bands::compute_bands;
 use crate::stages::denoise::{Denoiser, TileSurface, choose_weights, denoise_tile};
 use crate::stages::features::find_features;
 use crate::stages::maps::{BandNorms, BandResults, write_saliency};
-use crate::stages::neighbors::by_faces::{RingRule, write_one_rings};
+use crate::stages::motion::{Motion, SURFACE_ROW_BYTES, fit_heights};
+use crate::stages::neighbors::by_faces::{OneRingPaths, RingRule, write_one_rings};
 use crate::stages::neighbors::nearest::write_nearest_neighbors;
+use crate::stages::open_parts::OpenParts;
 use crate::stages::sort::faces::{FaceDistributor, vertices_per_pass};
 
 /// Time between two attempts to take the lock.
 const LOCK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Computation of the bands stage for a tile.
+pub(crate) enum TileRule {
+    /// Bands, and positions that the gains move.
+    Bands(Motion),
+    /// Positions without noise.
+    Denoise(Denoiser),
+}
 
 impl TilingJob {
     pub(crate) fn sort_run(&self, run: usize, progress: Progress<'_>) -> Result<(), TilesError> {
@@ -110,7 +122,9 @@ impl TilingJob {
         };
         let ring_rule =
             if self.plan.params.denoise.is_some() { RingRule::Triangles } else { RingRule::Sides };
-        write_one_rings(blocks, interior, file, ring_rule, &path, progress)
+        let surface = self.plan.params.needs_mesh_normals().then(|| self.folder.surface(tile));
+        let paths = OneRingPaths { neighbors: &path, surface: surface.as_deref() };
+        write_one_rings(blocks, interior, file, ring_rule, paths, progress)
     }
 
     /// The denoiser of the job; `None` for a job that computes bands. The first task that needs its files computes and stores them.
@@ -133,30 +147,85 @@ impl TilingJob {
         Ok(Some(Denoiser { choice: read_json(&path)?, surface }))
     }
 
+    /// The rule by which vertices move. The first task that needs its files computes and stores them.
+    pub(crate) fn motion(
+        &self,
+        blocks: &Blocks,
+        neighbor_index: &NeighborIndex,
+        progress: Progress<'_>,
+    ) -> Result<Motion, TilesError> {
+        let params = &self.plan.params;
+        let movement = params.movement(self.is_mesh());
+        let mut motion = Motion { movement, mesh_rows: None, open_parts: None, height_fit: None };
+        if params.denoise.is_some() || !params.changes_positions() {
+            return Ok(motion);
+        }
+        if let Movement::Heights(axis) = movement {
+            let path = self.folder.height_fit();
+            if !path.exists() {
+                write_json(&path, &fit_heights(&self.context(blocks, neighbor_index)?, axis, progress)?)?;
+                release_freed();
+            }
+            motion.height_fit = Some(read_json(&path)?);
+        }
+        if self.is_mesh() && params.needs_mesh_normals() {
+            let n_tiles = self.plan.n_tiles(blocks.len());
+            let paths = (0..n_tiles).map(|tile| self.folder.surface(tile)).collect();
+            let rows = VertexRows::new(paths, SURFACE_ROW_BYTES, self.vertices_per_tile());
+            if movement == Movement::OpenParts {
+                let path = self.folder.open_parts();
+                if !path.exists() {
+                    write_json(&path, &OpenParts::find(blocks, neighbor_index, &rows, progress)?)?;
+                }
+                motion.open_parts = Some(read_json(&path)?);
+            }
+            motion.mesh_rows = Some(rows);
+        }
+        Ok(motion)
+    }
+
     fn vertices_per_tile(&self) -> usize {
         self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK
     }
 
-    /// Computes the bands of a tile, or denoises its positions if there is a denoiser.
+    /// The computation of the bands stage, with all that it depends on beyond a tile. The first task that needs its files computes and stores them.
+    pub(crate) fn tile_rule(
+        &self,
+        blocks: &Blocks,
+        neighbor_index: &NeighborIndex,
+        progress: Progress<'_>,
+    ) -> Result<TileRule, TilesError> {
+        Ok(match self.denoiser(blocks, progress)? {
+            Some(denoiser) => TileRule::Denoise(denoiser),
+            None => TileRule::Bands(self.motion(blocks, neighbor_index, progress)?),
+        })
+    }
+
+    /// Computes the bands of a tile, or denoises its positions.
     pub(crate) fn compute_bands(
         &self,
         blocks: &Blocks,
         neighbor_index: &NeighborIndex,
-        denoiser: Option<&Denoiser>,
+        rule: &TileRule,
         tile: usize,
         progress: Progress<'_>,
     ) -> Result<(), TilesError> {
         let context = self.context(blocks, neighbor_index)?;
         let interior = self.plan.blocks_of_tile(tile, blocks.len());
-        let sums = if let Some(denoiser) = denoiser {
-            self.write_tile(tile, |write| {
-                denoise_tile(&context, denoiser, interior, progress, |output| write(&output.rows))
-            })?
-        } else if self.has_maps() {
+        let motion = match rule {
+            TileRule::Denoise(denoiser) => {
+                let sums = self.write_tile(tile, |write| {
+                    denoise_tile(&context, denoiser, interior, progress, |output| write(&output.rows))
+                })?;
+                return write_json(&self.folder.block_sums(tile), &sums);
+            }
+            TileRule::Bands(motion) => motion,
+        };
+        let sums = if self.has_maps() {
             let (rows_path, norms_path) = (self.folder.rows_before_maps(tile), self.folder.band_norms(tile));
             write_atomic(&rows_path, |rows| {
                 write_atomic(&norms_path, |norms| {
-                    compute_bands(&context, interior, progress, |output| {
+                    compute_bands(&context, motion, interior, progress, |output| {
                         rows.write_all(&output.rows).map_err(TilesError::io(&rows_path))?;
                         norms.write_all(&output.band_norms).map_err(TilesError::io(&norms_path))
                     })
@@ -164,7 +233,7 @@ impl TilingJob {
             })?
         } else {
             self.write_tile(tile, |write| {
-                compute_bands(&context, interior, progress, |output| write(&output.rows))
+                compute_bands(&context, motion, interior, progress, |output| write(&output.rows))
             })?
         };
         write_json(&self.folder.block_sums(tile), &sums)

@@ -9,6 +9,7 @@ use super::input_shape::{InputFile, InputShape, input_error};
 use super::vertex_values::VertexValues;
 use crate::bounds::BoundingBox;
 use crate::error::TilesError;
+use crate::index::blocks::Blocks;
 use crate::layout::{LasQuantization, RecordLayout, quantized_xyz, set_quantized_xyz};
 use crate::params::Params;
 
@@ -193,21 +194,17 @@ pub(crate) fn create_writer(
 /// Output records of a block, without the saliency. `points` and `values` have an entry per vertex of the block.
 pub(crate) fn output_records(
     quantization: LasQuantization,
-    params: &Params,
+    blocks: &Blocks,
     records: &[u8],
     points: &[[f64; 3]],
     values: &VertexValues<'_>,
 ) -> Result<Vec<u8>, TilesError> {
-    let n = records.len() / quantization.record_bytes;
-    let mut output = Vec::with_capacity(records.len() + params.field_bytes() * n);
-    let (mut vertex, mut last) = (0, None);
-    for record in records.chunks_exact(quantization.record_bytes) {
-        let xyz = quantized_xyz(record);
-        vertex += usize::from(last.is_some_and(|last| last != xyz));
-        last = Some(xyz);
+    let mut output = Vec::with_capacity(2 * records.len());
+    for (vertex, record) in blocks.with_vertices(records) {
         let start = output.len();
-        output.extend_from_slice(record);
-        if let Some(change) = values.change.map(|change| change[vertex]) {
+        output.extend_from_slice(&record[..quantization.record_bytes]);
+        if let (Some(changes), Some(vertex)) = (values.change, vertex) {
+            let change = changes[vertex];
             let position: [f64; 3] = std::array::from_fn(|c| points[vertex][c] + change[c]);
             let Some(xyz) = quantization.quantize(position) else {
                 return Err(TilesError::Input(format!(
@@ -217,7 +214,10 @@ pub(crate) fn output_records(
             };
             set_quantized_xyz(&mut output[start..], xyz);
         }
-        values.push_fields(vertex, &mut output);
+        match vertex {
+            Some(vertex) => values.push_fields(vertex, &mut output),
+            None => values.push_outsider_fields(blocks.outsider_value(record), &mut output),
+        }
     }
     Ok(output)
 }

@@ -5,10 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use adwave::shape::{PointCloud, ShapeError, bounding_box};
+use adwave::shape::{PointCloud, ShapeError, bounding_box, may_be_placeholder};
 use adwave_io::MeshReader;
 
 use super::input_shape::{InputFile, InputShape, input_error};
+use super::record_marker::RecordMarker;
 use super::vertex_values::VertexValues;
 use crate::bounds::BoundingBox;
 use crate::error::TilesError;
@@ -37,7 +38,7 @@ pub(crate) fn read_header(paths: &[PathBuf], params: &Params) -> Result<InputSha
         ));
     }
     let bytes = std::fs::metadata(path).map_err(TilesError::io(path))?.len();
-    let mut bounds = BoundingBox::EMPTY;
+    let (mut bounds, mut known_bounds, mut n_known) = (BoundingBox::EMPTY, BoundingBox::EMPTY, 0);
     let (mut n_points, mut points) = (0, Vec::new());
     while reader.vertices(&mut points)? {
         if points.is_empty() {
@@ -46,8 +47,12 @@ pub(crate) fn read_header(paths: &[PathBuf], params: &Params) -> Result<InputSha
         let n = points.len();
         let cloud = PointCloud::new(std::mem::take(&mut points));
         let cloud = cloud.map_err(|e| error(&offset_vertex(e, n_points as usize).to_string()))?;
-        if let Some((min, max)) = bounding_box(cloud.points()) {
-            bounds.include(&BoundingBox { min, max });
+        let known = cloud.points().iter().filter(|p| !may_be_placeholder(p)).copied().collect::<Vec<_>>();
+        n_known += known.len() as u64;
+        for (bounds, points) in [(&mut bounds, cloud.points()), (&mut known_bounds, &known[..])] {
+            if let Some((min, max)) = bounding_box(points) {
+                bounds.include(&BoundingBox { min, max });
+            }
         }
         n_points += n as u64;
         if n_points > MAX_POINTS {
@@ -59,6 +64,10 @@ pub(crate) fn read_header(paths: &[PathBuf], params: &Params) -> Result<InputSha
     }
     if reader.n_faces() == 0 {
         return Err(error("it has no faces; give a mesh, or a cloud as LAS or LAZ"));
+    }
+    // Placeholders would make everything else a single cell of the curve.
+    if 2 * n_known >= n_points {
+        bounds = known_bounds;
     }
     let path = std::path::absolute(path).map_err(TilesError::io(path))?;
     Ok(InputShape {
@@ -95,20 +104,29 @@ pub(crate) fn open_unchanged(file: &InputFile) -> Result<MeshReader, TilesError>
 /// the end.
 pub(crate) fn record_reader(
     file: &InputFile,
+    marker: RecordMarker,
 ) -> Result<impl FnMut(usize, &mut Vec<u8>) -> Result<usize, TilesError>, TilesError> {
     let mut reader = open_unchanged(file)?;
     let (mut points, mut next, mut index_in_file) = (Vec::new(), 0, 0_u32);
+    let (mut values, n_columns) = (Vec::new(), marker.columns.len());
     Ok(move |max_records: usize, records: &mut Vec<u8>| {
         while next == points.len() {
             points.clear();
             next = 0;
-            if !reader.vertices(&mut points)? {
+            values.clear();
+            if !reader.vertices_with(&mut points, &marker.columns, &mut values)? {
                 return Ok(0);
             }
         }
         let n = max_records.min(points.len() - next);
-        for point in &points[next..next + n] {
+        for (i, point) in (next..).zip(&points[next..next + n]) {
+            let start = records.len();
             push_vertex_record(records, *point, index_in_file);
+            let values = values.get(i * n_columns..(i + 1) * n_columns).unwrap_or(&[]);
+            let marks = marker.mark_vertex(index_in_file, &records[start..], values);
+            if let Some(last) = records.last_mut() {
+                *last = marks;
+            }
             index_in_file = index_in_file.saturating_add(1);
         }
         next += n;
@@ -132,17 +150,19 @@ pub(crate) fn result_rows(
 ) -> Vec<u8> {
     let n = records.len() / MeshUnits::RECORD_BYTES;
     let mut rows = Vec::with_capacity(n * result_row_bytes(params));
-    for (vertex, group) in blocks.group_by_vertex(records).enumerate() {
+    for (vertex, record) in blocks.with_vertices(records) {
         let position = values.change.map(|changes| {
+            let Some(vertex) = vertex else { return [f64::NAN; 3] };
             let (point, change) = (points[vertex], changes[vertex]);
             let coordinate =
                 |c: usize| if change[c] == 0.0 { f64::NAN } else { (point[c] + change[c]) * unit };
             [0, 1, 2].map(coordinate)
         });
-        for record in group.chunks_exact(MeshUnits::RECORD_BYTES) {
-            rows.extend(index_in_file(record).to_le_bytes());
-            rows.extend(position.iter().flatten().flat_map(|c| c.to_le_bytes()));
-            values.push_fields(vertex, &mut rows);
+        rows.extend(index_in_file(record).to_le_bytes());
+        rows.extend(position.iter().flatten().flat_map(|c| c.to_le_bytes()));
+        match vertex {
+            Some(vertex) => values.push_fields(vertex, &mut rows),
+            None => values.push_outsider_fields(blocks.outsider_value(record), &mut rows),
         }
     }
     rows

@@ -3,4 +3,5 @@
 pub(crate) mod cloud;
 pub(crate) mod input_shape;
 pub(crate) mod mesh;
+pub(crate) mod record_marker;
 pub(crate) mod vertex_values;

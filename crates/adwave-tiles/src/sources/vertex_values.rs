@@ -45,6 +45,12 @@ impl<'a> VertexValues<'a> {
         }
     }
 
+    /// Appends the fields of a record that takes no part, all with the same `value`.
+    pub(crate) fn push_outsider_fields(&self, value: f32, out: &mut Vec<u8>) {
+        let n = self.norm_fields.len() + 3 * self.vector_fields.len() + usize::from(self.has_saliency);
+        out.extend((0..n).flat_map(|_| value.to_le_bytes()));
+    }
+
     /// Norms of all bands as 32-bit floats, a row per vertex. They are in units of the layout, since model units of a tiny or huge shape
     /// may not fit into 32-bit floats.
     pub(crate) fn encode_norms(&self) -> Vec<u8> {

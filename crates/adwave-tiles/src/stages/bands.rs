@@ -5,19 +5,24 @@ use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Transform};
+use adwave::local_fit::HeightPart;
 use adwave::operator::{Diffusion, local_operator_of_neighbors};
 use adwave::pages::{release_freed, zeros};
+use adwave::positions::MoveDirection;
 use rayon::prelude::*;
 
 use super::StageContext;
 use super::block_output::{BlockOutput, TileValues, block_range_in_tile};
+use super::motion::Motion;
 use super::totals::{BlockSums, StepSums};
 use crate::error::TilesError;
 use crate::halo::{TileWithHalo, visit_tiles_with_halo};
+use crate::params::Params;
 
 /// Computes the blocks `interior` and passes their output to `write`, in order. Returns the sums of each block.
 pub(crate) fn compute_bands(
     context: &StageContext<'_>,
+    motion: &Motion,
     interior: Range<usize>,
     progress: Progress<'_>,
     mut write: impl FnMut(&BlockOutput) -> Result<(), TilesError>,
@@ -25,7 +30,7 @@ pub(crate) fn compute_bands(
     let StageContext { blocks, neighbor_index, limits, .. } = *context;
     let mut sums = Vec::with_capacity(interior.len());
     visit_tiles_with_halo(blocks, neighbor_index, interior, limits, progress, |tile, interior| {
-        let values = tile_bands(context, tile, interior.clone(), progress)?;
+        let values = tile_bands(context, motion, tile, interior.clone(), progress)?;
         sums.extend(values.write_blocks(context, interior, progress, &mut write)?);
         Ok(())
     })?;
@@ -34,12 +39,14 @@ pub(crate) fn compute_bands(
 
 fn tile_bands(
     context: &StageContext<'_>,
+    motion: &Motion,
     tile: TileWithHalo,
     interior: Range<usize>,
     progress: Progress<'_>,
 ) -> Result<TileValues, TilesError> {
     let StageContext { params, blocks, neighbor_index, .. } = *context;
     let series = params.output_series()?;
+    let normals = if params.changes_positions() { motion.normals(&tile, progress)? } else { None };
     let TileWithHalo { points, neighbors, areas, interior_range, .. } = tile;
     // The search that collected the tile has freed its blocks.
     release_freed();
@@ -59,5 +66,31 @@ fn tile_bands(
         let mut outputs: Vec<&mut [f64]> = series_values.iter_mut().map(|values| &mut values[..]).collect();
         transform.apply_fixed_series_into(points.as_flattened(), 3, &series, &mut outputs, progress)?;
     }
+    if params.moves_heights() {
+        let axis = params.along.and_then(MoveDirection::axis).unwrap_or(2);
+        let part = HeightPart { transform: &transform, points: &points, axis };
+        series_values.insert(0, height_changes(params, motion, part, interior_range.clone(), progress)?);
+    } else if params.changes_positions() {
+        let first = blocks.vertices(first).start;
+        motion.restrict(&mut series_values[0], interior_range.clone(), first, normals.as_deref());
+    }
     Ok(TileValues { points, series_values, interior_range, step_sums, far_distance: f64::INFINITY })
+}
+
+/// Changes of the positions of a tile whose vertices move along an axis about a local linear fit, three numbers per vertex; 0 outside of
+/// the interior.
+fn height_changes(
+    params: &Params,
+    motion: &Motion,
+    part: HeightPart<'_>,
+    interior: Range<usize>,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, TilesError> {
+    let mean_confidence = motion.height_fit.map_or(0.0, |fit| fit.mean_confidence);
+    let heights = params.height_series()?.change(part, interior.clone(), mean_confidence, progress)?;
+    let mut changes: Vec<f64> = zeros(3 * part.points.len());
+    for (x, height) in interior.zip(heights) {
+        changes[3 * x + part.axis] = height;
+    }
+    Ok(changes)
 }

@@ -102,7 +102,7 @@ impl TileValues {
         let points = &self.points[range];
         let rows = match shape.layout {
             RecordLayout::Las(quantization) => {
-                cloud::output_records(quantization, params, &records, points, &values)?
+                cloud::output_records(quantization, blocks, &records, points, &values)?
             }
             RecordLayout::Mesh(_) => mesh::result_rows(params, blocks, &records, points, &values, unit),
         };

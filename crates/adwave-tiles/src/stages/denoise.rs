@@ -39,7 +39,7 @@ pub(crate) struct Denoiser {
 }
 
 /// Blocks of the sample, which do not depend on the tiles; all blocks if there are few.
-fn sample_blocks(n_blocks: usize) -> Vec<usize> {
+pub(crate) fn sample_blocks(n_blocks: usize) -> Vec<usize> {
     if n_blocks <= N_PIECES * BLOCKS_PER_PIECE {
         return (0..n_blocks).collect();
     }

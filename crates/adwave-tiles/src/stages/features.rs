@@ -102,20 +102,19 @@ fn tile_norms(tile: &TileWithHalo, bands: BandResults<'_>, n_levels: usize) -> R
 /// Index of each vertex of a block in the output ([`StoredFeature::vertex`]).
 fn output_indices(layout: RecordLayout, blocks: &Blocks, block: usize) -> Result<Vec<u64>, TilesError> {
     let records = blocks.read_records(block)?;
-    let mut next = blocks.first_record(block);
-    let record_bytes = layout.record_bytes();
-    let index = |group: &[u8]| {
-        let first = next;
-        next += (group.len() / record_bytes) as u64;
-        match layout {
-            RecordLayout::Las(_) => first,
-            RecordLayout::Mesh(_) => {
-                let indices = group.chunks_exact(record_bytes).map(|record| u64::from(index_in_file(record)));
-                indices.min().unwrap_or(0)
-            }
+    let mut indices: Vec<u64> = Vec::with_capacity(blocks.vertices(block).len());
+    for (row, (vertex, record)) in (blocks.first_record(block)..).zip(blocks.with_vertices(&records)) {
+        let Some(vertex) = vertex else { continue };
+        let index = match layout {
+            RecordLayout::Las(_) => row,
+            RecordLayout::Mesh(_) => u64::from(index_in_file(record)),
+        };
+        if vertex == indices.len() {
+            indices.push(index);
         }
-    };
-    Ok(blocks.group_by_vertex(&records).map(index).collect())
+        indices[vertex] = indices[vertex].min(index);
+    }
+    Ok(indices)
 }
 
 /// The responses of a tile with its halo.

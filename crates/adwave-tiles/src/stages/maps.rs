@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::OnceLock;
 
 use adwave::Progress;
 use rayon::prelude::*;
@@ -11,42 +10,23 @@ use super::totals::LevelSummary;
 use super::{BLOCKS_AT_A_TIME, StageContext};
 use crate::error::TilesError;
 use crate::files::RandomAccessFile;
+use crate::index::vertex_rows::VertexRows;
 
 /// The norms of all bands at all vertices, in one file per tile, in units of the layout.
 pub(crate) struct BandNorms {
-    paths: Vec<PathBuf>,
-    /// The files that have been opened.
-    files: Vec<OnceLock<RandomAccessFile>>,
-    n_levels: usize,
-    /// Number of vertices of every tile but the last.
-    vertices_per_tile: usize,
+    rows: VertexRows,
 }
 
 impl BandNorms {
     pub(crate) fn new(paths: Vec<PathBuf>, n_levels: usize, vertices_per_tile: usize) -> Self {
-        let files = paths.iter().map(|_| OnceLock::new()).collect();
-        Self { paths, files, n_levels, vertices_per_tile }
+        Self { rows: VertexRows::new(paths, 4 * n_levels, vertices_per_tile) }
     }
 
     /// Appends the norms of some vertices, a row per vertex with the levels from fine to coarse.
     pub(crate) fn read(&self, vertices: Range<usize>, norms: &mut Vec<f32>) -> Result<(), TilesError> {
-        let row_bytes = 4 * self.n_levels;
-        let mut next = vertices.start;
-        while next < vertices.end {
-            let tile = next / self.vertices_per_tile;
-            let first = tile * self.vertices_per_tile;
-            let end = vertices.end.min(first + self.vertices_per_tile);
-            let file = if let Some(file) = self.files[tile].get() {
-                file
-            } else {
-                let opened = RandomAccessFile::open(&self.paths[tile])?;
-                self.files[tile].get_or_init(|| opened)
-            };
-            let bytes = file.read(((next - first) * row_bytes) as u64, (end - next) * row_bytes)?;
-            norms.extend(bytes.as_chunks::<4>().0.iter().map(|&l| f32::from_le_bytes(l)));
-            next = end;
-        }
-        Ok(())
+        let mut push =
+            |bytes: &[u8]| norms.extend(bytes.as_chunks::<4>().0.iter().map(|&l| f32::from_le_bytes(l)));
+        self.rows.visit(vertices, &mut push)
     }
 }
 
@@ -94,22 +74,19 @@ fn set_saliency(
     rows: &mut [u8],
 ) -> Result<(), TilesError> {
     let StageContext { shape, blocks, .. } = *context;
-    let (unit, record_bytes, row_bytes) =
-        (shape.layout.unit(), shape.layout.record_bytes(), context.row_bytes());
+    let (unit, row_bytes, n_levels) = (shape.layout.unit(), context.row_bytes(), bands.levels.len());
     let mut norms = Vec::new();
     bands.norms.read(blocks.vertices(block), &mut norms)?;
     let records = blocks.read_records(block)?;
-    let mut rest = rows;
-    let vertices = blocks.group_by_vertex(&records).zip(norms.chunks_exact(bands.levels.len().max(1)));
-    for (group, norms) in vertices {
-        // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
-        let terms = bands.levels.iter().zip(norms).map(|(level, &l)| level.alpha * unit * f64::from(l));
-        let saliency = (terms.sum::<f64>() as f32).to_le_bytes();
-        let (vertex_rows, after) = rest.split_at_mut(group.len() / record_bytes * row_bytes);
-        rest = after;
-        for row in vertex_rows.chunks_exact_mut(row_bytes) {
-            row[row_bytes - saliency.len()..].copy_from_slice(&saliency);
-        }
+    for ((vertex, record), row) in blocks.with_vertices(&records).zip(rows.chunks_exact_mut(row_bytes)) {
+        let map_value = |vertex: usize| {
+            // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17)
+            let terms = bands.levels.iter().zip(&norms[vertex * n_levels..]);
+            terms.map(|(level, &l)| level.alpha * unit * f64::from(l)).sum::<f64>() as f32
+        };
+        let saliency = vertex.map_or_else(|| blocks.outsider_value(record), map_value);
+        let bytes = saliency.to_le_bytes();
+        row[row_bytes - bytes.len()..].copy_from_slice(&bytes);
     }
     Ok(())
 }

@@ -6,7 +6,9 @@ pub(crate) mod denoise;
 pub(crate) mod features;
 pub(crate) mod join;
 pub(crate) mod maps;
+pub(crate) mod motion;
 pub(crate) mod neighbors;
+pub(crate) mod open_parts;
 pub(crate) mod sort;
 pub(crate) mod totals;
 

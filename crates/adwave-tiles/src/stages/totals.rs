@@ -143,6 +143,8 @@ pub(crate) struct Totals {
     pub(crate) moved: [f64; 2],
     /// Number of vertices that moved farther than noise explains.
     pub(crate) n_far: u64,
+    /// Number of vertices with neighbors; 0 for a job that denoises.
+    pub(crate) n_members: u64,
     /// One entry per computed band.
     pub(crate) levels: Vec<LevelSummary>,
 }
@@ -200,6 +202,7 @@ impl Totals {
         Ok(Self {
             moved: [rms(&moved, n_vertices), moved.max * unit],
             n_far,
+            n_members: steps.n_members,
             levels: computed.iter().zip(&bands).map(level).collect(),
         })
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use adwave::bands::Schedule;
 use adwave::features::{Feature, FeatureParams, features};
+use adwave::positions::Borders;
 use adwave::saliency::{SaliencyParams, Sign, saliency};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons, Shape};
@@ -15,7 +16,7 @@ use crate::{MapKind, MapWeights, Params, Task, TilesError, TilingJob, join, run,
 
 /// A bumpy square with an open border and irregularities: quads, a seam of duplicate vertices, a duplicate face, an edge with three faces,
 /// a face with a repeated corner, one with two corners, a concave one, a distant vertex and an isolated one.
-fn mesh(n: usize) -> (Vec<[f64; 3]>, Polygons) {
+pub(super) fn mesh(n: usize) -> (Vec<[f64; 3]>, Polygons) {
     let Sample { mut points, faces: triangles } = Sample::from_name("plane", Some(n)).unwrap();
     let n = points.len() as u32;
     let mut faces = Polygons::new();
@@ -55,14 +56,14 @@ fn mesh(n: usize) -> (Vec<[f64; 3]>, Polygons) {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Form {
+pub(super) enum Form {
     Text,
     Little,
     Big,
 }
 
 /// A PLY with a comment, an element before and one after, and other properties of vertices and faces.
-fn ply((points, faces): &(Vec<[f64; 3]>, Polygons), form: Form) -> Vec<u8> {
+pub(super) fn ply((points, faces): &(Vec<[f64; 3]>, Polygons), form: Form) -> Vec<u8> {
     let format = match form {
         Form::Text => "ascii",
         Form::Little => "binary_little_endian",
@@ -126,7 +127,8 @@ fn obj((points, faces): &(Vec<[f64; 3]>, Polygons)) -> Vec<u8> {
 }
 
 fn params() -> Params {
-    Params { levels: 4, gains: vec![0.0, 0.2, 1.5, 1.0], magnitudes: vec![2, 4], ..Params::default() }
+    let gains = vec![0.0, 0.2, 1.5, 1.0];
+    Params { levels: 4, gains, magnitudes: vec![2, 4], borders: Borders::Free, ..Params::default() }
 }
 
 /// The mesh after a job in `folder`, as bytes.

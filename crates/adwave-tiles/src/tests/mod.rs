@@ -2,11 +2,14 @@
 
 mod denoise;
 mod mesh;
+mod motion;
+mod selection;
 
 use std::path::{Path, PathBuf};
 
 use adwave::bands::Schedule;
 use adwave::features::{Feature, FeatureParams, features};
+use adwave::positions::MoveDirection;
 use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency};
 use adwave::shape::{PointCloud, Shape};
 use adwave::{Decomposer, Progress};
@@ -64,7 +67,13 @@ fn maps() -> Params {
 }
 
 fn params() -> Params {
-    Params { levels: 5, gains: vec![0.0, 0.2, 1.0, 1.5, 1.0], magnitudes: vec![2, 5], ..Params::default() }
+    Params {
+        levels: 5,
+        gains: vec![0.0, 0.2, 1.0, 1.5, 1.0],
+        along: Some(MoveDirection::Free),
+        magnitudes: vec![2, 5],
+        ..Params::default()
+    }
 }
 
 /// Runs a job in `folder` and returns the bytes of the joined tiles.
@@ -307,10 +316,10 @@ fn runs_of_any_length_are_merged_to_the_same_order() {
         ["records.bin", "blocks.bin"].map(|name| std::fs::read(path.join(name)).unwrap())
     };
     let one_run = sorted(1_000_000);
-    let numbers: Vec<u16> =
-        one_run[0].chunks_exact(RECORD).map(|r| u16::from_le_bytes([r[12], r[13]])).collect();
+    let records: Vec<&[u8]> = one_run[0].chunks_exact(RECORD + 1).collect();
+    let numbers: Vec<u16> = records.iter().map(|r| u16::from_le_bytes([r[12], r[13]])).collect();
     // Points at one position keep the order of the inputs.
-    let same = |k: &usize| one_run[0][k * RECORD..][..12] == one_run[0][(k + 1) * RECORD..][..12];
+    let same = |k: &usize| records[*k][..12] == records[k + 1][..12];
     let doubled: Vec<usize> = (0..points.len() - 1).filter(same).collect();
     assert!(doubled.len() > 200 && doubled.iter().all(|&k| numbers[k] < numbers[k + 1]));
     for most in [999, 17_000, 29_999] {

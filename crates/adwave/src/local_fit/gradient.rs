@@ -15,6 +15,9 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 /// most a tenth of the noise of the field times the drift from here on.
 const STEPS: usize = 4;
 
+/// Number of rings around a vertex that its gradient depends on.
+pub(super) const FIT_REACH: usize = STEPS + 1;
+
 /// Spread of the neighbors in a direction, relative to their largest spread (both squared), below which they are
 /// taken to lie on a line or plane: above rounding at any coordinates.
 const LEAST_SPREAD: f64 = 1e-10;
@@ -42,6 +45,9 @@ pub(super) struct GradientFit {
 }
 
 impl GradientFit {
+    /// Number of values of a vertex.
+    pub(super) const N_VALUES: usize = 3 + 3 + 1 + 6;
+
     /// Prepares the fit. `points` are in a unit in which squares of lengths neither overflow nor underflow.
     /// O(entries).
     pub(super) fn new(

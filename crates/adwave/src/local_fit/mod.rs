@@ -13,10 +13,13 @@
 //!
 //! * [`gradient`](self) fits the gradient along the edges of a walk.
 //! * `wavelets` computes the bands.
+//! * `part` computes them for a part of a shape.
 
 mod gradient;
+mod part;
 mod wavelets;
 
+pub use part::{HeightPart, HeightSeries};
 pub(crate) use wavelets::LinearTransform;
 
 use crate::named_values;

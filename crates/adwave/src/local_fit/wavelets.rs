@@ -12,11 +12,11 @@ const GRADIENT_STEPS: f64 = 0.25;
 
 /// Relative error of smoothed gradients. It changes nothing for a linear field, because gradients and their weights
 /// have the same error.
-const GRADIENT_ACCURACY: f64 = 1e-4;
+pub(super) const GRADIENT_ACCURACY: f64 = 1e-4;
 
 /// Smoothed weight, relative to the mean weight, below which a vertex keeps its own gradient; above it, the error
 /// of the smoothed weight is a hundredth.
-const LEAST_WEIGHT: f64 = 1e-2;
+pub(super) const LEAST_WEIGHT: f64 = 1e-2;
 
 /// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 1 << 12;
@@ -266,7 +266,7 @@ impl SmoothedGradients {
 }
 
 /// Number of steps that smooth the gradient of a level: whole, so that any operator can take them.
-fn gradient_steps(steps: f64) -> f64 {
+pub(super) fn gradient_steps(steps: f64) -> f64 {
     (GRADIENT_STEPS * steps).floor()
 }
 

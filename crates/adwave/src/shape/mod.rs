@@ -46,7 +46,10 @@ pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
-pub use participation::{STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to, picture_frame};
+pub use participation::{
+    KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to,
+    may_be_placeholder, picture_frame,
+};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub use seams::SeamWeld;

@@ -404,45 +404,92 @@ fn has_side(face: &[u32]) -> bool {
 }
 
 /// Meaning of a vertex at the origin that is far from everything.
-#[derive(Clone, Copy, PartialEq)]
-enum OriginRule {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OriginRule {
+    /// A record without a position, as in clouds.
     Placeholder,
+    /// A vertex, such as the tip of a shape that faces lead to.
     Ordinary,
+}
+
+/// Range of the coordinates of the vertices whose position is no placeholder in itself, which tells placeholders from
+/// positions that happen to have such a value.
+///
+/// ```
+/// use adwave::shape::{KnownRange, OriginRule, may_be_placeholder};
+/// let range = KnownRange { low: [0.0, 0.0, 100.0], high: [50.0, 50.0, 120.0] };
+/// let hole = [20.0, 30.0, -9999.0];
+/// assert!(may_be_placeholder(&hole) && range.is_placeholder(&hole, OriginRule::Ordinary));
+/// assert!(range.is_placeholder(&[0.0; 3], OriginRule::Placeholder) && !may_be_placeholder(&[1.0, 0.0, 0.0]));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownRange {
+    /// The value below which the share [`TAIL`](Self::TAIL) of each coordinate lies.
+    pub low: [f64; 3],
+    /// The value above which the share [`TAIL`](Self::TAIL) of each coordinate lies.
+    pub high: [f64; 3],
+}
+
+/// Returns true for a position that files write where it is unknown: `0 0 0`, or a coordinate such as −9999 or −3.4e38.
+/// [`KnownRange::is_placeholder`] decides for these.
+pub fn may_be_placeholder(p: &[f64; 3]) -> bool {
+    *p == [0.0; 3] || p.iter().any(|&c| is_placeholder_value(c))
+}
+
+fn is_placeholder_value(c: f64) -> bool {
+    c.abs() >= NO_LENGTH || PLACEHOLDER_VALUES.contains(&c)
+}
+
+impl KnownRange {
+    /// Share of the values at either end of an axis that may be strays and do not decide where the shape ends.
+    pub const TAIL: f64 = TAIL;
+
+    /// Smallest number of vertices that tell what is far from them.
+    pub const MIN_KNOWN: usize = MIN_KNOWN;
+
+    /// Ranks, from 0, of [`low`](Self::low) and [`high`](Self::high) among `n` > 0 sorted values.
+    pub fn ranks(n: usize) -> [usize; 2] {
+        let low = (TAIL * (n - 1) as f64).floor() as usize;
+        [low, n - 1 - low]
+    }
+
+    /// Returns true for a placeholder: a position that [`may_be_placeholder`] and is far outside the range.
+    pub fn is_placeholder(&self, p: &[f64; 3], origin: OriginRule) -> bool {
+        let Self { low, high } = self;
+        // Distance of a value outside the others, beyond their own range.
+        let is_outside = |c: usize| {
+            let gap = (low[c] - p[c]).max(p[c] - high[c]);
+            gap > 0.0 && gap > high[c] - low[c]
+        };
+        let nearest = std::array::from_fn(|c| p[c].clamp(low[c], high[c]));
+        let is_far_origin = origin == OriginRule::Placeholder
+            && *p == [0.0; 3]
+            && box_diagonal(p, &nearest) > box_diagonal(low, high);
+        is_far_origin || (0..3).any(|c| is_placeholder_value(p[c]) && is_outside(c))
+    }
 }
 
 /// Marks members whose position stands for an unknown one; returns true if there are any.
 fn mark_placeholders(points: &[[f64; 3]], roles: &mut [VertexRole], origin: OriginRule) -> bool {
-    let is_value = |c: f64| c.abs() >= NO_LENGTH || PLACEHOLDER_VALUES.contains(&c);
-    let is_suspect = |p: &[f64; 3]| *p == [0.0; 3] || p.iter().any(|&c| is_value(c));
     let is_member = |x: &usize| roles[*x] == VertexRole::Member;
     let suspects: Vec<usize> =
-        (0..points.len()).filter(is_member).filter(|&x| is_suspect(&points[x])).collect();
+        (0..points.len()).filter(is_member).filter(|&x| may_be_placeholder(&points[x])).collect();
     if suspects.is_empty() {
         return false;
     }
     let known: Vec<[f64; 3]> =
-        (0..points.len()).filter(is_member).map(|x| points[x]).filter(|p| !is_suspect(p)).collect();
+        (0..points.len()).filter(is_member).map(|x| points[x]).filter(|p| !may_be_placeholder(p)).collect();
     if known.len() < MIN_KNOWN {
         return false;
     }
-    let (mut lo, mut hi) = ([0.0; 3], [0.0; 3]);
+    let mut range = KnownRange { low: [0.0; 3], high: [0.0; 3] };
     for c in 0..3 {
         let Some([low, high]) = quantiles(known.iter().map(|p| p[c]).collect(), TAIL) else { return false };
-        (lo[c], hi[c]) = (low, high);
+        (range.low[c], range.high[c]) = (low, high);
     }
-    let size = box_diagonal(&lo, &hi);
-    // Distance of a value outside the others, beyond their own range.
-    let is_outside = |c: usize, value: f64| {
-        let gap = (lo[c] - value).max(value - hi[c]);
-        gap > 0.0 && gap > hi[c] - lo[c]
-    };
     let mut is_any = false;
     for x in suspects {
-        let p = &points[x];
-        let nearest = std::array::from_fn(|c| p[c].clamp(lo[c], hi[c]));
-        let is_far_origin =
-            origin == OriginRule::Placeholder && *p == [0.0; 3] && box_diagonal(p, &nearest) > size;
-        if is_far_origin || (0..3).any(|c| is_value(p[c]) && is_outside(c, p[c])) {
+        if range.is_placeholder(&points[x], origin) {
             roles[x] = VertexRole::Placeholder;
             is_any = true;
         }

@@ -1,9 +1,12 @@
 //! The arguments of `adwave tiles` and `adwave tile`.
 
-use crate::args::{count, number, parse_named, size};
+use crate::args::{LocalFitArgs, SelectionArgs, count, number, parse_named, size};
+use crate::error::CliError;
 use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams};
 use adwave::features::FeatureParams;
-use adwave_tiles::{MapKind, MapWeights, Params};
+use adwave::filter::{KeepVolume, KeepVolumeError};
+use adwave::positions::{Borders, MoveDirection};
+use adwave_tiles::{MapKind, MapWeights, Params, TileSelection};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -14,11 +17,13 @@ halo of neighbors as wide as its bands reach, so results do not depend on the nu
 curve, with all of their fields. A mesh comes out in its own format and order, with all of its fields; its neighbors are those of
 its faces. After an interruption the same command continues where the run stopped. See docs/SCALE.md.
 
-All points take part: tiles know no --only and no --mask, and a note counts the points that are flagged as withheld or
-classified as noise, which other commands leave out.
+The gains move vertices as 'adwave filter' does: those of a cloud along their normals, those of a mesh in all directions, but along
+the normals in parts with a border. Points that --only or --mask leave out keep their values and are nobody's neighbors, as do those
+that are flagged as withheld or classified as noise, strays and placeholders; notes count them.
 
 Examples:
   adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
+  adwave tiles flight-*.laz -o ground.laz --gains 0,0,0.5,1,1,1,1,1 --along z --only classification=2
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
   adwave tiles flight-*.laz -o map.laz --saliency --features features.csv
   adwave tiles flight-*.laz -o clean.laz --denoise
@@ -33,12 +38,8 @@ pub(crate) struct TilesArgs {
     /// Folder for the tiles, or a .las or .laz file for all points; for a mesh, a file of its format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Refused with a hint, since tiles take all points
-    #[arg(long, value_name = "CONDITION", hide = true)]
-    pub(crate) only: Vec<String>,
-    /// Refused with a hint, since tiles take all points
-    #[arg(long, value_name = "FILE", hide = true)]
-    pub(crate) mask: Option<String>,
+    #[command(flatten)]
+    pub(crate) selection: SelectionArgs,
     /// Number of dyadic levels [default: as many as there are gains, else 8]
     #[arg(long, value_name = "J", value_parser = count, help_heading = "Bands")]
     pub(crate) levels: Option<usize>,
@@ -85,6 +86,8 @@ pub(crate) struct TilesArgs {
     #[arg(long, value_name = "E", value_parser = number, default_value_t = Params::default().accuracy, help_heading = "Bands")]
     pub(crate) accuracy: f64,
     #[command(flatten)]
+    pub(crate) motion: MotionArgs,
+    #[command(flatten)]
     pub(crate) noise: NoiseArgs,
     /// Memory to use, in bytes or with K, M, G [default: half of the free memory]
     #[arg(long, value_name = "SIZE", value_parser = size, help_heading = "Work")]
@@ -109,6 +112,23 @@ pub(crate) struct TilesArgs {
     pub(crate) keep_work: bool,
 }
 
+/// Motion by the gains.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motion")]
+pub(crate) struct MotionArgs {
+    /// Directions in which vertices move by the gains [default: normal for a cloud, free for a mesh]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<MoveDirection>(), requires = "gains")]
+    pub(crate) along: Option<MoveDirection>,
+    /// Mesh: treatment of borders; 'keep' needs 'adwave filter' [default: natural]
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Borders>(), requires = "gains")]
+    pub(crate) border: Option<Borders>,
+    #[command(flatten)]
+    pub(crate) fit: LocalFitArgs,
+    /// Keep the volume of a smoothing; 'offset' and 'thrice' need 'adwave filter'
+    #[arg(long, value_name = "HOW", value_parser = parse_named::<KeepVolume>(), requires = "gains")]
+    pub(crate) keep_volume: Option<KeepVolume>,
+}
+
 /// Arguments that denoising excludes. Each of its arguments names them: clap does not require an argument that conflicts with one given.
 const BAND_ARGUMENTS: [&str; 6] = ["gains", "magnitudes", "vectors", "saliency", "features", "levels"];
 
@@ -128,6 +148,9 @@ pub(crate) struct NoiseArgs {
     /// Standard deviation of the noise along the normals in model units [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS)]
     pub(crate) noise_sigma: Option<f64>,
+    /// Accept lengths in model units although coordinates are longitudes and latitudes
+    #[arg(long, requires = "noise_sigma")]
+    pub(crate) allow_degrees: bool,
 }
 
 #[derive(Debug, Args)]
@@ -177,7 +200,7 @@ pub(crate) enum JobKind {
 
 impl TilesArgs {
     /// Parameters of the run.
-    pub(crate) fn to_params(&self) -> Params {
+    pub(crate) fn to_params(&self) -> Result<Params, CliError> {
         /// Assumed if the system does not tell the free memory.
         const UNKNOWN: u64 = 8 << 30;
         let levels = match self.gains.len() {
@@ -201,7 +224,39 @@ impl TilesArgs {
         params.n_tiles = self.tiles;
         params.memory = self.memory.unwrap_or_else(|| adwave_io::free_memory().unwrap_or(UNKNOWN) / 2);
         params.n_workers = self.workers;
-        params
+        params.selection = TileSelection::from(&self.selection.to_selection()?);
+        self.motion.set(&mut params)?;
+        Ok(params)
+    }
+}
+
+impl MotionArgs {
+    fn set(&self, params: &mut Params) -> Result<(), CliError> {
+        params.along = self.along;
+        params.borders = self.border.unwrap_or_default();
+        if let Some(fit) = self.fit.local_fit {
+            if self.along.and_then(MoveDirection::axis).is_none() {
+                return Err(CliError::Input(
+                    "--local-fit is for heights (--along x, y or z); leave it out".to_owned(),
+                ));
+            }
+            params.local_fit = fit;
+        }
+        match self.keep_volume {
+            None => Ok(()),
+            Some(how @ KeepVolume::Twice) => {
+                if params.gains.iter().any(|gain| *gain != 0.0) {
+                    return Err(KeepVolumeError::NotSmoothing { layer: 1, how }.into());
+                }
+                params.levels += 1;
+                params.gains.push(2.0);
+                Ok(())
+            }
+            Some(how) => Err(CliError::Input(format!(
+                "--keep-volume in tiles must be 'twice', got '{how}', which depends on the whole shape; filter it in memory \
+                 ('adwave filter')"
+            ))),
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::output::features_file::{FeatureList, FeaturesFile};
 use crate::output::progress::with_progress;
 use crate::output::{check_writable, count, has_extension, note, number, print, table};
 use adwave::{ClassifiedError, ErrorKind};
+use adwave_io::{CoordinateSystem, LasReader};
 use adwave_tiles::{
     Forecast, LevelSummary, Params, Status, Summary, Task, TilesError, TilingJob, forecast, is_mesh, join,
     run_task,
@@ -56,18 +57,6 @@ struct TilesJob<'a> {
     folder: PathBuf,
 }
 
-/// Refuses a choice of points, which tiles cannot make.
-fn refuse_selection(args: &TilesArgs) -> Result<(), CliError> {
-    if args.only.is_empty() && args.mask.is_none() {
-        return Ok(());
-    }
-    Err(CliError::Input(
-        "tiles take all points, so --only and --mask do not apply; write the part that you need first, such as by \
-         'adwave convert IN.laz -o PART.laz --only classification=2', and give that file"
-            .to_owned(),
-    ))
-}
-
 /// Refuses options that apply to nothing in this run.
 fn check_options(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
     if global.has_max_input {
@@ -80,8 +69,53 @@ fn check_options(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> 
         global
             .given
             .refuse(&["--neighbors"], "applies to clouds; the neighbors of a mesh are those of its faces")?;
+        global.given.refuse(&["--all-points"], "applies to LAS and LAZ, whose points have flags")?;
+        global
+            .given
+            .refuse(&["--allow-degrees"], "applies to LAS and LAZ, which state their coordinate system")?;
+    } else {
+        global
+            .given
+            .refuse(&["--border"], "applies to meshes; points of a cloud move along their normals")?;
+        check_lengths(args, global)?;
     }
     Ok(())
+}
+
+/// Refuses lengths in model units if coordinates are degrees, in which a length means nothing.
+fn check_lengths(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
+    // Errors of the file itself are reported when the job is planned.
+    let Some(noise) = args.noise.noise_sigma else { return Ok(()) };
+    let system = args.files.first().and_then(|file| LasReader::open(file).ok()?.coordinate_system());
+    match system.filter(CoordinateSystem::is_geographic) {
+        Some(system) if !args.noise.allow_degrees => Err(CliError::Input(format!(
+            "--noise-sigma needs coordinates in a unit of length, but those of {} are degrees ({}), got {noise}; project the \
+             files to meters, or give --allow-degrees to take lengths as they are",
+            args.files[0].display(),
+            system.name
+        ))),
+        Some(_) => Ok(()),
+        None => global.given.refuse(
+            &["--allow-degrees"],
+            &format!(
+                "applies to files whose coordinates are degrees, and {} states none",
+                args.files[0].display()
+            ),
+        ),
+    }
+}
+
+/// Prints a note if a cloud has normals, by which other commands tell sheets apart that are closer than the points.
+fn note_normals(args: &TilesArgs, global: &Global<'_>) {
+    const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
+    let Some(reader) = args.files.first().and_then(|file| LasReader::open(file).ok()) else { return };
+    if NORMALS.iter().any(|names| names.iter().all(|name| reader.column(name).is_some())) {
+        let text = format!(
+            "the normals of {} are not used in tiles: surfaces closer to each other than their points are not told apart",
+            args.files[0].display()
+        );
+        note(global, &text);
+    }
 }
 
 /// Prints a note if there are other tiles than were asked for.
@@ -95,10 +129,9 @@ fn note_other_number(args: &TilesArgs, forecast: &Forecast, global: &Global<'_>)
 }
 
 pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> {
-    refuse_selection(args)?;
     check_options(args, global)?;
     if args.forecast {
-        let forecast = forecast(&args.files, &args.to_params()).map_err(|e| classify(&e))?;
+        let forecast = forecast(&args.files, &args.to_params()?).map_err(|e| classify(&e))?;
         return print(global, &format!("{}\n", format_forecast(&forecast)), &json!(forecast));
     }
     let job = resolve(args)?;
@@ -108,6 +141,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
         TilingJob::begin(&job.folder, &args.files, &job.params).map_err(|e| classify(&e))?;
     note(global, &format_forecast(&forecast));
     note_other_number(args, &forecast, global);
+    note_normals(args, global);
     if args.plan_only {
         return print(
             global,
@@ -116,7 +150,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
         );
     }
     let done = process(&job, &work, global).and_then(|summary| {
-        note_flagged(&summary, global);
+        note_left_out(args, &summary, global)?;
         let n_features = write(args, &job, &work, global)?;
         Ok((summary, n_features))
     });
@@ -136,7 +170,7 @@ pub(crate) fn run(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError>
 }
 
 fn resolve(args: &TilesArgs) -> Result<TilesJob<'_>, CliError> {
-    let params = args.to_params();
+    let params = args.to_params()?;
     let has_fields =
         !(params.magnitudes.is_empty() && params.vectors.is_empty() && params.saliency.is_none());
     let moves = args.noise.denoise || params.gains.iter().any(|&gain| gain != 1.0);
@@ -249,17 +283,34 @@ fn format_bytes(bytes: f64) -> String {
     }
 }
 
-/// Prints a note on points that other commands leave out.
-fn note_flagged(summary: &Summary, global: &Global<'_>) {
-    if summary.n_flagged > 0 {
-        let flagged = count(summary.n_flagged, "point", "points");
-        let text = format!(
-            "{flagged} of {} flagged as withheld or classified as noise (7, 18) took part, which other commands leave \
-             out; to leave them out, remove them from the input",
-            summary.n_points
+/// Prints notes on points that take no part.
+fn note_left_out(args: &TilesArgs, summary: &Summary, global: &Global<'_>) -> Result<(), CliError> {
+    let Summary { n_points, n_unselected, n_flagged, n_placeholders, n_strays, .. } = *summary;
+    let selection = args.selection.to_selection()?;
+    let mut reasons = selection.describe().join(" and ");
+    if n_flagged > 0 {
+        let without = format!(
+            "without {} flagged as withheld or classified as noise (7, 18), which --all-points includes",
+            count(n_flagged, "point", "points")
         );
-        note(global, &text);
+        reasons = if reasons.is_empty() { without } else { format!("{reasons}, {without}") };
     }
+    if !reasons.is_empty() {
+        let n = n_points - n_unselected - n_flagged;
+        note(
+            global,
+            &format!("{n} of {n_points} vertices take part: {reasons}; the others keep their values"),
+        );
+    }
+    if n_placeholders > 0 {
+        let found = count(n_placeholders, "placeholder", "placeholders");
+        note(global, &format!("{found} without a real position; they take no part and keep their values"));
+    }
+    if n_strays > 0 {
+        let found = count(n_strays, "point", "points");
+        note(global, &format!("{found} far from all others; they take no part and keep their values"));
+    }
+    Ok(())
 }
 
 fn print_summary(

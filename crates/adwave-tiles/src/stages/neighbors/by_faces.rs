@@ -1,18 +1,23 @@
 //! The one-rings and areas of a tile's vertices, for meshes.
 
+use std::io::Write;
 use std::ops::Range;
 use std::path::Path;
 
 use adwave::Progress;
 use adwave::pages::release_freed;
-use adwave::shape::{Adjacency, MeshArea, Polygons, face_areas, face_ring, one_ring, triangulate};
+use adwave::shape::{
+    Adjacency, MeshArea, Polygons, face_areas, face_ring, face_vertex_normals, one_ring, triangulate,
+};
 use rayon::prelude::*;
 
 use crate::error::TilesError;
+use crate::files::write_atomic;
 use crate::index::blocks::Blocks;
 use crate::index::face_lists::{FaceFile, decode_all_corners, decode_corners, split_first_face};
 use crate::index::neighbor_lists::{BlockNeighbors, BlockSummary, NeighborLists, write_neighbor_file};
 use crate::index::position_cache::PositionCache;
+use crate::stages::motion::{SURFACE_ROW_BYTES, SurfaceRow};
 use crate::vector::length;
 
 /// Neighbors of a vertex by the faces around it.
@@ -24,13 +29,13 @@ pub(crate) enum RingRule {
     Triangles,
 }
 
-/// Finds the neighbors of the vertices of the blocks `interior` by the faces of the tile and writes them to `path`.
+/// Finds the neighbors of the vertices of the blocks `interior` by the faces of the tile and writes them.
 pub(crate) fn write_one_rings(
     blocks: &Blocks,
     interior: Range<usize>,
     face_file: &FaceFile,
     ring_rule: RingRule,
-    path: &Path,
+    paths: OneRingPaths<'_>,
     progress: Progress<'_>,
 ) -> Result<(), TilesError> {
     release_freed();
@@ -52,7 +57,20 @@ pub(crate) fn write_one_rings(
             Ok(surroundings.block_neighbors(&blocks.vertices(block), &ring, &areas))
         })
         .collect::<Result<_, TilesError>>()?;
-    write_neighbor_file(path, first_block, &found)
+    if let Some(path) = paths.surface {
+        let vertices = blocks.vertices_of_range(&(first_block..first_block + found.len()));
+        surroundings.write_surface_rows(&vertices, path)?;
+    }
+    write_neighbor_file(paths.neighbors, first_block, &found)
+}
+
+/// Files of the neighbors of a tile.
+#[derive(Clone, Copy)]
+pub(crate) struct OneRingPaths<'a> {
+    /// Neighbor lists and areas.
+    pub(crate) neighbors: &'a Path,
+    /// Rows of [`SurfaceRow`], if vertices may move along normals.
+    pub(crate) surface: Option<&'a Path>,
 }
 
 /// The vertices of a tile, the vertices that share a face with them, and these faces. Vertices are in the order of the curve.
@@ -121,6 +139,34 @@ impl TileFaces {
         let i = i - self.before.len();
         let after = self.after.get(i.wrapping_sub(self.interior.len()));
         after.map_or((self.interior.start + i) as u32, |&vertex| vertex)
+    }
+
+    /// Writes the normal of each of the `vertices` of the tile, and whether it is on a border.
+    fn write_surface_rows(&self, vertices: &Range<usize>, path: &Path) -> Result<(), TilesError> {
+        let normals = face_vertex_normals(&self.points, &self.faces);
+        let is_border = self.border_flags();
+        let first = self.local_index(vertices.start as u32) as usize;
+        let mut bytes = Vec::with_capacity(SURFACE_ROW_BYTES * vertices.len());
+        for x in first..first + vertices.len() {
+            SurfaceRow { normal: normals[x], is_border: is_border[x] }.encode(&mut bytes);
+        }
+        write_atomic(path, |out| out.write_all(&bytes).map_err(TilesError::io(path)))
+    }
+
+    /// Flags of the ends of edges of a single triangle; right at the vertices of the tile, all of whose faces are known.
+    fn border_flags(&self) -> Vec<bool> {
+        let mut edges: Vec<[u32; 2]> = Vec::new();
+        for [a, b, c] in triangulate(&self.points, &self.faces) {
+            if a != b && b != c && c != a {
+                edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+            }
+        }
+        edges.par_sort_unstable();
+        let mut is_border = vec![false; self.points.len()];
+        for same in edges.chunk_by(|e, f| e == f).filter(|same| same.len() == 1) {
+            same[0].iter().for_each(|&x| is_border[x as usize] = true);
+        }
+        is_border
     }
 
     fn block_neighbors(&self, vertices: &Range<usize>, ring: &Adjacency, areas: &[f64]) -> BlockNeighbors {

@@ -16,7 +16,7 @@ use crate::files::NumberedName;
 use crate::index::blocks::{Blocks, VERTICES_IN_A_BLOCK};
 use crate::index::face_lists::encode_face;
 use crate::index::scratch_buckets::ScratchBuckets;
-use crate::layout::{MeshUnits, index_in_file};
+use crate::layout::index_in_file;
 use crate::sources::input_shape::InputShape;
 use crate::sources::mesh::open_unchanged;
 
@@ -29,7 +29,7 @@ pub(crate) fn vertices_per_pass(memory: u64) -> usize {
     (memory as usize / 2 / size_of::<u32>()).max(1 << 16)
 }
 
-/// Vertex index of a corner that no pass has resolved yet.
+/// Vertex index of a corner that no pass has resolved yet, in the end of one that takes no part.
 const UNRESOLVED: u32 = u32::MAX;
 
 /// The distribution of a mesh's faces.
@@ -114,13 +114,12 @@ impl FaceDistributor<'_> {
         for block in 0..self.blocks.len() {
             self.progress.check()?;
             let records = self.blocks.read_records(block)?;
-            let groups = self.blocks.group_by_vertex(&records);
-            for (vertex, group) in self.blocks.vertices(block).zip(groups) {
-                for record in group.chunks_exact(MeshUnits::RECORD_BYTES) {
-                    let i = (index_in_file(record) as usize).checked_sub(range.start);
-                    if let Some(index) = i.and_then(|i| indices.get_mut(i)) {
-                        *index = vertex as u32;
-                    }
+            let first = self.blocks.vertices(block).start;
+            for (vertex, record) in self.blocks.with_vertices(&records) {
+                let Some(vertex) = vertex else { continue };
+                let i = (index_in_file(record) as usize).checked_sub(range.start);
+                if let Some(index) = i.and_then(|i| indices.get_mut(i)) {
+                    *index = (first + vertex) as u32;
                 }
             }
         }
@@ -168,8 +167,8 @@ struct FaceWriter {
 
 impl FaceWriter {
     fn push(&mut self, corners: &[u32]) -> Result<(), TilesError> {
-        // A face of fewer corners has no triangles.
-        if corners.len() < 3 {
+        // A face of fewer corners has no triangles, and one with a corner that takes no part is left out.
+        if corners.len() < 3 || corners.contains(&UNRESOLVED) {
             return Ok(());
         }
         self.bytes.clear();

@@ -4,6 +4,7 @@
 
 mod curve;
 pub(crate) mod faces;
+mod members;
 mod merge;
 mod runs;
 
@@ -11,14 +12,18 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use adwave::Progress;
+use adwave_io::SelectionError;
 
 use crate::error::TilesError;
 use crate::files::write_atomic;
 use crate::index::blocks::BlockTableBuilder;
-use crate::layout::{LasQuantization, RecordLayout};
+use crate::layout::{LasQuantization, MemberRule, RecordLayout};
+use crate::params::Params;
 use crate::sources::input_shape::InputShape;
+use crate::sources::record_marker::RecordMarker;
 use crate::sources::{cloud, mesh};
 use curve::{HilbertCurve, LasOrder, RecordOrder, VertexOrder};
+use members::SortedRecords;
 use merge::{bytes_per_read, merge_runs};
 use runs::{RECORDS_AT_A_TIME, RunPoints, write_run};
 pub(crate) use runs::{RUN_NAME, records_per_run};
@@ -29,8 +34,7 @@ const RECORDS_PER_REPORT: u64 = 1 << 20;
 /// The sort of a shape by runs of at most `run_length` records, which has no effect on the result.
 pub(crate) struct Sorter<'a> {
     pub(crate) shape: &'a InputShape,
-    /// Bytes of memory that the job may use.
-    pub(crate) memory: u64,
+    pub(crate) params: &'a Params,
     /// Folder of the runs.
     pub(crate) folder: &'a Path,
     pub(crate) run_length: usize,
@@ -54,8 +58,8 @@ impl Sorter<'_> {
             RecordLayout::Las(quantization) => {
                 // If all runs exist, nothing else opens the inputs.
                 cloud::check_unchanged(&self.shape.files)?;
-                let order = LasOrder { curve, record_bytes: quantization.record_bytes };
-                let runs = (0..self.n_runs()).map(|run| self.sort_cloud_run(order, run));
+                let order = LasOrder { curve, record_bytes: self.shape.layout.record_bytes() };
+                let runs = (0..self.n_runs()).map(|run| self.sort_cloud_run(order, quantization, run));
                 self.merge(order, &runs.collect::<Result<Vec<_>, _>>()?, records, table)
             }
             RecordLayout::Mesh(_) => {
@@ -67,11 +71,10 @@ impl Sorter<'_> {
 
     /// Sorts one run of a cloud, unless its file exists.
     pub(crate) fn sort_run(&self, run: usize) -> Result<(), TilesError> {
-        let RecordLayout::Las(LasQuantization { record_bytes, .. }) = self.shape.layout else {
-            return Ok(());
-        };
+        let RecordLayout::Las(quantization) = self.shape.layout else { return Ok(()) };
         let curve = HilbertCurve::from_bounds(&self.shape.bounds);
-        self.sort_cloud_run(LasOrder { curve, record_bytes }, run).map(|_| ())
+        let order = LasOrder { curve, record_bytes: self.shape.layout.record_bytes() };
+        self.sort_cloud_run(order, quantization, run).map(|_| ())
     }
 
     /// Returns true if the file of a run of a cloud exists and is complete.
@@ -92,11 +95,11 @@ impl Sorter<'_> {
         records: &Path,
         table: &Path,
     ) -> Result<(), TilesError> {
-        let Self { shape, memory, folder, progress, .. } = *self;
+        let Self { shape, params, folder, progress, .. } = *self;
         let n_points = shape.n_points;
-        let mut builder = BlockTableBuilder::new(shape.layout);
+        let mut builder = BlockTableBuilder::new(shape.layout, MemberRule::default());
         let n_merged = write_atomic(records, |out| {
-            merge_runs(runs, order, bytes_per_read(memory, runs.len()), |record, n| {
+            merge_runs(runs, order, bytes_per_read(params.memory, runs.len()), |record, n| {
                 if n % RECORDS_PER_REPORT == 0 {
                     progress.step(n_points + n, 2 * n_points)?;
                 }
@@ -110,30 +113,46 @@ impl Sorter<'_> {
                 folder.display()
             )));
         }
+        let builder = SortedRecords { path: records, layout: shape.layout, progress }.final_table(builder)?;
+        if builder.n_vertices == 0 {
+            let selection = params.selection.to_selection()?.describe().join(" and ");
+            return Err(SelectionError::NothingLeft { selection }.into());
+        }
         builder.write(table)
     }
 
-    fn sort_cloud_run(&self, order: LasOrder, run: usize) -> Result<PathBuf, TilesError> {
+    fn sort_cloud_run(
+        &self,
+        order: LasOrder,
+        quantization: LasQuantization,
+        run: usize,
+    ) -> Result<PathBuf, TilesError> {
         let Self { shape, folder, progress, .. } = *self;
         let RunPoints { first, n } = self.run_points(run);
         if self.has_run(run) {
             return Ok(RUN_NAME.path(folder, first));
         }
-        let mut read = cloud::record_reader(&shape.files, order.record_bytes, first);
+        let marker = RecordMarker::new(shape, self.params)?;
+        let mut read = cloud::record_reader(&shape.files, quantization.record_bytes, first);
         let (mut records, mut n_read) = (Vec::with_capacity(n * order.record_bytes), 0);
+        let mut points = Vec::new();
         while n_read < n {
             progress.step(first + n_read as u64, 2 * shape.n_points)?;
-            match read(RECORDS_AT_A_TIME.min(n - n_read), &mut records)? {
-                0 => return Err(self.too_few_points(first + n_read as u64)),
-                more => n_read += more,
+            points.clear();
+            let more = read(RECORDS_AT_A_TIME.min(n - n_read), &mut points)?;
+            if more == 0 {
+                return Err(self.too_few_points(first + n_read as u64));
             }
+            marker.push_points(quantization, &points, first + n_read as u64, &mut records);
+            n_read += more;
         }
         write_run(&records, order, folder, first, progress)
     }
 
     fn sort_mesh_runs(&self, order: VertexOrder) -> Result<Vec<PathBuf>, TilesError> {
         let Self { shape, folder, run_length, progress, .. } = *self;
-        let mut read = mesh::record_reader(&shape.files[0])?;
+        let marker = RecordMarker::new(shape, self.params)?;
+        let mut read = mesh::record_reader(&shape.files[0], marker)?;
         let record_bytes = order.record_bytes();
         let (mut runs, mut records, mut n_read) = (Vec::new(), Vec::new(), 0);
         loop {

@@ -5,6 +5,7 @@
 //! chunk on all threads of the pool; the bytes do not depend on their number.
 
 pub(in crate::formats::las) mod coding;
+mod column;
 mod pack;
 mod read;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod tests;
 mod unpack;
 mod write;
 
+pub use column::LasColumn;
 pub use read::LasReader;
 pub use write::LasWriter;
 

@@ -1,5 +1,9 @@
 //! Constraints on smoothed positions: no sliding along the surface, no shrinking of borders, no loss of volume.
 
+mod part;
+
+pub use part::{NORMAL_STEPS, NormalSign, smoothed_normals};
+
 use crate::named_values;
 use crate::parallel;
 use crate::shape::Shape;
@@ -126,9 +130,6 @@ impl ClassifiedError for PositionsError {
     }
 }
 
-/// Number of lazy steps that smooth normals before positions move along them.
-const NORMAL_STEPS: usize = 4;
-
 /// Number of edges over which the change reaches its full size next to a fixed border.
 const KEPT_EDGES: f64 = 4.0;
 
@@ -245,16 +246,11 @@ fn directed(
             return after[v];
         }
         let moved = subtract(&after[v], &before[v]);
-        let part = |axis: usize| std::array::from_fn(|c| if c == axis { moved[c] } else { 0.0 });
-        let along_normal = |n: &[f64; 3]| n.map(|c| c * dot(&moved, n));
         let moved = match along {
-            MoveDirection::Free if params.along.is_some() => moved,
-            MoveDirection::Free | MoveDirection::Normal => along_normal(&normals[x]),
-            MoveDirection::Surface => subtract(&moved, &along_normal(&normals[x])),
-            MoveDirection::X => part(0),
-            MoveDirection::Y => part(1),
-            MoveDirection::Z => part(2),
-        };
+            MoveDirection::Free if params.along.is_none() => MoveDirection::Normal,
+            along => along,
+        }
+        .part_of(&moved, normals.get(x).unwrap_or(&[0.0; 3]));
         let share = if is_open[x] { kept.get(x).map_or(1.0, |d| (d / width).min(1.0)) } else { 1.0 };
         // Rises from 0 on the border to 1, smoothly at both ends.
         add_scaled(&before[v], share * share * (3.0 - 2.0 * share), &moved)
@@ -333,21 +329,13 @@ fn reached(
 /// orienting a cloud takes longer than filtering it.
 fn smooth_normals(decomposer: &Decomposer, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
     let ring = decomposer.ring(progress)?;
-    let is_cloud = decomposer.is_cloud();
-    let mut normals = raw_normals(decomposer, decomposer.geometry().points(), progress)?;
-    for _ in 0..NORMAL_STEPS {
-        normals = parallel::try_collect(normals.len(), progress, |x| {
-            let near = ring.row(x);
-            let share = 0.5 / near.len().max(1) as f64;
-            let own = if near.is_empty() { 1.0 } else { 0.5 };
-            near.iter().fold(normals[x].map(|c| own * c), |sum, &y| {
-                let other = &normals[y as usize];
-                let turned = is_cloud && dot(&normals[x], other) < 0.0;
-                add_scaled(&sum, if turned { -share } else { share }, other)
-            })
-        })?;
-    }
-    parallel::try_collect(normals.len(), progress, |x| unit(&normals[x]).unwrap_or_default())
+    let sign = if decomposer.is_cloud() { NormalSign::Arbitrary } else { NormalSign::Side };
+    smoothed_normals(
+        raw_normals(decomposer, decomposer.geometry().points(), progress)?,
+        &ring,
+        sign,
+        progress,
+    )
 }
 
 /// Normals from the faces around each vertex; on a cloud from its tangent planes, with either sign.
