@@ -15,7 +15,7 @@ use adwave_register::{
     closest_fit, common_lengths, describe_shape, fit_in_place, register, signed_distances,
 };
 use adwave_simplify::{
-    Appearance, Border, CloudTarget, CornerValues, MeshParams, MeshTarget, Why, simplify_cloud,
+    Appearance, AppearanceValues, Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud,
     simplify_mesh_with_appearance,
 };
 use pyo3::prelude::*;
@@ -62,7 +62,7 @@ fn simplify<'py>(
             let border = if options.keep_border { Border::Kept } else { Border::Weighted };
             let (labels, values) = (content.file.corner_labels(), content.file.corner_values());
             let values =
-                values.as_ref().map(|of| CornerValues { values: &of.values, n_channels: of.n_channels });
+                values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
             let appearance = Appearance { labels: labels.as_deref(), values };
             let params = MeshParams::new(target).with_border(border);
             let found = run(py, usize::MAX, progress.as_ref(), |p| {

@@ -7,12 +7,12 @@ pub struct Appearance<'a> {
     /// a texture, of two materials).
     pub labels: Option<&'a [u32]>,
     /// Colors or texture coordinates, `n_channels` values per corner of the faces, for which 1 is the full range.
-    pub values: Option<CornerValues<'a>>,
+    pub values: Option<AppearanceValues<'a>>,
 }
 
 /// Values at the corners of faces, row by row.
 #[derive(Clone, Copy, Debug)]
-pub struct CornerValues<'a> {
+pub struct AppearanceValues<'a> {
     /// `n_channels` values for each corner.
     pub values: &'a [f64],
     /// Number of values per corner.

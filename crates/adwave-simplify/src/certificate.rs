@@ -8,11 +8,11 @@
 //! Covers consist of faces of the same chart (part between seams), so that the limit holds for each material and for the
 //! position of seams. The opposite direction is checked where `is_checked` asks for it.
 
-use crate::colors::Colors;
+use crate::colors::WedgeColors;
 use crate::connectivity::{Collapse, Connectivity};
 use crate::geometry::{Point, nearest_weights, squared_distance};
 use crate::proof::{Goal, bound_distance};
-use crate::surface::{TriangleList, TriangleSurface, Triangles};
+use crate::surface::{TriangleList, TriangleSearch, TriangleSurface};
 use crate::wedges::Wedges;
 
 /// Largest number of pieces into which a triangle is divided to find a cover.
@@ -27,7 +27,7 @@ pub(crate) struct Original<'a> {
     pub(crate) surface: &'a TriangleSurface,
     /// Chart of each triangle.
     pub(crate) charts: &'a [u32],
-    pub(crate) colors: Option<&'a Colors>,
+    pub(crate) colors: Option<&'a WedgeColors>,
 }
 
 /// Covers of all triangles of the original by faces.
@@ -79,7 +79,7 @@ impl<'a> Certificates<'a> {
     }
 
     /// Returns the triangles of the original that a face covers in part.
-    pub(crate) fn covered(&self, face: u32) -> &[u32] {
+    pub(crate) fn list_covered(&self, face: u32) -> &[u32] {
         &self.covered[face as usize]
     }
 
@@ -180,7 +180,7 @@ impl<'a> Certificates<'a> {
                     used.push(face);
                 }
             };
-            let goal = Goal::within(self.limit, MAX_COVER_PIECES);
+            let goal = Goal::decision(self.limit, MAX_COVER_PIECES);
             let bounds = bound_distance(*triangle, &[], &faces, &goal, &mut use_face);
             is_covered = bounds.upper <= self.limit;
         }
@@ -188,7 +188,7 @@ impl<'a> Certificates<'a> {
         is_covered
     }
 
-    /// Whether the colors at the corners of a triangle are kept by the nearest faces.
+    /// Tells if the colors at the corners of a triangle are kept by the nearest faces.
     fn keeps_colors(&self, t: u32, faces: &TriangleList) -> bool {
         let Some(colors) = self.original.colors else { return true };
         self.original.wedges.triangles[t as usize].iter().all(|&wedge| {
@@ -199,10 +199,10 @@ impl<'a> Certificates<'a> {
         })
     }
 
-    /// Whether the moved faces are within the limit of the original.
+    /// Tells if the moved faces are within the limit of the original.
     fn are_near_original(&self, n_moved: usize) -> bool {
         let max_pieces = MIN_FACE_PIECES + 64 * self.new_covers.triangles.len();
-        let goal = Goal::within(self.limit, max_pieces);
+        let goal = Goal::decision(self.limit, max_pieces);
         self.new_faces.corners[..n_moved].iter().all(|&corners| {
             bound_distance(corners, &[], self.original.surface, &goal, &mut |_| {}).upper <= self.limit
         })

@@ -9,7 +9,7 @@
 //! distance of the neighbor from the planes around the vertex and around all vertices that were moved there.
 
 use crate::certificate::Certificates;
-use crate::colors::Colors;
+use crate::colors::WedgeColors;
 use crate::connectivity::{Collapse, Connectivity, Turning};
 use crate::geometry::{dot, length, minus, nearest_weights, squared_distance};
 use crate::quadric::Quadric;
@@ -56,7 +56,7 @@ impl Ord for Candidate {
 pub(crate) struct Collapser<'a> {
     pub(crate) connectivity: Connectivity,
     quadrics: Vec<Quadric>,
-    colors: Option<&'a Colors>,
+    colors: Option<&'a WedgeColors>,
     certificates: Option<Certificates<'a>>,
     turning: Turning,
     /// Number of changes around each vertex.
@@ -70,7 +70,7 @@ pub(crate) struct Collapser<'a> {
 impl<'a> Collapser<'a> {
     pub(crate) fn new(
         connectivity: Connectivity,
-        colors: Option<&'a Colors>,
+        colors: Option<&'a WedgeColors>,
         certificates: Option<Certificates<'a>>,
     ) -> Self {
         let n = connectivity.n_positions();
@@ -90,8 +90,8 @@ impl<'a> Collapser<'a> {
     }
 
     /// Returns the triangles of the original that a face covers in part; none without a proof.
-    pub(crate) fn covered(&self, face: u32) -> &[u32] {
-        self.certificates.as_ref().map_or(&[], |certificates| certificates.covered(face))
+    pub(crate) fn list_covered(&self, face: u32) -> &[u32] {
+        self.certificates.as_ref().map_or(&[], |certificates| certificates.list_covered(face))
     }
 
     /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible; returns the
@@ -113,7 +113,7 @@ impl<'a> Collapser<'a> {
                 continue;
             }
             n_tries += 1;
-            if n_tries % TRIES_PER_CHECK == 0 {
+            if n_tries.is_multiple_of(TRIES_PER_CHECK) {
                 progress.step((n - remaining) as u64, (n - n_left) as u64)?;
             }
             if self.try_candidate(candidate) {

@@ -1,6 +1,6 @@
 //! Colors and texture coordinates at wedges, and their change by a simplification.
 
-use crate::appearance::CornerValues;
+use crate::appearance::AppearanceValues;
 use crate::geometry::{length, minus};
 use crate::wedges::Wedges;
 
@@ -8,16 +8,16 @@ use crate::wedges::Wedges;
 const VALUE_TOLERANCE: f64 = 1.0 / 64.0;
 
 /// Values at wedges, and how fast they change.
-pub(crate) struct Colors {
+pub(crate) struct WedgeColors {
     n_channels: usize,
     values: Vec<f64>,
     /// Largest change per length along an edge at each wedge, in the unit box.
     slope: Vec<f64>,
 }
 
-impl Colors {
+impl WedgeColors {
     /// Takes the values of one corner per wedge.
-    pub(crate) fn new(wedges: &Wedges, corner_values: CornerValues<'_>) -> Self {
+    pub(crate) fn new(wedges: &Wedges, corner_values: AppearanceValues<'_>) -> Self {
         let n_channels = corner_values.n_channels;
         let mut values = vec![0.0; wedges.points.len() * n_channels];
         for (triangle, corners) in wedges.triangles.iter().zip(&wedges.corners) {
@@ -52,7 +52,7 @@ impl Colors {
         self.row(wedge).iter().enumerate().map(|(k, x)| (x - interpolate(k)).abs()).fold(0.0, f64::max)
     }
 
-    /// Whether a point of a face has a value that the original has within `limit` of a wedge: the difference is at most
+    /// Tells if a point of a face has a value that the original has within `limit` of a wedge: the difference is at most
     /// that along an edge of this length, or too small to be seen.
     pub(crate) fn is_kept(&self, wedge: u32, face: [u32; 3], weights: [f64; 3], limit: f64) -> bool {
         self.difference(wedge, face, weights) <= VALUE_TOLERANCE + limit * self.slope[wedge as usize]

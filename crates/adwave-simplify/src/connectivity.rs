@@ -151,7 +151,7 @@ impl Connectivity {
         Some((find(u)?, find(v)?))
     }
 
-    /// Whether an edge is on a border or a seam, or has more than two faces.
+    /// Tells if an edge is on a border or a seam, or has more than two faces.
     fn is_feature(&self, u: u32, v: u32) -> bool {
         let (u, v) =
             if self.around[u as usize].len() > self.around[v as usize].len() { (v, u) } else { (u, v) };
@@ -315,7 +315,7 @@ impl Connectivity {
         !plan.vanishing.iter().filter_map(|&face| opposite(face)).any(closes)
     }
 
-    /// Whether a face that gets new wedges keeps its direction and has an area.
+    /// Tells if a face that gets new wedges keeps its direction and has an area.
     fn keeps_direction(&self, face: u32, wedges: [u32; 3], turning: Turning) -> bool {
         let (old, new) = (self.corners(self.faces[face as usize]), self.corners(wedges));
         let (before, after) = (doubled_normal(old), doubled_normal(new));

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, center, doubled_area};
 use crate::proof::{Goal, PROOF_TOLERANCE, ROUNDING, bound_distance};
-use crate::surface::{TriangleSurface, Triangles};
+use crate::surface::{TriangleSearch, TriangleSurface};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -90,7 +90,7 @@ impl SurfaceView<'_> {
 
 /// Distance to a sample point and the triangle that is nearest to it.
 #[derive(Clone, Copy)]
-struct Sample {
+struct DistanceSample {
     distance: f64,
     near: u32,
     area: f64,
@@ -111,7 +111,7 @@ fn collect<T: Send>(
 }
 
 /// Largest distance and root mean square of samples, in their order.
-fn summarize<'a>(samples: impl Iterator<Item = &'a Sample>) -> (f64, f64) {
+fn summarize<'a>(samples: impl Iterator<Item = &'a DistanceSample>) -> (f64, f64) {
     let (mut greatest, mut squares, mut area) = (0.0_f64, 0.0, 0.0);
     for sample in samples {
         greatest = greatest.max(sample.distance);
@@ -171,7 +171,7 @@ pub(crate) fn measure_original(
     let samples = collect(original.points.len(), progress, |x| {
         let (squared, near) =
             if triangle_at[x] == u32::MAX { to.nearest(original.points[x]) } else { (0.0, triangle_at[x]) };
-        Sample { distance: squared.sqrt(), near, area: areas[x] }
+        DistanceSample { distance: squared.sqrt(), near, area: areas[x] }
     })?;
     let (greatest, rms) = summarize(samples.iter());
     let known = OneSided { greatest, at_least: greatest, rms };
@@ -193,13 +193,13 @@ pub(crate) fn measure_simplified(
         let corners = simplified.corners(t);
         let area = doubled_area(corners) / 8.0;
         if is_original(simplified.triangles[t]) {
-            return ([Sample { distance: 0.0, near: u32::MAX, area }; 4], true);
+            return ([DistanceSample { distance: 0.0, near: u32::MAX, area }; 4], true);
         }
         let [a, b, c] = corners;
         let points = [center(&[a, b, c]), center(&[a, b]), center(&[b, c]), center(&[c, a])];
         let sample = |p: Point| {
             let (squared, near) = to.nearest(p);
-            Sample { distance: squared.sqrt(), near, area }
+            DistanceSample { distance: squared.sqrt(), near, area }
         };
         (points.map(sample), false)
     })?;

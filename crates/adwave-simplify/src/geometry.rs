@@ -19,7 +19,7 @@ pub(crate) fn length(v: Point) -> f64 {
 }
 
 /// Point `a + t (b − a)`.
-pub(crate) fn between(a: Point, b: Point, t: f64) -> Point {
+pub(crate) fn interpolate(a: Point, b: Point, t: f64) -> Point {
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn nearest_weights(p: Point, &[a, b, c]: &[Point; 3]) -> [f64; 3] {
         return [0.0, 1.0 - t, t];
     }
     let sum = va + vb + vc;
-    if !(sum > 0.0) {
+    if sum.is_nan() || sum <= 0.0 {
         return [1.0, 0.0, 0.0]; // no area: any point of the triangle gives an upper bound
     }
     [va / sum, vb / sum, vc / sum]

@@ -39,7 +39,7 @@ mod resample;
 mod surface;
 mod wedges;
 
-pub use appearance::{Appearance, CornerValues};
+pub use appearance::{Appearance, AppearanceValues};
 pub use cloud::{CloudTarget, ThinnedCloud, simplify_cloud};
 pub use deviation::{Deviation, OneSided};
 pub use error::SimplifyError;

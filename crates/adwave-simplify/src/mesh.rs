@@ -3,7 +3,7 @@
 use crate::appearance::Appearance;
 use crate::certificate::{Certificates, Original};
 use crate::collapse::Collapser;
-use crate::colors::Colors;
+use crate::colors::WedgeColors;
 use crate::connectivity::{Connectivity, Turning};
 use crate::deviation::{Measured, SurfaceView, measure_original, measure_simplified, vertex_areas};
 use crate::proof::ROUNDING;
@@ -198,7 +198,7 @@ struct Candidate {
 /// State shared by all runs on one mesh.
 struct SimplifyJob<'a> {
     wedges: Wedges,
-    colors: Option<Colors>,
+    colors: Option<WedgeColors>,
     areas: Vec<f64>,
     charts: Vec<u32>,
     /// Triangles of the original, each rotated to its smallest wedge, sorted.
@@ -222,7 +222,7 @@ impl<'a> SimplifyJob<'a> {
         progress: Progress<'a>,
     ) -> Result<Self, SimplifyError> {
         let wedges = Wedges::new(mesh, appearance, progress)?;
-        let colors = appearance.values.map(|values| Colors::new(&wedges, values));
+        let colors = appearance.values.map(|values| WedgeColors::new(&wedges, values));
         let surface =
             TriangleSurface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
         progress.check()?;
@@ -298,7 +298,7 @@ impl<'a> SimplifyJob<'a> {
             let covered: Vec<u32> = of_simplified
                 .far
                 .iter()
-                .flat_map(|&k| collapser.covered(origins[k as usize]).iter().copied())
+                .flat_map(|&k| collapser.list_covered(origins[k as usize]).iter().copied())
                 .collect();
             drop(collapser);
             for t in covered {

@@ -11,8 +11,10 @@
 //! Two coplanar triangulations are thus compared exactly, by their common refinement. Where no such plane cuts the piece,
 //! it is halved.
 
-use crate::geometry::{Point, between, center, cross, dot, doubled_normal, length, minus, squared_distance};
-use crate::surface::Triangles;
+use crate::geometry::{
+    Point, center, cross, dot, doubled_normal, interpolate, length, minus, squared_distance,
+};
+use crate::surface::TriangleSearch;
 
 /// Relative difference of the bounds at which a piece is not cut again.
 pub(crate) const PROOF_TOLERANCE: f64 = 0.005;
@@ -31,7 +33,7 @@ const ROOM: usize = MAX_CORNERS + 2;
 
 /// Bounds of the largest distance from a triangle to a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct DistanceBounds {
     pub(crate) lower: f64,
     pub(crate) upper: f64,
 }
@@ -51,12 +53,12 @@ pub(crate) struct Goal {
 
 impl Goal {
     /// Decision if all distances are at most a limit.
-    pub(crate) fn within(limit: f64, max_pieces: usize) -> Self {
+    pub(crate) fn decision(limit: f64, max_pieces: usize) -> Self {
         Self { accepted: limit, limit, max_pieces, stops_beyond_limit: true }
     }
 
     /// Largest upper bound of a piece that is not cut again.
-    fn sufficient(&self, lower: f64) -> f64 {
+    fn sufficient_bound(&self, lower: f64) -> f64 {
         let close = self.accepted.max(lower * (1.0 + PROOF_TOLERANCE) + ROUNDING);
         if lower <= self.limit { close.min(self.limit) } else { close }
     }
@@ -117,7 +119,7 @@ impl Piece {
                 parts[1].push(p);
             }
             if s * t < 0.0 {
-                let on = between(p, q, s / (s - t));
+                let on = interpolate(p, q, s / (s - t));
                 parts[0].push(on);
                 parts[1].push(on);
             }
@@ -133,7 +135,7 @@ impl Piece {
             let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
             let outward = cross(minus(to, from), normal);
             let norm = length(outward);
-            if !(norm > 0.0) {
+            if norm.is_nan() || norm <= 0.0 {
                 continue;
             }
             let outward = outward.map(|x| x / norm);
@@ -164,7 +166,7 @@ impl Piece {
         }
         let (p, q) = ends?;
         let along = minus(q, p).map(|x| x / longest);
-        Some(self.cut(between(p, q, 0.5), along))
+        Some(self.cut(interpolate(p, q, 0.5), along))
     }
 
     /// Cuts along a diagonal, without new corners.
@@ -181,22 +183,22 @@ impl Piece {
 ///
 /// Once `max_pieces` is reached, the upper bound is that of the remaining pieces, valid but not close. Costs
 /// O(pieces log triangles).
-pub(crate) fn bound_distance<T: Triangles>(
+pub(crate) fn bound_distance<T: TriangleSearch>(
     triangle: [Point; 3],
     hints: &[u32],
     to: &T,
     goal: &Goal,
     use_triangle: &mut dyn FnMut(u32),
-) -> Bounds {
+) -> DistanceBounds {
     let first = Piece::new(&triangle, None);
-    let mut bounds = Bounds { lower: 0.0, upper: 0.0 };
+    let mut bounds = DistanceBounds { lower: 0.0, upper: 0.0 };
     let square = |x: f64| x * x;
     for &hint in hints {
-        let sufficient = goal.sufficient(0.0);
+        let sufficient = goal.sufficient_bound(0.0);
         let distance = first.distance_to(to.corners(hint), square(sufficient));
         if distance <= square(sufficient) {
             use_triangle(hint);
-            return Bounds { lower: 0.0, upper: distance.sqrt() };
+            return DistanceBounds { lower: 0.0, upper: distance.sqrt() };
         }
     }
     let mut n_pieces = 0;
@@ -207,7 +209,7 @@ pub(crate) fn bound_distance<T: Triangles>(
         if let Some(hint) = piece.hint {
             (upper, by) = (piece.distance_to(to.corners(hint), f64::INFINITY).sqrt(), hint);
         }
-        if upper <= goal.sufficient(bounds.lower) {
+        if upper <= goal.sufficient_bound(bounds.lower) {
             bounds.upper = bounds.upper.max(upper);
             use_triangle(by);
             continue;
@@ -219,7 +221,7 @@ pub(crate) fn bound_distance<T: Triangles>(
             (upper, by) = (by_near, near);
         }
         let is_beyond = bounds.lower > goal.limit && goal.stops_beyond_limit;
-        let is_close = upper <= goal.sufficient(bounds.lower);
+        let is_close = upper <= goal.sufficient_bound(bounds.lower);
         let parts = if is_close || is_beyond || n_pieces + pieces.len() >= goal.max_pieces {
             None
         } else {
@@ -241,7 +243,12 @@ pub(crate) fn bound_distance<T: Triangles>(
 }
 
 /// Cuts a piece whose bounds are too far apart; `None` if it is as small as rounding.
-fn divide<T: Triangles>(piece: &Piece, near: u32, to: &T, bounds: &mut Bounds) -> Option<[Piece; 2]> {
+fn divide<T: TriangleSearch>(
+    piece: &Piece,
+    near: u32,
+    to: &T,
+    bounds: &mut DistanceBounds,
+) -> Option<[Piece; 2]> {
     if piece.n >= MAX_CORNERS {
         return Some(piece.cut_at_diagonal());
     }
@@ -296,9 +303,9 @@ mod tests {
         let triangle = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
         let bounds = bound_distance(triangle, &[], &surface, &goal(), &mut |_| {});
         assert!(bounds.lower <= 0.5 && bounds.upper >= 0.5 && bounds.upper < 0.5 * 1.01, "{bounds:?}");
-        let decided = bound_distance(triangle, &[], &surface, &Goal::within(0.4, 1000), &mut |_| {});
+        let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.4, 1000), &mut |_| {});
         assert!(decided.lower > 0.4 && decided.upper > 0.4);
-        let decided = bound_distance(triangle, &[], &surface, &Goal::within(0.501, 1000), &mut |_| {});
+        let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.501, 1000), &mut |_| {});
         assert!(decided.upper <= 0.501, "{decided:?}");
     }
 }

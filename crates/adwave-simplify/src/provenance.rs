@@ -1,7 +1,7 @@
 //! Corners and faces of the original that new ones continue.
 
 use crate::geometry::{center, doubled_normal, length};
-use crate::surface::{TriangleSurface, Triangles};
+use crate::surface::{TriangleSearch, TriangleSurface};
 use crate::wedges::Wedges;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;

@@ -6,7 +6,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 /// Triangles among which the nearest to a point can be found.
-pub(crate) trait Triangles {
+pub(crate) trait TriangleSearch {
     /// Returns the squared distance of the nearest triangle, and its index.
     fn nearest(&self, p: Point) -> (f64, u32);
 
@@ -43,7 +43,7 @@ impl TriangleSurface {
     }
 }
 
-impl Triangles for TriangleSurface {
+impl TriangleSearch for TriangleSurface {
     fn nearest(&self, p: Point) -> (f64, u32) {
         let to_box = |node: &BvhNode, _: f64| {
             let (low, high) = (node.mins(), node.maxs());
@@ -84,7 +84,7 @@ impl TriangleList {
     }
 }
 
-impl Triangles for TriangleList {
+impl TriangleSearch for TriangleList {
     fn nearest(&self, p: Point) -> (f64, u32) {
         let distances = self.corners.iter().map(|corners| squared_distance(p, corners));
         let nearer = |best: (f64, u32), (k, d): (usize, f64)| if d < best.0 { (d, k as u32) } else { best };

@@ -1,6 +1,6 @@
 //! Preparation of a mesh for collapses: welded, triangulated, split along seams, scaled to the unit box.
 
-use crate::appearance::{Appearance, CornerValues};
+use crate::appearance::{Appearance, AppearanceValues};
 use crate::error::SimplifyError;
 use crate::geometry::{doubled_area, length, minus};
 use adwave::shape::{Mesh, Polygons, VertexMap, WeldMode, bounding_box, triangulate};
@@ -53,7 +53,7 @@ impl Wedges {
         if let Some(labels) = appearance.labels.filter(|labels| labels.len() != n_corners) {
             return Err(SimplifyError::Labels { found: labels.len(), n_corners });
         }
-        if let Some(CornerValues { values, n_channels }) = appearance.values
+        if let Some(AppearanceValues { values, n_channels }) = appearance.values
             && (n_channels == 0 || values.len() != n_corners * n_channels)
         {
             return Err(SimplifyError::Values { found: values.len(), n_corners, n_channels });
@@ -199,7 +199,7 @@ fn wedges(mesh: &Mesh, vertex_map: &VertexMap, appearance: Appearance<'_>) -> (V
 /// Number of a corner that tells corners of different labels apart, and nearly always those of different values.
 fn corner_label(appearance: Appearance<'_>, corner: usize) -> u64 {
     let label = u64::from(appearance.labels.map_or(0, |labels| labels[corner]));
-    let Some(CornerValues { values, n_channels }) = appearance.values else { return label };
+    let Some(AppearanceValues { values, n_channels }) = appearance.values else { return label };
     // 0 and −0 are the same value.
     let row = values[corner * n_channels..][..n_channels].iter().map(|x| (x + 0.0).to_bits());
     let hash = row.fold(0_u64, |hash, x| (hash ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31));

@@ -64,7 +64,7 @@ fn distance(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
 }
 
 /// Largest distance of points in a grid on triangles from other triangles, by brute force.
-fn sampled(from: &[[[f64; 3]; 3]], to: &[[[f64; 3]; 3]], steps: u32) -> f64 {
+fn sample_distances(from: &[[[f64; 3]; 3]], to: &[[[f64; 3]; 3]], steps: u32) -> f64 {
     let nearest = |p: [f64; 3]| to.iter().map(|&t| distance(p, t)).fold(f64::INFINITY, f64::min);
     let grid = (0..=steps).flat_map(|i| (0..=steps - i).map(move |j| [i, j, steps - i - j]));
     let weights: Vec<[f64; 3]> = grid.map(|w| w.map(|x| f64::from(x) / f64::from(steps))).collect();
@@ -100,7 +100,7 @@ fn bounds_of_the_distance_hold_for_dense_samples_and_are_close() {
         for (side, from, to) in
             [(deviation.of_original, &before, &after), (deviation.of_simplified, &after, &before)]
         {
-            let found = sampled(from, to, 6);
+            let found = sample_distances(from, to, 6);
             assert!(found <= side.greatest + ROUNDING, "{target:?}: {found} is beyond {side:?}");
             assert!(side.at_least <= side.greatest, "{target:?}: {side:?}");
             assert!(

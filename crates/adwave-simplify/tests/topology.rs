@@ -4,7 +4,7 @@ use adwave::Progress;
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons};
 use adwave_simplify::{
-    Appearance, CornerValues, MeshParams, MeshTarget, SimplifiedMesh, Why, simplify_mesh,
+    Appearance, AppearanceValues, MeshParams, MeshTarget, SimplifiedMesh, Why, simplify_mesh,
     simplify_mesh_with_appearance,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -213,7 +213,7 @@ fn a_red_disc_in_a_flat_blue_square_survives_as_colors_of_vertices() {
         if is_in_disc(p[0], p[1]) { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] }
     };
     let values: Vec<f64> = mesh.faces().corners().iter().flat_map(|&x| red(x)).collect();
-    let values = Some(CornerValues { values: &values, n_channels: 3 });
+    let values = Some(AppearanceValues { values: &values, n_channels: 3 });
     for target in [MeshTarget::Error(0.03), MeshTarget::Error(0.3), MeshTarget::Vertices(120)] {
         let appearance = Appearance { labels: None, values };
         let params = MeshParams::new(target);
@@ -227,7 +227,8 @@ fn a_red_disc_in_a_flat_blue_square_survives_as_colors_of_vertices() {
         assert!(wrong < limit, "{wrong} at {target:?}, {} vertices", simplified.kept.len());
         assert!(simplified.kept.len() < 900, "{} at {target:?}", simplified.kept.len());
     }
-    let appearance = Appearance { labels: None, values: Some(CornerValues { values: &[], n_channels: 3 }) };
+    let appearance =
+        Appearance { labels: None, values: Some(AppearanceValues { values: &[], n_channels: 3 }) };
     let params = MeshParams::new(MeshTarget::Vertices(9));
     assert!(simplify_mesh_with_appearance(&mesh, appearance, &params, Progress::none()).is_err());
 }

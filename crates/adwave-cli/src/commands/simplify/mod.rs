@@ -12,7 +12,7 @@ use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
-    Appearance, Border, CloudTarget, CornerValues, Deviation, MeshParams, MeshTarget, SimplifiedMesh,
+    Appearance, AppearanceValues, Border, CloudTarget, Deviation, MeshParams, MeshTarget, SimplifiedMesh,
     SimplifyError, Why, simplify_cloud, simplify_mesh_with_appearance,
 };
 pub(crate) use args::SimplifyArgs;
@@ -101,7 +101,7 @@ fn simplify_mesh_file(
     let is_border_kept = args.keep_border || input.file.n_left_out_faces() > 0;
     let border = if is_border_kept { Border::Kept } else { Border::Weighted };
     let (labels, values) = (input.file.corner_labels(), input.file.corner_values());
-    let values = values.as_ref().map(|of| CornerValues { values: &of.values, n_channels: of.n_channels });
+    let values = values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
     let appearance = Appearance { labels: labels.as_deref(), values };
     let simplified = with_progress(global, "simplifying", |progress| {
         let params = MeshParams::new(target).with_border(border);
