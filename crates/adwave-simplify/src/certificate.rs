@@ -6,7 +6,7 @@
 //! by three distances, because the distance to a triangle is convex (`proof`).
 //!
 //! Covers consist of faces of the same chart (part between seams), so that the limit holds for each material and for the
-//! position of seams. The opposite direction is checked where `is_checked` asks for it.
+//! position of seams. For the opposite direction, new faces are compared with the whole original.
 
 use crate::colors::WedgeColors;
 use crate::connectivity::{Collapse, Connectivity};
@@ -36,11 +36,9 @@ pub(crate) struct Certificates<'a> {
     limit: f64,
     squared_limit: f64,
     /// Faces that cover each triangle.
-    cover: Vec<Vec<u32>>,
+    cover: Vec<Cover>,
     /// Triangles that each face covers in part.
     covered: Vec<Vec<u32>>,
-    /// Triangles near which new faces are compared with the original.
-    is_checked: &'a [bool],
     /// Number of the test in which a triangle or a face was last seen.
     seen: Vec<u32>,
     in_star: Vec<u32>,
@@ -48,6 +46,18 @@ pub(crate) struct Certificates<'a> {
     new_covers: NewCovers,
     new_faces: TriangleList,
     other_faces: TriangleList,
+}
+
+/// Faces that cover a triangle, most often one.
+struct Cover {
+    first: u32,
+    others: Vec<u32>,
+}
+
+impl Cover {
+    fn faces(&self) -> impl Iterator<Item = u32> + '_ {
+        std::iter::once(self.first).chain(self.others.iter().copied())
+    }
 }
 
 /// Covers to be kept if a collapse is carried out.
@@ -59,16 +69,14 @@ struct NewCovers {
 }
 
 impl<'a> Certificates<'a> {
-    pub(crate) fn new(original: Original<'a>, limit: f64, is_checked: &'a [bool]) -> Self {
+    pub(crate) fn new(original: Original<'a>, limit: f64) -> Self {
         let n = original.wedges.triangles.len();
-        let own = || (0..n as u32).map(|t| vec![t]).collect();
         Self {
             original,
             limit,
             squared_limit: limit * limit,
-            cover: own(),
-            covered: own(),
-            is_checked,
+            cover: (0..n as u32).map(|t| Cover { first: t, others: Vec::new() }).collect(),
+            covered: (0..n as u32).map(|t| vec![t]).collect(),
             seen: vec![0; n],
             in_star: vec![0; n],
             test: 0,
@@ -76,11 +84,6 @@ impl<'a> Certificates<'a> {
             new_faces: TriangleList::default(),
             other_faces: TriangleList::default(),
         }
-    }
-
-    /// Returns the triangles of the original that a face covers in part.
-    pub(crate) fn list_covered(&self, face: u32) -> &[u32] {
-        &self.covered[face as usize]
     }
 
     /// Finds new covers for all triangles that a planned collapse affects; `false` if one has none.
@@ -92,7 +95,6 @@ impl<'a> Certificates<'a> {
         }
         self.new_covers.triangles.clear();
         self.new_covers.faces.clear();
-        let mut is_checked = false;
         let star = plan.moved.iter().map(|(face, _)| face).chain(&plan.vanishing);
         for &face in star {
             for k in 0..self.covered[face as usize].len() {
@@ -100,14 +102,13 @@ impl<'a> Certificates<'a> {
                 if std::mem::replace(&mut self.seen[t as usize], self.test) == self.test {
                     continue;
                 }
-                is_checked |= self.is_checked[t as usize];
                 if !self.find_cover(t, connectivity) {
                     return false;
                 }
                 self.new_covers.triangles.push((t, self.new_covers.faces.len()));
             }
         }
-        !is_checked || self.are_near_original(plan.moved.len())
+        self.are_near_original(plan.moved.len())
     }
 
     /// Lists the moved faces, and then the other faces around the target.
@@ -138,11 +139,10 @@ impl<'a> Certificates<'a> {
 
     /// Appends a cover of a triangle to the new covers.
     fn find_cover(&mut self, t: u32, connectivity: &Connectivity) -> bool {
-        let wedges = self.original.wedges;
-        let triangle = wedges.triangles[t as usize].map(|w| wedges.points[w as usize]);
+        let triangle = *self.original.surface.corners(t);
         if self.original.colors.is_none() {
             let n = self.new_faces.ids.len();
-            let first = self.cover[t as usize][0];
+            let first = self.cover[t as usize].first;
             let first = self.new_faces.ids.iter().position(|&face| face == first).unwrap_or(0);
             for k in (0..n).map(|k| (k + first) % n) {
                 let face = self.new_faces.ids[k];
@@ -159,7 +159,7 @@ impl<'a> Certificates<'a> {
     fn find_cover_by_pieces(&mut self, t: u32, triangle: &[Point; 3], connectivity: &Connectivity) -> bool {
         let mut faces = std::mem::take(&mut self.other_faces);
         faces.clear();
-        for &face in &self.cover[t as usize] {
+        for face in self.cover[t as usize].faces() {
             if self.in_star[face as usize] != self.test {
                 let wedges = connectivity.faces[face as usize];
                 faces.push(face, wedges, connectivity.corners(wedges));
@@ -203,8 +203,10 @@ impl<'a> Certificates<'a> {
     fn are_near_original(&self, n_moved: usize) -> bool {
         let max_pieces = MIN_FACE_PIECES + 64 * self.new_covers.triangles.len();
         let goal = Goal::decision(self.limit, max_pieces);
+        let hints = self.new_covers.triangles.first().map(|&(t, _)| t);
         self.new_faces.corners[..n_moved].iter().all(|&corners| {
-            bound_distance(corners, &[], self.original.surface, &goal, &mut |_| {}).upper <= self.limit
+            let (surface, hints) = (self.original.surface, hints.as_slice());
+            bound_distance(corners, hints, surface, &goal, &mut |_| {}).upper <= self.limit
         })
     }
 
@@ -218,18 +220,21 @@ impl<'a> Certificates<'a> {
             let new = &self.new_covers.faces[start..end];
             start = end;
             let cover = &mut self.cover[t as usize];
-            for &face in cover.iter() {
+            for face in cover.faces() {
                 if self.in_star[face as usize] != self.test && !new.contains(&face) {
                     self.covered[face as usize].retain(|&other| other != t);
                 }
             }
             for &face in new {
-                if self.in_star[face as usize] == self.test || !cover.contains(&face) {
+                if self.in_star[face as usize] == self.test || !cover.faces().any(|other| other == face) {
                     self.covered[face as usize].push(t);
                 }
             }
-            cover.clear();
-            cover.extend_from_slice(new);
+            if let Some((&first, others)) = new.split_first() {
+                cover.first = first;
+                cover.others.clear();
+                cover.others.extend_from_slice(others);
+            }
         }
     }
 }

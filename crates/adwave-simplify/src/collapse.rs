@@ -24,6 +24,9 @@ const LENGTH_COST: f64 = 1e-9;
 /// Number of tries between two checks for cancellation.
 const TRIES_PER_CHECK: u64 = 1 << 12;
 
+/// Largest number of times that the wait of a vertex without a collapse is doubled.
+const MAX_DOUBLINGS: u32 = 6;
+
 /// A vertex and the cost of its next best collapse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Candidate {
@@ -52,6 +55,13 @@ impl Ord for Candidate {
     }
 }
 
+/// Time at which a vertex that could not be collapsed is tried again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Retry {
+    n_failures: u32,
+    stamp: u32,
+}
+
 /// State of the collapses of a mesh.
 pub(crate) struct Collapser<'a> {
     pub(crate) connectivity: Connectivity,
@@ -61,6 +71,9 @@ pub(crate) struct Collapser<'a> {
     turning: Turning,
     /// Number of changes around each vertex.
     stamps: Vec<u32>,
+    /// Vertices with a candidate in the heap; one may be outdated, and is ranked anew when it comes first.
+    is_queued: Vec<bool>,
+    retries: Vec<Retry>,
     heap: BinaryHeap<Candidate>,
     plan: Collapse,
     ranked: Vec<(f64, u32)>,
@@ -82,16 +95,13 @@ impl<'a> Collapser<'a> {
             certificates,
             turning: Turning::Limited,
             stamps: vec![0; n],
+            is_queued: vec![false; n],
+            retries: vec![Retry::default(); n],
             heap: BinaryHeap::new(),
             plan: Collapse::default(),
             ranked: Vec::new(),
             neighbors: Vec::new(),
         }
-    }
-
-    /// Returns the triangles of the original that a face covers in part; none without a proof.
-    pub(crate) fn list_covered(&self, face: u32) -> &[u32] {
-        self.certificates.as_ref().map_or(&[], |certificates| certificates.list_covered(face))
     }
 
     /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible; returns the
@@ -108,9 +118,20 @@ impl<'a> Collapser<'a> {
         self.fill_heap();
         let (mut remaining, mut n_tries) = (n, 0_u64);
         while remaining > n_left {
-            let Some(candidate) = self.heap.pop() else { break };
-            if candidate.stamp != self.stamps[candidate.vertex as usize] {
-                continue;
+            let Some(mut candidate) = self.heap.pop() else { break };
+            let u = candidate.vertex;
+            self.rank(u);
+            let stamp = self.stamps[u as usize];
+            if candidate.stamp != stamp {
+                let Some(&(cost, _)) = self.ranked.first() else {
+                    self.is_queued[u as usize] = false;
+                    continue;
+                };
+                candidate = Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false };
+                if self.heap.peek().is_some_and(|next| next.cost < cost) {
+                    self.heap.push(candidate);
+                    continue;
+                }
             }
             n_tries += 1;
             if n_tries.is_multiple_of(TRIES_PER_CHECK) {
@@ -135,58 +156,51 @@ impl<'a> Collapser<'a> {
     }
 
     fn fill_heap(&mut self) {
-        let candidates: Vec<Option<Candidate>> = (0..self.connectivity.n_positions() as u32)
-            .into_par_iter()
-            .map_init(
-                || (Vec::new(), Vec::new()),
-                |(neighbors, ranked), u| self.candidate(u, neighbors, ranked),
-            )
-            .collect();
+        let n = self.connectivity.n_positions() as u32;
+        let candidate = |(neighbors, ranked): &mut (Vec<u32>, Vec<(f64, u32)>), u: u32| {
+            rank(&self.connectivity, &self.quadrics[u as usize], u, neighbors, ranked);
+            let &(cost, _) = ranked.first()?;
+            Some(Candidate { cost, vertex: u, stamp: self.stamps[u as usize], rank: 0, is_exact: false })
+        };
+        let candidates: Vec<Option<Candidate>> =
+            (0..n).into_par_iter().map_init(Default::default, candidate).collect();
+        self.is_queued = candidates.iter().map(Option::is_some).collect();
+        self.retries.fill(Retry::default());
         self.heap = candidates.into_iter().flatten().collect();
     }
 
     /// Ranks the collapses of a vertex by cost.
-    fn rank(&self, u: u32, neighbors: &mut Vec<u32>, ranked: &mut Vec<(f64, u32)>) {
-        self.connectivity.targets(u, neighbors);
-        let (quadric, p) = (&self.quadrics[u as usize], self.connectivity.point(u));
-        ranked.clear();
-        ranked.extend(neighbors.iter().map(|&v| {
-            let q = self.connectivity.point(v);
-            let edge = minus(q, p);
-            (quadric.mean(q) + LENGTH_COST * dot(edge, edge), v)
-        }));
-        ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    fn rank(&mut self, u: u32) {
+        rank(&self.connectivity, &self.quadrics[u as usize], u, &mut self.neighbors, &mut self.ranked);
     }
 
-    fn candidate(&self, u: u32, neighbors: &mut Vec<u32>, ranked: &mut Vec<(f64, u32)>) -> Option<Candidate> {
-        self.rank(u, neighbors, ranked);
-        let &(cost, _) = ranked.first()?;
-        Some(Candidate { cost, vertex: u, stamp: self.stamps[u as usize], rank: 0, is_exact: false })
-    }
-
-    /// Carries out a collapse if it is possible; otherwise the next one of the vertex becomes a candidate.
+    /// Carries out a collapse among those ranked if it is possible; otherwise the next one becomes the candidate.
     fn try_candidate(&mut self, candidate: Candidate) -> bool {
         let u = candidate.vertex;
-        let (mut neighbors, mut ranked) =
-            (std::mem::take(&mut self.neighbors), std::mem::take(&mut self.ranked));
-        self.rank(u, &mut neighbors, &mut ranked);
-        let mut is_done = false;
-        if let Some(&(_, v)) = ranked.get(candidate.rank as usize) {
-            let is_planned = self.connectivity.plan(u, v, self.turning, &mut self.plan);
-            let color_cost = if is_planned && !candidate.is_exact { self.color_cost() } else { 0.0 };
-            if color_cost > 0.0 {
-                let cost = candidate.cost + color_cost;
-                self.heap.push(Candidate { cost, is_exact: true, ..candidate });
-            } else if is_planned && self.is_allowed() {
-                self.carry_out();
-                is_done = true;
-            } else if let Some(&(cost, _)) = ranked.get(candidate.rank as usize + 1) {
-                let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
-                self.heap.push(Candidate { cost, rank, is_exact: false, ..candidate });
-            }
+        let Some(&(_, v)) = self.ranked.get(candidate.rank as usize) else { return false };
+        let is_planned = self.connectivity.plan(u, v, self.turning, &mut self.plan);
+        let color_cost = if is_planned && !candidate.is_exact { self.color_cost() } else { 0.0 };
+        if color_cost > 0.0 {
+            self.heap.push(Candidate { cost: candidate.cost + color_cost, is_exact: true, ..candidate });
+        } else if is_planned && self.is_allowed() {
+            self.carry_out();
+            return true;
+        } else if let Some(&(cost, _)) = self.ranked.get(candidate.rank as usize + 1) {
+            let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
+            self.heap.push(Candidate { cost, rank, is_exact: false, ..candidate });
+        } else {
+            self.postpone(u);
         }
-        (self.neighbors, self.ranked) = (neighbors, ranked);
-        is_done
+        false
+    }
+
+    /// Waits with a vertex that has no collapse: for the next change around it, or, if every try needs a proof, for twice as
+    /// many changes as before.
+    fn postpone(&mut self, u: u32) {
+        let (retry, stamp) = (&mut self.retries[u as usize], self.stamps[u as usize]);
+        let wait = if self.certificates.is_some() { 1 << retry.n_failures.min(MAX_DOUBLINGS) } else { 1 };
+        *retry = Retry { n_failures: retry.n_failures + 1, stamp: stamp + wait };
+        self.is_queued[u as usize] = false;
     }
 
     fn is_allowed(&mut self) -> bool {
@@ -204,10 +218,8 @@ impl<'a> Collapser<'a> {
         self.stamps[self.plan.from as usize] += 1;
     }
 
-    /// Ranks the collapses anew for the vertices around the last one.
+    /// Marks the candidates of the vertices around the last collapse as outdated, and makes new ones where there are none.
     fn update(&mut self) {
-        let (mut neighbors, mut ranked) =
-            (std::mem::take(&mut self.neighbors), std::mem::take(&mut self.ranked));
         // The faces around other neighbors of the target are as before, and so are their costs.
         let moved = self.plan.moved.iter().map(|(_, wedges)| *wedges).chain(self.plan.gone.iter().copied());
         let mut changed: Vec<u32> = moved.flatten().map(|wedge| self.connectivity.position(wedge)).collect();
@@ -215,11 +227,18 @@ impl<'a> Collapser<'a> {
         changed.dedup();
         changed.retain(|&u| u != self.plan.from);
         for u in changed {
-            self.stamps[u as usize] += 1;
-            let candidate = self.candidate(u, &mut neighbors, &mut ranked);
-            self.heap.extend(candidate);
+            let stamp = &mut self.stamps[u as usize];
+            *stamp += 1;
+            let stamp = *stamp;
+            if self.is_queued[u as usize] || stamp < self.retries[u as usize].stamp {
+                continue;
+            }
+            self.rank(u);
+            if let Some(&(cost, _)) = self.ranked.first() {
+                self.heap.push(Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false });
+                self.is_queued[u as usize] = true;
+            }
         }
-        (self.neighbors, self.ranked) = (neighbors, ranked);
     }
 
     /// Squared length by which the planned collapse moves colors: the change at the removed vertex times the edge length.
@@ -239,4 +258,23 @@ impl<'a> Collapser<'a> {
         let greatest = self.plan.wedges.iter().map(change).fold(0.0, f64::max);
         (greatest * edge) * (greatest * edge)
     }
+}
+
+/// Ranks the collapses of a vertex by cost; `neighbors` is scratch space.
+fn rank(
+    connectivity: &Connectivity,
+    quadric: &Quadric,
+    u: u32,
+    neighbors: &mut Vec<u32>,
+    ranked: &mut Vec<(f64, u32)>,
+) {
+    connectivity.targets(u, neighbors);
+    let p = connectivity.point(u);
+    ranked.clear();
+    ranked.extend(neighbors.iter().map(|&v| {
+        let q = connectivity.point(v);
+        let edge = minus(q, p);
+        (quadric.mean(q) + LENGTH_COST * dot(edge, edge), v)
+    }));
+    ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
 }

@@ -121,21 +121,14 @@ fn summarize<'a>(samples: impl Iterator<Item = &'a DistanceSample>) -> (f64, f64
     (greatest, if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 })
 }
 
-/// One-sided distance, and the triangles that may be beyond a limit, increasing.
-pub(crate) struct Measured {
-    pub(crate) side: OneSided,
-    pub(crate) far: Vec<u32>,
-}
-
 /// Bounds the distances of all triangles of a surface, given distances that occur and triangles near each triangle.
 fn bound_all(
     from: SurfaceView<'_>,
     to: &TriangleSurface,
     known: OneSided,
-    limit: f64,
     progress: Progress<'_>,
     hints: impl Fn(usize) -> Option<[u32; 3]> + Sync,
-) -> Result<Measured, Cancelled> {
+) -> Result<OneSided, Cancelled> {
     let areas: Vec<f64> = (0..from.triangles.len()).map(|t| doubled_area(from.corners(t))).collect();
     let total: f64 = areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let pieces = PIECES_BY_AREA * (from.triangles.len() + to.len()) as f64;
@@ -143,20 +136,15 @@ fn bound_all(
     let bounds = collect(from.triangles.len(), progress, |t| {
         let hints = hints(t)?;
         let max_pieces = PIECES_PER_TRIANGLE + (pieces * areas[t] / total) as usize;
-        let goal = Goal { accepted, limit, max_pieces, stops_beyond_limit: false };
+        let goal = Goal { accepted, limit: f64::INFINITY, max_pieces, stops_beyond_limit: false };
         Some(bound_distance(from.corners(t), &hints, to, &goal, &mut |_| {}))
     })?;
     let mut side = known;
-    let mut far = Vec::new();
-    for (t, bounds) in bounds.iter().enumerate() {
-        let Some(bounds) = bounds else { continue };
+    for bounds in bounds.iter().flatten() {
         side.greatest = side.greatest.max(bounds.upper);
         side.at_least = side.at_least.max(bounds.lower);
-        if bounds.upper > limit {
-            far.push(t as u32);
-        }
     }
-    Ok(Measured { side, far })
+    Ok(side)
 }
 
 /// Measures the distance from the original to a simplified surface; points with a triangle in `triangle_at` lie on it.
@@ -165,9 +153,8 @@ pub(crate) fn measure_original(
     areas: &[f64],
     triangle_at: &[u32],
     to: &TriangleSurface,
-    limit: f64,
     progress: Progress<'_>,
-) -> Result<Measured, Cancelled> {
+) -> Result<OneSided, Cancelled> {
     let samples = collect(original.points.len(), progress, |x| {
         let (squared, near) =
             if triangle_at[x] == u32::MAX { to.nearest(original.points[x]) } else { (0.0, triangle_at[x]) };
@@ -176,7 +163,7 @@ pub(crate) fn measure_original(
     let (greatest, rms) = summarize(samples.iter());
     let known = OneSided { greatest, at_least: greatest, rms };
     let hints = |t: usize| Some(original.triangles[t].map(|x| samples[x as usize].near));
-    bound_all(original, to, known, limit, progress, hints)
+    bound_all(original, to, known, progress, hints)
 }
 
 /// Measures the distance from a simplified surface to the original, which contains the triangles of `is_original`, and in
@@ -186,9 +173,8 @@ pub(crate) fn measure_simplified(
     is_original: impl Fn([u32; 3]) -> bool + Sync,
     triangle_at: &[u32],
     to: &TriangleSurface,
-    limit: f64,
     progress: Progress<'_>,
-) -> Result<Measured, Cancelled> {
+) -> Result<OneSided, Cancelled> {
     let samples = collect(simplified.triangles.len(), progress, |t| {
         let corners = simplified.corners(t);
         let area = doubled_area(corners) / 8.0;
@@ -210,7 +196,7 @@ pub(crate) fn measure_simplified(
         let corner = simplified.triangles[t][0];
         (!is_original).then(|| [samples[0].near, samples[1].near, triangle_at[corner as usize]])
     };
-    bound_all(simplified, to, known, limit, progress, hints)
+    bound_all(simplified, to, known, progress, hints)
 }
 
 /// Vertex areas: a third of the area of the adjacent triangles.

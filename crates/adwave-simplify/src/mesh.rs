@@ -5,7 +5,7 @@ use crate::certificate::{Certificates, Original};
 use crate::collapse::Collapser;
 use crate::colors::WedgeColors;
 use crate::connectivity::{Connectivity, Turning};
-use crate::deviation::{Measured, SurfaceView, measure_original, measure_simplified, vertex_areas};
+use crate::deviation::{SurfaceView, measure_original, measure_simplified, vertex_areas};
 use crate::proof::ROUNDING;
 use crate::provenance;
 use crate::surface::TriangleSurface;
@@ -108,16 +108,15 @@ pub struct SimplifiedMesh {
 /// along themselves; their ends and junctions are kept.
 ///
 /// For [`MeshTarget::Error`], each triangle of the original has a proof that all of its points are within the distance of
-/// faces of the result, between the same seams; collapses that break one are refused. New faces are compared with the
-/// original by branch and bound at the end; where one is too far, the mesh is simplified again with that comparison at
-/// every collapse nearby, in at most 6 runs. For a number of vertices, collapses end at this number; if no collapse is left
-/// that turns faces by less than 75°, others are carried out.
+/// faces of the result, between the same seams, and each new face is proven to be within the distance of the original, by
+/// branch and bound; collapses that break a proof are refused. For a number of vertices, collapses end at this number; if
+/// none is left that turns faces by less than 75°, others are carried out.
 ///
 /// The deviation is measured by branch and bound, too (see [`OneSided`]). The claim rests on this: the distance to a
 /// triangle is a convex function, so that its values at the corners of a piece bound it on the piece. It holds up to
 /// rounding, 1e-12 of the longest side of the bounding box.
 ///
-/// Costs O(n log n) per run for vertices of bounded degree. The result does not depend on the number of threads.
+/// Costs O(n log n) for vertices of bounded degree. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] for an invalid target, a wrong number of labels, a mesh without area, and on cancellation.
@@ -208,8 +207,8 @@ struct SimplifyJob<'a> {
     progress: Progress<'a>,
 }
 
-/// Largest number of runs for a largest distance. The last one compares every new face with the original.
-const MAX_RUNS: u64 = 6;
+/// Largest number of times that all remaining vertices are tried for a largest distance.
+const MAX_PASSES: u64 = 3;
 
 /// Share of the target distance that is left for rounding.
 const LIMIT_MARGIN: f64 = 1e-9;
@@ -245,67 +244,52 @@ impl<'a> SimplifyJob<'a> {
         SurfaceView { points: &self.wedges.points, triangles }
     }
 
-    /// Measures the distance from the original to triangles.
-    fn measure_original(&self, triangles: &[[u32; 3]], limit: f64) -> Result<Measured, Cancelled> {
-        let triangle_at = self.view(triangles).triangle_at_points();
+    /// Measures the distances between triangles and the original.
+    fn measure(&self, triangles: &[[u32; 3]]) -> Result<Deviation, Cancelled> {
+        let progress = self.progress.quiet();
+        let (original, view) = (self.view(&self.wedges.triangles), self.view(triangles));
         let Some(simplified) = TriangleSurface::new(&self.wedges.points, triangles) else {
             unreachable!("collapses leave a triangle of each part");
         };
-        let original = self.view(&self.wedges.triangles);
-        measure_original(original, &self.areas, &triangle_at, &simplified, limit, self.progress.quiet())
-    }
-
-    /// Measures the distance from triangles to the original.
-    fn measure_simplified(&self, triangles: &[[u32; 3]], limit: f64) -> Result<Measured, Cancelled> {
-        let triangle_at = self.view(&self.wedges.triangles).triangle_at_points();
+        let at_points = view.triangle_at_points();
+        let of_original = measure_original(original, &self.areas, &at_points, &simplified, progress)?;
+        let at_points = original.triangle_at_points();
         let is_original = |triangle| self.sorted.binary_search(&rotate_to_smallest(triangle)).is_ok();
-        let progress = self.progress.quiet();
-        measure_simplified(self.view(triangles), is_original, &triangle_at, &self.surface, limit, progress)
+        let of_simplified = measure_simplified(view, is_original, &at_points, &self.surface, progress)?;
+        Ok(Deviation { of_original, of_simplified })
     }
 
     /// Finds few vertices within a distance in the unit box.
     fn simplify_to_error(&self, error: f64, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
-        let mut is_checked = vec![false; self.wedges.triangles.len()];
-        for run in 0..MAX_RUNS {
-            if run + 1 == MAX_RUNS {
-                is_checked.fill(true);
-            }
-            let original = Original {
-                wedges: &self.wedges,
-                surface: &self.surface,
-                charts: &self.charts,
-                colors: self.colors.as_ref(),
-            };
-            let certificates = Certificates::new(original, limit, &is_checked);
-            let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), Some(certificates));
-            collapser.run(n_before, 0, &self.wedges.vertex, Turning::Limited, self.progress)?;
-            let (triangles, origins) = collapser.connectivity.triangles();
-            if triangles.len() == self.wedges.triangles.len() {
+        let original = Original {
+            wedges: &self.wedges,
+            surface: &self.surface,
+            charts: &self.charts,
+            colors: self.colors.as_ref(),
+        };
+        let certificates = Certificates::new(original, limit);
+        let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), Some(certificates));
+        let mut count = n_before;
+        for _ in 0..MAX_PASSES {
+            let before = count;
+            count = collapser.run(count, 0, &self.wedges.vertex, Turning::Limited, self.progress)?;
+            if count == before {
                 break;
             }
-            let of_simplified = self.measure_simplified(&triangles, limit)?;
-            if of_simplified.far.is_empty() || run + 1 == MAX_RUNS {
-                let of_original = self.measure_original(&triangles, limit)?;
-                // The collapses have proven the limit; the measure may need too many pieces to prove it again.
-                let within = |side: OneSided| OneSided { greatest: side.greatest.min(limit), ..side };
-                let deviation = Deviation {
-                    of_original: within(of_original.side),
-                    of_simplified: within(of_simplified.side),
-                };
-                return Ok((Candidate { triangles, origins, deviation: Some(deviation) }, Why::Reached));
-            }
-            let covered: Vec<u32> = of_simplified
-                .far
-                .iter()
-                .flat_map(|&k| collapser.list_covered(origins[k as usize]).iter().copied())
-                .collect();
-            drop(collapser);
-            for t in covered {
-                is_checked[t as usize] = true;
-            }
         }
-        Ok((self.unchanged(), Why::Unchanged))
+        let (triangles, origins) = collapser.connectivity.triangles();
+        if count == n_before {
+            return Ok((self.unchanged(), Why::Unchanged));
+        }
+        // The collapses have proven the limit; the measure may need too many pieces to prove it again.
+        let within = |side: OneSided| OneSided { greatest: side.greatest.min(limit), ..side };
+        let deviation = self.measure(&triangles)?;
+        let deviation = Deviation {
+            of_original: within(deviation.of_original),
+            of_simplified: within(deviation.of_simplified),
+        };
+        Ok((Candidate { triangles, origins, deviation: Some(deviation) }, Why::Reached))
     }
 
     /// Simplifies to `n` vertices, or as few as possible.
@@ -343,10 +327,7 @@ impl<'a> SimplifyJob<'a> {
         let Candidate { triangles, origins, deviation } = candidate;
         let deviation = match deviation {
             Some(deviation) => deviation,
-            None => Deviation {
-                of_original: self.measure_original(&triangles, f64::INFINITY)?.side,
-                of_simplified: self.measure_simplified(&triangles, f64::INFINITY)?.side,
-            },
+            None => self.measure(&triangles)?,
         };
         let (charts, progress) = (&self.charts, self.progress.quiet());
         let nearest = provenance::nearest_triangles(

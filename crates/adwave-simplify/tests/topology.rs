@@ -195,10 +195,10 @@ fn a_red_disc_in_a_flat_blue_square_survives_as_a_material() {
         let is_red = |t: usize, _: [f64; 3]| labels[simplified.corners[t][0] as usize] == 1;
         let of_face = |t: usize| labels[3 * simplified.faces[t] as usize] == 1;
         assert!((0..simplified.triangles.len()).all(|t| is_red(t, [0.0; 3]) == of_face(t)));
-        let wrong = wrong_share(&mesh, &simplified, &is_red);
         if target == MeshTarget::Vertices(1) {
             assert!((0..simplified.triangles.len()).any(of_face), "the disc does not vanish");
         } else {
+            let wrong = wrong_share(&mesh, &simplified, &is_red);
             assert!(wrong < 0.04, "{wrong} at {target:?}, {} vertices", simplified.kept.len());
             assert!(simplified.kept.len() < 100, "{}", simplified.kept.len());
         }
@@ -265,7 +265,7 @@ fn clusters_of_balls_that_overlap_keep_their_number() {
         [p[0] - 3.0 * k as f64 + place(k, 1), p[1] + place(k, 3), p[2] + place(k, 5)]
     });
     mesh = Mesh::new(points.collect(), mesh.faces().clone()).unwrap();
-    for target in [MeshTarget::Error(0.05), MeshTarget::Error(1.0), MeshTarget::Vertices(400)] {
+    for target in [MeshTarget::Error(0.3), MeshTarget::Error(1.0), MeshTarget::Vertices(400)] {
         let simplified = simplify(&mesh, target);
         assert_eq!(count_parts(&simplified.triangles), 40, "{target:?}");
         assert!(edges(&simplified.triangles).values().all(|&faces| faces == 2), "{target:?}");
