@@ -14,7 +14,10 @@ use adwave_register::{
     AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Surface, align as fit_motion,
     closest_fit, common_lengths, describe_shape, fit_in_place, register, signed_distances,
 };
-use adwave_simplify::{Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud, simplify_mesh};
+use adwave_simplify::{
+    Appearance, AppearanceValues, Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud,
+    simplify_mesh_with_appearance,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -57,10 +60,13 @@ fn simplify<'py>(
                 _ => MeshTarget::Ratio(options.ratio.unwrap_or(1.0)),
             };
             let border = if options.keep_border { Border::Kept } else { Border::Weighted };
-            let labels = content.file.corner_labels();
+            let (labels, values) = (content.file.corner_labels(), content.file.corner_values());
+            let values =
+                values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
+            let appearance = Appearance { labels: labels.as_deref(), values };
             let params = MeshParams::new(target).with_border(border);
             let found = run(py, usize::MAX, progress.as_ref(), |p| {
-                simplify_mesh(mesh, labels.as_deref(), &params, p)
+                simplify_mesh_with_appearance(mesh, appearance, &params, p)
             })?;
             if found.why == Why::Unchanged {
                 (content.file.clone(), None, found.deviation)

@@ -101,7 +101,7 @@ pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
 pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
 pub use model::sparse_rows::{MatrixValues, SparseRows};
-pub use model::subset::Subset;
+pub use model::subset::{CornerValues, Subset};
 pub use model::texture::TextureError;
 pub use model::units::{CoordinateSystem, CoordinateSystemKind, LengthUnit};
 pub use provenance::{Provenance, ProvenanceInput};

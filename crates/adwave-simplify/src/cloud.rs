@@ -1,6 +1,7 @@
 //! Thinning of clouds: a Poisson disk sample of the points.
 
-use crate::wedges::{length, minus, scale_to_unit_box};
+use crate::geometry::{length, minus};
+use crate::wedges::scale_to_unit_box;
 use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::PointCloud;
 use adwave::{Cancelled, Progress};
@@ -252,7 +253,7 @@ impl<'a> Thinning<'a> {
             (0..n.div_ceil(POINTS_PER_CHUNK)).into_par_iter().map(chunk).collect::<Result<_, Cancelled>>()?;
         let (greatest, squares) =
             chunks.into_iter().fold((0.0_f64, 0.0), |sum, c| (sum.0.max(c.0), sum.1 + c.1));
-        Ok(OneSided { greatest, rms: (squares / n as f64).sqrt() })
+        Ok(OneSided { greatest, at_least: greatest, rms: (squares / n as f64).sqrt() })
     }
 }
 

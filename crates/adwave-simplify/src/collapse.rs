@@ -1,40 +1,280 @@
-//! One run of edge collapses.
+//! Edge collapses in the order of the quadric error, that keep the topology.
 //!
-//! Library: meshoptimizer, through its bindings `meshopt`. It accepts any triangles, keeps a subset of the vertices, supports
-//! seams, and takes a second for a million vertices; building it needs a C++ compiler. Rust libraries were evaluated first:
-//! `meshopt-rs`, a port of an early version, has had no release since 2021; `baby_shark` and `alum` collapse half-edges, and
+//! Libraries: meshoptimizer (C++) is faster, but it collapses across rings of three edges, so that manifold meshes become
+//! non-manifold, drops small parts, and cannot be asked about a collapse before it carries it out. Of the Rust libraries,
+//! `meshopt-rs` is a port of an early version without a release since 2021; `baby_shark` and `alum` collapse half-edges, and
 //! therefore reject or drop non-manifold parts and move vertices.
+//!
+//! A vertex is removed by moving it to a neighbor, so that a subset of the vertices remains. Its cost is the mean squared
+//! distance of the neighbor from the planes around the vertex and around all vertices that were moved there.
 
-use crate::mesh::Border;
-use crate::wedges::Wedges;
-use meshopt::{SimplifyOptions, simplify_with_locks_decoder};
+use crate::certificate::Certificates;
+use crate::colors::WedgeColors;
+use crate::connectivity::{Collapse, Connectivity, Turning};
+use crate::geometry::{dot, length, minus, nearest_weights, squared_distance};
+use crate::quadric::Quadric;
+use adwave::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
-/// Collapses edges until `n_triangles` remain or the estimated error would exceed `error` in the unit box; returns the
-/// remaining triangles. Locked wedges are kept.
-///
-/// The estimate is a mean over planes and a poor predictor of the largest distance, which the caller measures.
-pub(crate) fn collapse(
-    wedges: &Wedges,
-    points: &[[f32; 3]],
-    locked: &[bool],
-    n_triangles: usize,
-    error: f64,
-    border: Border,
-) -> Vec<[u32; 3]> {
-    // The bindings do not check indices and locks; those of `Wedges` are in range by construction.
-    assert_eq!((points.len(), locked.len()), (wedges.points.len(), wedges.points.len()), "one per wedge");
-    debug_assert!(wedges.triangles.as_flattened().iter().all(|&w| (w as usize) < points.len()));
-    let options = match border {
-        Border::Weighted => SimplifyOptions::ErrorAbsolute,
-        Border::Kept => SimplifyOptions::ErrorAbsolute | SimplifyOptions::LockBorder,
-    };
-    let indices = wedges.triangles.as_flattened();
-    let target = (3 * n_triangles).min(indices.len());
-    let remaining = simplify_with_locks_decoder(indices, points, locked, target, error as f32, options, None);
-    remaining.as_chunks().0.to_vec()
+/// Cost of a unit of squared edge length, which orders the collapses of flat parts.
+const LENGTH_COST: f64 = 1e-9;
+
+/// Number of tries between two checks for cancellation.
+const TRIES_PER_CHECK: u64 = 1 << 12;
+
+/// Largest number of times that the wait of a vertex without a collapse is doubled.
+const MAX_DOUBLINGS: u32 = 6;
+
+/// A vertex and the cost of its next best collapse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Candidate {
+    cost: f64,
+    vertex: u32,
+    stamp: u32,
+    /// Rank of the collapse among those of the vertex, by cost.
+    rank: u32,
+    /// The cost includes the change of colors.
+    is_exact: bool,
 }
 
-/// Converts positions to the single precision of the library.
-pub(crate) fn to_single_precision(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
-    points.iter().map(|p| p.map(|x| x as f32)).collect()
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    /// The least cost is the greatest candidate, as the heap returns it first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let rest = |c: &Self| (c.vertex, c.stamp, c.rank);
+        other.cost.total_cmp(&self.cost).then_with(|| rest(other).cmp(&rest(self)))
+    }
+}
+
+/// Time at which a vertex that could not be collapsed is tried again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Retry {
+    n_failures: u32,
+    stamp: u32,
+}
+
+/// State of the collapses of a mesh.
+pub(crate) struct Collapser<'a> {
+    pub(crate) connectivity: Connectivity,
+    quadrics: Vec<Quadric>,
+    colors: Option<&'a WedgeColors>,
+    certificates: Option<Certificates<'a>>,
+    turning: Turning,
+    /// Number of changes around each vertex.
+    stamps: Vec<u32>,
+    /// Vertices with a candidate in the heap; one may be outdated, and is ranked anew when it comes first.
+    is_queued: Vec<bool>,
+    retries: Vec<Retry>,
+    heap: BinaryHeap<Candidate>,
+    plan: Collapse,
+    ranked: Vec<(f64, u32)>,
+    neighbors: Vec<u32>,
+}
+
+impl<'a> Collapser<'a> {
+    pub(crate) fn new(
+        connectivity: Connectivity,
+        colors: Option<&'a WedgeColors>,
+        certificates: Option<Certificates<'a>>,
+    ) -> Self {
+        let n = connectivity.n_positions();
+        let quadrics = (0..n as u32).into_par_iter().map(|u| connectivity.quadric(u)).collect();
+        Self {
+            connectivity,
+            quadrics,
+            colors,
+            certificates,
+            turning: Turning::Limited,
+            stamps: vec![0; n],
+            is_queued: vec![false; n],
+            retries: vec![Retry::default(); n],
+            heap: BinaryHeap::new(),
+            plan: Collapse::default(),
+            ranked: Vec::new(),
+            neighbors: Vec::new(),
+        }
+    }
+
+    /// Collapses edges, cheapest first, until at most `n_left` of `n` vertices remain or no collapse is possible; returns the
+    /// number of remaining vertices. `vertex` names the vertex of each wedge. O(n log n) for vertices of bounded degree.
+    pub(crate) fn run(
+        &mut self,
+        n: usize,
+        n_left: usize,
+        vertex: &[u32],
+        turning: Turning,
+        progress: Progress<'_>,
+    ) -> Result<usize, Cancelled> {
+        self.turning = turning;
+        self.fill_heap();
+        let (mut remaining, mut n_tries) = (n, 0_u64);
+        while remaining > n_left {
+            let Some(mut candidate) = self.heap.pop() else { break };
+            let u = candidate.vertex;
+            self.rank(u);
+            let stamp = self.stamps[u as usize];
+            if candidate.stamp != stamp {
+                let Some(&(cost, _)) = self.ranked.first() else {
+                    self.is_queued[u as usize] = false;
+                    continue;
+                };
+                candidate = Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false };
+                if self.heap.peek().is_some_and(|next| next.cost < cost) {
+                    self.heap.push(candidate);
+                    continue;
+                }
+            }
+            n_tries += 1;
+            if n_tries.is_multiple_of(TRIES_PER_CHECK) {
+                progress.step((n - remaining) as u64, (n - n_left) as u64)?;
+            }
+            if self.try_candidate(candidate) {
+                remaining -= self.n_removed(vertex);
+                self.update();
+            }
+        }
+        Ok(remaining)
+    }
+
+    /// Number of vertices at the wedges that the last collapse removed.
+    fn n_removed(&self, vertex: &[u32]) -> usize {
+        let wedges = &self.plan.wedges;
+        let is_first = |k: usize| {
+            let name = |j: usize| vertex[wedges[j].0 as usize];
+            (0..k).all(|j| name(j) != name(k))
+        };
+        (0..wedges.len()).filter(|&k| is_first(k)).count()
+    }
+
+    fn fill_heap(&mut self) {
+        let n = self.connectivity.n_positions() as u32;
+        let candidate = |(neighbors, ranked): &mut (Vec<u32>, Vec<(f64, u32)>), u: u32| {
+            rank(&self.connectivity, &self.quadrics[u as usize], u, neighbors, ranked);
+            let &(cost, _) = ranked.first()?;
+            Some(Candidate { cost, vertex: u, stamp: self.stamps[u as usize], rank: 0, is_exact: false })
+        };
+        let candidates: Vec<Option<Candidate>> =
+            (0..n).into_par_iter().map_init(Default::default, candidate).collect();
+        self.is_queued = candidates.iter().map(Option::is_some).collect();
+        self.retries.fill(Retry::default());
+        self.heap = candidates.into_iter().flatten().collect();
+    }
+
+    /// Ranks the collapses of a vertex by cost.
+    fn rank(&mut self, u: u32) {
+        rank(&self.connectivity, &self.quadrics[u as usize], u, &mut self.neighbors, &mut self.ranked);
+    }
+
+    /// Carries out a collapse among those ranked if it is possible; otherwise the next one becomes the candidate.
+    fn try_candidate(&mut self, candidate: Candidate) -> bool {
+        let u = candidate.vertex;
+        let Some(&(_, v)) = self.ranked.get(candidate.rank as usize) else { return false };
+        let is_planned = self.connectivity.plan(u, v, self.turning, &mut self.plan);
+        let color_cost = if is_planned && !candidate.is_exact { self.color_cost() } else { 0.0 };
+        if color_cost > 0.0 {
+            self.heap.push(Candidate { cost: candidate.cost + color_cost, is_exact: true, ..candidate });
+        } else if is_planned && self.is_allowed() {
+            self.carry_out();
+            return true;
+        } else if let Some(&(cost, _)) = self.ranked.get(candidate.rank as usize + 1) {
+            let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
+            self.heap.push(Candidate { cost, rank, is_exact: false, ..candidate });
+        } else {
+            self.postpone(u);
+        }
+        false
+    }
+
+    /// Waits with a vertex that has no collapse: for the next change around it, or, if every try needs a proof, for twice as
+    /// many changes as before.
+    fn postpone(&mut self, u: u32) {
+        let (retry, stamp) = (&mut self.retries[u as usize], self.stamps[u as usize]);
+        let wait = if self.certificates.is_some() { 1 << retry.n_failures.min(MAX_DOUBLINGS) } else { 1 };
+        *retry = Retry { n_failures: retry.n_failures + 1, stamp: stamp + wait };
+        self.is_queued[u as usize] = false;
+    }
+
+    fn is_allowed(&mut self) -> bool {
+        let (connectivity, plan) = (&self.connectivity, &self.plan);
+        self.certificates.as_mut().is_none_or(|certificates| certificates.allows(connectivity, plan))
+    }
+
+    fn carry_out(&mut self) {
+        if let Some(certificates) = &mut self.certificates {
+            certificates.commit(&self.plan);
+        }
+        self.connectivity.apply(&self.plan);
+        let removed = std::mem::take(&mut self.quadrics[self.plan.from as usize]);
+        self.quadrics[self.plan.to as usize].add(&removed);
+        self.stamps[self.plan.from as usize] += 1;
+    }
+
+    /// Marks the candidates of the vertices around the last collapse as outdated, and makes new ones where there are none.
+    fn update(&mut self) {
+        // The faces around other neighbors of the target are as before, and so are their costs.
+        let moved = self.plan.moved.iter().map(|(_, wedges)| *wedges).chain(self.plan.gone.iter().copied());
+        let mut changed: Vec<u32> = moved.flatten().map(|wedge| self.connectivity.position(wedge)).collect();
+        changed.sort_unstable();
+        changed.dedup();
+        changed.retain(|&u| u != self.plan.from);
+        for u in changed {
+            let stamp = &mut self.stamps[u as usize];
+            *stamp += 1;
+            let stamp = *stamp;
+            if self.is_queued[u as usize] || stamp < self.retries[u as usize].stamp {
+                continue;
+            }
+            self.rank(u);
+            if let Some(&(cost, _)) = self.ranked.first() {
+                self.heap.push(Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false });
+                self.is_queued[u as usize] = true;
+            }
+        }
+    }
+
+    /// Squared length by which the planned collapse moves colors: the change at the removed vertex times the edge length.
+    fn color_cost(&self) -> f64 {
+        let Some(colors) = self.colors else { return 0.0 };
+        let p = self.connectivity.point(self.plan.from);
+        let edge = length(minus(self.connectivity.point(self.plan.to), p));
+        let change = |&(from, to): &(u32, u32)| {
+            let faces = self.plan.moved.iter().filter(|(_, wedges)| wedges.contains(&to));
+            let nearest = faces
+                .map(|&(_, wedges)| (squared_distance(p, &self.connectivity.corners(wedges)), wedges))
+                .fold((f64::INFINITY, [to; 3]), |best, at| if at.0 < best.0 { at } else { best })
+                .1;
+            let weights = nearest_weights(p, &self.connectivity.corners(nearest));
+            colors.difference(from, nearest, weights)
+        };
+        let greatest = self.plan.wedges.iter().map(change).fold(0.0, f64::max);
+        (greatest * edge) * (greatest * edge)
+    }
+}
+
+/// Ranks the collapses of a vertex by cost; `neighbors` is scratch space.
+fn rank(
+    connectivity: &Connectivity,
+    quadric: &Quadric,
+    u: u32,
+    neighbors: &mut Vec<u32>,
+    ranked: &mut Vec<(f64, u32)>,
+) {
+    connectivity.targets(u, neighbors);
+    let p = connectivity.point(u);
+    ranked.clear();
+    ranked.extend(neighbors.iter().map(|&v| {
+        let q = connectivity.point(v);
+        let edge = minus(q, p);
+        (quadric.mean(q) + LENGTH_COST * dot(edge, edge), v)
+    }));
+    ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
 }

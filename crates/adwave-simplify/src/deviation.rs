@@ -1,35 +1,42 @@
-//! Distances between two surfaces.
+//! Distances between two surfaces, with bounds that are proven.
 
-use crate::wedges::{doubled_area, length, minus};
+use crate::geometry::{Point, center, doubled_area};
+use crate::proof::{Goal, PROOF_TOLERANCE, ROUNDING, bound_distance};
+use crate::surface::{TriangleSearch, TriangleSurface};
 use adwave::{Cancelled, Progress};
-use parry3d_f64::math::Vector;
-use parry3d_f64::query::PointQueryWithLocation;
-use parry3d_f64::shape::TriMesh;
 use rayon::prelude::*;
 
-/// One-sided distance: from sample points of one surface to the nearest points of another, in model units.
+/// One-sided distance: from all points of one shape to the nearest points of another, in model units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OneSided {
-    /// Largest distance.
+    /// Largest distance. For meshes an upper bound over all points of all triangles, not only over samples.
     pub greatest: f64,
-    /// Root mean square `√(Σ a d² / Σ a)`, where a is the area that a sample point represents.
+    /// Distance of a point that was found, a lower bound of the largest distance: at least `greatest / 1.01`, except where
+    /// the bounds needed too many pieces.
+    pub at_least: f64,
+    /// Root mean square `√(Σ a d² / Σ a)` over sample points, where a is the area that a sample point represents.
     pub rms: f64,
 }
 
 /// Two-sided distance of a simplified shape from the original, in model units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// From each vertex of the original to the nearest point of the simplified shape.
+    /// From the original to the nearest point of the simplified shape; the samples of `rms` are its vertices.
     pub of_original: OneSided,
-    /// From the simplified shape to the nearest point of the original: from the center and the edge midpoints of each
-    /// triangle. Vertices are those of the original, at distance 0.
+    /// From the simplified shape to the nearest point of the original; the samples of `rms` are the center and the edge
+    /// midpoints of each triangle.
     pub of_simplified: OneSided,
 }
 
 impl Deviation {
-    /// Larger of both largest distances, a lower bound of the Hausdorff distance.
+    /// Larger of both largest distances. For meshes an upper bound of the Hausdorff distance.
     pub fn greatest(&self) -> f64 {
         self.of_original.greatest.max(self.of_simplified.greatest)
+    }
+
+    /// Larger of both lower bounds, a lower bound of the Hausdorff distance.
+    pub fn at_least(&self) -> f64 {
+        self.of_original.at_least.max(self.of_simplified.at_least)
     }
 
     /// Larger of both root mean squares.
@@ -39,128 +46,161 @@ impl Deviation {
 
     /// Scales all distances.
     pub(crate) fn scaled_by(self, unit: f64) -> Self {
-        let times = |side: OneSided| OneSided { greatest: unit * side.greatest, rms: unit * side.rms };
-        Self { of_original: times(self.of_original), of_simplified: times(self.of_simplified) }
-    }
-}
-
-/// Triangles in a bounding volume hierarchy.
-pub(crate) struct TriangleSurface(TriMesh);
-
-impl TriangleSurface {
-    /// Builds the hierarchy in O(triangles log triangles); `None` without triangles.
-    pub(crate) fn new(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<Self> {
-        let mut index = vec![u32::MAX; points.len()];
-        let mut used = Vec::new();
-        let mut compact = |x: u32| {
-            let index = &mut index[x as usize];
-            if *index == u32::MAX {
-                *index = used.len() as u32;
-                let [x, y, z] = points[x as usize];
-                used.push(Vector::new(x, y, z));
-            }
-            *index
+        let times = |side: OneSided| OneSided {
+            greatest: unit * side.greatest,
+            at_least: unit * side.at_least,
+            rms: unit * side.rms,
         };
-        let triangles = triangles.iter().map(|t| t.map(&mut compact)).collect();
-        TriMesh::new(used, triangles).ok().map(Self)
-    }
-
-    /// Returns the distance to the nearest point and its triangle, in O(log triangles) for points near the surface.
-    pub(crate) fn nearest(&self, p: [f64; 3]) -> (f64, u32) {
-        let point = Vector::new(p[0], p[1], p[2]);
-        let (projection, (triangle, _)) = self.0.project_local_point_and_get_location(point, true);
-        let q = projection.point;
-        (length(minus([q.x, q.y, q.z], p)), triangle)
+        Self { of_original: times(self.of_original), of_simplified: times(self.of_simplified) }
     }
 }
 
 /// Items that a thread processes at a time; the sums do not depend on the number of threads.
 const ITEMS_PER_CHUNK: usize = 1 << 10;
 
-/// One-sided distance, and the items beyond a limit, increasing.
-pub(crate) struct Measured {
-    pub(crate) side: OneSided,
-    pub(crate) far: Vec<u32>,
+/// Pieces that every triangle may be divided into.
+const PIECES_PER_TRIANGLE: usize = 256;
+
+/// Pieces per triangle of both surfaces, distributed by area. A common refinement has fewer.
+const PIECES_BY_AREA: f64 = 64.0;
+
+/// One surface of two that are compared, as triangles over points.
+#[derive(Clone, Copy)]
+pub(crate) struct SurfaceView<'a> {
+    pub(crate) points: &'a [Point],
+    pub(crate) triangles: &'a [[u32; 3]],
 }
 
-/// Accumulates the distances and areas of the samples of n items.
-fn accumulate<const N: usize>(
-    n: usize,
-    limit: f64,
-    progress: Progress<'_>,
-    samples: impl Fn(usize) -> [(f64, f64); N] + Sync,
-) -> Result<Measured, Cancelled> {
-    let chunk = |c: usize| {
-        progress.check()?;
-        let (mut greatest, mut squares, mut area, mut far) = (0.0_f64, 0.0, 0.0, Vec::new());
-        for k in c * ITEMS_PER_CHUNK..((c + 1) * ITEMS_PER_CHUNK).min(n) {
-            let mut item_max = 0.0_f64;
-            for (distance, a) in samples(k) {
-                item_max = item_max.max(distance);
-                squares += a * distance * distance;
-                area += a;
-            }
-            greatest = greatest.max(item_max);
-            if item_max > limit {
-                far.push(k as u32);
+impl SurfaceView<'_> {
+    fn corners(&self, t: usize) -> [Point; 3] {
+        self.triangles[t].map(|x| self.points[x as usize])
+    }
+
+    /// Lists a triangle of each point.
+    pub(crate) fn triangle_at_points(&self) -> Vec<u32> {
+        let mut found = vec![u32::MAX; self.points.len()];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            for &x in triangle {
+                found[x as usize] = t as u32;
             }
         }
-        Ok((greatest, squares, area, far))
-    };
-    let chunks: Vec<_> =
-        (0..n.div_ceil(ITEMS_PER_CHUNK)).into_par_iter().map(chunk).collect::<Result<_, Cancelled>>()?;
-    let (mut greatest, mut squares, mut area, mut far) = (0.0_f64, 0.0, 0.0, Vec::new());
-    for chunk in chunks {
-        greatest = greatest.max(chunk.0);
-        squares += chunk.1;
-        area += chunk.2;
-        far.extend(chunk.3);
+        found
     }
-    let rms = if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 };
-    Ok(Measured { side: OneSided { greatest, rms }, far })
 }
 
-/// Measures distances from the vertices of a mesh, weighted by `areas`, to another surface; those of `is_on` lie on it.
-pub(crate) fn measure_vertices(
-    points: &[[f64; 3]],
+/// Distance to a sample point and the triangle that is nearest to it.
+#[derive(Clone, Copy)]
+struct DistanceSample {
+    distance: f64,
+    near: u32,
+    area: f64,
+}
+
+/// Collects the values of n items in parallel.
+fn collect<T: Send>(
+    n: usize,
+    progress: Progress<'_>,
+    value: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>, Cancelled> {
+    let chunks = (0..n.div_ceil(ITEMS_PER_CHUNK)).into_par_iter().map(|c| {
+        progress.check()?;
+        Ok((c * ITEMS_PER_CHUNK..((c + 1) * ITEMS_PER_CHUNK).min(n)).map(&value).collect::<Vec<T>>())
+    });
+    let chunks: Vec<Vec<T>> = chunks.collect::<Result<_, Cancelled>>()?;
+    Ok(chunks.into_iter().flatten().collect())
+}
+
+/// Largest distance and root mean square of samples, in their order.
+fn summarize<'a>(samples: impl Iterator<Item = &'a DistanceSample>) -> (f64, f64) {
+    let (mut greatest, mut squares, mut area) = (0.0_f64, 0.0, 0.0);
+    for sample in samples {
+        greatest = greatest.max(sample.distance);
+        squares += sample.area * sample.distance * sample.distance;
+        area += sample.area;
+    }
+    (greatest, if area > 0.0 { f64::sqrt(squares / area) } else { 0.0 })
+}
+
+/// Bounds the distances of all triangles of a surface, given distances that occur and triangles near each triangle.
+fn bound_all(
+    from: SurfaceView<'_>,
+    to: &TriangleSurface,
+    known: OneSided,
+    progress: Progress<'_>,
+    hints: impl Fn(usize) -> Option<[u32; 3]> + Sync,
+) -> Result<OneSided, Cancelled> {
+    let areas: Vec<f64> = (0..from.triangles.len()).map(|t| doubled_area(from.corners(t))).collect();
+    let total: f64 = areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let pieces = PIECES_BY_AREA * (from.triangles.len() + to.len()) as f64;
+    let accepted = known.at_least * (1.0 + PROOF_TOLERANCE) + ROUNDING;
+    let bounds = collect(from.triangles.len(), progress, |t| {
+        let hints = hints(t)?;
+        let max_pieces = PIECES_PER_TRIANGLE + (pieces * areas[t] / total) as usize;
+        let goal = Goal { accepted, limit: f64::INFINITY, max_pieces, stops_beyond_limit: false };
+        Some(bound_distance(from.corners(t), &hints, to, &goal, &mut |_| {}))
+    })?;
+    let mut side = known;
+    for bounds in bounds.iter().flatten() {
+        side.greatest = side.greatest.max(bounds.upper);
+        side.at_least = side.at_least.max(bounds.lower);
+    }
+    Ok(side)
+}
+
+/// Measures the distance from the original to a simplified surface; points with a triangle in `triangle_at` lie on it.
+pub(crate) fn measure_original(
+    original: SurfaceView<'_>,
     areas: &[f64],
-    is_on: &[bool],
+    triangle_at: &[u32],
     to: &TriangleSurface,
-    limit: f64,
     progress: Progress<'_>,
-) -> Result<Measured, Cancelled> {
-    let distance = |x: usize| if is_on[x] { 0.0 } else { to.nearest(points[x]).0 };
-    accumulate(points.len(), limit, progress, |x| [(distance(x), areas[x])])
+) -> Result<OneSided, Cancelled> {
+    let samples = collect(original.points.len(), progress, |x| {
+        let (squared, near) =
+            if triangle_at[x] == u32::MAX { to.nearest(original.points[x]) } else { (0.0, triangle_at[x]) };
+        DistanceSample { distance: squared.sqrt(), near, area: areas[x] }
+    })?;
+    let (greatest, rms) = summarize(samples.iter());
+    let known = OneSided { greatest, at_least: greatest, rms };
+    let hints = |t: usize| Some(original.triangles[t].map(|x| samples[x as usize].near));
+    bound_all(original, to, known, progress, hints)
 }
 
-/// Measures distances from the centers and edge midpoints of triangles to another surface, which contains those of `is_of`.
-pub(crate) fn measure_triangles(
-    points: &[[f64; 3]],
-    triangles: &[[u32; 3]],
-    is_of: impl Fn([u32; 3]) -> bool + Sync,
+/// Measures the distance from a simplified surface to the original, which contains the triangles of `is_original`, and in
+/// which each point is on the triangle `triangle_at`.
+pub(crate) fn measure_simplified(
+    simplified: SurfaceView<'_>,
+    is_original: impl Fn([u32; 3]) -> bool + Sync,
+    triangle_at: &[u32],
     to: &TriangleSurface,
-    limit: f64,
     progress: Progress<'_>,
-) -> Result<Measured, Cancelled> {
-    accumulate(triangles.len(), limit, progress, |t| {
-        let corners = triangles[t].map(|x| points[x as usize]);
+) -> Result<OneSided, Cancelled> {
+    let samples = collect(simplified.triangles.len(), progress, |t| {
+        let corners = simplified.corners(t);
         let area = doubled_area(corners) / 8.0;
-        if is_of(triangles[t]) {
-            return [(0.0, area); 4];
+        if is_original(simplified.triangles[t]) {
+            return ([DistanceSample { distance: 0.0, near: u32::MAX, area }; 4], true);
         }
         let [a, b, c] = corners;
-        let samples = [center(&[a, b, c]), center(&[a, b]), center(&[b, c]), center(&[c, a])];
-        samples.map(|p| (to.nearest(p).0, area))
-    })
-}
-
-/// Mean of points.
-pub(crate) fn center(points: &[[f64; 3]]) -> [f64; 3] {
-    std::array::from_fn(|c| points.iter().map(|p| p[c]).sum::<f64>() / points.len() as f64)
+        let points = [center(&[a, b, c]), center(&[a, b]), center(&[b, c]), center(&[c, a])];
+        let sample = |p: Point| {
+            let (squared, near) = to.nearest(p);
+            DistanceSample { distance: squared.sqrt(), near, area }
+        };
+        (points.map(sample), false)
+    })?;
+    let (greatest, rms) = summarize(samples.iter().flat_map(|(samples, _)| samples));
+    let known = OneSided { greatest, at_least: greatest, rms };
+    let hints = |t: usize| {
+        let (samples, is_original) = &samples[t];
+        let corner = simplified.triangles[t][0];
+        (!is_original).then(|| [samples[0].near, samples[1].near, triangle_at[corner as usize]])
+    };
+    bound_all(simplified, to, known, progress, hints)
 }
 
 /// Vertex areas: a third of the area of the adjacent triangles.
-pub(crate) fn vertex_areas(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
+pub(crate) fn vertex_areas(points: &[Point], triangles: &[[u32; 3]]) -> Vec<f64> {
     let mut areas = vec![0.0; points.len()];
     for triangle in triangles {
         let share = doubled_area(triangle.map(|x| points[x as usize])) / 6.0;

@@ -24,6 +24,18 @@ pub enum SimplifyError {
         /// Number of corners of the faces.
         n_corners: usize,
     },
+    /// The number of values differs from that of the corners.
+    #[error(
+        "{n_channels} values per corner of the faces are needed, at least 1, got {found} values for {n_corners} corners"
+    )]
+    Values {
+        /// Number of values.
+        found: usize,
+        /// Number of corners of the faces.
+        n_corners: usize,
+        /// Number of values per corner.
+        n_channels: usize,
+    },
     /// No face has a positive area.
     #[error("no face has a positive area; simplify the shape as a cloud")]
     NoSurface,

@@ -1,10 +1,16 @@
-//! Simplification of meshes: to a largest distance, or to a number of vertices.
+//! Simplification of meshes: within a largest distance, or to a number of vertices.
 
-use crate::collapse::{collapse, to_single_precision};
-use crate::deviation::{TriangleSurface, measure_triangles, measure_vertices, vertex_areas};
+use crate::appearance::Appearance;
+use crate::certificate::{Certificates, Original};
+use crate::collapse::Collapser;
+use crate::colors::WedgeColors;
+use crate::connectivity::{Connectivity, Turning};
+use crate::deviation::{SurfaceView, measure_original, measure_simplified, vertex_areas};
+use crate::proof::ROUNDING;
 use crate::provenance;
-use crate::wedges::{Wedges, rotate_to_smallest};
-use crate::{Deviation, SimplifyError};
+use crate::surface::TriangleSurface;
+use crate::wedges::{Parts, Wedges, rotate_to_smallest};
+use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::Mesh;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -13,7 +19,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MeshTarget {
-    /// Largest measured distance, in model units, reached with as few vertices as possible.
+    /// Largest distance of any point of either surface from the other, in model units, with as few vertices as are found.
     Error(f64),
     /// Number of vertices.
     Vertices(usize),
@@ -60,8 +66,8 @@ pub enum Why {
     Reached,
     /// The target allows no vertex to be dropped; the result is the original.
     Unchanged,
-    /// More vertices than requested are left: seams, kept borders, non-manifold edges and minimal components cannot be
-    /// collapsed.
+    /// More vertices than requested are left: every further collapse would change the topology, close a border or a seam,
+    /// or move a fixed vertex (a junction of seams, a vertex of a kept border).
     Stuck,
 }
 
@@ -87,6 +93,8 @@ pub struct SimplifiedMesh {
     pub n_left_out: usize,
     /// Reason why the simplification ended.
     pub why: Why,
+    /// Parts of the original, if more vertices than requested are left.
+    pub parts: Option<Parts>,
 }
 
 /// Simplifies a mesh by edge collapses in the order of the quadric error (`garland1997`), and measures the deviation.
@@ -95,12 +103,20 @@ pub struct SimplifiedMesh {
 /// unused vertices are removed. `labels`, if given, has one value per corner of the faces. Corners at one position with
 /// different labels lie on opposite sides of a seam (of a texture, of two materials); seams stay closed and in place.
 ///
-/// For [`MeshTarget::Error`] the estimated error of the collapses is raised until the measured largest distance reaches
-/// the target. If the result is too far away at a few places, the vertices there are locked and the mesh is simplified
-/// again, in at most 12 runs. For a number of vertices at most 6 runs come within 1 % if seams and borders permit.
+/// The topology is kept: parts, holes, handles and the parts between seams (link condition, `dey1999`). A manifold mesh stays
+/// manifold, and no edge gets more than two faces. Curves of borders, seams and edges with more than two faces collapse
+/// along themselves; their ends and junctions are kept.
 ///
-/// Costs O(n log n) per run. A run on a million vertices takes about a second and is not interrupted; measuring takes as
-/// long again. The result does not depend on the number of threads.
+/// For [`MeshTarget::Error`], each triangle of the original has a proof that all of its points are within the distance of
+/// faces of the result, between the same seams, and each new face is proven to be within the distance of the original, by
+/// branch and bound; collapses that break a proof are refused. For a number of vertices, collapses end at this number; if
+/// none is left that turns faces by less than 75°, others are carried out.
+///
+/// The deviation is measured by branch and bound, too (see [`OneSided`]). The claim rests on this: the distance to a
+/// triangle is a convex function, so that its values at the corners of a piece bound it on the piece. It holds up to
+/// rounding, 1e-12 of the longest side of the bounding box.
+///
+/// Costs O(n log n) for vertices of bounded degree. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// Returns a [`SimplifyError`] for an invalid target, a wrong number of labels, a mesh without area, and on cancellation.
@@ -127,11 +143,30 @@ pub fn simplify_mesh(
     params: &MeshParams,
     progress: Progress<'_>,
 ) -> Result<SimplifiedMesh, SimplifyError> {
+    let appearance = Appearance { labels, values: None };
+    simplify_mesh_with_appearance(mesh, appearance, params, progress)
+}
+
+/// Simplifies as [`simplify_mesh`] does, and keeps colors and texture coordinates.
+///
+/// For [`MeshTarget::Error`], every vertex of the original finds, at the nearest point of the result, a value that the
+/// original has within the target distance of it: the difference is at most this distance times the largest change per
+/// length at the vertex, or 1/64 of the full range. For a number of vertices, the change of a value times the length of the
+/// edge adds to the cost of a collapse, as a distance by which a contour moves.
+///
+/// # Errors
+/// Returns a [`SimplifyError`] as [`simplify_mesh`] does, and for a wrong number of values.
+pub fn simplify_mesh_with_appearance(
+    mesh: &Mesh,
+    appearance: Appearance<'_>,
+    params: &MeshParams,
+    progress: Progress<'_>,
+) -> Result<SimplifiedMesh, SimplifyError> {
     params.target.check()?;
-    let job = SimplifyJob::new(mesh, labels, params.border, progress)?;
+    let job = SimplifyJob::new(mesh, appearance, params.border, progress)?;
     let n_before = job.wedges.n_vertices(&job.wedges.triangles);
     let (candidate, why) = match params.target {
-        MeshTarget::Error(error) => job.simplify_to_error(error / job.wedges.unit)?,
+        MeshTarget::Error(error) => job.simplify_to_error(error / job.wedges.unit, n_before)?,
         MeshTarget::Vertices(n) => job.simplify_to_count(n, n_before)?,
         MeshTarget::Ratio(ratio) => {
             job.simplify_to_count(((n_before as f64) * ratio).round() as usize, n_before)?
@@ -154,191 +189,131 @@ impl MeshTarget {
 /// Simplified triangles over wedges, and their deviation if it was measured.
 struct Candidate {
     triangles: Vec<[u32; 3]>,
+    /// Triangle of the original that each was before its vertices moved.
+    origins: Vec<u32>,
     deviation: Option<Deviation>,
 }
 
 /// State shared by all runs on one mesh.
 struct SimplifyJob<'a> {
     wedges: Wedges,
-    single: Vec<[f32; 3]>,
+    colors: Option<WedgeColors>,
     areas: Vec<f64>,
+    charts: Vec<u32>,
     /// Triangles of the original, each rotated to its smallest wedge, sorted.
     sorted: Vec<[u32; 3]>,
-    original: TriangleSurface,
+    surface: TriangleSurface,
     border: Border,
     progress: Progress<'a>,
 }
 
-/// Largest number of runs for an error target.
-const MAX_RUNS_ERROR: u64 = 12;
+/// Largest number of times that all remaining vertices are tried for a largest distance.
+const MAX_PASSES: u64 = 3;
 
-/// Share of vertices beyond the limit above which the estimate is lowered instead of locking vertices.
-const MAX_LOCKED_SHARE: f64 = 0.02;
-
-/// Largest number of runs for a number of vertices.
-const MAX_RUNS_COUNT: u64 = 6;
-
-/// Accepted measured distance, relative to the target.
-const ERROR_TOLERANCE: f64 = 0.8;
-
-/// Accepted relative difference of the number of vertices.
-const COUNT_TOLERANCE: f64 = 0.01;
-
-/// Distances in the unit box that are caused by rounding.
-const ROUNDING: f64 = 1e-12;
-
-/// Smallest initial estimate in the unit box, the flatness limit of single precision.
-const MIN_ESTIMATE: f64 = 1e-5;
-
-/// Estimate in the unit box that no collapse reaches.
-const NO_LIMIT: f64 = 1e6;
+/// Share of the target distance that is left for rounding.
+const LIMIT_MARGIN: f64 = 1e-9;
 
 impl<'a> SimplifyJob<'a> {
     fn new(
         mesh: &Mesh,
-        labels: Option<&[u32]>,
+        appearance: Appearance<'_>,
         border: Border,
         progress: Progress<'a>,
     ) -> Result<Self, SimplifyError> {
-        let wedges = Wedges::new(mesh, labels, progress)?;
-        let original =
+        let wedges = Wedges::new(mesh, appearance, progress)?;
+        let colors = appearance.values.map(|values| WedgeColors::new(&wedges, values));
+        let surface =
             TriangleSurface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
         progress.check()?;
-        let single = to_single_precision(&wedges.points);
         let areas = vertex_areas(&wedges.points, &wedges.triangles);
+        let charts = wedges.charts();
         let mut sorted: Vec<[u32; 3]> = wedges.triangles.iter().map(|&t| rotate_to_smallest(t)).collect();
         sorted.par_sort_unstable();
-        Ok(Self { wedges, single, areas, sorted, original, border, progress })
+        Ok(Self { wedges, colors, areas, charts, sorted, surface, border, progress })
     }
 
-    fn collapse(&self, locked: &[bool], n_triangles: usize, error: f64) -> Result<Vec<[u32; 3]>, Cancelled> {
-        self.progress.check()?;
-        let left = collapse(&self.wedges, &self.single, locked, n_triangles, error, self.border);
-        self.progress.check()?;
-        Ok(left)
+    fn connectivity(&self) -> Connectivity {
+        let mut connectivity = Connectivity::new(&self.wedges);
+        if self.border == Border::Kept {
+            connectivity.fix_borders();
+        }
+        connectivity
     }
 
-    fn none_locked(&self) -> Vec<bool> {
-        vec![false; self.wedges.points.len()]
+    fn view<'b>(&'b self, triangles: &'b [[u32; 3]]) -> SurfaceView<'b> {
+        SurfaceView { points: &self.wedges.points, triangles }
     }
 
-    /// Measures the deviation of triangles, and lists the wedges beyond the limit: vertices of the original, or, if those
-    /// are all within it, the corners of triangles whose interior is beyond it.
-    fn measure(&self, triangles: &[[u32; 3]], limit: f64) -> Result<(Deviation, Vec<u32>), Cancelled> {
+    /// Measures the distances between triangles and the original.
+    fn measure(&self, triangles: &[[u32; 3]]) -> Result<Deviation, Cancelled> {
         let progress = self.progress.quiet();
-        let points = &self.wedges.points;
-        let Some(simplified) = TriangleSurface::new(points, triangles) else {
-            // No triangle is left: the distance is infinite.
-            let far = crate::OneSided { greatest: f64::INFINITY, rms: f64::INFINITY };
-            let all = (0..points.len() as u32).collect();
-            return Ok((Deviation { of_original: far, of_simplified: far }, all));
+        let (original, view) = (self.view(&self.wedges.triangles), self.view(triangles));
+        let Some(simplified) = TriangleSurface::new(&self.wedges.points, triangles) else {
+            unreachable!("collapses leave a triangle of each part");
         };
-        let mut is_on = self.none_locked();
-        for &wedge in triangles.as_flattened() {
-            is_on[wedge as usize] = true;
-        }
-        let vertices = measure_vertices(points, &self.areas, &is_on, &simplified, limit, progress)?;
-        let of_original = vertices.side;
-        if !vertices.far.is_empty() {
-            return Ok((Deviation { of_original, ..Deviation::default() }, vertices.far));
-        }
-        let is_of = |triangle| self.sorted.binary_search(&rotate_to_smallest(triangle)).is_ok();
-        let inside = measure_triangles(points, triangles, is_of, &self.original, limit, progress)?;
-        let far = inside.far.iter().flat_map(|&t| triangles[t as usize]).collect();
-        Ok((Deviation { of_original, of_simplified: inside.side }, far))
+        let at_points = view.triangle_at_points();
+        let of_original = measure_original(original, &self.areas, &at_points, &simplified, progress)?;
+        let at_points = original.triangle_at_points();
+        let is_original = |triangle| self.sorted.binary_search(&rotate_to_smallest(triangle)).is_ok();
+        let of_simplified = measure_simplified(view, is_original, &at_points, &self.surface, progress)?;
+        Ok(Deviation { of_original, of_simplified })
     }
 
-    /// Locks wedges and all wedges that share a triangle with them.
-    fn lock_one_ring(&self, far: &[u32], locked: &mut [bool]) {
-        let mut is_far = self.none_locked();
-        for &wedge in far {
-            is_far[wedge as usize] = true;
-        }
-        for triangle in self.wedges.triangles.iter().filter(|t| t.iter().any(|&w| is_far[w as usize])) {
-            for &wedge in triangle {
-                locked[wedge as usize] = true;
+    /// Finds few vertices within a distance in the unit box.
+    fn simplify_to_error(&self, error: f64, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
+        let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
+        let original = Original {
+            wedges: &self.wedges,
+            surface: &self.surface,
+            charts: &self.charts,
+            colors: self.colors.as_ref(),
+        };
+        let certificates = Certificates::new(original, limit);
+        let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), Some(certificates));
+        let mut count = n_before;
+        for _ in 0..MAX_PASSES {
+            let before = count;
+            count = collapser.run(count, 0, &self.wedges.vertex, Turning::Limited, self.progress)?;
+            if count == before {
+                break;
             }
         }
+        let (triangles, origins) = collapser.connectivity.triangles();
+        if count == n_before {
+            return Ok((self.unchanged(), Why::Unchanged));
+        }
+        // The collapses have proven the limit; the measure may need too many pieces to prove it again.
+        let within = |side: OneSided| OneSided { greatest: side.greatest.min(limit), ..side };
+        let deviation = self.measure(&triangles)?;
+        let deviation = Deviation {
+            of_original: within(deviation.of_original),
+            of_simplified: within(deviation.of_simplified),
+        };
+        Ok((Candidate { triangles, origins, deviation: Some(deviation) }, Why::Reached))
     }
 
-    /// Searches for the fewest vertices within a distance in the unit box.
-    fn simplify_to_error(&self, error: f64) -> Result<(Candidate, Why), SimplifyError> {
-        let limit = error + ROUNDING;
-        // The largest distance is two or three times the estimated mean.
-        let mut estimate = (0.5 * error).clamp(MIN_ESTIMATE, NO_LIMIT);
-        let (mut locked, mut is_open) = (self.none_locked(), true);
-        let mut best: Option<Candidate> = None;
-        for run in 0..MAX_RUNS_ERROR {
-            self.progress.step(run, MAX_RUNS_ERROR)?;
-            let triangles = self.collapse(&locked, 0, estimate)?;
-            let (deviation, far) = self.measure(&triangles, limit)?;
-            let measured = deviation.greatest();
-            if measured <= limit {
-                let is_fewer = best.as_ref().is_none_or(|b| triangles.len() < b.triangles.len());
-                if is_fewer {
-                    best = Some(Candidate { triangles, deviation: Some(deviation) });
-                }
-                // Once vertices were locked or the estimate was too large, further runs gain little.
-                if !is_open || !is_fewer || measured >= ERROR_TOLERANCE * error || estimate >= NO_LIMIT {
-                    break;
-                }
-                estimate =
-                    (estimate * (error / measured.max(f64::MIN_POSITIVE)).clamp(1.3, 4.0)).min(NO_LIMIT);
-                continue;
-            }
-            is_open = false;
-            let are_many = far.len() as f64 > MAX_LOCKED_SHARE * self.wedges.points.len() as f64;
-            if are_many || run + 4 > MAX_RUNS_ERROR {
-                estimate *= 0.5;
-            }
-            if !are_many {
-                self.lock_one_ring(&far, &mut locked);
-            }
-        }
-        Ok(match best.filter(|candidate| candidate.triangles.len() < self.wedges.triangles.len()) {
-            Some(candidate) => (candidate, Why::Reached),
-            None => (self.unchanged(), Why::Unchanged),
-        })
-    }
-
-    /// Simplifies to about `n` vertices.
+    /// Simplifies to `n` vertices, or as few as possible.
     fn simplify_to_count(&self, n: usize, n_before: usize) -> Result<(Candidate, Why), SimplifyError> {
         let n = n.max(1);
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
-        let unlocked = self.none_locked();
-        let n_all = self.wedges.triangles.len() as f64;
-        let mut n_triangles = n_all * n as f64 / n_before as f64;
-        let mut best: Option<(f64, Vec<[u32; 3]>, usize)> = None;
-        for run in 0..MAX_RUNS_COUNT {
-            self.progress.step(run, MAX_RUNS_COUNT)?;
-            let triangles = self.collapse(&unlocked, n_triangles.max(1.0) as usize, NO_LIMIT)?;
-            let count = self.wedges.n_vertices(&triangles);
-            // An empty result is never accepted, however near its count.
-            let off =
-                if triangles.is_empty() { f64::INFINITY } else { (count as f64 - n as f64).abs() / n as f64 };
-            let more = 2.0 * (n as f64 - count as f64);
-            let is_better = best.as_ref().is_none_or(|b| off < b.0);
-            let is_stuck = count > n && triangles.len() as f64 > 1.01 * n_triangles + 2.0;
-            if is_better {
-                best = Some((off, triangles, count));
+        let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), None);
+        let mut count = n_before;
+        for turning in [Turning::Limited, Turning::Free] {
+            if count > n {
+                count = collapser.run(count, n, &self.wedges.vertex, turning, self.progress)?;
             }
-            if off <= COUNT_TOLERANCE || !is_better || is_stuck {
-                break;
-            }
-            // On a closed surface one more vertex means two more triangles.
-            n_triangles = (n_triangles + more).clamp(1.0, n_all);
         }
-        let Some((off, triangles, count)) = best.filter(|b| b.0.is_finite()) else {
-            return Ok((self.unchanged(), Why::Stuck));
-        };
-        let why = if count > n && off > 5.0 * COUNT_TOLERANCE { Why::Stuck } else { Why::Reached };
-        Ok((Candidate { triangles, deviation: None }, why))
+        let (triangles, origins) = collapser.connectivity.triangles();
+        let why = if count > n { Why::Stuck } else { Why::Reached };
+        Ok((Candidate { triangles, origins, deviation: None }, why))
     }
 
     fn unchanged(&self) -> Candidate {
-        Candidate { triangles: self.wedges.triangles.clone(), deviation: Some(Deviation::default()) }
+        let triangles = self.wedges.triangles.clone();
+        let origins = (0..triangles.len() as u32).collect();
+        Candidate { triangles, origins, deviation: Some(Deviation::default()) }
     }
 
     /// Translates a result to vertices, corners and faces of the original.
@@ -349,13 +324,20 @@ impl<'a> SimplifyJob<'a> {
         why: Why,
         n_vertices_before: usize,
     ) -> Result<SimplifiedMesh, SimplifyError> {
-        let Candidate { triangles, deviation } = candidate;
+        let Candidate { triangles, origins, deviation } = candidate;
         let deviation = match deviation {
             Some(deviation) => deviation,
-            None => self.measure(&triangles, f64::INFINITY)?.0,
+            None => self.measure(&triangles)?,
         };
-        let nearest =
-            provenance::nearest_triangles(&self.wedges, &triangles, &self.original, self.progress.quiet())?;
+        let (charts, progress) = (&self.charts, self.progress.quiet());
+        let nearest = provenance::nearest_triangles(
+            &self.wedges,
+            &triangles,
+            &origins,
+            charts,
+            &self.surface,
+            progress,
+        )?;
         let corners = provenance::corners(&self.wedges, &triangles);
         let face_of = faces_of_corners(mesh);
         let faces = nearest.iter().map(|&t| face_of(self.wedges.corners[t as usize][0])).collect();
@@ -370,6 +352,7 @@ impl<'a> SimplifyJob<'a> {
             n_triangles_before: self.wedges.triangles.len(),
             n_left_out: self.wedges.n_left_out,
             why,
+            parts: (why == Why::Stuck).then(|| self.wedges.count_parts()),
         })
     }
 

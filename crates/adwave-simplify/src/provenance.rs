@@ -1,7 +1,8 @@
 //! Corners and faces of the original that new ones continue.
 
-use crate::deviation::{TriangleSurface, center};
-use crate::wedges::{Wedges, doubled_normal, length};
+use crate::geometry::{center, doubled_normal, length};
+use crate::surface::{TriangleSearch, TriangleSurface};
+use crate::wedges::Wedges;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -49,16 +50,20 @@ pub(crate) fn corners(wedges: &Wedges, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
     triangles.par_iter().map(match_corners).collect()
 }
 
-/// Finds the triangle of the original nearest to the center of each triangle. O(triangles log triangles).
+/// Finds the triangle of the original nearest to the center of each triangle, or the triangle that it was itself if the
+/// nearest one is beyond a seam. O(triangles log triangles).
 pub(crate) fn nearest_triangles(
     wedges: &Wedges,
     triangles: &[[u32; 3]],
+    origins: &[u32],
+    charts: &[u32],
     original: &TriangleSurface,
     progress: Progress<'_>,
 ) -> Result<Vec<u32>, Cancelled> {
-    let nearest = |triangle: &[u32; 3]| {
+    let nearest = |(triangle, &origin): (&[u32; 3], &u32)| {
         progress.check()?;
-        Ok(original.nearest(center(&triangle.map(|w| wedges.points[w as usize]))).1)
+        let near = original.nearest(center(&triangle.map(|w| wedges.points[w as usize]))).1;
+        Ok(if charts[near as usize] == charts[origin as usize] { near } else { origin })
     };
-    triangles.par_iter().map(nearest).collect()
+    triangles.par_iter().zip(origins).map(nearest).collect()
 }

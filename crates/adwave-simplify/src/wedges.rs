@@ -1,6 +1,8 @@
 //! Preparation of a mesh for collapses: welded, triangulated, split along seams, scaled to the unit box.
 
-use crate::SimplifyError;
+use crate::appearance::{Appearance, AppearanceValues};
+use crate::error::SimplifyError;
+use crate::geometry::{doubled_area, length, minus};
 use adwave::shape::{Mesh, Polygons, VertexMap, WeldMode, bounding_box, triangulate};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -10,6 +12,8 @@ use rayon::prelude::*;
 pub(crate) struct Wedges {
     /// Position of each wedge in the unit box, whose longest side is 1.
     pub(crate) points: Vec<[f64; 3]>,
+    /// Position of each wedge, numbered without gaps in the order of the wedges.
+    pub(crate) position: Vec<u32>,
     /// First vertex of the mesh at each wedge.
     pub(crate) vertex: Vec<u32>,
     /// Triangles with a positive area, without repetitions.
@@ -22,27 +26,48 @@ pub(crate) struct Wedges {
     pub(crate) n_left_out: usize,
 }
 
+/// Connected parts of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Parts {
+    /// Number of parts with borders; each keeps at least 3 vertices.
+    pub n_open: usize,
+    /// Number of parts without; each keeps at least 4 vertices.
+    pub n_closed: usize,
+}
+
+impl Parts {
+    /// Least number of vertices of all parts.
+    pub fn n_least_vertices(&self) -> usize {
+        3 * self.n_open + 4 * self.n_closed
+    }
+}
+
 impl Wedges {
-    /// Prepares a mesh; `labels`, if given, has one value per corner of its faces. O(corners log corners).
+    /// Prepares a mesh. O(corners log corners).
     pub(crate) fn new(
         mesh: &Mesh,
-        labels: Option<&[u32]>,
+        appearance: Appearance<'_>,
         progress: Progress<'_>,
     ) -> Result<Self, SimplifyError> {
         let n_corners = mesh.faces().corners().len();
-        if let Some(labels) = labels.filter(|labels| labels.len() != n_corners) {
+        if let Some(labels) = appearance.labels.filter(|labels| labels.len() != n_corners) {
             return Err(SimplifyError::Labels { found: labels.len(), n_corners });
+        }
+        if let Some(AppearanceValues { values, n_channels }) = appearance.values
+            && (n_channels == 0 || values.len() != n_corners * n_channels)
+        {
+            return Err(SimplifyError::Values { found: values.len(), n_corners, n_channels });
         }
         let vertex_map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);
         progress.check()?;
-        let (wedge_of, vertex) = wedges(mesh, &vertex_map, labels);
+        let (wedge_of, vertex, position) = wedges(mesh, &vertex_map, appearance);
         progress.check()?;
         let positions: Vec<[f64; 3]> = vertex.iter().map(|&x| mesh.points()[x as usize]).collect();
         let (points, unit) = scale_to_unit_box(&positions);
         let faces = corner_triangles(mesh);
         let (triangles, corners) = select_nondegenerate(&faces, &wedge_of, &points, progress)?;
         let n_left_out = faces.len() - triangles.len();
-        let mut wedges = Self { points, vertex, triangles, corners, unit, n_left_out };
+        let mut wedges = Self { points, position, vertex, triangles, corners, unit, n_left_out };
         wedges.drop_unused();
         if wedges.triangles.is_empty() { Err(SimplifyError::NoSurface) } else { Ok(wedges) }
     }
@@ -56,46 +81,138 @@ impl Wedges {
         vertices.len()
     }
 
+    /// Numbers the charts of the triangles: parts that are connected by edges which are no seams. O(triangles log triangles).
+    pub(crate) fn charts(&self) -> Vec<u32> {
+        let n = self.triangles.len();
+        if self.position.last().is_none_or(|&last| last as usize + 1 == self.points.len()) {
+            return vec![0; n]; // one wedge per position: no seams
+        }
+        let mut edges: Vec<([u32; 2], u32)> = (0..n)
+            .into_par_iter()
+            .flat_map_iter(|t| {
+                let [a, b, c] = self.triangles[t];
+                [[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], t as u32))
+            })
+            .collect();
+        edges.par_sort_unstable();
+        let mut parent: Vec<u32> = (0..n as u32).collect();
+        for pair in edges.windows(2) {
+            if pair[0].0 == pair[1].0 {
+                let (s, t) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+                parent[s.max(t) as usize] = s.min(t);
+            }
+        }
+        (0..n as u32).map(|t| root(&mut parent, t)).collect()
+    }
+
+    /// Lists pairs of triangles with the same wedges and opposite orientations, the second larger than the first.
+    /// O(triangles log triangles).
+    pub(crate) fn twins(&self) -> Vec<[u32; 2]> {
+        let sorted = |t: usize| {
+            let mut triangle = self.triangles[t];
+            triangle.sort_unstable();
+            (triangle, t as u32)
+        };
+        let mut keyed: Vec<([u32; 3], u32)> = (0..self.triangles.len()).into_par_iter().map(sorted).collect();
+        keyed.par_sort_unstable();
+        keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]).collect()
+    }
+
+    /// Counts the parts that are connected by edges or vertices, with and without borders. O(triangles log triangles).
+    pub(crate) fn count_parts(&self) -> Parts {
+        let n = self.position.last().map_or(0, |&last| last + 1);
+        let mut parent: Vec<u32> = (0..n).collect();
+        let mut edges = Vec::with_capacity(3 * self.triangles.len());
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|wedge| self.position[wedge as usize]);
+            for [a, b] in [[a, b], [b, c], [c, a]] {
+                edges.push([a.min(b), a.max(b)]);
+                let (s, t) = (root(&mut parent, a), root(&mut parent, b));
+                parent[s.max(t) as usize] = s.min(t);
+            }
+        }
+        edges.par_sort_unstable();
+        let mut is_open = vec![false; n as usize];
+        for edge in edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
+            is_open[root(&mut parent, edge[0][0]) as usize] = true;
+        }
+        let mut parts = Parts::default();
+        for p in (0..n).filter(|&p| parent[p as usize] == p) {
+            if is_open[p as usize] {
+                parts.n_open += 1;
+            } else {
+                parts.n_closed += 1;
+            }
+        }
+        parts
+    }
+
     /// Removes wedges that only degenerate faces used.
     fn drop_unused(&mut self) {
         let mut index = vec![u32::MAX; self.points.len()];
         for &wedge in self.triangles.as_flattened() {
             index[wedge as usize] = 0;
         }
-        let mut n = 0;
+        let (mut n, mut n_positions, mut last) = (0, 0, None);
         for (wedge, index) in index.iter_mut().enumerate().filter(|(_, index)| **index == 0) {
             *index = n as u32;
             self.points[n] = self.points[wedge];
             self.vertex[n] = self.vertex[wedge];
+            if last != Some(self.position[wedge]) {
+                last = Some(self.position[wedge]);
+                n_positions += 1;
+            }
+            self.position[n] = n_positions - 1;
             n += 1;
         }
         self.points.truncate(n);
         self.vertex.truncate(n);
+        self.position.truncate(n);
         for wedge in self.triangles.as_flattened_mut() {
             *wedge = index[*wedge as usize];
         }
     }
 }
 
-/// Assigns a wedge to every corner, and lists the first vertex of every wedge.
-fn wedges(mesh: &Mesh, vertex_map: &VertexMap, labels: Option<&[u32]>) -> (Vec<u32>, Vec<u32>) {
+/// Assigns a wedge to every corner, and lists the first vertex and the welded vertex of every wedge.
+fn wedges(mesh: &Mesh, vertex_map: &VertexMap, appearance: Appearance<'_>) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let corners = mesh.faces().corners();
     let key = |k: usize| {
-        let label = labels.map_or(0, |labels| labels[k]);
-        (vertex_map.welded(corners[k] as usize) as u32, label, corners[k], k as u32)
+        let position = vertex_map.welded(corners[k] as usize) as u32;
+        (position, corner_label(appearance, k), corners[k], k as u32)
     };
     let mut sorted: Vec<_> = (0..corners.len()).into_par_iter().map(key).collect();
     sorted.par_sort_unstable();
-    let (mut wedge_of, mut vertex) = (vec![0; corners.len()], Vec::new());
+    let (mut wedge_of, mut vertex, mut at) = (vec![0; corners.len()], Vec::new(), Vec::new());
     let mut last = None;
     for (position, label, x, corner) in sorted {
         if last != Some((position, label)) {
             vertex.push(x);
+            at.push(position);
             last = Some((position, label));
         }
         wedge_of[corner as usize] = vertex.len() as u32 - 1;
     }
-    (wedge_of, vertex)
+    (wedge_of, vertex, at)
+}
+
+/// Number of a corner that tells corners of different labels apart, and nearly always those of different values.
+fn corner_label(appearance: Appearance<'_>, corner: usize) -> u64 {
+    let label = u64::from(appearance.labels.map_or(0, |labels| labels[corner]));
+    let Some(AppearanceValues { values, n_channels }) = appearance.values else { return label };
+    // 0 and −0 are the same value.
+    let row = values[corner * n_channels..][..n_channels].iter().map(|x| (x + 0.0).to_bits());
+    let hash = row.fold(0_u64, |hash, x| (hash ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31));
+    label << 32 | hash >> 32
+}
+
+/// Finds the root of a tree, and halves the path to it.
+fn root(parent: &mut [u32], mut t: u32) -> u32 {
+    while parent[t as usize] != t {
+        parent[t as usize] = parent[parent[t as usize] as usize];
+        t = parent[t as usize];
+    }
+    t
 }
 
 /// Scales positions to the box whose longest side is 1; returns the length of that side, 1 if all positions are equal.
@@ -163,22 +280,4 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
 /// Rotates a triangle to begin at its smallest wedge, with the same orientation.
 pub(crate) fn rotate_to_smallest([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
-}
-
-pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|c| a[c] - b[c])
-}
-
-pub(crate) fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// `(b − a) × (c − a)`, whose length is twice the area.
-pub(crate) fn doubled_normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let (u, v) = (minus(b, a), minus(c, a));
-    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-}
-
-pub(crate) fn doubled_area(triangle: [[f64; 3]; 3]) -> f64 {
-    length(doubled_normal(triangle))
 }

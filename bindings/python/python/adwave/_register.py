@@ -45,7 +45,8 @@ class SimplifyResult(NamedTuple):
     vertices : (m,) array of int
         Index in the original of each remaining vertex.
     greatest : float
-        Greatest distance between both surfaces, measured, in model units.
+        Upper bound of the distance between both surfaces, measured on the result, in model units: no point of either is
+        farther from the other.
     rms : float
         Root mean square of the distance by area, in model units.
 
@@ -85,8 +86,8 @@ def simplify(
 ) -> SimplifyResult:
     """Remove vertices, and measure the distance of the result from the shape.
 
-    Edges of meshes are collapsed in the order of the quadric error; clouds are thinned to Poisson disks. Exactly one of
-    `error`, `vertices` and `ratio` is given.
+    Edges of meshes are collapsed in the order of the quadric error, without a change of the topology: parts, holes and
+    handles stay. Clouds are thinned to Poisson disks. Exactly one of `error`, `vertices` and `ratio` is given.
 
     Parameters
     ----------
@@ -94,9 +95,10 @@ def simplify(
         Anything that is a mesh or a cloud; see `Shape`.
     error : float or str, optional
         Largest distance, in model units or as a share of the diagonal such as ``"0.1%"``; the result has as few vertices
-        as it allows. For a cloud, every removed point has a remaining one within this distance.
+        as are found within it, proven for all points of both surfaces. For a cloud, every removed point has a remaining
+        one within this distance.
     vertices : int, optional
-        Number of vertices of the result.
+        Number of vertices of the result; more if the topology needs them.
     ratio : float, optional
         Share of the vertices that remain.
     keep_border : bool

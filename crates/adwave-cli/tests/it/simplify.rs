@@ -49,7 +49,10 @@ fn an_error_is_kept_to_and_measured() {
     let text =
         adwave(path).args(words("simplify sample:creature -o small.ply --vertices 500")).assert().success();
     let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
-    assert!(text.contains("vertices") && text.contains("rms by area") && text.contains("measured"), "{text}");
+    assert!(
+        text.contains("vertices") && text.contains("rms by area") && text.contains("no point is farther"),
+        "{text}"
+    );
     // Nothing to do: the file goes out as it came.
     let same = json(path, "simplify small.ply -o same.ply --vertices 5000");
     assert_eq!(same["changed"], false);
@@ -141,6 +144,93 @@ fn what_cannot_be_asked_for_is_said_in_one_line() {
     adwave(path).args(words("simplify one.obj -o o.ply --error 1 --ratio 0.5")).assert().code(2);
     assert!(!path.join("o.ply").exists());
     assert_eq!(json(path, "simplify one.obj -o o.ply --vertices 9")["changed"], false);
+}
+
+#[test]
+fn fewer_vertices_than_the_parts_need_are_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let mut text = String::new();
+    for k in 0..3 {
+        text += &format!("v {k} 0 0\nv {k}.5 0 0\nv {k} 0.5 0\nv {k} 0 0.5\nv {k}.25 0.25 0\n");
+        for face in [[1, 3, 5], [3, 2, 5], [2, 1, 5], [1, 2, 4], [2, 3, 4], [3, 1, 4]] {
+            let [a, b, c] = face.map(|v| v + 5 * k);
+            text += &format!("f {a} {b} {c}\n");
+        }
+    }
+    fs::write(path.join("parts.obj"), text).unwrap();
+    let said = adwave(path).args(words("simplify parts.obj -o few.obj --vertices 5")).assert().success();
+    let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+    assert!(said.contains("asked for 5 vertices, reached 12: 3 parts need at least 12 vertices"), "{said}");
+    let found = json(path, "simplify parts.obj -o few.obj --vertices 13");
+    assert_eq!((number(&found["vertices"]["after"]), &found["reached"]), (13.0, &Value::Bool(true)));
+    let error = &found["error"];
+    assert!(number(&error["at_least"]) <= number(&error["greatest"]));
+}
+
+#[test]
+fn a_red_disc_in_a_flat_blue_square_survives() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let n = 30_u32;
+    let side = n + 1;
+    let is_red = |x: f64, y: f64| (x / f64::from(n) - 0.5).hypot(y / f64::from(n) - 0.5) < 0.25;
+    let cells = (0..n * n).map(|s| (s % n, s / n));
+    let faces: Vec<([u32; 3], bool)> = cells
+        .flat_map(|(x, y)| {
+            let k = y * side + x;
+            let red = is_red(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            [([k, k + 1, k + side], red), ([k + 1, k + side + 1, k + side], red)]
+        })
+        .collect();
+    let (mut colored, mut obj) = (String::new(), "mtllib m.mtl\n".to_owned());
+    for k in 0..side * side {
+        let (x, y) = (k % side, k / side);
+        let color = if is_red(f64::from(x), f64::from(y)) { "255 0 0" } else { "0 0 255" };
+        colored += &format!("{x} {y} 0 {color}\n");
+        obj += &format!("v {x} {y} 0\n");
+    }
+    for ([a, b, c], red) in &faces {
+        colored += &format!("3 {a} {b} {c}\n");
+        let material = if *red { "red" } else { "blue" };
+        obj += &format!("usemtl {material}\nf {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    let header = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\nelement face {}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        side * side,
+        faces.len()
+    );
+    fs::write(path.join("colored.ply"), header + &colored).unwrap();
+    fs::write(path.join("materials.obj"), obj).unwrap();
+    for target in ["--error 3%", "--vertices 60"] {
+        json(path, &format!("simplify colored.ply -o small.csv {target}"));
+        let rows = fs::read_to_string(path.join("small.csv")).unwrap();
+        let red = rows.lines().skip(1).filter(|row| row.contains("255,0,0")).count();
+        assert!(red >= 6, "{red} red vertices at {target}: {rows}");
+        let found = json(path, &format!("simplify materials.obj -o small.obj {target}"));
+        assert!(number(&found["vertices"]["after"]) < 200.0, "{found}");
+        let text = fs::read_to_string(path.join("small.obj")).unwrap();
+        let points: Vec<Vec<f64>> = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("v "))
+            .map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect())
+            .collect();
+        let (mut red, mut is_red) = (0.0, false);
+        for line in text.lines() {
+            if let Some(material) = line.strip_prefix("usemtl ") {
+                is_red = material == "red";
+            }
+            let Some(face) = line.strip_prefix("f ").filter(|_| is_red) else { continue };
+            let corners: Vec<&Vec<f64>> =
+                face.split(' ').map(|v| &points[v.parse::<usize>().unwrap() - 1]).collect();
+            let [a, b, c] = [corners[0], corners[1], corners[2]];
+            red += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        }
+        let disc = std::f64::consts::PI * (0.25 * f64::from(n)).powi(2);
+        assert!((red / disc - 1.0).abs() < 0.15, "the red area is {red} of {disc} at {target}");
+    }
 }
 
 #[test]

@@ -85,6 +85,11 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     fn corner_labels(&self, shape: &ShapeFile) -> Option<Vec<u32>> {
         shape.labels_by_texcoord()
     }
+
+    /// Two texture coordinates per corner of the faces, if the document has some that are no vertex field.
+    fn corner_texcoords(&self, _: &ShapeFile) -> Option<Vec<f64>> {
+        None
+    }
 }
 
 impl ShapeFile {

@@ -3,7 +3,7 @@
 use adwave::shape::Polygons;
 use std::sync::Arc;
 
-use crate::{Field, ShapeFile, ShapeFileError};
+use crate::{Field, FieldValues, ShapeFile, ShapeFileError};
 
 /// Part of a file to keep.
 #[derive(Clone, Debug, Default)]
@@ -91,7 +91,7 @@ impl ShapeFile {
     /// are. Different labels at one vertex mark a seam. `None` if all labels are equal.
     ///
     /// For an OBJ the labels come from its text, for other files from the field `texcoord`, which distinguishes
-    /// vertices at one position.
+    /// vertices at one position. A face field `color` or `material` distinguishes faces.
     ///
     /// ```
     /// use adwave_io::{ReadLimits, read_bytes};
@@ -100,10 +100,54 @@ impl ShapeFile {
     /// assert_eq!(file.corner_labels().unwrap(), [0, 0, 0, 1, 1, 1]);
     /// ```
     pub fn corner_labels(&self) -> Option<Vec<u32>> {
-        match self.original.as_deref() {
+        let labels = match self.original.as_deref() {
             Some(source) => source.corner_labels(self),
             None => self.labels_by_texcoord(),
+        };
+        let fields: Vec<&Field> =
+            self.face_fields.iter().filter(|field| ["color", "material"].contains(&&*field.name)).collect();
+        if fields.is_empty() {
+            return labels;
         }
+        let of_face = distinct(self.faces.len(), |f| {
+            let channels = fields.iter().flat_map(|field| (0..field.n_channels).map(|c| field.get(f, c)));
+            channels.map(|x| (x + 0.0).to_bits()).collect::<Vec<_>>()
+        });
+        let face_of: Vec<u32> =
+            self.faces.iter().enumerate().flat_map(|(f, face)| face.iter().map(move |_| f as u32)).collect();
+        let key = |k: usize| (labels.as_ref().map(|labels| labels[k]), of_face[face_of[k] as usize]);
+        Some(distinct(face_of.len(), key))
+    }
+
+    /// Returns colors and texture coordinates at the corners of the faces, for which 1 is the full range; `None` without
+    /// either. Colors are those of the vertices.
+    ///
+    /// ```
+    /// use adwave_io::{ReadLimits, read_bytes};
+    /// let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.5\nvt 1 0\nf 1/1 2/2 3/1\n";
+    /// let file = read_bytes(text.to_vec(), Some("a.obj"), &ReadLimits::default()).unwrap();
+    /// let values = file.corner_values().unwrap();
+    /// assert_eq!((values.values, values.n_channels), (vec![0.0, 0.5, 1.0, 0.0, 0.0, 0.5], 2));
+    /// ```
+    pub fn corner_values(&self) -> Option<CornerValues> {
+        let corners = self.faces.corners();
+        let mut parts = Vec::new();
+        for field in ["color", "texcoord"].iter().filter_map(|name| self.field(name)) {
+            let scale = full_range(field);
+            let value = |&x: &u32| (0..field.n_channels).map(move |c| field.get(x as usize, c) / scale);
+            parts.push((corners.iter().flat_map(value).collect(), field.n_channels));
+        }
+        if self.field("texcoord").is_none()
+            && let Some(texcoords) = self.original.as_deref().and_then(|source| source.corner_texcoords(self))
+        {
+            parts.push((texcoords, 2));
+        }
+        let n_channels: usize = parts.iter().map(|(_, n)| n).sum();
+        let row =
+            |k: usize| parts.iter().flat_map(move |(values, n): &(Vec<f64>, usize)| &values[k * n..][..*n]);
+        let values: Vec<f64> = (0..corners.len()).flat_map(row).copied().collect();
+        (n_channels > 0 && values.iter().all(|x| x.is_finite()))
+            .then_some(CornerValues { values, n_channels })
     }
 
     /// [`corner_labels`](Self::corner_labels) by the field `texcoord`.
@@ -136,6 +180,30 @@ impl ShapeFile {
             return wrong("corners that are not three per triangle or do not exist");
         }
         Ok(())
+    }
+}
+
+/// Values at the corners of faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CornerValues {
+    /// `n_channels` values for each corner of each face.
+    pub values: Vec<f64>,
+    /// Number of values per corner.
+    pub n_channels: usize,
+}
+
+/// Value of a color channel at full intensity: the largest integer of the type, or 1 for fractions.
+fn full_range(field: &Field) -> f64 {
+    match field.values {
+        _ if field.name != "color" => 1.0,
+        FieldValues::U8(_) => f64::from(u8::MAX),
+        FieldValues::U16(_) => f64::from(u16::MAX),
+        _ => {
+            let n = field.len() * field.n_channels;
+            let all = (0..n).map(|k| field.get(k / field.n_channels, k % field.n_channels).abs());
+            let greatest = all.fold(0.0, f64::max);
+            if greatest > 1.0 { greatest } else { 1.0 }
+        }
     }
 }
 

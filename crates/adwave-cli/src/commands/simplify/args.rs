@@ -10,7 +10,9 @@ use std::path::PathBuf;
     group(ArgGroup::new("target").required(true).args(["error", "vertices", "ratio"])),
     after_help = "\
 Edges of a mesh are collapsed; points of a cloud are dropped so that the rest are evenly spaced. Both keep a subset of the
-vertices with all of their fields. The reported distance is measured on the result.
+vertices with all of their fields. A mesh keeps its parts, holes and handles, the places of its materials and texture
+seams within the error, and the colors of its vertices. The reported distance is measured on the result: no point of
+either surface is farther from the other.
 
 Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
@@ -37,10 +39,10 @@ pub(crate) struct SimplifyArgs {
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Largest distance between result and input, in model units or in % of the diagonal. A mesh keeps as few vertices as are
-    /// found within it; points of a cloud are kept at least that far apart
+    /// found within it, proven for all points of both surfaces; points of a cloud are kept at least that far apart
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) error: Option<Length>,
-    /// Number of vertices
+    /// Number of vertices; a note tells if the parts, holes and seams of a mesh need more
     #[arg(long, value_name = "N", value_parser = count, help_heading = "Target")]
     pub(crate) vertices: Option<usize>,
     /// Share of the vertices, above 0 and at most 1

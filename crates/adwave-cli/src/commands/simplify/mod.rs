@@ -12,8 +12,8 @@ use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
-    Border, CloudTarget, Deviation, MeshParams, MeshTarget, SimplifiedMesh, SimplifyError, Why,
-    simplify_cloud, simplify_mesh,
+    Appearance, AppearanceValues, Border, CloudTarget, Deviation, MeshParams, MeshTarget, SimplifiedMesh,
+    SimplifyError, Why, simplify_cloud, simplify_mesh_with_appearance,
 };
 pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
@@ -100,10 +100,12 @@ fn simplify_mesh_file(
     // Faces that take no part hold on to the vertices along the cut.
     let is_border_kept = args.keep_border || input.file.n_left_out_faces() > 0;
     let border = if is_border_kept { Border::Kept } else { Border::Weighted };
-    let labels = input.file.corner_labels();
+    let (labels, values) = (input.file.corner_labels(), input.file.corner_values());
+    let values = values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
+    let appearance = Appearance { labels: labels.as_deref(), values };
     let simplified = with_progress(global, "simplifying", |progress| {
         let params = MeshParams::new(target).with_border(border);
-        simplify_mesh(mesh, labels.as_deref(), &params, progress)
+        simplify_mesh_with_appearance(mesh, appearance, &params, progress)
     })
     .map_err(|e| name_error(input, e))?;
     let is_changed = simplified.why != Why::Unchanged;
@@ -136,7 +138,7 @@ fn simplify_mesh_file(
     })
 }
 
-/// Line on a target that was not reached.
+/// Line on a target that was not reached: what was asked for, what was reached, and why.
 fn shortfall(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String> {
     let n = simplified.n_vertices_before;
     match (simplified.why, args.vertices.or(args.ratio.map(|r| (r * n as f64).round() as usize))) {
@@ -145,12 +147,23 @@ fn shortfall(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String>
         (Why::Unchanged, Some(wanted)) => {
             Some(format!("unchanged: the faces have {n} vertices, no more than the {wanted} asked for"))
         }
-        (Why::Stuck, wanted) => Some(format!(
-            "more than the {} asked for: seams of textures and materials, {}edges of three faces and parts of minimal size \
-             are kept",
-            wanted.unwrap_or(0),
-            if args.keep_border { "borders, " } else { "" },
-        )),
+        (Why::Stuck, wanted) => {
+            let (wanted, reached) = (wanted.unwrap_or(0), simplified.kept.len());
+            let parts = simplified.parts.unwrap_or_default();
+            let (n_parts, least) = (parts.n_open + parts.n_closed, parts.n_least_vertices());
+            let reason = if wanted < least {
+                let are =
+                    if n_parts == 1 { "1 part needs".to_owned() } else { format!("{n_parts} parts need") };
+                format!("{are} at least {least} vertices (4 if closed, 3 if not)")
+            } else {
+                let borders = if args.keep_border { ", kept borders" } else { "" };
+                format!(
+                    "a further collapse would close a hole, a handle, a part or a seam, or fold the surface; ends and \
+                     junctions of seams, of borders and of edges with more than two faces{borders} are kept"
+                )
+            };
+            Some(format!("asked for {wanted} vertices, reached {reached}: {reason}"))
+        }
     }
 }
 
@@ -230,6 +243,12 @@ fn vertex_field_name(extra: &str) -> &str {
     }
 }
 
+/// Ratio of the bounds of the largest distance up to which only one of them is shown.
+const MAX_BOUND_RATIO: f64 = 1.02;
+
+/// Distances caused by rounding, as a share of the diagonal.
+const ROUNDING_SHARE: f64 = 1e-11;
+
 fn report(
     args: &SimplifyArgs,
     input: &Input,
@@ -246,9 +265,21 @@ fn report(
     for line in &simplified_shape.lines {
         let _ = writeln!(text, "  {line}");
     }
+    let at_least = simplified_shape.deviation.at_least();
+    let is_close = greatest <= MAX_BOUND_RATIO * at_least + ROUNDING_SHARE * diagonal;
+    let basis = match input.shape {
+        Shape::Mesh(_) if is_close => "no point is farther; measured on the result".to_owned(),
+        Shape::Mesh(_) => {
+            format!(
+                "no point is farther; measured on the result, the farthest point found is at {}",
+                number(at_least)
+            )
+        }
+        _ => "measured on the result".to_owned(),
+    };
     let _ = writeln!(
         text,
-        "  error      greatest {} ({} % of the diagonal), {by} {} ({} %), measured on the result",
+        "  error      greatest {} ({} % of the diagonal), {by} {} ({} %); {basis}",
         number(greatest),
         percent_of(greatest, diagonal),
         number(rms),
@@ -260,7 +291,7 @@ fn report(
     let SimplifySeconds { read, simplify, write } = seconds;
     let _ = writeln!(text, "read {read:.3} s, simplified {simplify:.3} s, written {write:.3} s");
     let _ = writeln!(text, "{}", args.output.display());
-    let side = |side: adwave_simplify::OneSided| json!({"greatest": side.greatest, "rms": side.rms});
+    let side = |side: adwave_simplify::OneSided| json!({"greatest": side.greatest, "at_least": side.at_least, "rms": side.rms});
     let mut json = json!({
         "shape": input.name,
         "output": args.output.display().to_string(),
@@ -269,6 +300,7 @@ fn report(
         "diagonal": diagonal,
         "error": {
             "greatest": greatest,
+            "at_least": simplified_shape.deviation.at_least(),
             "rms": rms,
             "of_input": side(simplified_shape.deviation.of_original),
             "of_result": side(simplified_shape.deviation.of_simplified),

@@ -48,4 +48,8 @@ impl SourceDocument for ObjSource {
     fn corner_labels(&self, shape: &ShapeFile) -> Option<Vec<u32>> {
         subset::labels(&self.0.bytes, shape.faces.corners().len())
     }
+
+    fn corner_texcoords(&self, shape: &ShapeFile) -> Option<Vec<f64>> {
+        subset::corner_texcoords(&self.0.bytes, shape.faces.corners().len())
+    }
 }

@@ -110,6 +110,20 @@ pub(super) fn labels(bytes: &[u8], n_corners: usize) -> Option<Vec<u32>> {
     Some(distinct(n_corners, key))
 }
 
+/// Texture coordinates of the corners, 0 where there are none; `None` if no corner has any.
+pub(super) fn corner_texcoords(bytes: &[u8], n_corners: usize) -> Option<Vec<f64>> {
+    let content = ObjContent::parse(bytes);
+    if content.corners.len() != n_corners || content.texcoords.is_empty() {
+        return None;
+    }
+    let value = |&[texcoord, _]: &[u32; 2]| {
+        let line = content.texcoords.get(texcoord as usize).copied().unwrap_or(b"");
+        let mut numbers = words(line).skip(1).filter_map(parse_f64);
+        [numbers.next().unwrap_or(0.0), numbers.next().unwrap_or(0.0)]
+    };
+    Some(content.corners.iter().flat_map(value).collect())
+}
+
 /// Text of the subset: the unchanged lines of kept vertices, the used texture coordinates and normals, and the new
 /// triangles under the object, group, smoothing group and material of their corners.
 pub(super) fn text(bytes: &[u8], rows: &[u64], n_corners: usize, subset: &Subset<'_>) -> Vec<u8> {

@@ -1,0 +1,240 @@
+//! Proof during collapses that every point of the original is within a limit of the simplified surface.
+//!
+//! Each triangle t of the original keeps a list of faces, its cover: every point of t is within the limit of one of them.
+//! A collapse changes the faces around one vertex; the triangles whose covers have one of these need a new cover, else the
+//! collapse is refused. Hence the bound holds after every collapse, and errors do not add up. A cover of one face is proven
+//! by three distances, because the distance to a triangle is convex (`proof`).
+//!
+//! Covers consist of faces of the same chart (part between seams), so that the limit holds for each material and for the
+//! position of seams. For the opposite direction, new faces are compared with the whole original.
+
+use crate::colors::WedgeColors;
+use crate::connectivity::{Collapse, Connectivity};
+use crate::geometry::{Point, nearest_weights, squared_distance};
+use crate::proof::{Goal, bound_distance};
+use crate::surface::{TriangleList, TriangleSearch, TriangleSurface};
+use crate::wedges::Wedges;
+
+/// Largest number of pieces into which a triangle is divided to find a cover.
+const MAX_COVER_PIECES: usize = 96;
+
+/// Largest number of pieces of a new face that is compared with the original, beside 64 for each triangle that it covers.
+const MIN_FACE_PIECES: usize = 256;
+
+/// What is given for the proof.
+pub(crate) struct Original<'a> {
+    pub(crate) wedges: &'a Wedges,
+    pub(crate) surface: &'a TriangleSurface,
+    /// Chart of each triangle.
+    pub(crate) charts: &'a [u32],
+    pub(crate) colors: Option<&'a WedgeColors>,
+}
+
+/// Covers of all triangles of the original by faces.
+pub(crate) struct Certificates<'a> {
+    original: Original<'a>,
+    limit: f64,
+    squared_limit: f64,
+    /// Faces that cover each triangle.
+    cover: Vec<Cover>,
+    /// Triangles that each face covers in part.
+    covered: Vec<Vec<u32>>,
+    /// Number of the test in which a triangle or a face was last seen.
+    seen: Vec<u32>,
+    in_star: Vec<u32>,
+    test: u32,
+    new_covers: NewCovers,
+    new_faces: TriangleList,
+    other_faces: TriangleList,
+}
+
+/// Faces that cover a triangle, most often one.
+struct Cover {
+    first: u32,
+    others: Vec<u32>,
+}
+
+impl Cover {
+    fn faces(&self) -> impl Iterator<Item = u32> + '_ {
+        std::iter::once(self.first).chain(self.others.iter().copied())
+    }
+}
+
+/// Covers to be kept if a collapse is carried out.
+#[derive(Default)]
+struct NewCovers {
+    /// Triangle, and the end of its faces.
+    triangles: Vec<(u32, usize)>,
+    faces: Vec<u32>,
+}
+
+impl<'a> Certificates<'a> {
+    pub(crate) fn new(original: Original<'a>, limit: f64) -> Self {
+        let n = original.wedges.triangles.len();
+        Self {
+            original,
+            limit,
+            squared_limit: limit * limit,
+            cover: (0..n as u32).map(|t| Cover { first: t, others: Vec::new() }).collect(),
+            covered: (0..n as u32).map(|t| vec![t]).collect(),
+            seen: vec![0; n],
+            in_star: vec![0; n],
+            test: 0,
+            new_covers: NewCovers::default(),
+            new_faces: TriangleList::default(),
+            other_faces: TriangleList::default(),
+        }
+    }
+
+    /// Finds new covers for all triangles that a planned collapse affects; `false` if one has none.
+    pub(crate) fn allows(&mut self, connectivity: &Connectivity, plan: &Collapse) -> bool {
+        self.test += 1;
+        self.list_new_faces(connectivity, plan);
+        if self.new_faces.nearest(connectivity.point(plan.from)).0 > self.squared_limit {
+            return false;
+        }
+        self.new_covers.triangles.clear();
+        self.new_covers.faces.clear();
+        let star = plan.moved.iter().map(|(face, _)| face).chain(&plan.vanishing);
+        for &face in star {
+            for k in 0..self.covered[face as usize].len() {
+                let t = self.covered[face as usize][k];
+                if std::mem::replace(&mut self.seen[t as usize], self.test) == self.test {
+                    continue;
+                }
+                if !self.find_cover(t, connectivity) {
+                    return false;
+                }
+                self.new_covers.triangles.push((t, self.new_covers.faces.len()));
+            }
+        }
+        self.are_near_original(plan.moved.len())
+    }
+
+    /// Lists the moved faces, and then the other faces around the target.
+    fn list_new_faces(&mut self, connectivity: &Connectivity, plan: &Collapse) {
+        self.new_faces.clear();
+        for &(face, wedges) in &plan.moved {
+            self.in_star[face as usize] = self.test;
+            self.new_faces.push(face, wedges, connectivity.corners(wedges));
+        }
+        for &face in &plan.vanishing {
+            self.in_star[face as usize] = self.test;
+        }
+        for &face in &connectivity.around[plan.to as usize] {
+            if self.in_star[face as usize] != self.test {
+                let wedges = connectivity.faces[face as usize];
+                self.new_faces.push(face, wedges, connectivity.corners(wedges));
+            }
+        }
+    }
+
+    fn is_in_chart(&self, face: u32, t: u32) -> bool {
+        self.original.charts[face as usize] == self.original.charts[t as usize]
+    }
+
+    fn covers_all(&self, face: &[Point; 3], triangle: &[Point; 3]) -> bool {
+        triangle.iter().all(|&p| squared_distance(p, face) <= self.squared_limit)
+    }
+
+    /// Appends a cover of a triangle to the new covers.
+    fn find_cover(&mut self, t: u32, connectivity: &Connectivity) -> bool {
+        let triangle = *self.original.surface.corners(t);
+        if self.original.colors.is_none() {
+            let n = self.new_faces.ids.len();
+            let first = self.cover[t as usize].first;
+            let first = self.new_faces.ids.iter().position(|&face| face == first).unwrap_or(0);
+            for k in (0..n).map(|k| (k + first) % n) {
+                let face = self.new_faces.ids[k];
+                if self.is_in_chart(face, t) && self.covers_all(&self.new_faces.corners[k], &triangle) {
+                    self.new_covers.faces.push(face);
+                    return true;
+                }
+            }
+        }
+        self.find_cover_by_pieces(t, &triangle, connectivity)
+    }
+
+    /// Appends a cover by several faces, found by dividing the triangle.
+    fn find_cover_by_pieces(&mut self, t: u32, triangle: &[Point; 3], connectivity: &Connectivity) -> bool {
+        let mut faces = std::mem::take(&mut self.other_faces);
+        faces.clear();
+        for face in self.cover[t as usize].faces() {
+            if self.in_star[face as usize] != self.test {
+                let wedges = connectivity.faces[face as usize];
+                faces.push(face, wedges, connectivity.corners(wedges));
+            }
+        }
+        for (k, &face) in self.new_faces.ids.iter().enumerate() {
+            if self.is_in_chart(face, t) && !faces.ids.contains(&face) {
+                faces.push(face, self.new_faces.wedges[k], self.new_faces.corners[k]);
+            }
+        }
+        let start = self.new_covers.faces.len();
+        let mut is_covered = false;
+        if !faces.ids.is_empty() && self.keeps_colors(t, &faces) {
+            let (used, ids) = (&mut self.new_covers.faces, &faces.ids);
+            let mut use_face = |k: u32| {
+                let face = ids[k as usize];
+                if !used[start..].contains(&face) {
+                    used.push(face);
+                }
+            };
+            let goal = Goal::decision(self.limit, MAX_COVER_PIECES);
+            let bounds = bound_distance(*triangle, &[], &faces, &goal, &mut use_face);
+            is_covered = bounds.upper <= self.limit;
+        }
+        self.other_faces = faces;
+        is_covered
+    }
+
+    /// Tells if the colors at the corners of a triangle are kept by the nearest faces.
+    fn keeps_colors(&self, t: u32, faces: &TriangleList) -> bool {
+        let Some(colors) = self.original.colors else { return true };
+        self.original.wedges.triangles[t as usize].iter().all(|&wedge| {
+            let p = self.original.wedges.points[wedge as usize];
+            let near = faces.nearest(p).1;
+            let weights = nearest_weights(p, faces.corners(near));
+            colors.is_kept(wedge, faces.wedges[near as usize], weights, self.limit)
+        })
+    }
+
+    /// Tells if the moved faces are within the limit of the original.
+    fn are_near_original(&self, n_moved: usize) -> bool {
+        let max_pieces = MIN_FACE_PIECES + 64 * self.new_covers.triangles.len();
+        let goal = Goal::decision(self.limit, max_pieces);
+        let hints = self.new_covers.triangles.first().map(|&(t, _)| t);
+        self.new_faces.corners[..n_moved].iter().all(|&corners| {
+            let (surface, hints) = (self.original.surface, hints.as_slice());
+            bound_distance(corners, hints, surface, &goal, &mut |_| {}).upper <= self.limit
+        })
+    }
+
+    /// Keeps the covers found by the last test, whose collapse is carried out.
+    pub(crate) fn commit(&mut self, plan: &Collapse) {
+        for &face in plan.moved.iter().map(|(face, _)| face).chain(&plan.vanishing) {
+            self.covered[face as usize].clear();
+        }
+        let mut start = 0;
+        for &(t, end) in &self.new_covers.triangles {
+            let new = &self.new_covers.faces[start..end];
+            start = end;
+            let cover = &mut self.cover[t as usize];
+            for face in cover.faces() {
+                if self.in_star[face as usize] != self.test && !new.contains(&face) {
+                    self.covered[face as usize].retain(|&other| other != t);
+                }
+            }
+            for &face in new {
+                if self.in_star[face as usize] == self.test || !cover.faces().any(|other| other == face) {
+                    self.covered[face as usize].push(t);
+                }
+            }
+            if let Some((&first, others)) = new.split_first() {
+                cover.first = first;
+                cover.others.clear();
+                cover.others.extend_from_slice(others);
+            }
+        }
+    }
+}
