@@ -28,16 +28,21 @@ pub(crate) fn bench_denoise(arguments: &[&str]) -> StepResult {
         .arg(root().join("docs")))
 }
 
-/// Denoises random clouds whose truth is known and prints the tables. `arguments`: the half of the seeds, and their number.
+/// Denoises random meshes and clouds whose truth is known and prints the tables. `arguments`: the half of the seeds, and
+/// their number.
 pub(crate) fn bench_truth(arguments: &[&str]) -> StepResult {
-    let build =
-        ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers", "--bin", "denoise_truth"];
-    cargo(&build, &[])?;
-    let mut bench = Command::new(target().join("release/denoise_truth"));
-    bench.arg(arguments.first().unwrap_or(&"first")).arg(arguments.get(1).unwrap_or(&"2"));
-    let published = data().join("domains/points");
-    if published.is_dir() {
-        bench.arg(published);
-    }
-    run(&mut bench)
+    let build = ["build", "--release", "--locked", "--quiet", "-p", "adwave-bench-helpers"];
+    cargo(&[&build[..], &["--bin", "mesh_truth", "--bin", "denoise_truth"]].concat(), &[])?;
+    let (half, n_seeds) = (arguments.first().unwrap_or(&"first"), arguments.get(1).unwrap_or(&"2"));
+    let bench = |program: &str, more: &[&str], published: &str| {
+        let mut bench = Command::new(target().join("release").join(program));
+        bench.arg(half).arg(n_seeds).args(more);
+        let published = data().join(published);
+        if published.is_dir() {
+            bench.arg(published);
+        }
+        run(&mut bench)
+    };
+    bench("mesh_truth", &["tuned"], PART)?;
+    bench("denoise_truth", &[], "domains/points")
 }

@@ -41,7 +41,7 @@ usage: cargo xtask COMMAND
   bench-clouds [--points N]
             process a scan of ten million points by tiles and by other programs: seconds and memory, as a table
   bench-denoise [first|second] [SEEDS]
-            denoise random clouds whose truth is known: a table by noise and by shape for one half of the seeds, and the
+            denoise random meshes and clouds whose truth is known: tables by noise and by shape for one half of the seeds, and the
             published pairs of ../shared/data (or $ADWAVE_DATA), if it exists
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md

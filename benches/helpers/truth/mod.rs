@@ -1,12 +1,14 @@
-//! Ground truth for denoisers of clouds: random shapes by seed, samples of them, and noise of many kinds.
+//! Ground truth for denoisers: random meshes and clouds by seed, and noise of many kinds.
 
 mod closest;
+mod meshes;
 mod noise;
 mod random;
 mod sampling;
 mod surfaces;
 
 pub use closest::{Tree, chamfer, into_unit_sphere};
+pub use meshes::{CleanMesh, MeshNoise, MeshShape};
 pub use noise::{CloudNoise, NoisyCloud};
 pub use random::Random;
 pub use sampling::{CleanCloud, CloudShape};

@@ -273,6 +273,12 @@ fn denoise_points<'py>(
     found.set_item("smooth_weights", info.smooth_weights.clone())?;
     found.set_item("n_far", info.n_far)?;
     found.set_item("furthest", info.furthest)?;
+    if let Some(mesh) = &info.mesh {
+        found.set_item("impulse_share", mesh.impulse_share)?;
+        found.set_item("impulse_size", mesh.impulse_size)?;
+        found.set_item("turned_share", mesh.turned_share)?;
+        found.set_item("linear_rounds", mesh.linear_rounds)?;
+    }
     if let Some(cloud) = &info.cloud {
         found.set_item("noise_range", cloud.noise_range)?;
         found.set_item("n_outliers", cloud.n_outliers)?;

@@ -521,7 +521,9 @@ class DenoiseResult(NamedTuple):
         shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
         unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
         creases kept), ``n_far`` and ``furthest`` (number of vertices that moved farther than 3 times the noise, and the
-        largest distance). For a signal ``kept``, ``plain_weights``, ``step_weights`` and ``risk`` (expected squared error
+        largest distance). For a mesh ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved,
+        and their size in model units), ``turned_share`` (share of the triangles that noise turned over) and
+        ``linear_rounds`` (rounds of the linear filter that come first). For a signal ``kept``, ``plain_weights``, ``step_weights`` and ``risk`` (expected squared error
         before and after), for each group of ``channels``.
 
     Examples

@@ -1,7 +1,7 @@
 //! Report of a denoised shape.
 
 use super::{count, number};
-use adwave::denoise::{CloudDenoising, DenoiseInfo, Outliers};
+use adwave::denoise::{CloudDenoising, DenoiseInfo, MeshDenoising, Outliers};
 use adwave::local_fit::LocalFit;
 use std::fmt::Write;
 
@@ -40,6 +40,9 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         number(info.noise),
         number(info.noise_in_edges)
     );
+    if let Some(mesh) = &info.mesh {
+        describe_mesh(text, info, mesh);
+    }
     let percent = |weights: &[f64]| 100.0 * weights.iter().sum::<f64>();
     let mean_steps = |weights: &[f64]| {
         let sum: f64 = weights.iter().enumerate().map(|(j, w)| w * f64::from(1_u32 << j)).sum();
@@ -59,6 +62,28 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         }
     }
     describe_far(text, info);
+}
+
+/// Adds lines on the kinds of noise of a mesh beside that along the normals.
+fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
+    if mesh.impulse_share > 0.0 {
+        let _ = writeln!(
+            text,
+            "impulses: {:.1} % of the vertices by {} model units (root mean square); moved to the planes around them",
+            100.0 * mesh.impulse_share,
+            number(mesh.impulse_size)
+        );
+    }
+    if mesh.turned_share > 0.001 && info.noise > 0.0 {
+        let _ = writeln!(
+            text,
+            "turned triangles: {:.1} %, as noise in all directions makes them",
+            100.0 * mesh.turned_share
+        );
+    }
+    if mesh.linear_rounds > 0.0 && info.kept < 1.0 {
+        let _ = writeln!(text, "positions: {:.1} rounds of a linear filter first", mesh.linear_rounds);
+    }
 }
 
 /// Adds lines on the noise of a cloud by place, and on the points that did not move.

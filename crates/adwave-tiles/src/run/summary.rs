@@ -103,9 +103,12 @@ impl TilingJob {
 
     /// Noise and denoising, with lengths in model units.
     fn denoise_info(&self, furthest: f64, n_far: u64) -> Result<DenoiseInfo, TilesError> {
-        let DenoiseChoice { info, .. } = read_json(&self.folder.denoise_choice())?;
-        let noise = info.noise * self.plan.shape.layout.unit();
-        Ok(DenoiseInfo { noise, n_far: n_far as usize, furthest, ..info })
+        let DenoiseChoice { mut info, .. } = read_json(&self.folder.denoise_choice())?;
+        let unit = self.plan.shape.layout.unit();
+        if let Some(mesh) = &mut info.mesh {
+            mesh.impulse_size *= unit;
+        }
+        Ok(DenoiseInfo { noise: info.noise * unit, n_far: n_far as usize, furthest, ..info })
     }
 
     /// Features of all tiles from fine to coarse, the strongest of each level first. `vertex` is for a mesh the index in its file, for a

@@ -1,11 +1,16 @@
 //! Decisions of the denoiser that depend on a whole surface or a sample of it, so that its parts can be denoised
 //! separately.
 
-use super::smoothed_normals::{GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, Walks, fixed};
+use super::filter_rounds::choose_rounds;
+use super::impulses;
+use super::noise_kinds::{MAX_LINEAR_ROUNDS, estimate_noise, prepared_points};
+use super::smoothed_normals::{
+    GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, MAX_GUIDES, Walks, fixed,
+};
 use super::surface::NoisySurface;
 use super::{
-    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, build_surface, cloud,
-    denoise_cloud, estimate_noise, is_anything_to_do, select_walks,
+    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, Mixture, best_mixture, build_surface, cloud,
+    denoise_cloud, is_anything_to_do, select_walks,
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
@@ -81,10 +86,15 @@ impl DenoiseChoice {
         }
         let (points, unit) = geometry.unit_points(progress)?;
         let surface = build_surface(geometry, &points, progress)?;
-        let mut info = estimate_noise(&surface, &points, unit, params, progress)?;
+        let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
+        let points = impulses.map_or_else(|| points.to_vec(), |found| found.points);
         let (noise, mut scales) = (info.noise / unit, GuideScales::default());
-        if is_anything_to_do(&surface, noise, params)
-            && let Some((walks, _)) =
+        let is_noisy = is_anything_to_do(&surface, noise, params);
+        if is_noisy {
+            choose_rounds(&surface, &points, noise, params, &mut info, progress.quiet())?;
+        }
+        if is_noisy
+            && let Some(Mixture { walks, .. }) =
                 best_mixture(&surface, &points, None, noise, params, &mut info, progress.quiet())?
         {
             scales = GuideScales { distance: walks.scales.distance * unit * unit, ..walks.scales };
@@ -105,10 +115,13 @@ impl DenoiseChoice {
             let bands = fixed(n_levels)?;
             Ok::<_, DenoiseError>(bands.iter().map(FixedSeries::reach).max().unwrap_or(0))
         };
+        let guides = MAX_GUIDES * (GUIDE_MOVES + 1 + rings(GUIDE_LEVELS)? + 2);
+        let before = impulses::RINGS + 2 * MAX_LINEAR_ROUNDS.ceil() as usize;
         // Counted from the end: the moves; the walk, whose entries need normals one ring further, of points moved
-        // by normals that the first walk smoothed; and for that the normals of smoothed points. One ring of
-        // neighbors is another ring for the planes or triangles that define normals.
-        Ok(MOVES + rings(LEVELS)? + 2 + GUIDE_MOVES + 1 + rings(GUIDE_LEVELS)? + 2 + GUIDE_STEPS + 2)
+        // by normals that the walk of the guide before smoothed; for the first guide the normals of smoothed points;
+        // and before all that the linear filter and the impulses. One ring of neighbors is another ring for the
+        // triangles that define normals.
+        Ok(MOVES + rings(LEVELS)? + 2 + guides + GUIDE_STEPS + 2 + before)
     }
 
     /// Denoised points of a part of a mesh, with `triangles` in any order. Points with fewer than
@@ -122,10 +135,18 @@ impl DenoiseChoice {
         triangles: &[[u32; 3]],
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        if self.info.kept >= 1.0 {
+        let mesh = self.info.mesh.as_ref();
+        let impulse_share = mesh.map_or(0.0, |mesh| mesh.impulse_share);
+        let is_filtered = mesh.is_some_and(|mesh| mesh.linear_rounds > 0.0);
+        if self.info.kept >= 1.0 && impulse_share == 0.0 && !is_filtered {
             return Ok(points.to_vec());
         }
-        self.denoise(&NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?, points, progress)
+        let surface = NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?;
+        if impulse_share == 0.0 {
+            return self.denoise(&surface, points, progress);
+        }
+        let repaired = surface.impulses_of_share(points, impulse_share, progress)?.points;
+        self.denoise(&surface, &repaired, progress)
     }
 
     /// Denoised points of a part of a cloud; `neighbors` hold at least the [`NEIGHBORS`](Self::NEIGHBORS) nearest of
@@ -156,10 +177,13 @@ impl DenoiseChoice {
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
         let (wanted, weights) = select_walks(&self.info, self.creases);
-        let walks = Walks::new(surface, points, wanted, Some(&self.scales), progress)?;
+        let mut moved = prepared_points(surface, points, &self.info, progress)?;
+        if self.info.kept >= 1.0 {
+            return Ok(moved);
+        }
+        let walks = Walks::new(surface, &moved, wanted, Some(&self.scales), progress)?;
         let normals = walks.mixture(&weights, progress)?;
         drop(walks);
-        let mut moved = points.to_vec();
         surface.move_to(&mut moved, &normals, MOVES, progress)?;
         Ok(moved)
     }

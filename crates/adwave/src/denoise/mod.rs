@@ -12,6 +12,9 @@ mod choice;
 mod cloud;
 mod curve;
 mod error;
+mod filter_rounds;
+mod impulses;
+mod noise_kinds;
 mod noise_level;
 mod params;
 mod risk;
@@ -23,13 +26,14 @@ mod surface;
 
 pub use choice::DenoiseChoice;
 pub use error::DenoiseError;
-pub use params::{CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, Outliers};
+pub use params::{CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
 use crate::shape::{PreparedGeometry, Shape};
 use crate::vector::{norm, subtract};
 use crate::{Cancelled, Progress, parallel};
-use noise_level::noise_level;
+use filter_rounds::choose_rounds;
+use noise_kinds::{estimate_noise, prepared_points};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -70,11 +74,15 @@ const STAGES: u64 = 5;
 /// and 1, 2, 4, … 32 steps of two walks, one that hardly crosses creases and one that hardly notices them. The
 /// weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate for Gaussian noise that is
 /// independent between points, with the standard deviation estimated from the shape (or given). The points then
-/// take 20 steps towards these normals, along them: open borders do not shrink, and no vertex or face is lost. The
+/// take 20 steps towards these normals, along them: open borders hardly shrink, and no vertex or face is lost. The
 /// same shape gives the same bits.
 ///
-/// Noise that neighboring points share cannot be distinguished from detail, and noise beyond half the mean edge
-/// length hides creases.
+/// Two kinds of noise are treated before: vertices that impulses moved return to where the planes around them meet, and
+/// noise that is strong or turns triangles over is reduced by some rounds of the linear filter of
+/// `taubin1995signal` ([`MeshDenoising`]).
+///
+/// Noise that neighboring points share cannot be distinguished from detail, and noise beyond one mean edge length
+/// hides creases.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise};
@@ -120,27 +128,27 @@ pub fn denoise(
     let (points, unit) = geometry.unit_points(progress)?;
     progress.step(0, STAGES)?;
     let surface = build_surface(geometry, &points, progress)?;
-    let mut info = estimate_noise(&surface, &points, unit, params, progress)?;
+    let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
     let noise = info.noise / unit;
     progress.step(1, STAGES)?;
-    if !is_anything_to_do(&surface, noise, params) {
-        progress.step(STAGES, STAGES)?;
-        return Ok(Denoised { points: original.to_vec(), outliers: Vec::new(), info });
-    }
-    let mut moved = points.to_vec();
-    let sample = surface.sample(&points, progress)?;
-    let used = best_mixture(&surface, &points, sample.as_ref(), noise, params, &mut info, progress)?;
-    progress.step(4, STAGES)?;
-    if let Some((walks, weights)) = used {
-        let normals = walks.mixture(&weights, progress)?;
-        drop(walks);
-        surface.move_to(&mut moved, &normals, MOVES, progress)?;
+    let repaired = impulses.as_ref().map_or(&points[..], |found| &found.points[..]);
+    let mut moved = repaired.to_vec();
+    if is_anything_to_do(&surface, noise, params) {
+        choose_rounds(&surface, repaired, noise, params, &mut info, progress)?;
+        let sample = surface.sample(repaired, progress)?;
+        let mixture = best_mixture(&surface, repaired, sample.as_ref(), noise, params, &mut info, progress)?;
+        progress.step(4, STAGES)?;
+        moved = match mixture {
+            Some(mixture) => mixture.into_points(&surface, progress)?,
+            None => prepared_points(&surface, repaired, &info, progress)?,
+        };
     }
     let moves = parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]))?;
-    let moves = geometry.vertex_map().scatter(&moves, 1);
-    let lengths = parallel::try_collect(moves.len(), progress, |x| norm(&moves[x]))?;
-    info.n_far = lengths.iter().filter(|d| **d > FAR * noise).count();
-    info.furthest = lengths.iter().copied().fold(0.0, f64::max) * unit;
+    let map = geometry.vertex_map();
+    let is_hit = |v: usize| impulses.as_ref().is_some_and(|found| found.is_hit[map.welded(v)]);
+    let moves = map.scatter(&moves, 1);
+    info.n_far = (0..moves.len()).filter(|&v| norm(&moves[v]) > FAR * noise && !is_hit(v)).count();
+    info.furthest = moves.iter().map(norm).fold(0.0, f64::max) * unit;
     let points =
         original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
     progress.step(STAGES, STAGES)?;
@@ -199,33 +207,33 @@ fn build_surface(
     NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress)
 }
 
-/// Noise of a surface in model units, estimated or given; `unit` is the unit of the points.
-fn estimate_noise(
-    surface: &NoisySurface,
-    points: &[[f64; 3]],
-    unit: f64,
-    params: &DenoiseParams,
-    progress: Progress<'_>,
-) -> Result<DenoiseInfo, Cancelled> {
-    let mean_length = mean_distance(surface, points, progress)?;
-    let noise = match params.noise {
-        Some(noise) => noise / unit,
-        None => noise_level(surface, points, progress)?,
-    };
-    Ok(DenoiseInfo {
-        noise: noise * unit,
-        noise_in_edges: if mean_length > 0.0 { noise / mean_length } else { 0.0 },
-        kept: 1.0,
-        ..DenoiseInfo::default()
-    })
-}
-
 fn is_anything_to_do(surface: &NoisySurface, noise: f64, params: &DenoiseParams) -> bool {
     noise * params.strength != 0.0 && surface.n_sites() > 0
 }
 
-/// The walks of a surface and the weights of their mixture of least risk, estimated on the whole surface or on a
-/// `sample`; `None` if its normals are best unchanged.
+/// The walks of a surface, the weights of their mixture, and the points from which these move to its normals.
+struct Mixture {
+    walks: Walks,
+    weights: Vec<f64>,
+    start: Vec<[f64; 3]>,
+}
+
+impl Mixture {
+    /// The points moved to the normals of the mixture.
+    fn into_points(
+        self,
+        surface: &NoisySurface,
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>, DenoiseError> {
+        let Self { walks, weights, start: mut points } = self;
+        let normals = walks.mixture(&weights, progress)?;
+        drop(walks);
+        surface.move_to(&mut points, &normals, MOVES, progress)?;
+        Ok(points)
+    }
+}
+
+/// The mixture of least risk, estimated on the whole surface or on a `sample`; `None` if the normals are best unchanged.
 fn best_mixture(
     surface: &NoisySurface,
     points: &[[f64; 3]],
@@ -234,24 +242,26 @@ fn best_mixture(
     params: &DenoiseParams,
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
-) -> Result<Option<(Walks, Vec<f64>)>, DenoiseError> {
-    let wanted = SelectedWalks::from(params.creases);
+) -> Result<Option<Mixture>, DenoiseError> {
+    let wanted = SelectedWalks::from(params.creases).with_guides(info);
     let (part, part_points) = sample.map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = |k: u64| {
         let points = perturb(part_points, SHAKE * noise, SEED + k);
+        let points = prepared_points(part, &points, info, progress)?;
         Walks::new(part, &points, wanted, None, progress)?.candidates(progress)
     };
     // In parallel: each has many short parts that only one thread works on.
     let (as_they_are, shaken) = rayon::join(
         || {
-            let walks = Walks::new(part, part_points, wanted, None, progress)?;
+            let points = prepared_points(part, part_points, info, progress)?;
+            let walks = Walks::new(part, &points, wanted, None, progress)?;
             let candidates = walks.candidates(progress)?;
-            Ok::<_, DenoiseError>((walks, candidates))
+            Ok::<_, DenoiseError>((walks, candidates, points))
         },
         || (0..n_times).map(shaken).collect::<Result<Vec<_>, DenoiseError>>(),
     );
-    let ((walks, candidates), shaken) = (as_they_are?, shaken?);
+    let ((walks, candidates, start), shaken) = (as_they_are?, shaken?);
     progress.step(2, STAGES)?;
     let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;
     progress.step(3, STAGES)?;
@@ -268,18 +278,20 @@ fn best_mixture(
         return Ok(None);
     }
     if sample.is_none() {
-        return Ok(Some((walks, weights)));
+        return Ok(Some(Mixture { walks, weights, start }));
     }
     let (used, weights) = select_walks(info, params.creases);
-    Ok(Some((Walks::new(surface, points, used, None, progress)?, weights)))
+    let start = prepared_points(surface, points, info, progress)?;
+    let walks = Walks::new(surface, &start, used, None, progress)?;
+    Ok(Some(Mixture { walks, weights, start }))
 }
 
 /// The walks with positive weight, and the weights of their results.
 fn select_walks(info: &DenoiseInfo, creases: Creases) -> (SelectedWalks, Vec<f64>) {
     let is_used = |weights: &[f64]| weights.iter().any(|w| *w > 0.0);
     let (crease, smooth) = (is_used(&info.crease_weights), is_used(&info.smooth_weights));
-    let used =
-        SelectedWalks { creases: crease, smooth: SelectedWalks::from(creases).smooth.filter(|_| smooth) };
+    let wanted = SelectedWalks::from(creases).with_guides(info);
+    let used = SelectedWalks { creases: crease, smooth: wanted.smooth.filter(|_| smooth), ..wanted };
     let in_use = [&info.crease_weights, &info.smooth_weights].into_iter().filter(|w| is_used(w)).flatten();
     (used, std::iter::once(&info.kept).chain(in_use).copied().collect())
 }
@@ -306,16 +318,4 @@ fn perturb(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
         c + deviation * deviate
     };
     points.iter().map(|p| p.map(&mut shaken)).collect()
-}
-
-/// Mean distance between neighbors; 0 if there are none.
-fn mean_distance(
-    surface: &NoisySurface,
-    points: &[[f64; 3]],
-    progress: Progress<'_>,
-) -> Result<f64, Cancelled> {
-    let total = parallel::try_sum(points.len(), progress, |x| {
-        surface.ring.row(x).iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
-    })?;
-    Ok(total / surface.ring.nnz().max(1) as f64)
 }

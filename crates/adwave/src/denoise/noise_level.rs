@@ -70,7 +70,7 @@ impl NoisySurface {
 }
 
 /// Unit normals of the points.
-fn point_normals(
+pub(super) fn point_normals(
     surface: &NoisySurface,
     points: &[[f64; 3]],
     progress: Progress<'_>,

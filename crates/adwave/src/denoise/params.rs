@@ -144,7 +144,7 @@ pub struct DenoiseInfo {
     pub noise: f64,
     /// Standard deviation in mean edge lengths of a mesh, or mean neighbor distances of a cloud.
     pub noise_in_edges: f64,
-    /// Weight of the unchanged normals in the result; 1 if nothing is to be done.
+    /// Weight of the unchanged normals in the result; 1 if the walks have nothing to do.
     pub kept: f64,
     /// Weights of the walk that respects creases, after 1, 2, 4, … steps.
     pub crease_weights: Vec<f64>,
@@ -156,9 +156,29 @@ pub struct DenoiseInfo {
     pub n_far: usize,
     /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
+    /// Kinds of noise of a mesh, and their treatment; `None` for clouds and curves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshDenoising>,
     /// Noise and treatment of a cloud; `None` for meshes and curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<CloudDenoising>,
+}
+
+/// Kinds of noise of a mesh beside that along the normals, and the treatment of each.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MeshDenoising {
+    /// Share of the vertices that impulses moved, in 0..=1; 0 if these are not a kind of noise of their own. They are
+    /// moved to where the planes around them meet first.
+    pub impulse_share: f64,
+    /// Root mean square size of the impulses, in model units.
+    pub impulse_size: f64,
+    /// Share of the triangles that are turned against the surface around them, in 0..=1: noise in all directions turns
+    /// them, noise along the normals hardly does.
+    pub turned_share: f64,
+    /// Rounds of the linear filter that precede the walks, with a fraction.
+    pub linear_rounds: f64,
+    /// Number of guides of the walk that respects creases.
+    pub n_guides: usize,
 }
 
 /// Noise of a cloud by place, and what was done with its points. Lengths are in model units.

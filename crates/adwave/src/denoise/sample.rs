@@ -23,14 +23,28 @@ impl NoisySurface {
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<Option<Sample>, Cancelled> {
+        if self.n_sites() <= MAX_SITES {
+            Ok(None)
+        } else {
+            self.sample_of([PIECES, SITES_A_PIECE], points, progress)
+        }
+    }
+
+    /// A number of connected pieces of so many sites each; `None` if the surface has no more sites than that.
+    pub(super) fn sample_of(
+        &self,
+        [n_pieces, sites_a_piece]: [usize; 2],
+        points: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Option<Sample>, Cancelled> {
         let n = self.n_sites();
-        if n <= MAX_SITES {
+        if n <= n_pieces * sites_a_piece {
             return Ok(None);
         }
         // Sites are ordered along a curve through the shape, so a range of them is a connected piece.
-        let sites = (0..PIECES).flat_map(|k| {
-            let first = k * n / PIECES + (n / PIECES - SITES_A_PIECE) / 2;
-            first..first + SITES_A_PIECE
+        let sites = (0..n_pieces).flat_map(|k| {
+            let first = k * n / n_pieces + (n / n_pieces - sites_a_piece) / 2;
+            first..first + sites_a_piece
         });
         let chosen: Vec<[u32; 3]> = sites.map(|t| self.triangles[t]).collect();
         let mut corners: Vec<u32> = chosen.as_flattened().to_vec();

@@ -7,6 +7,7 @@ use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
 use crate::bands::{Schedule, Transform};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::operator::Diffusion;
+use crate::shape::Adjacency;
 use crate::{Cancelled, Decomposer, Progress, parallel};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -56,8 +57,11 @@ const CHANNELS_TOGETHER: usize = 3;
 /// Largest relative error of a band, far below the remaining noise.
 const ACCURACY: f64 = 1e-5;
 
-/// Median absolute deviation of a standard normal variable.
-const MEDIAN_DEVIATION: f64 = 0.674_489_750_196_081_7;
+/// Largest number of successive differences from which the noise is estimated.
+const NOISE_ORDERS: usize = 5;
+
+/// Standard error of a median absolute deviation relative to it, times the root of the number of values.
+const LEVEL_ERROR: f64 = 1.17;
 
 /// Assumed noise of one group of channels, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -327,8 +331,7 @@ impl ChannelGroup<'_> {
         Ok([vec![data.to_vec()], plain, by_second, by_third].concat())
     }
 
-    /// Standard deviation of the noise, from the median absolute deviation of the difference between a value and the
-    /// linear fit to its k neighbors, divided by `√(1 + 1/k)`, and relative to that of noise of variance 1.
+    /// Standard deviation of the noise, from the differences between values and the linear fits to their neighbors.
     fn noise_about_fits(
         &self,
         data: &[f64],
@@ -336,41 +339,94 @@ impl ChannelGroup<'_> {
         progress: Progress<'_>,
     ) -> Result<f64, DenoiseError> {
         let neighbors = self.decomposer.diffusion().neighbors();
-        let deviations = |field: &[f64], fit: &LinearTransform<'_>| -> Result<Vec<f64>, DenoiseError> {
-            let found = fit.residuals(field, progress)?;
-            let known = (0..found.len()).filter(|&x| !neighbors.row(x).is_empty() && (self.is_known)(x));
-            Ok(known.map(|x| found[x].abs() / (1.0 + 1.0 / neighbors.row(x).len() as f64).sqrt()).collect())
-        };
-        let (mut found, mut of_white) = (Vec::new(), Vec::new());
-        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        let mut channels = Vec::new();
         for (c, fit) in fits.iter().enumerate() {
             let field = channel(data, c, self.d);
-            found.extend(deviations(&field, fit)?);
-            let white: Vec<f64> = field.iter().map(|_| StandardNormal.sample(&mut random)).collect();
-            of_white.extend(deviations(&white, fit)?);
+            let white = white_noise(field.len(), c);
+            channels.push([fit.residuals(&field, progress)?, fit.residuals(&white, progress)?]);
         }
-        let (found, of_white) = (median(&mut found), median(&mut of_white));
-        let largest = data.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        Ok(if of_white > 0.0 && found > ROUNDING * largest { found / of_white } else { 0.0 })
+        Ok(self.level_of_residuals(data, channels, neighbors, progress)?)
     }
 
-    /// Standard deviation of the noise, from the median absolute deviation of the difference between a value and
-    /// the mean over its k neighbors, which has variance `σ²·(1 + 1/k)` for noise of variance σ².
+    /// Standard deviation of the noise, from the differences between values and the means of their neighbors.
     fn noise_level(&self, data: &[f64], progress: Progress<'_>) -> Result<f64, DenoiseError> {
-        let (neighbors, d) = (self.decomposer.neighbors(), self.d);
-        let mut deviations = parallel::try_collect(data.len(), progress, |i| {
-            let (x, c) = (i / d, i % d);
-            let near = neighbors.row(x);
-            if near.is_empty() || !(self.is_known)(x) {
-                return f64::NAN;
-            }
-            let k = near.len() as f64;
-            let mean = near.iter().map(|&y| data[y as usize * d + c]).sum::<f64>() / k;
-            (data[i] - mean).abs() / (1.0 + 1.0 / k).sqrt()
-        })?;
-        deviations.retain(|v| v.is_finite());
-        Ok(median(&mut deviations) / MEDIAN_DEVIATION)
+        let neighbors = self.decomposer.neighbors();
+        let mut channels = Vec::new();
+        for c in 0..self.d {
+            let field = channel(data, c, self.d);
+            let white = white_noise(field.len(), c);
+            let about_mean = |field: &[f64]| self.differences(field, neighbors, progress);
+            channels.push([about_mean(&field)?, about_mean(&white)?]);
+        }
+        Ok(self.level_of_residuals(data, channels, neighbors, progress)?)
     }
+
+    /// Standard deviation of the noise from the residuals of each channel and those of noise of variance 1: the ratio
+    /// of their median absolute deviations. Both are replaced by their differences from the mean of the neighbors as
+    /// long as this lowers the ratio: detail of the signal decays from each to the next, white noise does not.
+    fn level_of_residuals(
+        &self,
+        data: &[f64],
+        mut channels: Vec<[Vec<f64>; 2]>,
+        neighbors: &Adjacency,
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled> {
+        let mut least: Option<f64> = None;
+        for order in 0..NOISE_ORDERS {
+            if order > 0 {
+                for fields in &mut channels {
+                    for field in fields {
+                        *field = self.differences(field, neighbors, progress)?;
+                    }
+                }
+            }
+            let typical = |which: usize| {
+                let fields = channels.iter().map(|fields| &fields[which]);
+                let mut known: Vec<f64> = fields
+                    .flat_map(|field| (0..field.len()).map(move |x| (x, field[x])))
+                    .filter(|(x, _)| !neighbors.row(*x).is_empty() && (self.is_known)(*x))
+                    .map(|(_, v)| v.abs())
+                    .collect();
+                (median(&mut known), known.len())
+            };
+            let ((found, n), (of_white, _)) = (typical(0), typical(1));
+            if of_white <= 0.0 {
+                break;
+            }
+            let level = found / of_white;
+            // The least of several estimates would be too small by chance.
+            let error = LEVEL_ERROR / (n as f64).sqrt();
+            least = match least {
+                Some(least) if level > (1.0 - error) * least => break,
+                _ => Some(level),
+            };
+        }
+        let largest = data.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        Ok(least.filter(|level| *level > ROUNDING * largest).unwrap_or(0.0))
+    }
+
+    /// Values minus the means of their known neighbors; 0 without any.
+    fn differences(
+        &self,
+        field: &[f64],
+        neighbors: &Adjacency,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        parallel::try_collect(field.len(), progress, |x| {
+            let (mut sum, mut n) = (0.0, 0.0);
+            for &y in neighbors.row(x).iter().filter(|y| (self.is_known)(**y as usize)) {
+                sum += field[y as usize];
+                n += 1.0;
+            }
+            if n > 0.0 && (self.is_known)(x) { field[x] - sum / n } else { 0.0 }
+        })
+    }
+}
+
+/// Noise of variance 1 for a channel.
+fn white_noise(n: usize, channel: usize) -> Vec<f64> {
+    let mut random = Pcg64Mcg::seed_from_u64(SEED + channel as u64);
+    (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
 /// Fits made from others, one for each; equal domains that follow each other share one.

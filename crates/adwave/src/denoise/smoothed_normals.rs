@@ -28,6 +28,9 @@ const CREASE_REACH: f64 = 2.5;
 /// The corresponding turn for the walk that nearly ignores creases.
 const SMOOTH_REACH: f64 = 6.0;
 
+/// Largest number of guides of the walk that respects creases.
+pub(super) const MAX_GUIDES: usize = 2;
+
 /// Largest relative error of a band of normals, far below the remaining noise.
 const ACCURACY: f64 = 1e-4;
 
@@ -38,8 +41,8 @@ pub(super) struct GuideScales {
     pub(super) distance: f64,
     /// Median of the squared differences of the first guide.
     pub(super) first: f64,
-    /// Median of the squared differences of the second guide; 0 if the walk that respects creases is not used.
-    pub(super) second: f64,
+    /// Medians of the squared differences of the later guides; 0 where a guide is not used.
+    pub(super) later: [f64; MAX_GUIDES],
 }
 
 /// The noisy normals of a surface and the walks that smooth them.
@@ -73,14 +76,16 @@ pub(super) struct SelectedWalks {
     pub(super) creases: bool,
     /// Reach of the walk that nearly ignores creases.
     pub(super) smooth: Option<f64>,
+    /// Number of guides after the first of the walk that respects creases.
+    pub(super) n_guides: usize,
 }
 
 impl From<Creases> for SelectedWalks {
     fn from(creases: Creases) -> Self {
         match creases {
-            Creases::Auto => Self { creases: true, smooth: Some(SMOOTH_REACH) },
-            Creases::Keep => Self { creases: true, smooth: None },
-            Creases::None => Self { creases: false, smooth: Some(f64::INFINITY) },
+            Creases::Auto => Self { creases: true, smooth: Some(SMOOTH_REACH), n_guides: 1 },
+            Creases::Keep => Self { creases: true, smooth: None, n_guides: 1 },
+            Creases::None => Self { creases: false, smooth: Some(f64::INFINITY), n_guides: 1 },
         }
     }
 }
@@ -90,7 +95,7 @@ impl Walks {
     ///
     /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps. The walk that respects creases
     /// uses a second guide: the normals of the surface after it has been moved to the normals that the first guide
-    /// gives after 16 steps.
+    /// gives after 16 steps; and where noise is strong a third one, made from the second in this way.
     ///
     /// For part of a surface, `known` holds the scales of the whole.
     pub(super) fn new(
@@ -119,25 +124,30 @@ impl Walks {
         let first = typical(&guide, known.map(|scales| scales.first))?;
         let smooth = || wanted.smooth.map(|reach| guided(&guide, reach, first)).transpose();
         let creases = || {
+            let mut later = [0.0; MAX_GUIDES];
             if !wanted.creases {
-                return Ok::<_, DenoiseError>((None, 0.0));
+                return Ok::<_, DenoiseError>((None, later));
             }
             let mut weights = [0.0; GUIDE_LEVELS];
             weights[GUIDE_LEVELS - 1] = 1.0;
-            let mut smoothed = vec![[0.0; 3]; normals.len()];
-            let walk = guided(&guide, CREASE_REACH, first)?;
-            add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
-            drop(walk);
-            normalize(&mut smoothed);
-            let mut moved = points.to_vec();
-            surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
-            let guide = surface.normals(&moved, progress)?;
-            let second = typical(&guide, known.map(|scales| scales.second))?;
-            Ok((Some(guided(&guide, CREASE_REACH, second)?), second))
+            let mut walk = guided(&guide, CREASE_REACH, first)?;
+            for k in 0..wanted.n_guides.min(MAX_GUIDES) {
+                let mut smoothed = vec![[0.0; 3]; normals.len()];
+                add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
+                drop(walk);
+                normalize(&mut smoothed);
+                let mut moved = points.to_vec();
+                surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
+                let guide = surface.normals(&moved, progress)?;
+                later[k] = typical(&guide, known.map(|scales| scales.later[k]))?;
+                walk = guided(&guide, CREASE_REACH, later[k])?;
+            }
+            Ok((Some(walk), later))
         };
         let (smooth, creases) = rayon::join(smooth, creases);
-        let (smooth, (creases, second)) = (smooth?, creases?);
-        Ok(Self { normals, areas, creases, smooth, scales: GuideScales { distance, first, second }, cut })
+        let (smooth, (creases, later)) = (smooth?, creases?);
+        let scales = GuideScales { distance, first, later };
+        Ok(Self { normals, areas, creases, smooth, scales, cut })
     }
 
     /// Components of the mixture, three numbers per site each: the normals unchanged, then `S(1) … S(LEVELS)` by

@@ -10,6 +10,9 @@ use crate::{Cancelled, Progress, rows::Pattern};
 /// grows quadratically. Those that share an edge meet at its other end too.
 const MAX_VALENCE: usize = 64;
 
+/// Factors of the two steps of a round of the linear filter, the usual ones.
+const LINEAR_FACTORS: [f64; 2] = [0.5, -0.53];
+
 /// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 1 << 12;
 
@@ -97,6 +100,32 @@ impl NoisySurface {
             now = parallel::try_collect(now.len(), progress, |x| {
                 add_scaled(&now[x], 0.5, &self.umbrella(&now, x))
             })?;
+        }
+        Ok(now)
+    }
+
+    /// The points after `rounds` of the linear filter of `taubin1995signal`, alternating steps that shrink and inflate;
+    /// of a fraction of a round this fraction of its change.
+    pub(super) fn linear_filtered(
+        &self,
+        points: &[[f64; 3]],
+        rounds: f64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<[f64; 3]>, Cancelled> {
+        let mut now = points.to_vec();
+        let mut left = rounds;
+        while left > 0.0 {
+            let share = left.min(1.0);
+            let mut next = now.clone();
+            for factor in LINEAR_FACTORS {
+                next = parallel::try_collect(next.len(), progress, |x| {
+                    add_scaled(&next[x], factor, &self.umbrella(&next, x))
+                })?;
+            }
+            now = parallel::try_collect(now.len(), progress, |x| {
+                add_scaled(&now[x], share, &subtract(&next[x], &now[x]))
+            })?;
+            left -= 1.0;
         }
         Ok(now)
     }

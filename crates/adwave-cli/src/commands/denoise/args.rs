@@ -12,6 +12,9 @@ use std::path::PathBuf;
 The noise level is estimated from the shape. The amount of smoothing, and whether creases are kept, minimize an estimate of the
 error, so no option is needed.
 
+Vertices of a mesh that impulses moved return to the planes around them, and noise that is strong or turns triangles over is first
+reduced by a linear filter; the result says so.
+
 Points of a cloud move onto planes and quadrics fitted to their neighbors, by the noise found at their place and never farther than
 three times that. Where a fit would do harm, and where points form lines, volumes or nothing, they stay; the result says how many.
 Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the

@@ -1,0 +1,126 @@
+//! Choice between few and many rounds of the linear filter that precedes the walks, by the estimated risk of positions.
+
+use super::noise_kinds::prepared_points;
+use super::noise_level::point_normals;
+use super::risk::Risk;
+use super::smoothed_normals::{SelectedWalks, Walks};
+use super::surface::NoisySurface;
+use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, perturb, shares};
+use crate::vector::{dot, subtract};
+use crate::{Cancelled, Progress, parallel};
+
+/// The alternative number of rounds: then the linear filter does most of the smoothing, as suits detail that is not
+/// piecewise smooth.
+const MANY_ROUNDS: f64 = 4.0;
+
+/// Rounds from which there is no alternative.
+const ENOUGH_ROUNDS: f64 = 3.0;
+
+/// Noise along the normals, in mean edges, below which there is none.
+const LEAST_NOISE: f64 = 0.05;
+
+/// Advantage that many rounds must promise, in squared standard deviations of the noise per edge: strong noise makes
+/// the estimate favor them by less.
+const LEAST_ADVANTAGE: f64 = 0.025;
+
+/// Number of lazy steps that smooth a surface for the directions along which positions are compared.
+const STEPS_BEFORE: usize = 3;
+
+/// Number of pieces of the sample, and of sites in each.
+const PIECES: [usize; 2] = [8, 1_000];
+
+/// Replaces the rounds of the linear filter by [`MANY_ROUNDS`] if these promise a smaller error, estimated on a sample.
+/// `noise` is in the units of the points. O(n log n) for the n sites of the sample.
+pub(super) fn choose_rounds(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    noise: f64,
+    params: &DenoiseParams,
+    info: &mut DenoiseInfo,
+    progress: Progress<'_>,
+) -> Result<(), DenoiseError> {
+    let Some(rounds) = info.mesh.as_ref().map(|mesh| mesh.linear_rounds) else { return Ok(()) };
+    if rounds >= ENOUGH_ROUNDS || info.noise_in_edges * params.strength < LEAST_NOISE {
+        return Ok(());
+    }
+    let sample = surface.sample_of(PIECES, points, progress)?;
+    let (part, points) = sample.as_ref().map_or((surface, points), |(part, points)| (part, &points[..]));
+    let risk = |rounds: f64| {
+        let mut info = info.clone();
+        if let Some(mesh) = &mut info.mesh {
+            mesh.linear_rounds = rounds;
+        }
+        position_risk(part, points, noise, params, &info, progress)
+    };
+    let (few, many) = rayon::join(|| risk(rounds), || risk(MANY_ROUNDS));
+    if few? - many? > LEAST_ADVANTAGE * (noise * params.strength).powi(2)
+        && let Some(mesh) = &mut info.mesh
+    {
+        mesh.linear_rounds = MANY_ROUNDS;
+    }
+    Ok(())
+}
+
+/// Risk of the result with the given rounds, less the noise of the data, as the mean of `(δ_x − δ_y)²` over edges of
+/// the errors δ of the positions along the normals: of slopes, that is, as the angles of normals are.
+///
+/// For data y = m + e and a result X it is Stein's estimate `(X − y)·L(X − y) + 2·tr(L·cov(X − y, e))` with the
+/// Laplacian L of the edges, the covariance from one repetition with added noise.
+fn position_risk(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    noise: f64,
+    params: &DenoiseParams,
+    info: &DenoiseInfo,
+    progress: Progress<'_>,
+) -> Result<f64, DenoiseError> {
+    let wanted = SelectedWalks::from(params.creases).with_guides(info);
+    let shaken_points = perturb(points, SHAKE * noise, SEED);
+    let prepare = |points: &[[f64; 3]]| {
+        let start = prepared_points(surface, points, info, progress)?;
+        let walks = Walks::new(surface, &start, wanted, None, progress)?;
+        let candidates = walks.candidates(progress)?;
+        Ok::<_, DenoiseError>((start, walks, candidates))
+    };
+    let (start, walks, candidates) = prepare(points)?;
+    let (shaken_start, shaken_walks, shaken) = prepare(&shaken_points)?;
+    let shaken = [shaken];
+    let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;
+    let weights = shares(risk.best_weights());
+    let finish = |mut moved: Vec<[f64; 3]>, walks: &Walks| {
+        if weights[0] < 1.0 {
+            let normals = walks.mixture(&weights, progress)?;
+            surface.move_to(&mut moved, &normals, MOVES, progress)?;
+        }
+        Ok::<_, DenoiseError>(moved)
+    };
+    let result = finish(start, &walks)?;
+    let shaken_result = finish(shaken_start, &shaken_walks)?;
+    let smooth = surface.smoothed(points, STEPS_BEFORE, progress)?;
+    let directions = point_normals(surface, &smooth, progress)?;
+    let n = points.len();
+    let heights = |to: &[[f64; 3]], from: &[[f64; 3]]| {
+        parallel::try_collect(n, progress, |x| dot(&directions[x], &subtract(&to[x], &from[x])))
+    };
+    let change = heights(&result, points)?;
+    let added = heights(&shaken_points, points)?;
+    let shaken_change = heights(&shaken_result, &shaken_points)?;
+    let response: Vec<f64> = shaken_change.iter().zip(&change).map(|(s, c)| s - c).collect();
+    let own = mean_product_over_edges(surface, &change, &change, progress)?;
+    let covariance = mean_product_over_edges(surface, &response, &added, progress)?;
+    Ok(own + 2.0 * covariance * (params.strength / SHAKE).powi(2))
+}
+
+/// Mean of `(a_x − a_y)·(b_x − b_y)` over edges.
+fn mean_product_over_edges(
+    surface: &NoisySurface,
+    a: &[f64],
+    b: &[f64],
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    let sum = parallel::try_sum(a.len(), progress, |x| {
+        let ring = surface.ring.row(x).iter().map(|&y| y as usize);
+        ring.map(|y| (a[x] - a[y]) * (b[x] - b[y])).sum()
+    })?;
+    Ok(sum / surface.ring.nnz().max(1) as f64)
+}

@@ -1,0 +1,143 @@
+//! Kinds of noise of a mesh: along the normals, impulses, and in all directions; and the treatment of each.
+
+use super::impulses::Impulses;
+use super::noise_level::noise_level;
+use super::smoothed_normals::SelectedWalks;
+use super::surface::NoisySurface;
+use super::{DenoiseInfo, DenoiseParams, MeshDenoising};
+use crate::vector::{dot, norm, subtract};
+use crate::{Cancelled, Progress, parallel};
+
+/// Number of lazy steps that smooth a surface for the direction that its triangles should have.
+const STEPS_OF_DIRECTION: usize = 3;
+
+/// Noise along the normals, in mean edges, from which the linear filter precedes the walks: normals of triangles depend
+/// on stronger noise less than linearly, so that less is lost if positions are averaged first.
+const LINEAR_FROM: f64 = 0.1;
+
+/// Rounds of the linear filter for each mean edge of noise beyond.
+const ROUNDS_BY_NOISE: f64 = 3.0;
+
+/// Rounds of the linear filter if one triangle in a hundred is turned; for other shares they grow with the root.
+const ROUNDS_BY_TURNED: f64 = 1.0;
+
+/// Noise along the normals, in mean edges, between which turned triangles count as noise, not as shape.
+const TURNED_BY_NOISE: [f64; 2] = [0.02, 0.1];
+
+/// Cap on the rounds of the linear filter.
+pub(super) const MAX_LINEAR_ROUNDS: f64 = 6.0;
+
+/// Noise along the normals, in mean edges, beyond which a further guide is made.
+const STRONG: f64 = 0.35;
+
+/// Noise of a surface in model units, estimated or given, and impulses if it has any; `unit` is the unit of the points.
+pub(super) fn estimate_noise(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    unit: f64,
+    params: &DenoiseParams,
+    progress: Progress<'_>,
+) -> Result<(DenoiseInfo, Option<Impulses>), Cancelled> {
+    let edge = mean_distance(surface, points, progress)?;
+    let (mut mesh, impulses) = if params.strength > 0.0 && params.noise != Some(0.0) {
+        find_impulses(surface, points, edge, progress)?
+    } else {
+        (MeshDenoising::default(), None)
+    };
+    let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
+    let noise = match params.noise {
+        Some(noise) => noise / unit,
+        None => noise_level(surface, points, progress)?,
+    };
+    let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
+    mesh.impulse_size *= unit;
+    mesh.turned_share = turned_share(surface, points, progress)?;
+    let [from, to] = TURNED_BY_NOISE;
+    let by_turned = ROUNDS_BY_TURNED * (100.0 * mesh.turned_share).sqrt();
+    let by_noise = ROUNDS_BY_NOISE * (params.strength * in_edges - LINEAR_FROM).max(0.0);
+    mesh.linear_rounds =
+        (by_noise + by_turned * ((in_edges - from) / (to - from)).clamp(0.0, 1.0)).min(MAX_LINEAR_ROUNDS);
+    mesh.n_guides = if in_edges > STRONG { 3 } else { 2 };
+    let info = DenoiseInfo {
+        noise: noise * unit,
+        noise_in_edges: in_edges,
+        kept: 1.0,
+        mesh: Some(mesh),
+        ..DenoiseInfo::default()
+    };
+    Ok((info, impulses))
+}
+
+/// Impulses of a surface if it has any, sought in a sample of a large one first.
+fn find_impulses(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    edge: f64,
+    progress: Progress<'_>,
+) -> Result<(MeshDenoising, Option<Impulses>), Cancelled> {
+    let found_in = |surface: &NoisySurface, points: &[[f64; 3]]| {
+        let found = surface.impulses(points, progress)?;
+        let noise = noise_level(surface, &found.points, progress)?;
+        Ok::<_, Cancelled>(found.statistics(points, noise, edge).map(|statistics| (statistics, found)))
+    };
+    let none = (MeshDenoising::default(), None);
+    let sample = surface.sample(points, progress)?;
+    let Some((statistics, found)) = (match &sample {
+        Some((part, points)) => found_in(part, points)?,
+        None => found_in(surface, points)?,
+    }) else {
+        return Ok(none);
+    };
+    let share = statistics.share;
+    let found = if sample.is_some() {
+        surface.impulses_of_share(points, share, progress)?
+    } else {
+        let mut found = found;
+        surface.add_if_many(&mut found, share, progress)?;
+        found
+    };
+    let mesh =
+        MeshDenoising { impulse_share: share, impulse_size: statistics.size, ..MeshDenoising::default() };
+    Ok((mesh, Some(found)))
+}
+
+/// Share of the triangles whose normals point away from those of the same triangles of the smoothed surface.
+fn turned_share(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    let normals = surface.normals(points, progress)?;
+    let smooth = surface.normals(&surface.smoothed(points, STEPS_OF_DIRECTION, progress)?, progress)?;
+    let n_turned = (0..normals.len()).filter(|&t| dot(&normals[t], &smooth[t]) < 0.0).count();
+    Ok(n_turned as f64 / normals.len().max(1) as f64)
+}
+
+/// Points after the linear filter that precedes the walks.
+pub(super) fn prepared_points(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    info: &DenoiseInfo,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, Cancelled> {
+    surface.linear_filtered(points, info.mesh.as_ref().map_or(0.0, |mesh| mesh.linear_rounds), progress)
+}
+
+impl SelectedWalks {
+    /// The walks with the number of guides that the noise asks for.
+    pub(super) fn with_guides(self, info: &DenoiseInfo) -> Self {
+        Self { n_guides: info.mesh.as_ref().map_or(1, |mesh| mesh.n_guides.saturating_sub(1)), ..self }
+    }
+}
+
+/// Mean distance between neighbors; 0 if there are none.
+fn mean_distance(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<f64, Cancelled> {
+    let total = parallel::try_sum(points.len(), progress, |x| {
+        surface.ring.row(x).iter().map(|&y| norm(&subtract(&points[x], &points[y as usize]))).sum()
+    })?;
+    Ok(total / surface.ring.nnz().max(1) as f64)
+}
