@@ -23,7 +23,7 @@ that are flagged as withheld or classified as noise, strays and placeholders; no
 
 Examples:
   adwave tiles flight-*.laz -o smooth.laz --gains 0,0,0.5,1,1,1,1,1
-  adwave tiles flight-*.laz -o ground.laz --gains 0,0,0.5,1,1,1,1,1 --along z --only classification=2
+  adwave tiles flight-*.laz -o ground.laz --gains 0,0.5,1 --along z --only classification=2
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --memory 4G
   adwave tiles flight-*.laz -o map.laz --saliency --features features.csv
   adwave tiles flight-*.laz -o clean.laz --denoise
