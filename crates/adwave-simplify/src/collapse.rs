@@ -32,6 +32,7 @@ const MAX_DOUBLINGS: u32 = 6;
 struct Candidate {
     cost: f64,
     vertex: u32,
+    target: u32,
     stamp: u32,
     /// Rank of the collapse among those of the vertex, by cost.
     rank: u32,
@@ -120,15 +121,13 @@ impl<'a> Collapser<'a> {
         while remaining > n_left {
             let Some(mut candidate) = self.heap.pop() else { break };
             let u = candidate.vertex;
-            self.rank(u);
-            let stamp = self.stamps[u as usize];
-            if candidate.stamp != stamp {
-                let Some(&(cost, _)) = self.ranked.first() else {
+            if candidate.stamp != self.stamps[u as usize] {
+                let Some(best) = self.best_candidate(u) else {
                     self.is_queued[u as usize] = false;
                     continue;
                 };
-                candidate = Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false };
-                if self.heap.peek().is_some_and(|next| next.cost < cost) {
+                candidate = best;
+                if self.heap.peek().is_some_and(|next| next.cost < candidate.cost) {
                     self.heap.push(candidate);
                     continue;
                 }
@@ -159,8 +158,7 @@ impl<'a> Collapser<'a> {
         let n = self.connectivity.n_positions() as u32;
         let candidate = |(neighbors, ranked): &mut (Vec<u32>, Vec<(f64, u32)>), u: u32| {
             rank(&self.connectivity, &self.quadrics[u as usize], u, neighbors, ranked);
-            let &(cost, _) = ranked.first()?;
-            Some(Candidate { cost, vertex: u, stamp: self.stamps[u as usize], rank: 0, is_exact: false })
+            first_candidate(u, self.stamps[u as usize], ranked)
         };
         let candidates: Vec<Option<Candidate>> =
             (0..n).into_par_iter().map_init(Default::default, candidate).collect();
@@ -174,10 +172,15 @@ impl<'a> Collapser<'a> {
         rank(&self.connectivity, &self.quadrics[u as usize], u, &mut self.neighbors, &mut self.ranked);
     }
 
-    /// Carries out a collapse among those ranked if it is possible; otherwise the next one becomes the candidate.
+    /// Ranks the collapses of a vertex, and returns the cheapest.
+    fn best_candidate(&mut self, u: u32) -> Option<Candidate> {
+        self.rank(u);
+        first_candidate(u, self.stamps[u as usize], &self.ranked)
+    }
+
+    /// Carries out a collapse if it is possible; otherwise the next one of the vertex becomes the candidate.
     fn try_candidate(&mut self, candidate: Candidate) -> bool {
-        let u = candidate.vertex;
-        let Some(&(_, v)) = self.ranked.get(candidate.rank as usize) else { return false };
+        let (u, v) = (candidate.vertex, candidate.target);
         let is_planned = self.connectivity.plan(u, v, self.turning, &mut self.plan);
         let color_cost = if is_planned && !candidate.is_exact { self.color_cost() } else { 0.0 };
         if color_cost > 0.0 {
@@ -185,11 +188,14 @@ impl<'a> Collapser<'a> {
         } else if is_planned && self.is_allowed() {
             self.carry_out();
             return true;
-        } else if let Some(&(cost, _)) = self.ranked.get(candidate.rank as usize + 1) {
-            let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
-            self.heap.push(Candidate { cost, rank, is_exact: false, ..candidate });
         } else {
-            self.postpone(u);
+            self.rank(u);
+            if let Some(&(cost, target)) = self.ranked.get(candidate.rank as usize + 1) {
+                let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
+                self.heap.push(Candidate { cost, target, rank, is_exact: false, ..candidate });
+            } else {
+                self.postpone(u);
+            }
         }
         false
     }
@@ -233,9 +239,8 @@ impl<'a> Collapser<'a> {
             if self.is_queued[u as usize] || stamp < self.retries[u as usize].stamp {
                 continue;
             }
-            self.rank(u);
-            if let Some(&(cost, _)) = self.ranked.first() {
-                self.heap.push(Candidate { cost, vertex: u, stamp, rank: 0, is_exact: false });
+            if let Some(candidate) = self.best_candidate(u) {
+                self.heap.push(candidate);
                 self.is_queued[u as usize] = true;
             }
         }
@@ -258,6 +263,12 @@ impl<'a> Collapser<'a> {
         let greatest = self.plan.wedges.iter().map(change).fold(0.0, f64::max);
         (greatest * edge) * (greatest * edge)
     }
+}
+
+/// Returns the cheapest of ranked collapses.
+fn first_candidate(vertex: u32, stamp: u32, ranked: &[(f64, u32)]) -> Option<Candidate> {
+    let &(cost, target) = ranked.first()?;
+    Some(Candidate { cost, vertex, target, stamp, rank: 0, is_exact: false })
 }
 
 /// Ranks the collapses of a vertex by cost; `neighbors` is scratch space.

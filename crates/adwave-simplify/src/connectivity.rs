@@ -17,6 +17,9 @@ const MIN_RELATIVE_AREA: f64 = 1e-8;
 /// Largest number of faces around a vertex that may be removed.
 const MAX_FACES: usize = 256;
 
+/// Room for the faces that the first collapses to a vertex add.
+const SPARE_FACES: usize = 4;
+
 /// Number of faces around a vertex up to which a list is searched directly.
 const FEW_FACES: usize = 32;
 
@@ -88,7 +91,8 @@ impl Connectivity {
         for wedge in left().flat_map(|(_, face)| face) {
             counts[position[*wedge as usize] as usize] += 1;
         }
-        let mut around: Vec<Vec<u32>> = counts.into_iter().map(Vec::with_capacity).collect();
+        let mut around: Vec<Vec<u32>> =
+            counts.into_iter().map(|n| Vec::with_capacity(n + SPARE_FACES)).collect();
         for (t, face) in left() {
             for &wedge in face {
                 around[position[wedge as usize] as usize].push(t as u32);

@@ -283,7 +283,11 @@ impl<'a> SimplifyJob<'a> {
             return Ok((self.unchanged(), Why::Unchanged));
         }
         // The collapses have proven the limit; the measure may need too many pieces to prove it again.
-        let within = |side: OneSided| OneSided { greatest: side.greatest.min(limit), ..side };
+        let within = |side: OneSided| OneSided {
+            greatest: side.greatest.min(limit),
+            at_least: side.at_least.min(limit),
+            ..side
+        };
         let deviation = self.measure(&triangles)?;
         let deviation = Deviation {
             of_original: within(deviation.of_original),
