@@ -230,12 +230,11 @@ pub(crate) fn bound_distance<T: TriangleSearch>(
         } else {
             divide(&piece, near, to, &mut bounds)
         };
-        match parts {
-            Some(parts) => pieces.extend(parts.into_iter().filter(|part| part.n >= 3)),
-            None => {
-                bounds.upper = bounds.upper.max(upper);
-                use_triangle(by);
-            }
+        if let Some(parts) = parts {
+            pieces.extend(parts.into_iter().filter(|part| part.n >= 3));
+        } else {
+            bounds.upper = bounds.upper.max(upper);
+            use_triangle(by);
         }
         if is_beyond {
             bounds.upper = f64::INFINITY;

@@ -47,7 +47,9 @@ impl MaskFile {
             return Err(SelectionError::MaskLength { mask, found: found.len(), n_rows });
         }
         if self.side == MaskSide::Outside {
-            found.iter_mut().for_each(|takes_part| *takes_part = !*takes_part);
+            for takes_part in &mut found {
+                *takes_part = !*takes_part;
+            }
         }
         Ok(found)
     }

@@ -35,12 +35,12 @@ pub(crate) struct Blocks {
 /// Numbers of the records that take no part, by the first reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct OutsiderCounts {
-    /// Left out by conditions or a mask.
-    pub(crate) n_unselected: u64,
-    /// Flagged as withheld or classified as noise.
-    pub(crate) n_flagged: u64,
-    /// Placeholders without a real position.
-    pub(crate) n_placeholders: u64,
+    /// Number left out by conditions or a mask.
+    pub(crate) unselected: u64,
+    /// Number flagged as withheld or classified as noise.
+    pub(crate) flagged: u64,
+    /// Number of placeholders without a real position.
+    pub(crate) placeholders: u64,
 }
 
 /// First bytes of a block table.
@@ -83,11 +83,11 @@ impl BlockTableBuilder {
             let counts = &mut self.outsiders;
             let marks = self.layout.marks(record);
             if marks & UNSELECTED != 0 {
-                counts.n_unselected += 1;
+                counts.unselected += 1;
             } else if marks & FLAGGED != 0 && !self.rule.includes_flagged {
-                counts.n_flagged += 1;
+                counts.flagged += 1;
             } else {
-                counts.n_placeholders += 1;
+                counts.placeholders += 1;
             }
         }
         self.n_records += 1;
@@ -114,11 +114,10 @@ impl BlockTableBuilder {
 
     pub(crate) fn write(self, path: &Path) -> Result<(), TilesError> {
         write_atomic(path, |out| {
-            let OutsiderCounts { n_unselected, n_flagged, n_placeholders } = self.outsiders;
+            let OutsiderCounts { unselected, flagged, placeholders } = self.outsiders;
             let n_blocks = self.first_records.len() as u64;
             let mut bytes = MAGIC.to_vec();
-            let numbers =
-                [self.n_vertices, self.n_records, n_unselected, n_flagged, n_placeholders, n_blocks];
+            let numbers = [self.n_vertices, self.n_records, unselected, flagged, placeholders, n_blocks];
             bytes.extend(numbers.iter().flat_map(|n| n.to_le_bytes()));
             let MemberRule { includes_flagged, known } = self.rule;
             bytes.extend([u8::from(includes_flagged), u8::from(known.is_some())]);
@@ -143,11 +142,8 @@ impl Blocks {
     fn parse(bytes: &[u8], records: RandomAccessFile, layout: RecordLayout) -> Option<Self> {
         let mut cursor = ByteCursor { bytes: bytes.strip_prefix(MAGIC)? };
         let (n_vertices, n_records) = (cursor.u64()?, cursor.u64()?);
-        let outsiders = OutsiderCounts {
-            n_unselected: cursor.u64()?,
-            n_flagged: cursor.u64()?,
-            n_placeholders: cursor.u64()?,
-        };
+        let outsiders =
+            OutsiderCounts { unselected: cursor.u64()?, flagged: cursor.u64()?, placeholders: cursor.u64()? };
         let n_blocks = cursor.u64()?;
         let (includes_flagged, has_range) = (cursor.u8()? != 0, cursor.u8()? != 0);
         let mut known = KnownRange { low: [0.0; 3], high: [0.0; 3] };

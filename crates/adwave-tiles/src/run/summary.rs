@@ -57,9 +57,9 @@ impl TilingJob {
         let shape = &self.plan.shape;
         Ok(Summary {
             n_points: shape.n_points,
-            n_unselected: blocks.outsiders.n_unselected,
-            n_flagged: blocks.outsiders.n_flagged,
-            n_placeholders: blocks.outsiders.n_placeholders,
+            n_unselected: blocks.outsiders.unselected,
+            n_flagged: blocks.outsiders.flagged,
+            n_placeholders: blocks.outsiders.placeholders,
             n_strays: if shape.is_mesh() || noise.is_some() || blocks.n_vertices <= STRAY_NEIGHBORS as u64 {
                 0
             } else {

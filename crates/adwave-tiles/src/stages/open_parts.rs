@@ -47,7 +47,9 @@ impl OpenParts {
             progress.check()?;
             let found = |&block: &usize| BlockPieces::find(blocks, neighbor_index, rows, block);
             let found: Vec<BlockPieces> = group.par_iter().map(found).collect::<Result<_, TilesError>>()?;
-            found.into_iter().for_each(|found| pieces.push(found));
+            for found in found {
+                pieces.push(found);
+            }
         }
         Ok(Self { blocks: pieces.open_runs() })
     }
@@ -125,14 +127,14 @@ impl BlockPieces {
         let mut numbers = vec![u32::MAX; n];
         let (mut runs, mut has_border, mut links): (Vec<PieceRun>, Vec<bool>, Vec<Link>) =
             (Vec::new(), Vec::new(), Vec::new());
-        for i in 0..n {
+        for (i, is_border) in is_border.into_iter().enumerate() {
             let root = sets.root(i as u32) as usize;
             if numbers[root] == u32::MAX {
                 numbers[root] = has_border.len() as u32;
                 has_border.push(false);
             }
             let piece = numbers[root];
-            has_border[piece as usize] |= is_border[i];
+            has_border[piece as usize] |= is_border;
             if runs.last().is_none_or(|run| run.piece != piece) {
                 runs.push(PieceRun { start: i as u16, piece });
             }

@@ -49,7 +49,7 @@ impl SortedRecords<'_> {
     ) -> Result<BlockTableBuilder, TilesError> {
         let mut rule = builder.rule;
         // A file of noise alone is what somebody wants to look at.
-        if builder.n_vertices == 0 && builder.outsiders.n_flagged > 0 {
+        if builder.n_vertices == 0 && builder.outsiders.flagged > 0 {
             rule.includes_flagged = true;
             builder = self.build(rule)?;
         }
