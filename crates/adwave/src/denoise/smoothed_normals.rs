@@ -131,7 +131,7 @@ impl Walks {
             let mut weights = [0.0; GUIDE_LEVELS];
             weights[GUIDE_LEVELS - 1] = 1.0;
             let mut walk = guided(&guide, CREASE_REACH, first)?;
-            for k in 0..wanted.n_guides.min(MAX_GUIDES) {
+            for (k, scale) in later.iter_mut().enumerate().take(wanted.n_guides) {
                 let mut smoothed = vec![[0.0; 3]; normals.len()];
                 add_levels(&walk, cut, &normals, &weights, &mut smoothed, progress)?;
                 drop(walk);
@@ -139,8 +139,8 @@ impl Walks {
                 let mut moved = points.to_vec();
                 surface.move_to(&mut moved, &smoothed, GUIDE_MOVES, progress)?;
                 let guide = surface.normals(&moved, progress)?;
-                later[k] = typical(&guide, known.map(|scales| scales.later[k]))?;
-                walk = guided(&guide, CREASE_REACH, later[k])?;
+                *scale = typical(&guide, known.map(|scales| scales.later[k]))?;
+                walk = guided(&guide, CREASE_REACH, *scale)?;
             }
             Ok((Some(walk), later))
         };
