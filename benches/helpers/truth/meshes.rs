@@ -226,11 +226,11 @@ fn lattice_boundary(
         }
     }
     for (p, normals) in points.iter_mut().zip(&axes) {
-        for k in 0..3 {
+        for (c, is_normal) in p.iter_mut().zip(normals) {
             let shift = jitter * random.uniform_in(-1.0, 1.0);
             // Along an edge or within a face; a corner stays.
-            if !normals[k] {
-                p[k] += shift;
+            if !is_normal {
+                *c += shift;
             }
         }
     }

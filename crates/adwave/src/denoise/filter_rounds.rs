@@ -16,11 +16,12 @@ const MANY_ROUNDS: f64 = 4.0;
 /// Rounds from which there is no alternative.
 const ENOUGH_ROUNDS: f64 = 3.0;
 
-/// Noise along the normals, in mean edges, below which there is none.
-const LEAST_NOISE: f64 = 0.05;
+/// Noise along the normals, in mean edges, between which there is an alternative: the estimate favors many rounds where
+/// noise is strong.
+const NOISE: [f64; 2] = [0.05, 0.35];
 
-/// Advantage that many rounds must promise, in squared standard deviations of the noise per edge: strong noise makes
-/// the estimate favor them by less.
+/// Advantage that many rounds must promise, in squared standard deviations of the noise per edge: the estimate favors
+/// them by less.
 const LEAST_ADVANTAGE: f64 = 0.025;
 
 /// Number of lazy steps that smooth a surface for the directions along which positions are compared.
@@ -40,7 +41,8 @@ pub(super) fn choose_rounds(
     progress: Progress<'_>,
 ) -> Result<(), DenoiseError> {
     let Some(rounds) = info.mesh.as_ref().map(|mesh| mesh.linear_rounds) else { return Ok(()) };
-    if rounds >= ENOUGH_ROUNDS || info.noise_in_edges * params.strength < LEAST_NOISE {
+    let [least, most] = NOISE;
+    if rounds >= ENOUGH_ROUNDS || !(least..most).contains(&(info.noise_in_edges * params.strength)) {
         return Ok(());
     }
     let sample = surface.sample_of(PIECES, points, progress)?;

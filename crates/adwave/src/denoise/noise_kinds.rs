@@ -1,7 +1,7 @@
 //! Kinds of noise of a mesh: along the normals, impulses, and in all directions; and the treatment of each.
 
 use super::impulses::Impulses;
-use super::noise_level::noise_level;
+use super::noise_level::{NoiseLevels, noise_levels};
 use super::smoothed_normals::SelectedWalks;
 use super::surface::NoisySurface;
 use super::{DenoiseInfo, DenoiseParams, MeshDenoising};
@@ -23,6 +23,14 @@ const ROUNDS_BY_TURNED: f64 = 1.0;
 
 /// Noise along the normals, in mean edges, between which turned triangles count as noise, not as shape.
 const TURNED_BY_NOISE: [f64; 2] = [0.02, 0.1];
+
+/// Noise along the normals, in mean edges, between which larger differences are noise of some places, not shape.
+const VARIED_BY_NOISE: [f64; 2] = [0.08, 0.12];
+
+/// Largest factor of the typical noise by which that of the noisiest places counts, and the same after impulses, of
+/// which small ones remain.
+const MOST_VARIED: f64 = 2.0;
+const MOST_AFTER_IMPULSES: f64 = 5.0;
 
 /// Cap on the rounds of the linear filter.
 pub(super) const MAX_LINEAR_ROUNDS: f64 = 6.0;
@@ -47,7 +55,7 @@ pub(super) fn estimate_noise(
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
     let noise = match params.noise {
         Some(noise) => noise / unit,
-        None => noise_level(surface, points, progress)?,
+        None => varied_noise(noise_levels(surface, points, progress)?, edge, impulses.is_some()),
     };
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
     mesh.impulse_size *= unit;
@@ -68,6 +76,17 @@ pub(super) fn estimate_noise(
     Ok((info, impulses))
 }
 
+/// The level that represents noise which differs from place to place, as along a line of sight or after the removal of
+/// impulses: that of the noisiest places, up to a factor of the typical one. Where there is hardly any noise, the
+/// difference between both is shape.
+fn varied_noise(levels: NoiseLevels, edge: f64, has_impulses: bool) -> f64 {
+    let NoiseLevels { typical, high } = levels;
+    let [from, to] = VARIED_BY_NOISE;
+    let share = if edge > 0.0 { ((typical / edge - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    let most = if has_impulses { MOST_AFTER_IMPULSES } else { 1.0 + share * (MOST_VARIED - 1.0) };
+    high.max(typical).min(most * typical)
+}
+
 /// Impulses of a surface if it has any, sought in a sample of a large one first.
 fn find_impulses(
     surface: &NoisySurface,
@@ -77,7 +96,7 @@ fn find_impulses(
 ) -> Result<(MeshDenoising, Option<Impulses>), Cancelled> {
     let found_in = |surface: &NoisySurface, points: &[[f64; 3]]| {
         let found = surface.impulses(points, progress)?;
-        let noise = noise_level(surface, &found.points, progress)?;
+        let noise = noise_levels(surface, &found.points, progress)?.typical;
         Ok::<_, Cancelled>(found.statistics(points, noise, edge).map(|statistics| (statistics, found)))
     };
     let none = (MeshDenoising::default(), None);

@@ -15,18 +15,31 @@ const STEPS_BEFORE: usize = 4;
 /// Number of successive differences from the mean of the neighbors.
 const ORDERS: usize = 3;
 
-/// Standard deviation of the noise along the normals, independent between points, in the units of `points`.
+/// Quantile of absolute differences that tells the noise of the noisiest places.
+const HIGH: f64 = 0.95;
+
+/// Standard deviations of the noise along the normals that different quantiles of the differences suggest; they agree
+/// for noise that is the same everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct NoiseLevels {
+    /// By the median.
+    pub(super) typical: f64,
+    /// By the 95 % quantile.
+    pub(super) high: f64,
+}
+
+/// Standard deviations of the noise along the normals, independent between points, in the units of `points`.
 /// O(points).
 ///
-/// It is the smallest of three estimates: the median absolute deviations of `n·(p − mean of its neighbors)`, of the
-/// difference of that from the mean of its neighbors, and of the difference of this, each divided by its value for
+/// Each is the smallest of three estimates: quantiles of the absolute deviations of `n·(p − mean of its neighbors)`, of
+/// the difference of that from the mean of its neighbors, and of the difference of this, each divided by its value for
 /// noise of variance 1. Curvature adds to them, to the later ones less. Detail that the points barely resolve
 /// counts as noise; noise that neighbors share does not. The result is 0 if no point has neighbors.
-pub(super) fn noise_level(
+pub(super) fn noise_levels(
     surface: &NoisySurface,
     points: &[[f64; 3]],
     progress: Progress<'_>,
-) -> Result<f64, Cancelled> {
+) -> Result<NoiseLevels, Cancelled> {
     let smooth = surface.smoothed(points, STEPS_BEFORE, progress)?;
     let normals = point_normals(surface, &smooth, progress)?;
     let mut heights =
@@ -35,27 +48,30 @@ pub(super) fn noise_level(
     let white: Vec<f64> = points.iter().map(|_| StandardNormal.sample(&mut random)).collect();
     let mut white = surface.difference(&white, progress)?;
     let has_neighbors = |x: usize| !surface.ring.row(x).is_empty();
-    let mut least = f64::INFINITY;
+    let mut least = [f64::INFINITY; 2];
     for order in 0..ORDERS {
         if order > 0 {
             heights = surface.difference(&heights, progress)?;
             white = surface.difference(&white, progress)?;
         }
-        let deviation = |values: &[f64]| {
+        let deviations = |values: &[f64]| {
             let mut known: Vec<f64> =
                 (0..values.len()).filter(|&x| has_neighbors(x)).map(|x| values[x]).collect();
             let center = median(&mut known);
             for v in &mut known {
                 *v = (*v - center).abs();
             }
-            median(&mut known)
+            [median(&mut known), quantile(&mut known, HIGH)]
         };
-        let of_white = deviation(&white);
-        if of_white > 0.0 {
-            least = least.min(deviation(&heights) / of_white);
+        let (found, of_white) = (deviations(&heights), deviations(&white));
+        for ((least, found), of_white) in least.iter_mut().zip(found).zip(of_white) {
+            if of_white > 0.0 {
+                *least = least.min(found / of_white);
+            }
         }
     }
-    Ok(if least.is_finite() { least } else { 0.0 })
+    let [typical, high] = least.map(|level| if level.is_finite() { level } else { 0.0 });
+    Ok(NoiseLevels { typical, high })
 }
 
 impl NoisySurface {
@@ -89,9 +105,14 @@ pub(super) fn point_normals(
 
 /// Upper median; 0 for no values.
 pub(super) fn median(values: &mut [f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+/// Value that a share of the values is below; 0 for no values.
+fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    let at = ((share * values.len() as f64) as usize).min(values.len() - 1);
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
 }

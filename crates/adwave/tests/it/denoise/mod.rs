@@ -1,6 +1,7 @@
 //! Denoising: how much noise is taken off, what stays, what becomes of shapes that are none, and the real pairs.
 
 mod clouds;
+mod kinds;
 mod laws;
 mod parts;
 mod real_files;

@@ -65,6 +65,29 @@ fn a_part_of_a_mesh_is_denoised_as_the_whole() {
     }
 }
 
+#[test]
+fn a_part_of_a_mesh_with_impulses_is_denoised_as_the_whole() {
+    let mut points = strip();
+    let mut state = 9_u32;
+    for p in &mut points {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        if state >> 29 == 0 {
+            p[2] += if state & (1 << 20) == 0 { 1.5 } else { -1.5 };
+        }
+    }
+    let shape = mesh(points.clone(), &Polygons::from_triangles(&triangles(ALONG)));
+    let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
+    let choice = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none()).unwrap();
+    let share = choice.info.mesh.as_ref().unwrap().impulse_share;
+    assert!((0.06..0.2).contains(&share), "{share} in place of 1/8");
+    let whole = choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap();
+    let (columns, own) = part();
+    let of_part = &points[columns.start * ACROSS..columns.end * ACROSS];
+    let found = choice.denoise_mesh(of_part, &triangles(columns.len()), Progress::none()).unwrap();
+    let n = OWN.len() * ACROSS;
+    assert!(found[own..][..n] == whole[OWN.start * ACROSS..][..n]);
+}
+
 /// The union of the nearest neighbors both ways.
 fn neighbors(points: &[[f64; 3]]) -> Vec<Vec<u32>> {
     let near = nearest_neighbors(points, DenoiseChoice::NEIGHBORS).adjacency;

@@ -1,9 +1,11 @@
 //! The pairs of noisy and clean meshes of the test data.
 
+use crate::denoise::signals::noise_of;
 use crate::denoise::{denoised, mean_angle, rms};
-use adwave::denoise::DenoiseParams;
+use adwave::denoise::{DenoiseParams, denoise_signal};
 use adwave::shape::{Mesh, Shape};
-use adwave_io::{ReadLimits, read_path};
+use adwave::{Decomposer, Progress};
+use adwave_io::{ReadLimits, read_gifti_fields, read_path};
 use adwave_test_data::data_test;
 use std::path::Path;
 
@@ -51,4 +53,26 @@ fn clean_meshes_hardly_move() {
         println!("{name}: {moved:.4} mean edges");
         assert!(moved <= 0.1, "{name}: {moved} mean edges");
     }
+}
+
+#[data_test]
+fn the_noise_of_the_curvature_of_a_cortex_is_not_overestimated() {
+    let folder = Path::new(adwave_test_data::folder!()).join("fields/nilearn-fsaverage5");
+    let surface = read_path(&folder.join("pial_left.gii.gz"), &ReadLimits::default()).unwrap();
+    let fields = read_gifti_fields(&folder.join("curv_left.gii.gz"), &ReadLimits::default()).unwrap();
+    let truth = fields[0].to_f64();
+    let mesh = Mesh::new(surface.points().to_vec(), surface.faces().clone()).unwrap();
+    let decomposer = Decomposer::new(&Shape::Mesh(mesh));
+    let mean_square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
+    let mean = truth.iter().sum::<f64>() / truth.len() as f64;
+    let centered: Vec<f64> = truth.iter().map(|v| v - mean).collect();
+    let added = 0.3 * mean_square(&centered).sqrt();
+    let noise = noise_of(truth.len(), 3);
+    let noisy: Vec<f64> = truth.iter().zip(&noise).map(|(v, e)| v + added * e).collect();
+    let found = denoise_signal(&decomposer, &noisy, 1, &DenoiseParams::default(), Progress::none()).unwrap();
+    let difference: Vec<f64> = found.values.iter().zip(&truth).map(|(v, t)| v - t).collect();
+    let (level, error) = (found.info[0].noise / added, mean_square(&difference).sqrt() / added);
+    println!("{level} times the noise, error {error} of it");
+    assert!((0.9..1.15).contains(&level), "{level} times the noise");
+    assert!(error < 0.75, "{error} of the noise is left");
 }

@@ -18,7 +18,7 @@ fn noise(n: usize) -> Vec<f64> {
 }
 
 /// Noise for any seed.
-fn noise_of(n: usize, seed: u64) -> Vec<f64> {
+pub(crate) fn noise_of(n: usize, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut uniform = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -161,5 +161,35 @@ fn white_noise_is_foretold_and_the_mixture_is_nearly_the_best() {
             let met = square(bands.wavelet(j), &vec![0.0; truth.len()]);
             assert!((met / gains - 1.0).abs() < 0.02, "{name}, level {j}: {gains} foretold, {met} met");
         }
+    }
+}
+
+#[test]
+fn the_noise_of_a_rough_field_is_not_overestimated() {
+    let sample = Sample::from_name("sphere", Some(6000)).unwrap();
+    let points = sample.points.clone();
+    let decomposer = Decomposer::new(&Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap()));
+    // Waves down to five edges, of which the short ones are as large as the long ones.
+    let phases = noise(4 * 60);
+    let wave = |p: &[f64; 3], k: usize| {
+        let [x, y, z, phase] = [0, 1, 2, 3].map(|c| phases[4 * k + c]);
+        let length = (x * x + y * y + z * z).sqrt();
+        let frequency = 4.0 * 6.0_f64.powf(k as f64 / 59.0);
+        (frequency * (x * p[0] + y * p[1] + z * p[2]) / length + 9.0 * phase).sin()
+    };
+    let truth: Vec<f64> = points.iter().map(|p| (0..60).map(|k| wave(p, k)).sum()).collect();
+    let mean = truth.iter().sum::<f64>() / truth.len() as f64;
+    let deviation = (truth.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / truth.len() as f64).sqrt();
+    for share in [0.1, 0.3, 1.0] {
+        let added = share * deviation;
+        let noisy: Vec<f64> =
+            truth.iter().zip(noise_of(truth.len(), 11)).map(|(v, e)| v + added * e).collect();
+        let found =
+            denoise_signal(&decomposer, &noisy, 1, &DenoiseParams::default(), Progress::none()).unwrap();
+        let level = found.info[0].noise / added;
+        println!("{share}: {level}");
+        // One difference alone finds more than twice the noise at 0.1.
+        assert!((0.9..1.25).contains(&level), "{share}: {level} times the noise");
+        assert!(square(&found.values, &truth) < 0.9 * square(&noisy, &truth), "{share}");
     }
 }

@@ -1,0 +1,94 @@
+//! Kinds of noise of meshes: impulses, noise in all directions, strong noise; each is recognized and treated.
+
+use crate::denoise::{denoised, mean_angle, mesh};
+use adwave::denoise::{DenoiseParams, Denoised, MeshDenoising};
+use adwave::sample::Sample;
+use adwave::shape::Shape;
+
+/// Uniform numbers in [0, 1) without pattern (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A sum of twelve uniform numbers: nearly normal.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// A built-in shape, and it with each vertex moved by so many mean edges along its normal and along the axes.
+fn pair(name: &str, mut displace: impl FnMut(&mut Random) -> (f64, [f64; 3])) -> (Shape, Shape) {
+    let sample = Sample::from_name(name, Some(8000)).unwrap();
+    let (edge, normals) = (sample.mean_edge_length(), sample.normals());
+    let mut random = Random(7);
+    let mut moved = |(p, n): (&[f64; 3], &[f64; 3])| -> [f64; 3] {
+        let (along, free) = displace(&mut random);
+        std::array::from_fn(|k| p[k] + edge * (along * n[k] + free[k]))
+    };
+    let noisy = sample.points.iter().zip(&normals).map(&mut moved).collect();
+    (mesh(sample.points.clone(), &sample.faces), mesh(noisy, &sample.faces))
+}
+
+/// Mean angles before and after, with what was found.
+fn angles(clean: &Shape, noisy: &Shape) -> (f64, f64, MeshDenoising) {
+    let Denoised { points, info, .. } = denoised(noisy, &DenoiseParams::default());
+    let (before, after) = (mean_angle(clean, noisy.points().unwrap()), mean_angle(clean, &points));
+    println!("{before} → {after}, {info:?}");
+    (before, after, info.mesh.unwrap())
+}
+
+#[test]
+fn impulses_are_counted_and_taken_off() {
+    for (name, most) in [("bracket", 0.25), ("sphere", 0.25), ("knot", 0.35)] {
+        let (clean, noisy) =
+            pair(name, |r| (if r.uniform() < 0.2 { 0.6 * r.normal() } else { 0.0 }, [0.0; 3]));
+        let (before, after, found) = angles(&clean, &noisy);
+        assert!((0.12..0.25).contains(&found.impulse_share), "{name}: {found:?}");
+        assert!(after < most * before, "{name}: {before} → {after}");
+    }
+}
+
+#[test]
+fn other_noise_and_clean_shapes_have_no_impulses() {
+    for name in ["bracket", "sphere", "knot", "creature", "plane"] {
+        for noise in [0.0, 0.1, 0.3, 0.7] {
+            let (clean, noisy) = pair(name, |r| (noise * r.normal(), [0.0; 3]));
+            let (.., found) = angles(&clean, &noisy);
+            assert_eq!(found.impulse_share, 0.0, "{name}, {noise}");
+        }
+    }
+}
+
+#[test]
+fn noise_in_all_directions_turns_triangles_and_is_taken_off() {
+    for (name, most) in [("bracket", 0.25), ("sphere", 0.15), ("knot", 0.25)] {
+        let (clean, noisy) = pair(name, |r| (0.0, [(); 3].map(|()| 0.6 / 3.0_f64.sqrt() * r.normal())));
+        let (before, after, found) = angles(&clean, &noisy);
+        assert!(found.turned_share > 0.03 && found.linear_rounds > 1.5, "{name}: {found:?}");
+        assert!(before > 35.0 && after < most * before, "{name}: {before} → {after}");
+        let (.., along) = angles(&clean, &pair(name, |r| (0.35 * r.normal(), [0.0; 3])).1);
+        assert!(along.turned_share < 0.3 * found.turned_share, "{name}: {along:?}");
+    }
+}
+
+#[test]
+fn strong_noise_leaves_creases() {
+    let (clean, noisy) = pair("bracket", |r| (0.7 * r.normal(), [0.0; 3]));
+    let (before, after, found) = angles(&clean, &noisy);
+    assert_eq!(found.n_guides, 3);
+    assert!(before > 40.0 && after < 0.2 * before, "{before} → {after}");
+}
+
+#[test]
+fn noise_larger_than_the_shape_gives_finite_points() {
+    let (_, noisy) = pair("sphere", |r| (0.0, [(); 3].map(|()| 100.0 * r.normal())));
+    let result = denoised(&noisy, &DenoiseParams::default());
+    assert!(result.points.iter().flatten().all(|c| c.is_finite()));
+}
