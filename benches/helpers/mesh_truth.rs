@@ -36,7 +36,7 @@ enum Rivals {
 
 /// One mesh with one noise. Angles are in degrees.
 #[derive(Clone, Default)]
-struct Row {
+struct TruthRow {
     shape: usize,
     noise: usize,
     name: String,
@@ -70,14 +70,14 @@ fn main() -> BenchOutcome<()> {
         .collect();
     let found = cases.par_iter().map(|&(shape, seed)| {
         let clean = MeshShape::ALL[shape].1.mesh(seed);
-        let row = |(noise, (_, kind)): (usize, &(&str, MeshNoise))| -> Result<Row, String> {
+        let row = |(noise, (_, kind)): (usize, &(&str, MeshNoise))| -> Result<TruthRow, String> {
             let name = format!("{} {seed}", MeshShape::ALL[shape].0);
-            let row = row(&clean, kind.apply(&clean, seed), rivals).map_err(|e| e.to_string())?;
-            Ok(Row { shape, noise, name, ..row })
+            let row = row(&clean, &kind.apply(&clean, seed), rivals).map_err(|e| e.to_string())?;
+            Ok(TruthRow { shape, noise, name, ..row })
         };
-        MeshNoise::ALL.iter().enumerate().map(row).collect::<Result<Vec<Row>, String>>()
+        MeshNoise::ALL.iter().enumerate().map(row).collect::<Result<Vec<TruthRow>, String>>()
     });
-    let rows: Vec<Row> = found.collect::<Result<Vec<_>, String>>()?.concat();
+    let rows: Vec<TruthRow> = found.collect::<Result<Vec<_>, String>>()?.concat();
     let folder = words.get(3).map(String::as_str);
     if folder == Some("rows") {
         rows.iter().for_each(print_case);
@@ -97,9 +97,9 @@ fn main() -> BenchOutcome<()> {
     Ok(())
 }
 
-fn row(clean: &CleanMesh, noisy: Vec<[f64; 3]>, rivals: Rivals) -> BenchOutcome<Row> {
-    let before = clean.angle(&noisy);
-    let shape = Shape::Mesh(Mesh::new(noisy.clone(), Polygons::from_triangles(&clean.triangles))?);
+fn row(clean: &CleanMesh, noisy: &[[f64; 3]], rivals: Rivals) -> BenchOutcome<TruthRow> {
+    let before = clean.angle(noisy);
+    let shape = Shape::Mesh(Mesh::new(noisy.to_vec(), Polygons::from_triangles(&clean.triangles))?);
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
     let start = Instant::now();
     let denoised = denoise(&geometry, &DenoiseParams::default(), Progress::none())?;
@@ -110,7 +110,7 @@ fn row(clean: &CleanMesh, noisy: Vec<[f64; 3]>, rivals: Rivals) -> BenchOutcome<
         Rivals::None => ([0.0; 4], 0.0),
         _ => rival_angles(clean, &shape, &geometry, rivals == Rivals::Tuned)?,
     };
-    Ok(Row {
+    Ok(TruthRow {
         before,
         after: clean.angle(&denoised.points),
         rivals,
@@ -118,7 +118,7 @@ fn row(clean: &CleanMesh, noisy: Vec<[f64; 3]>, rivals: Rivals) -> BenchOutcome<
         moved: moved.sqrt() / clean.mean_edge(),
         seconds,
         info: denoised.info,
-        ..Row::default()
+        ..TruthRow::default()
     })
 }
 
@@ -177,9 +177,10 @@ fn print_head(what: &str) {
     );
 }
 
-fn print_mean(name: &str, rows: &[&Row]) {
-    let mean =
-        |value: &dyn Fn(&Row) -> f64| rows.iter().map(|r| value(r)).sum::<f64>() / rows.len().max(1) as f64;
+fn print_mean(name: &str, rows: &[&TruthRow]) {
+    let mean = |value: &dyn Fn(&TruthRow) -> f64| {
+        rows.iter().map(|r| value(r)).sum::<f64>() / rows.len().max(1) as f64
+    };
     let worse = rows.iter().filter(|r| r.after > r.before + 1e-9).count();
     let rivals: Vec<String> = (0..RIVALS.len()).map(|k| format!("{:.2}", mean(&|r| r.rivals[k]))).collect();
     println!(
@@ -195,7 +196,7 @@ fn print_mean(name: &str, rows: &[&Row]) {
     );
 }
 
-fn print_case(row: &Row) {
+fn print_case(row: &TruthRow) {
     let rivals: Vec<String> = row.rivals.iter().map(|r| format!("{r:.2}")).collect();
     println!(
         "{};{};{:.2};{:.2};{};{:.2};{:.3};{:.2};{:?}",
@@ -229,16 +230,18 @@ fn print_published(folder: &Path, rivals: Rivals) -> BenchOutcome<()> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() && path.join("noisy.obj").is_file() {
             let (clean, noisy) = (read(&path.join("clean.obj"))?, read(&path.join("noisy.obj"))?);
-            all.push(Row { name, ..row(&clean, noisy.points, rivals)? });
+            all.push(TruthRow { name, ..row(&clean, &noisy.points, rivals)? });
         } else if path.is_file() {
             let clean = read(&path)?;
             for sigma in [0.1, 0.2, 0.3] {
                 let noisy = MeshNoise::Normal(sigma).apply(&clean, 1);
-                all.push(Row { name: format!("{name}, {sigma}"), ..row(&clean, noisy, rivals)? });
+                all.push(TruthRow { name: format!("{name}, {sigma}"), ..row(&clean, &noisy, rivals)? });
             }
         }
     }
-    all.iter().for_each(|row| print_mean(&row.name, &[row]));
+    for row in &all {
+        print_mean(&row.name, &[row]);
+    }
     print_mean("mean", &all.iter().collect::<Vec<_>>());
     Ok(())
 }

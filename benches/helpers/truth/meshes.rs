@@ -56,7 +56,7 @@ impl MeshShape {
         let mut random = Random::new(seed ^ 0x6d65_7368 ^ ((self as u64) << 40));
         let (points, mut triangles) = match self {
             Self::Machined => machined(&mut random),
-            Self::Turned => turned(&mut random),
+            Self::Turned => lathe_part(&mut random),
             Self::Organic => body(&mut random, Skin::Smooth),
             Self::Rough => body(&mut random, Skin::Rough),
             Self::OpenScan => {
@@ -282,7 +282,7 @@ fn rotated(p: [f64; 3], turn: &[[f64; 3]; 2]) -> [f64; 3] {
     std::array::from_fn(|k| p[0] * a[k] + p[1] * b[k] + p[2] * c[k])
 }
 
-fn turned(random: &mut Random) -> PointsAndTriangles {
+fn lathe_part(random: &mut Random) -> PointsAndTriangles {
     let bore = random.uniform_in(0.25, 0.6);
     let mut profile = vec![[bore, 0.0]];
     let mut radius = bore + random.uniform_in(0.2, 0.6);

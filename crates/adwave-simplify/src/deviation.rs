@@ -35,7 +35,7 @@ impl Deviation {
     }
 
     /// Larger of both lower bounds, a lower bound of the Hausdorff distance.
-    pub fn at_least(&self) -> f64 {
+    pub fn lower_bound(&self) -> f64 {
         self.of_original.at_least.max(self.of_simplified.at_least)
     }
 

@@ -79,7 +79,7 @@ fn each_chunk_by_workers<'a>(
 }
 
 /// Locks what one chunk alone reads and writes, so that nobody waits.
-fn own<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
+fn lock_slot<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -92,7 +92,7 @@ impl<R> Slots<R> {
     }
 
     fn set(&self, chunk: usize, result: R) {
-        *own(&self.0[chunk]) = Some(result);
+        *lock_slot(&self.0[chunk]) = Some(result);
     }
 
     /// The results in the order of the chunks, each of which has been set.
@@ -165,7 +165,7 @@ pub(crate) fn try_map_rows<T: Send, R: Send>(
     let parts: Vec<Mutex<&mut [T]>> = values.chunks_mut((at_a_time * width).max(1)).map(Mutex::new).collect();
     let results = Slots::new(parts.len());
     each_chunk(parts.len(), is_small, progress, &|chunk| {
-        results.set(chunk, work(chunk * at_a_time, &mut own(&parts[chunk])));
+        results.set(chunk, work(chunk * at_a_time, &mut lock_slot(&parts[chunk])));
     })?;
     Ok(results.into_results())
 }
@@ -232,7 +232,7 @@ pub(crate) fn try_map_owned<T: Send, R: Send>(
     let items: Vec<Mutex<Option<T>>> = items.into_iter().map(|item| Mutex::new(Some(item))).collect();
     let results = Slots::new(items.len());
     each_chunk(items.len(), n_rows <= SERIAL, progress, &|i| {
-        let item = own(&items[i]).take().expect("each item is taken once");
+        let item = lock_slot(&items[i]).take().expect("each item is taken once");
         results.set(i, work(item));
     })?;
     Ok(results.into_results())

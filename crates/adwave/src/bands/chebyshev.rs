@@ -468,7 +468,7 @@ mod tests {
     fn a_single_wide_sum_takes_one_step_at_a_time_with_the_same_result() {
         const ROUNDING: f64 = 1e-10;
         let prepared = ChebyshevEvaluator::new(ring(2000, 5), Progress::none()).expect("nobody stops it");
-        let signal: Vec<f64> = (0..2000 * 24).map(|i| ((i * 17 + i / 5) % 89) as f64).collect();
+        let signal: Vec<f64> = (0..2000 * 24).map(|i| f64::from((i * 17 + i / 5) % 89)).collect();
         let all = evaluate(&prepared, &signal, 24, Progress::none()).expect("nobody stops it");
         for (level, (a, b)) in [(0, 1), (8, 16), (64, 128)].into_iter().enumerate() {
             let series = [Series::band(a, b, Growth::Bounded)];

@@ -14,7 +14,7 @@ use adwave::filter::{Edit, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
 use adwave::positions::{MoveDirection, constrain_positions};
-use adwave::{Decomposer, Progress};
+use adwave::{BandsRequest, Decomposer, Progress};
 use adwave_io::{region_field, with_axis};
 
 /// A filtered signal, and the levels and layers that it was filtered by.
@@ -137,17 +137,15 @@ fn edited_values(
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
     let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
-        let request = |values, n_channels, progress| {
-            let request = decomposer.request(values, n_channels, schedule).params(&job.bands);
-            request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress)
-        };
         if n_channels >= MANY_CHANNELS {
             let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
-            return edited_in_groups(values, n_channels, progress, |values, n_channels, progress| {
-                Ok(request(values, n_channels, progress).filter_layers(&layers)?)
+            return edited_in_groups(values, n_channels, progress, |values, n_channels| {
+                let signal = PartOfSignal { decomposer, values, n_channels };
+                Ok(request(job, signal, schedule, progress.quiet()).filter_layers(&layers)?)
             });
         }
-        let mut editor = request(values, n_channels, progress).editor()?;
+        let mut editor =
+            request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress).editor()?;
         editor.set_edit(&edit)?;
         Ok(editor.into_edited())
     };
@@ -168,21 +166,32 @@ const MANY_CHANNELS: usize = 16;
 /// Largest number of channels of a group.
 const CHANNELS_TOGETHER: usize = 32;
 
-/// Result of `edit(values, n_channels, progress)` for groups of channels of nearly equal size.
+/// Request for the bands of a signal with the options of the job.
+fn request<'a>(
+    job: &FilterJob<'_>,
+    signal: PartOfSignal<'a>,
+    schedule: &'a Schedule,
+    progress: Progress<'a>,
+) -> BandsRequest<'a> {
+    let request = signal.decomposer.request(signal.values, signal.n_channels, schedule).params(&job.bands);
+    request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress)
+}
+
+/// Result of `edit(values, n_channels)` for groups of channels of nearly equal size.
 fn edited_in_groups(
     values: &[f64],
     n_channels: usize,
     progress: Progress<'_>,
-    edit: impl Fn(&[f64], usize, Progress<'_>) -> Result<Vec<f64>, CliError>,
+    edit: impl Fn(&[f64], usize) -> Result<Vec<f64>, CliError>,
 ) -> Result<Vec<f64>, CliError> {
     let most = n_channels.div_ceil(n_channels.div_ceil(CHANNELS_TOGETHER));
     let mut edited = vec![0.0; values.len()];
     for at in (0..n_channels).step_by(most) {
-        progress.step(at as u64, n_channels as u64)?;
+        progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
         let width = most.min(n_channels - at);
         let group: Vec<f64> =
             values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
-        let group = edit(&group, width, progress.quiet())?;
+        let group = edit(&group, width)?;
         for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
             row[at..at + width].copy_from_slice(group);
         }

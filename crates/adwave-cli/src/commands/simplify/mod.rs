@@ -265,7 +265,7 @@ fn report(
     for line in &simplified_shape.lines {
         let _ = writeln!(text, "  {line}");
     }
-    let at_least = simplified_shape.deviation.at_least();
+    let at_least = simplified_shape.deviation.lower_bound();
     let is_close = greatest <= MAX_BOUND_RATIO * at_least + ROUNDING_SHARE * diagonal;
     let basis = match input.shape {
         Shape::Mesh(_) if is_close => "no point is farther; measured on the result".to_owned(),
@@ -300,7 +300,7 @@ fn report(
         "diagonal": diagonal,
         "error": {
             "greatest": greatest,
-            "at_least": simplified_shape.deviation.at_least(),
+            "at_least": simplified_shape.deviation.lower_bound(),
             "rms": rms,
             "of_input": side(simplified_shape.deviation.of_original),
             "of_result": side(simplified_shape.deviation.of_simplified),
