@@ -393,7 +393,9 @@ fn body(random: &mut Random, skin: Skin) -> PointsAndTriangles {
             let k = random.direction().map(|c| c * length);
             fine.push(Wave { k, phase: random.uniform_in(0.0, TAU), amplitude });
         }
-        waves.iter_mut().for_each(|w| w.amplitude *= 0.7);
+        for wave in &mut waves {
+            wave.amplitude *= 0.7;
+        }
     }
     let (patch, share) = (random.direction(), random.uniform_in(-1.5, 0.4));
     let stretch = [1.0, random.uniform_in(0.5, 1.0), random.uniform_in(0.5, 1.0)];
