@@ -144,6 +144,8 @@ fn bound_all(
         side.greatest = side.greatest.max(bounds.upper);
         side.at_least = side.at_least.max(bounds.lower);
     }
+    // Rounding of nearly equal distances must not turn the bounds around.
+    side.at_least = side.at_least.min(side.greatest);
     Ok(side)
 }
 

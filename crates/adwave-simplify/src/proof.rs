@@ -306,7 +306,7 @@ mod tests {
         let bounds = bound_distance(triangle, &[], &surface, &goal(), &mut |_| {});
         assert!(bounds.lower <= 0.5 && bounds.upper >= 0.5 && bounds.upper < 0.5 * 1.01, "{bounds:?}");
         let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.4, 1000), &mut |_| {});
-        assert!(decided.lower > 0.4 && decided.upper > 0.4);
+        assert!(decided.upper > 0.4, "{decided:?}");
         let decided = bound_distance(triangle, &[], &surface, &Goal::decision(0.51, 10_000), &mut |_| {});
         assert!(decided.upper <= 0.51, "{decided:?}");
     }
