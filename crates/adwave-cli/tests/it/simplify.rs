@@ -153,7 +153,7 @@ fn fewer_vertices_than_the_parts_need_are_refused_with_the_reason() {
     let path = folder.path();
     let mut text = String::new();
     for k in 0..3 {
-        text += &format!("v {k} 0 0\nv {k}.5 0 0\nv {k} 0.5 0\nv {k} 0 0.5\nv {k}.25 0.25 0\n");
+        text += &format!("v {k} 0 0\nv {k}.5 0 0\nv {k} 0.5 0\nv {k} 0 0.5\nv {k}.15 0.15 0\n");
         for face in [[1, 3, 5], [3, 2, 5], [2, 1, 5], [1, 2, 4], [2, 3, 4], [3, 1, 4]] {
             let [a, b, c] = face.map(|v| v + 5 * k);
             text += &format!("f {a} {b} {c}\n");
