@@ -38,13 +38,18 @@ impl Transform {
     /// As in [`bands`](Self::bands), the difference of h_1 from its mean over welded vertices is part of the sum.
     ///
     /// # Errors
-    /// [`BandsError`] if the signals have the wrong length or a value that is not finite, levels are fractional (see
-    /// [`has_sum_of_bands`](Self::has_sum_of_bands)), or the call is cancelled.
+    /// [`BandsError`] if the signals have the wrong length or a value that is not finite, the operator or the levels have
+    /// no such sum ([`has_sum_of_bands`](Self::has_sum_of_bands)), or the call is cancelled.
     ///
     /// ```
     /// use adwave::bands::{BandsParams, Schedule, Transform};
-    /// use adwave::{Progress, operator::Diffusion, shape::VertexMap};
-    /// let diffusion = Diffusion::from_rows(&[0, 2, 4], &[0, 1, 0, 1], &[0.5, 0.5, 0.5, 0.5])?;
+    /// use adwave::operator::{Diffusion, OperatorParams, local_operator};
+    /// use adwave::shape::{Graph, PreparedGeometry, Shape, VertexMap, WeldMode};
+    /// use adwave::Progress;
+    /// let shape = Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?);
+    /// let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
+    /// let operator = local_operator(&geometry, &OperatorParams::default(), Progress::none())?;
+    /// let diffusion = Diffusion::new(operator, Progress::none())?; // one step takes the mean of both
     /// let transform = Transform::new(diffusion, &BandsParams::default())?;
     /// let (map, schedule) = (VertexMap::identity(2), Schedule::dyadic(2)?);
     /// let sum = transform.sum_of_bands(&map, &[1.0, 3.0, 5.0, 5.0], 1, &schedule, Progress::none())?;

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// [`local_fit`](crate::local_fit)).
 ///
 /// The value at a vertex depends on the vertices within [`reach`](Self::reach) rings around it, and on
-/// [`mean_confidence`](Self::mean_confidence) of the whole shape.
+/// [`sum_of_confidence`](Self::sum_of_confidence) of the whole shape.
 #[derive(Clone, Debug)]
 pub struct HeightSeries {
     /// Bands up to the last one whose factor is not 0.
@@ -38,7 +38,7 @@ pub struct HeightPart<'a> {
 }
 
 impl HeightSeries {
-    /// Number of rings that [`mean_confidence`](Self::mean_confidence) depends on.
+    /// Number of rings that [`sum_of_confidence`](Self::sum_of_confidence) depends on.
     pub const CONFIDENCE_REACH: usize = FIT_REACH;
 
     /// The series of the bands of `schedule` with one factor each, for bands with the relative error `accuracy`.

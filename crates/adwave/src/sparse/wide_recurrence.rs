@@ -1,4 +1,4 @@
-//! The recurrence of [`Recurrence`](super::Recurrence) for 8 to 32 channels at once, without tiles.
+//! The recurrence of [`Recurrence`](super::recurrence::Recurrence) for 8 to 32 channels at once, without tiles.
 //!
 //! A row of a block is whole cache lines, so a product reads each of them once per entry and nothing else, and needs no
 //! halo. On graphs whose neighborhoods are large or irregular, tiles repeat most rows; this form does not.
@@ -138,7 +138,7 @@ impl<'a> WideRecurrence<'a> {
         self.moves
     }
 
-    /// As [`Recurrence::advance`](super::Recurrence::advance).
+    /// As [`Recurrence::advance`](super::recurrence::Recurrence::advance).
     pub(crate) fn advance(
         &mut self,
         n_steps: usize,
