@@ -122,7 +122,10 @@ fn simplify_mesh_file(
     let n_faces = if is_changed { simplified.triangles.len() } else { mesh.faces().len() };
     let n_vertices = if is_changed { simplified.kept.len() } else { input.file.n_vertices() };
     let mut lines = vec![format!("faces      {} → {n_faces}", mesh.faces().len())];
-    lines.extend(shortfall(args, &simplified));
+    match (shortfall(args, &simplified), simplified.why) {
+        (Some(text), Why::Stuck) => note(global, &text),
+        (text, _) => lines.extend(text),
+    }
     Ok(Simplified {
         details: json!({
             "faces": {"before": mesh.faces().len(), "after": n_faces},
