@@ -162,7 +162,10 @@ fn fewer_vertices_than_the_parts_need_are_refused_with_the_reason() {
     fs::write(path.join("parts.obj"), text).unwrap();
     let said = adwave(path).args(words("simplify parts.obj -o few.obj --vertices 5")).assert().success();
     let said = String::from_utf8(said.get_output().stderr.clone()).unwrap();
-    assert!(said.contains("note: asked for 5 vertices, reached 12: 3 parts need at least 12 vertices"), "{said}");
+    assert!(
+        said.contains("note: asked for 5 vertices, reached 12: 3 parts need at least 12 vertices"),
+        "{said}"
+    );
     let found = json(path, "simplify parts.obj -o few.obj --vertices 13");
     assert_eq!((number(&found["vertices"]["after"]), &found["reached"]), (13.0, &Value::Bool(true)));
     let error = &found["error"];
