@@ -4,7 +4,7 @@
 //!
 //! The first half of the seeds is for development, the second is looked at in the end. `tuned` also searches settings of
 //! the other methods by looking at the truth, `alone` omits them. Pairs `…/noisy.obj` and `…/clean.obj` below FOLDER get
-//! a table of their own. With `rows` in place of FOLDER, one line per mesh and noise is printed.
+//! a table of their own. With `rows` instead of FOLDER, one line per mesh and noise is printed.
 
 use adwave::Progress;
 use adwave::denoise::{DenoiseInfo, DenoiseParams, denoise};

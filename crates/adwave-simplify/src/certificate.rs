@@ -21,7 +21,7 @@ const MAX_COVER_PIECES: usize = 96;
 /// Largest number of pieces of a new face that is compared with the original, beside 64 for each triangle that it covers.
 const MIN_FACE_PIECES: usize = 256;
 
-/// What is given for the proof.
+/// Original surface, and the attributes that the proof covers.
 pub(crate) struct Original<'a> {
     pub(crate) wedges: &'a Wedges,
     pub(crate) surface: &'a TriangleSurface,

@@ -72,7 +72,7 @@ pub(crate) struct Collapser<'a> {
     turning: Turning,
     /// Number of changes around each vertex.
     stamps: Vec<u32>,
-    /// Vertices with a candidate in the heap; one may be outdated, and is ranked anew when it comes first.
+    /// Vertices with a candidate in the heap; an outdated one is ranked again when it comes first.
     is_queued: Vec<bool>,
     retries: Vec<Retry>,
     heap: BinaryHeap<Candidate>,

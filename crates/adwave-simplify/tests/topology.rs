@@ -1,4 +1,4 @@
-//! What a simplification keeps: parts, holes, handles, seams and colors.
+//! Parts, holes, handles, seams and colors, which a simplification keeps.
 
 use adwave::Progress;
 use adwave::sample::Sample;
@@ -155,7 +155,7 @@ fn a_hole_that_is_larger_than_the_error_keeps_its_size() {
     }
 }
 
-/// Whether a cell of a plate of 40 × 40 cells is in the disc around its middle.
+/// Returns true for places in the disc around the middle of a plate of side 1.
 fn is_in_disc(x: f64, y: f64) -> bool {
     (x - 0.5).hypot(y - 0.5) < 0.2
 }

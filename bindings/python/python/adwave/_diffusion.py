@@ -541,7 +541,7 @@ class PreparedShape:
         """Copy without the vertices where a signal is missing, unless it has a mask already."""
         if self._mask is not None or not missing.any():
             return self
-        # Signals of one study have their gaps in common, and a masked operator is built anew.
+        # Signals of one study have their gaps in common, and building a masked operator takes longer than using it.
         last = self._last_masked
         if last is None or not np.array_equal(last._mask, missing):
             last = self._last_masked = self.with_mask(missing)

@@ -6,8 +6,8 @@ use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
 use crate::sparse::{
-    BlockRecurrence, Continuation, MAX_CHANNELS, RowOutput, SignalView, Sum, TiledDiffusion, Weighing,
-    WideOperator, WideRecurrence, channel_blocks, copied, is_wide,
+    Continuation, MAX_CHANNELS, RowOutput, SignalView, Sum, SumOutputs, TiledDiffusion, Weighing,
+    WeightedOperator, WideRecurrence, channel_blocks, copied, is_wide, start_recurrence,
 };
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
@@ -194,9 +194,7 @@ impl ChebyshevEvaluator {
         let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
         let tiles = self.tiled.get().map_or(0, TiledDiffusion::bytes);
         let vectors = match self.tiled.get() {
-            _ if is_wide(n_channels) => {
-                WideRecurrence::bytes(self.diffusion.n_vertices(), n_channels, usize::MAX)
-            }
+            _ if is_wide(n_channels) => WideRecurrence::bytes(self.diffusion.n_vertices(), n_channels),
             Some(tiled) => tiled.vector_bytes(n_channels.min(MAX_CHANNELS)),
             None => TiledDiffusion::forecast_bytes(&self.diffusion, n_channels.min(MAX_CHANNELS)),
         };
@@ -208,7 +206,7 @@ impl ChebyshevEvaluator {
     pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         let weights = size_of_val(diffusion.stationary()) as u64;
         let vectors = if is_wide(n_channels) {
-            WideRecurrence::bytes(diffusion.n_vertices(), n_channels, usize::MAX)
+            WideRecurrence::bytes(diffusion.n_vertices(), n_channels)
         } else {
             TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
         };
@@ -234,16 +232,15 @@ impl ChebyshevEvaluator {
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, Cancelled> {
         let Polynomials { series, guard, passes, output: kept } = polynomials;
-        let operator = WideOperator { diffusion: &self.diffusion, weights: self.weights() };
+        let operator = WeightedOperator { diffusion: &self.diffusion, weights: self.weights() };
         let mut outcome = EvaluationInfo::default();
         let mut worst = vec![WorstError::default(); series.len()];
         let mut guarded = zeros(if guard.is_empty() { 0 } else { signal.values.len() });
         let guard_degree = guard.len().saturating_sub(1);
-        let n_sums = series.len() + usize::from(!guard.is_empty());
+        let outputs = SumOutputs { n_sums: series.len() + usize::from(!guard.is_empty()), rows: kept };
         for (block, channels) in channel_blocks(signal.n_channels).enumerate() {
             let tiled = || self.tiled(progress);
-            let recurrence = BlockRecurrence::new(operator, tiled, signal, channels, n_sums, progress)?;
-            let mut recurrence = recurrence.with_kept(kept);
+            let mut recurrence = start_recurrence(operator, tiled, signal, channels, outputs, progress)?;
             let start = recurrence.square().sqrt();
             let mut cuts: Vec<SeriesCut> = series.iter().map(SeriesCut::new).collect();
             let mut guard_norm = 0.0;
@@ -373,18 +370,23 @@ impl<'a> SeriesCut<'a> {
 mod tests {
     use super::*;
 
-    use crate::operator::{OperatorParams, local_operator};
+    use crate::operator::{OperatorParams, local_operator, surface_diffusion};
     use crate::shape::{Graph, PreparedGeometry, Shape};
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
 
     /// A cycle of `n` vertices, each connected to the next `width` vertices.
-    fn ring(n: u32, width: u32) -> Arc<Diffusion> {
+    fn ring_geometry(n: u32, width: u32) -> PreparedGeometry {
         let edge = |u: u32| (1..=width).map(move |e| (u, (u + e) % n, 1.0 + f64::from((u + e) % 3)));
         let edges: Vec<_> = (0..n).flat_map(edge).collect();
         let shape = Shape::Graph(Graph::new(n as usize, &edges).expect("edges of the graph"));
-        let params = OperatorParams::default();
-        let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("nobody stops it");
+        PreparedGeometry::new(&shape, OperatorParams::default().weld, Progress::none())
+            .expect("nobody stops it")
+    }
+
+    /// The walk on such a cycle.
+    fn ring(n: u32, width: u32) -> Arc<Diffusion> {
+        let (geometry, params) = (ring_geometry(n, width), OperatorParams::default());
         let operator = local_operator(&geometry, &params, Progress::none()).expect("nobody stops it");
         Arc::new(Diffusion::new(operator, Progress::none()).expect("nobody stops it"))
     }
@@ -428,21 +430,11 @@ mod tests {
     fn wide_blocks_agree_with_narrow_ones_on_any_number_of_threads() {
         /// Rounding of up to 128 steps of values up to 101.
         const ROUNDING: f64 = 1e-10;
-        let lazy = ring(3000, 9);
-        let rows = lazy.to_rows(Progress::none()).expect("nobody stops it");
-        let from_rows = |share: f64| {
-            let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-            for x in 0..3000_usize {
-                let (row, weights) = rows.row(x);
-                columns.extend_from_slice(row);
-                let held =
-                    |(&y, w): (&u32, &f64)| share * w + if y as usize == x { 1.0 - share } else { 0.0 };
-                values.extend(row.iter().zip(weights).map(held));
-                offsets.push(columns.len());
-            }
-            Arc::new(Diffusion::from_rows(&offsets, &columns, &values).expect("a walk"))
-        };
-        for diffusion in [Arc::clone(&lazy), from_rows(0.75)] {
+        let params = OperatorParams::default();
+        let heat = surface_diffusion(&ring_geometry(3000, 9), &params, Progress::none());
+        let heat = heat.expect("nobody stops it").diffusion;
+        assert!((0..3000).any(|x| heat.diagonal(x) != 0.5), "the steps of heat are not lazy");
+        for diffusion in [ring(3000, 9), Arc::new(heat)] {
             let prepared = ChebyshevEvaluator::new(diffusion, Progress::none()).expect("nobody stops it");
             for d in [16, 20, 33, 70] {
                 let signal: Vec<f64> = (0..3000 * d).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();

@@ -30,7 +30,7 @@ impl NoisySurface {
         }
     }
 
-    /// A number of connected pieces of so many sites each; `None` if the surface has no more sites than that.
+    /// Connected pieces of the surface, with equal numbers of sites; `None` if these would be all of its sites.
     pub(super) fn sample_of(
         &self,
         [n_pieces, sites_a_piece]: [usize; 2],

@@ -4,105 +4,78 @@ use super::SignalView;
 use super::kernel::MAX_LANES;
 use super::recurrence::{Continuation, Recurrence, RowOutput, Sum};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion};
-use super::wide_recurrence::{WIDE_FROM, WideOperator, WideRecurrence};
+use super::wide_recurrence::{WIDE_FROM, WideRecurrence};
+use crate::operator::Diffusion;
 use crate::{Cancelled, Progress};
 use std::ops::Range;
 
-/// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for a block of channels.
-pub(crate) enum BlockRecurrence<'a> {
-    /// Up to four channels, in tiles.
-    Tiled(Recurrence<'a>),
-    /// Up to 32 channels, row by row.
-    Wide(WideRecurrence<'a>),
-}
-
-impl<'a> BlockRecurrence<'a> {
-    /// Starts at `T_0 u = u = (I − Φ₁)f` for some `channels` of a signal, for `n_sums` sums. Tiles are asked for only if
-    /// the block is not wide.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if the call is cancelled.
-    pub(crate) fn new(
-        operator: WideOperator<'a>,
-        tiled: impl FnOnce() -> Result<&'a TiledDiffusion, Cancelled>,
-        signal: SignalView<'_>,
-        channels: Range<usize>,
-        n_sums: usize,
-        progress: Progress<'_>,
-    ) -> Result<Self, Cancelled> {
-        let SignalView { values, n_channels } = signal;
-        if is_wide(n_channels) {
-            let wide = WideRecurrence::new(operator, signal, channels, n_sums, progress)?;
-            return Ok(Self::Wide(wide));
-        }
-        let tiled = Recurrence::new(tiled()?, operator.weights, values, n_channels, channels, progress)?;
-        Ok(Self::Tiled(tiled))
-    }
-
-    /// Sets the output for each row of a sum; wide blocks keep all channels.
-    ///
-    /// # Panics
-    /// If the component along normals is asked of a wide block.
-    #[must_use]
-    pub(crate) fn with_kept(self, kept: RowOutput<'a>) -> Self {
-        match self {
-            Self::Tiled(tiled) => Self::Tiled(tiled.with_kept(kept)),
-            Self::Wide(wide) => {
-                assert!(matches!(kept, RowOutput::Channels), "normals need three channels");
-                Self::Wide(wide)
-            }
-        }
-    }
-
+/// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for a block of channels: up to four in tiles, or up to 32 row
+/// by row.
+pub(crate) trait BlockRecurrence {
     /// Best number of steps per pass.
-    pub(crate) fn steps_per_pass(&self) -> usize {
-        match self {
-            Self::Tiled(tiled) => tiled.steps_per_pass(),
-            Self::Wide(wide) => wide.steps_per_pass(),
-        }
-    }
+    fn steps_per_pass(&self) -> usize;
 
     /// Highest k so far.
-    pub(crate) fn k(&self) -> usize {
-        match self {
-            Self::Tiled(tiled) => tiled.k(),
-            Self::Wide(wide) => wide.k(),
-        }
-    }
+    fn k(&self) -> usize;
 
     /// Squared norm `Σ_x μ(x)|u(x)|²`.
-    pub(crate) fn square(&self) -> f64 {
-        match self {
-            Self::Tiled(tiled) => tiled.square(),
-            Self::Wide(wide) => wide.square(),
-        }
-    }
+    fn square(&self) -> f64;
 
     /// True if any value of u is not 0.
-    pub(crate) fn is_nonzero(&self) -> bool {
-        match self {
-            Self::Tiled(tiled) => tiled.is_nonzero(),
-            Self::Wide(wide) => wide.is_nonzero(),
-        }
-    }
+    fn is_nonzero(&self) -> bool;
 
-    /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet; a cancelled recurrence
-    /// cannot be continued.
+    /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet. Checks for cancellation
+    /// before each part of the vertices; a cancelled recurrence cannot be continued.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
-    pub(crate) fn advance(
+    fn advance(
         &mut self,
         n_steps: usize,
         sums: &mut [Sum<'_>],
         next: Continuation,
         progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
-        match self {
-            Self::Tiled(tiled) => tiled.advance(n_steps, sums, next, progress),
-            Self::Wide(wide) => wide.advance(n_steps, sums, next, progress),
-        }
+    ) -> Result<(), Cancelled>;
+}
+
+/// Diffusion operator, and the weights μ of the norm that bounds errors.
+#[derive(Clone, Copy)]
+pub(crate) struct WeightedOperator<'a> {
+    pub(crate) diffusion: &'a Diffusion,
+    pub(crate) weights: &'a [f64],
+}
+
+/// Starts the recurrence at `T_0 u = u = (I − Φ₁)f` for some `channels` of a signal and `n_sums` sums with rows as in
+/// `output`. Tiles are asked for only if the block is not wide.
+///
+/// # Errors
+/// [`Cancelled`] if the call is cancelled.
+///
+/// # Panics
+/// If components along normals are asked of a signal that has not three channels.
+pub(crate) fn start_recurrence<'a>(
+    operator: WeightedOperator<'a>,
+    tiled: impl FnOnce() -> Result<&'a TiledDiffusion, Cancelled>,
+    signal: SignalView<'_>,
+    channels: Range<usize>,
+    outputs: SumOutputs<'a>,
+    progress: Progress<'_>,
+) -> Result<Box<dyn BlockRecurrence + 'a>, Cancelled> {
+    let SignalView { values, n_channels } = signal;
+    let SumOutputs { n_sums, rows } = outputs;
+    if is_wide(n_channels) {
+        assert!(matches!(rows, RowOutput::Channels), "components along normals need three channels");
+        return Ok(Box::new(WideRecurrence::new(operator, signal, channels, n_sums, progress)?));
     }
+    let tiled = Recurrence::new(tiled()?, operator.weights, values, n_channels, channels, progress)?;
+    Ok(Box::new(tiled.with_kept(rows)))
+}
+
+/// Sums that a recurrence accumulates: their number, and the rows of each.
+#[derive(Clone, Copy)]
+pub(crate) struct SumOutputs<'a> {
+    pub(crate) n_sums: usize,
+    pub(crate) rows: RowOutput<'a>,
 }
 
 /// True if the blocks of a signal of `n_channels` are wide.

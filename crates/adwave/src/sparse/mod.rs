@@ -8,12 +8,12 @@ mod tiled_diffusion;
 mod tiles;
 mod wide_recurrence;
 
-pub(crate) use block_recurrence::{BlockRecurrence, channel_blocks, is_wide};
+pub(crate) use block_recurrence::{SumOutputs, WeightedOperator, channel_blocks, is_wide, start_recurrence};
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
 pub(crate) use recurrence::{Continuation, RowOutput, Sum, Weighing};
 pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
-pub(crate) use wide_recurrence::{WideOperator, WideRecurrence};
+pub(crate) use wide_recurrence::WideRecurrence;
 
 /// Values of a signal, n_vertices × n_channels.
 #[derive(Clone, Copy, Debug)]

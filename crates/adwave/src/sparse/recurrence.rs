@@ -4,6 +4,7 @@
 //! place: first the values around every tile are copied, then each tile overwrites `T_{k−1}`, `T_k` at its interior
 //! vertices with `T_{k+n−1}`, `T_{k+n}`.
 
+use super::block_recurrence::BlockRecurrence;
 use super::kernel::{self, PassInput, PassTerm, TilePass};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 use super::tiles::{Index, TileList, TileView, Tiles};
@@ -149,48 +150,6 @@ impl<'a> Recurrence<'a> {
         self
     }
 
-    pub(crate) fn steps_per_pass(&self) -> usize {
-        self.operator.steps_per_pass()
-    }
-
-    pub(crate) fn k(&self) -> usize {
-        self.k
-    }
-
-    /// Squared norm `Σ_x μ(x)|u(x)|²`.
-    pub(crate) fn square(&self) -> f64 {
-        self.square
-    }
-
-    /// True if any value of u is not 0.
-    pub(crate) fn is_nonzero(&self) -> bool {
-        self.moves
-    }
-
-    /// Adds the next `n_steps` terms to the sums, and the term 0 if none has been added yet. Checks for
-    /// cancellation before each tile; a cancelled recurrence cannot be continued.
-    pub(crate) fn advance(
-        &mut self,
-        n_steps: usize,
-        sums: &mut [Sum<'_>],
-        next: Continuation,
-        progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
-        let operator = self.operator;
-        match &operator.tiles {
-            Tiles::Narrow(tiles) => self.pass(tiles, n_steps, sums, next, progress)?,
-            Tiles::Wide(tiles) => self.pass(tiles, n_steps, sums, next, progress)?,
-        }
-        if n_steps > 0 {
-            if let (NextVectors::Separate(now, before), Continuation::Continues) = (&mut self.scratch, next) {
-                std::mem::swap(&mut self.now, now);
-                std::mem::swap(&mut self.before, before);
-            }
-            self.k += n_steps;
-        }
-        Ok(())
-    }
-
     fn pass<I: Index>(
         &mut self,
         tiles: &TileList<I>,
@@ -317,6 +276,46 @@ impl<'a> Recurrence<'a> {
                 kernel::copy_halo(tile, width, before, &mut around_before[..n(n_steps - 1)]);
             }
         })?;
+        Ok(())
+    }
+}
+
+impl BlockRecurrence for Recurrence<'_> {
+    fn steps_per_pass(&self) -> usize {
+        self.operator.steps_per_pass()
+    }
+
+    fn k(&self) -> usize {
+        self.k
+    }
+
+    fn square(&self) -> f64 {
+        self.square
+    }
+
+    fn is_nonzero(&self) -> bool {
+        self.moves
+    }
+
+    fn advance(
+        &mut self,
+        n_steps: usize,
+        sums: &mut [Sum<'_>],
+        next: Continuation,
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        let operator = self.operator;
+        match &operator.tiles {
+            Tiles::Narrow(tiles) => self.pass(tiles, n_steps, sums, next, progress)?,
+            Tiles::Wide(tiles) => self.pass(tiles, n_steps, sums, next, progress)?,
+        }
+        if n_steps > 0 {
+            if let (NextVectors::Separate(now, before), Continuation::Continues) = (&mut self.scratch, next) {
+                std::mem::swap(&mut self.now, now);
+                std::mem::swap(&mut self.before, before);
+            }
+            self.k += n_steps;
+        }
         Ok(())
     }
 }

@@ -4,11 +4,12 @@
 //! halo. On graphs whose neighborhoods are large or irregular, tiles repeat most rows; this form does not.
 
 use super::SignalView;
+use super::block_recurrence::{BlockRecurrence, WeightedOperator};
 use super::kernel::{
     InstructionSet, MAX_LANES, WideProduct, WideRows, WideTerms, combine_wide, multiply_wide,
 };
 use super::recurrence::{Continuation, Sum};
-use crate::operator::{Diffusion, Semigroup};
+use crate::operator::Semigroup;
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
@@ -64,13 +65,13 @@ impl ChannelBlock {
 impl<'a> WideRecurrence<'a> {
     /// Starts at `T_0 u = u = (I − Φ₁)f` for some `channels` of `signal`; `n_sums` sums will be accumulated.
     pub(crate) fn new(
-        operator: WideOperator<'a>,
+        operator: WeightedOperator<'a>,
         signal: SignalView<'_>,
         channels: Range<usize>,
         n_sums: usize,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let WideOperator { diffusion, weights } = operator;
+        let WeightedOperator { diffusion, weights } = operator;
         let SignalView { values: signal, n_channels } = signal;
         let channels = ChannelBlock::new(channels, n_channels);
         let neighbors = diffusion.neighbors();
@@ -114,78 +115,10 @@ impl<'a> WideRecurrence<'a> {
         })
     }
 
-    /// Bytes of memory of a recurrence of `n_sums` sums for `n_channels` channels of `n` vertices.
-    pub(crate) fn bytes(n: usize, n_channels: usize, n_sums: usize) -> u64 {
-        let vectors = if n_sums < MANY_SUMS { 3 } else { STEPS_TOGETHER + 1 };
-        8 * (n * vectors * n_channels.next_multiple_of(8).min(MAX_LANES)) as u64
-    }
-
-    pub(crate) fn steps_per_pass(&self) -> usize {
-        self.steps_per_pass
-    }
-
-    pub(crate) fn k(&self) -> usize {
-        self.k
-    }
-
-    /// Squared norm `Σ_x μ(x)|u(x)|²`.
-    pub(crate) fn square(&self) -> f64 {
-        self.square
-    }
-
-    /// True if any value of u is not 0.
-    pub(crate) fn is_nonzero(&self) -> bool {
-        self.moves
-    }
-
-    /// As [`Recurrence::advance`](super::recurrence::Recurrence::advance).
-    pub(crate) fn advance(
-        &mut self,
-        n_steps: usize,
-        sums: &mut [Sum<'_>],
-        next: Continuation,
-        progress: Progress<'_>,
-    ) -> Result<(), Cancelled> {
-        let first_term = if self.k == 0 { 0 } else { self.k + 1 };
-        if n_steps == 0 {
-            return if self.k == 0 { self.add_first(sums, progress) } else { Ok(()) };
-        }
-        // Vectors that the sums need and that neither of the last two is.
-        let mut kept: Vec<Vec<f64>> = Vec::new();
-        for step in 1..=n_steps {
-            let k = self.k + step;
-            let scale = if k == 1 { 2.0 } else { 4.0 };
-            // T_{k−2} is overwritten unless a sum of this pass needs it. Before the first step it is 0.
-            let is_needed = k >= 2 && k - 2 >= first_term;
-            let old = std::mem::take(&mut self.before);
-            let (mut new, kept_old) = if is_needed {
-                (self.spare.pop().unwrap_or_else(|| zeros(old.len())), Some(old))
-            } else {
-                (old, None)
-            };
-            let before = kept_old.as_deref();
-            let product = WideProduct::Step { before, now: &self.now, scale };
-            let (lanes, rows, target) = (self.channels.lanes, self.rows, self.target);
-            if step < n_steps {
-                parallel::try_visit_rows(&mut new, lanes, ROWS_AT_A_TIME, progress, |first, out| {
-                    multiply_wide(target, lanes, rows, product, first, out);
-                })?;
-            } else {
-                let others = kept.iter().map(Vec::as_slice).chain(before);
-                let mut vectors: Vec<&[f64]> = others.collect();
-                if k > first_term {
-                    vectors.push(&self.now);
-                }
-                self.multiply_and_add(product, first_term, &vectors, &mut new, sums, progress)?;
-            }
-            kept.extend(kept_old);
-            self.before = std::mem::replace(&mut self.now, new);
-        }
-        if next == Continuation::Continues {
-            self.spare.append(&mut kept);
-        }
-        self.k += n_steps;
-        Ok(())
+    /// Upper bound of the bytes of memory of a recurrence for `n_channels` channels of `n` vertices: the vectors of a
+    /// pass of several steps, and the one before.
+    pub(crate) fn bytes(n: usize, n_channels: usize) -> u64 {
+        8 * (n * (STEPS_TOGETHER + 1) * n_channels.next_multiple_of(8).min(MAX_LANES)) as u64
     }
 
     /// Computes the last step of a pass and adds its terms to the sums, chunk by chunk: `vectors` are those of the
@@ -258,11 +191,71 @@ impl<'a> WideRecurrence<'a> {
     }
 }
 
-/// Operator and weights of the norm.
-#[derive(Clone, Copy)]
-pub(crate) struct WideOperator<'a> {
-    pub(crate) diffusion: &'a Diffusion,
-    pub(crate) weights: &'a [f64],
+impl BlockRecurrence for WideRecurrence<'_> {
+    fn steps_per_pass(&self) -> usize {
+        self.steps_per_pass
+    }
+
+    fn k(&self) -> usize {
+        self.k
+    }
+
+    fn square(&self) -> f64 {
+        self.square
+    }
+
+    fn is_nonzero(&self) -> bool {
+        self.moves
+    }
+
+    fn advance(
+        &mut self,
+        n_steps: usize,
+        sums: &mut [Sum<'_>],
+        next: Continuation,
+        progress: Progress<'_>,
+    ) -> Result<(), Cancelled> {
+        let first_term = if self.k == 0 { 0 } else { self.k + 1 };
+        if n_steps == 0 {
+            return if self.k == 0 { self.add_first(sums, progress) } else { Ok(()) };
+        }
+        // Vectors that the sums need and that neither of the last two is.
+        let mut kept: Vec<Vec<f64>> = Vec::new();
+        for step in 1..=n_steps {
+            let k = self.k + step;
+            let scale = if k == 1 { 2.0 } else { 4.0 };
+            // T_{k−2} is overwritten unless a sum of this pass needs it. Before the first step it is 0.
+            let is_needed = k >= 2 && k - 2 >= first_term;
+            let old = std::mem::take(&mut self.before);
+            let (mut new, kept_old) = if is_needed {
+                (self.spare.pop().unwrap_or_else(|| zeros(old.len())), Some(old))
+            } else {
+                (old, None)
+            };
+            let before = kept_old.as_deref();
+            let product = WideProduct::Step { before, now: &self.now, scale };
+            let (lanes, rows, target) = (self.channels.lanes, self.rows, self.target);
+            if step < n_steps {
+                parallel::try_visit_rows(&mut new, lanes, ROWS_AT_A_TIME, progress, |first, out| {
+                    multiply_wide(target, lanes, rows, product, first, out);
+                })?;
+            } else {
+                let others = kept.iter().map(Vec::as_slice).chain(before);
+                let mut vectors: Vec<&[f64]> = others.collect();
+                if k > first_term {
+                    vectors.push(&self.now);
+                }
+                self.multiply_and_add(product, first_term, &vectors, &mut new, sums, progress)?;
+            }
+            kept.extend(kept_old);
+            self.before = std::mem::replace(&mut self.now, new);
+        }
+        if next == Continuation::Continues {
+            self.spare.append(&mut kept);
+        }
+        self.k += n_steps;
+        Ok(())
+    }
 }
 
 /// Rows that a thread processes at a time: the last vector of a pass, if it is to be computed, and the sums.

@@ -23,7 +23,7 @@ impl Random {
     }
 }
 
-/// A built-in shape, and it with each vertex moved by so many mean edges along its normal and along the axes.
+/// A built-in shape, and the same with each vertex moved along its normal and along the axes, by lengths in mean edges.
 fn pair(name: &str, mut displace: impl FnMut(&mut Random) -> (f64, [f64; 3])) -> (Shape, Shape) {
     let sample = Sample::from_name(name, Some(8000)).unwrap();
     let (edge, normals) = (sample.mean_edge_length(), sample.normals());

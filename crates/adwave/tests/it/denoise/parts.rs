@@ -79,7 +79,7 @@ fn a_part_of_a_mesh_with_impulses_is_denoised_as_the_whole() {
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
     let choice = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none()).unwrap();
     let share = choice.info.mesh.as_ref().unwrap().impulse_share;
-    assert!((0.06..0.2).contains(&share), "{share} in place of 1/8");
+    assert!((0.06..0.2).contains(&share), "{share} instead of 1/8");
     let whole = choice.denoise_mesh(&points, &triangles(ALONG), Progress::none()).unwrap();
     let (columns, own) = part();
     let of_part = &points[columns.start * ACROSS..columns.end * ACROSS];
