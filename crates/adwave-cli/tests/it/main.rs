@@ -11,6 +11,7 @@ mod graphs;
 mod hostile;
 mod labels;
 mod levels;
+mod many_channels;
 mod missing_values;
 mod moved_shapes;
 mod plates;
