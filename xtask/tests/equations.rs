@@ -29,7 +29,7 @@ fn sources() -> Vec<(PathBuf, Vec<String>)> {
     files
 }
 
-/// Whether line `at` is code, or belongs to a comment that stands directly above code.
+/// True if line `at` is code, or belongs to a comment that stands directly above code.
 fn is_at_code(lines: &[String], at: usize) -> bool {
     let line = |k: usize| lines.get(k).map_or("", |line| line.trim_start());
     let is_comment = |k: usize| line(k).starts_with("//");
@@ -40,7 +40,7 @@ fn is_at_code(lines: &[String], at: usize) -> bool {
     !line(after).is_empty()
 }
 
-/// Where a phrase is found at code.
+/// First place of a phrase at code.
 fn places(phrase: &str) -> Vec<String> {
     let mut found = Vec::new();
     for (path, lines) in sources() {

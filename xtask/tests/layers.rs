@@ -83,7 +83,7 @@ const LAYERS: [&[&str]; 17] = [
 /// Imports from above that are there for a reason: who, what, why.
 const ALLOWED: [(&str, &str, &str); 0] = [];
 
-/// Where a type that is named at the root of the crate comes from.
+/// Module of a type that is named at the root of the crate.
 fn home(name: &str) -> &str {
     match name {
         "ClassifiedError" | "ErrorKind" => "error",
