@@ -113,7 +113,8 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
     }
 }
 
-/// The signal after the edit. It is computed by the object that interactive edits use, so that a recipe gives the same bits everywhere.
+/// The signal after the edit. A signal of few channels is computed by the object that interactive edits use, so that a recipe
+/// gives the same bits everywhere; many channels agree with it to the accuracy of the bands.
 fn edited_values(
     job: &FilterJob<'_>,
     signal: PartOfSignal<'_>,
