@@ -64,8 +64,8 @@ usage: cargo xtask COMMAND
   style [FOLDER]
             print every violation of the countable rules of style, below a folder of the repository
 
-Python packages are installed into an environment below target/. If a C++ compiler or Chromium is missing, it is installed
-from the packages of Debian; nothing else is installed.";
+Python packages are installed into an environment below target/. If Node or Chromium is missing, it is installed from the
+packages of Debian; nothing else is installed.";
 
 /// Seconds that every test run feeds all readers and parsers with broken input.
 const FUZZED_SECONDS: &str = "60";
@@ -133,13 +133,11 @@ fn same_outputs(arguments: &[&str]) -> StepResult {
 
 /// All cases of the systematic tests of the command; they tell this by the variable.
 fn command_check() -> StepResult {
-    compiler()?;
     let test = ["test", "--locked", "--quiet", "-p", "adwave-cli", "--test", "promises"];
     cargo(&test, &[("ADWAVE_COMMAND_CHECK", "full")])
 }
 
 fn studio_test() -> StepResult {
-    compiler()?;
     cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
     studio::test()
 }
@@ -164,37 +162,41 @@ fn models_and_part<'a>(
 }
 
 fn test() -> StepResult {
-    compiler()?;
     notices::check()?;
     // Before anything is built: the extension for Python asks for it too, in its own words.
     python::check()?;
+    // Downloads take no processor, so they run while the compiler does.
+    let downloads = std::thread::spawn(|| -> StepResult {
+        package::test_environment()?;
+        python::environment("oracle")?;
+        studio::install_requirements()
+    });
     cargo(&["fmt", "--all", "--check"], &[])?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
     // With the tests, so that the libraries are those that the tests have built, with the same features.
     cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
-    package::test_package(&[])?;
+    downloads.join().map_err(|_| "the thread of downloads panicked")??;
+    // One core each: broken input beside the tests of the package, most of which are serial.
+    let fuzzing = Command::new(target().join("debug/adwave-fuzz"))
+        .current_dir(root())
+        .args(["--seconds", FUZZED_SECONDS])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .map_err(|e| format!("cannot run adwave-fuzz: {e}"))?;
+    let tested = package::test_package(&[]);
+    let fuzzed = fuzzing.wait_with_output().map_err(|e| format!("cannot wait for adwave-fuzz: {e}"))?;
+    println!("> adwave-fuzz --seconds {FUZZED_SECONDS}");
+    print!("{}{}", String::from_utf8_lossy(&fuzzed.stdout), String::from_utf8_lossy(&fuzzed.stderr));
+    tested?;
+    if !fuzzed.status.success() {
+        return Err(format!("adwave-fuzz failed: {}", fuzzed.status));
+    }
     studio::test()?;
     compare_with_scipy(&target().join("debug/adwave"), "oracle-small", [1000, 1000, 1000, 1000, 3000], None)?;
-    let fuzz = target().join("debug/adwave-fuzz");
-    run(Command::new(&fuzz).current_dir(root()).args(["--seconds", FUZZED_SECONDS]))?;
     dependencies()
-}
-
-/// Sees to a C++ compiler, which a dependency is built by: where there is none it is installed from the packages of Debian, if
-/// that is possible.
-fn compiler() -> StepResult {
-    let asked = std::env::var("CXX").ok();
-    let names = asked.as_deref().into_iter().chain(["c++", "g++", "clang++"]);
-    let works = |name: &str| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success());
-    if names.into_iter().any(works) {
-        return Ok(());
-    }
-    let missing = "a C++ compiler is needed: install g++ or clang, or name one in the variable CXX";
-    println!("> apt-get install g++");
-    run(Command::new("apt-get").args(["update", "-qq"])).map_err(|e| format!("{missing} ({e})"))?;
-    run(Command::new("apt-get").args(["install", "-y", "-qq", "g++"])).map_err(|e| format!("{missing} ({e})"))
 }
 
 /// Licenses and sources of dependencies, by `deny.toml`, where the tool is at hand; known faults need its database too.

@@ -105,7 +105,7 @@ fn build_from_sdist(python: &Path, sdist: &Path) -> StepResult {
         .env("CARGO_NET_OFFLINE", "true")
         .env("CARGO_TARGET_DIR", target().join("sdist-build"))
         .env("MATURIN_PEP517_ARGS", "--profile dev --strip"))?;
-    let test = python::environment_from(&package().join("test-requirements.txt"), "package")?;
+    let test = test_environment()?;
     let place = target().join("sdist-package");
     install(&test, &only_file(&out, "whl")?, &place)?;
     let example = "import adwave as aw; print(aw.decompose(aw.sample('sphere'), levels=4), aw.__version__)";
@@ -133,6 +133,11 @@ fn install(python: &Path, wheel: &Path, place: &Path) -> StepResult {
         .arg(wheel))
 }
 
+/// The Python of the environment in which the package is tested.
+pub(crate) fn test_environment() -> Result<PathBuf, String> {
+    python::environment_from(&package().join("test-requirements.txt"), "package")
+}
+
 /// Runs the tests of the package, the examples of its documentation and its type checks, on a wheel or on a debug build.
 pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     let with_wheel = match arguments {
@@ -140,7 +145,7 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
         ["--wheel"] => true,
         _ => return Err(format!("python takes --wheel only, got {}", arguments.join(" "))),
     };
-    let python = python::environment_from(&package().join("test-requirements.txt"), "package")?;
+    let python = test_environment()?;
     let place = target().join("package");
     if with_wheel {
         install(&python, &wheel()?, &place)?;

@@ -14,17 +14,24 @@ fn web() -> PathBuf {
     root().join("crates/adwave-studio/web")
 }
 
+fn npm(words: &[&str]) -> StepResult {
+    println!("> npm {}", words.join(" "));
+    // Playwright must use the installed browser instead of downloading one.
+    run(Command::new("npm").current_dir(web()).args(words).env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1"))
+}
+
+/// Installs what the tests of the page need and do not find: Node, Chromium and the packages of the lock file.
+pub(crate) fn install_requirements() -> StepResult {
+    require_node()?;
+    require_browser()?;
+    // `npm ci` would reject a lock file that lacks optional packages of other operating systems.
+    npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])
+}
+
 /// Runs all tests of the page.
 pub(crate) fn test() -> StepResult {
-    require_node()?;
+    install_requirements()?;
     let browser = require_browser()?;
-    let npm = |words: &[&str]| {
-        println!("> npm {}", words.join(" "));
-        // Playwright must use the installed browser instead of downloading one.
-        run(Command::new("npm").current_dir(web()).args(words).env("PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD", "1"))
-    };
-    // `npm ci` would reject a lock file that lacks optional packages of other operating systems.
-    npm(&["install", "--no-save", "--no-audit", "--no-fund", "--loglevel=error"])?;
     npm(&["run", "--silent", "check"])?;
     npm(&["run", "--silent", "test"])?;
     check_bundle()?;

@@ -46,8 +46,8 @@ fn eigenvalues(shape: &Shape, params: &OperatorParams, dimension: f64) -> Vec<f6
     let mixed = |i: usize| (i as u32).wrapping_mul(2_654_435_761).rotate_left(13).wrapping_mul(0x85eb_ca6b);
     let mut f: Vec<f64> = (0..n * WIDTH).map(|i| f64::from(mixed(i)) / f64::from(u32::MAX) - 0.5).collect();
     let mut values = Vec::new();
-    for _ in 0..12 {
-        let smooth = decomposer.request(&f, WIDTH, &schedule).accuracy(1e-12).bands().unwrap();
+    for _ in 0..6 {
+        let smooth = decomposer.request(&f, WIDTH, &schedule).accuracy(1e-9).bands().unwrap();
         let smooth = smooth.coarsest().to_vec();
         let column = |g: &[f64]| DMatrix::from_row_slice(n, WIDTH, g);
         let (before, after) = (column(&f), column(&smooth));

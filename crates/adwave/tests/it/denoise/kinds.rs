@@ -57,8 +57,9 @@ fn impulses_are_counted_and_taken_off() {
 
 #[test]
 fn other_noise_and_clean_shapes_have_no_impulses() {
-    for name in ["bracket", "sphere", "knot", "creature", "plane"] {
-        for noise in [0.0, 0.1, 0.3, 0.7] {
+    let pairs_of_noise = [[0.0, 0.3], [0.1, 0.7]];
+    for (i, name) in ["bracket", "sphere", "knot", "creature", "plane"].into_iter().enumerate() {
+        for noise in pairs_of_noise[i % 2] {
             let (clean, noisy) = pair(name, |r| (noise * r.normal(), [0.0; 3]));
             let (.., found) = angles(&clean, &noisy);
             assert_eq!(found.impulse_share, 0.0, "{name}, {noise}");
