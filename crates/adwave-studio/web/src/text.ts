@@ -158,7 +158,7 @@ export const text = {
   brushMode: 'Brush mode',
   add: 'Paint',
   subtract: 'Erase',
-  smooth: 'Soften mask',
+  smooth: 'Soften',
   frontOnly: 'Front faces only',
   radius: 'Radius',
   strength: 'Strength',
