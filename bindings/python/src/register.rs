@@ -18,6 +18,7 @@ use adwave_simplify::{
     Appearance, AppearanceValues, Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud,
     simplify_mesh_with_appearance,
 };
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -37,6 +38,7 @@ struct SimplifyOptions<'py> {
     vertices: Option<usize>,
     ratio: Option<f64>,
     keep_border: bool,
+    weights: Option<PyReadonlyArray1<'py, f64>>,
 }
 
 /// Simplifies a shape: the result, its vertices in the original (`None` for all), and the greatest and rms distance.
@@ -63,7 +65,8 @@ fn simplify<'py>(
             let (labels, values) = (content.file.corner_labels(), content.file.corner_values());
             let values =
                 values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
-            let appearance = Appearance { labels: labels.as_deref(), values };
+            let weights = options.weights.as_ref().map(|weights| weights.as_array().to_vec());
+            let appearance = Appearance { labels: labels.as_deref(), values, weights: weights.as_deref() };
             let params = MeshParams::new(target).with_border(border);
             let found = run(py, usize::MAX, progress.as_ref(), |p| {
                 simplify_mesh_with_appearance(mesh, appearance, &params, p)

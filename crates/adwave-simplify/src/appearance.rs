@@ -1,4 +1,4 @@
-//! Colors and texture coordinates on a mesh, as part of the error.
+//! Seams, colors, texture coordinates and importance, which a simplification sees beside the shape.
 
 /// Appearance of a mesh beside its shape.
 #[derive(Clone, Copy, Debug, Default)]
@@ -8,6 +8,10 @@ pub struct Appearance<'a> {
     pub labels: Option<&'a [u32]>,
     /// Colors or texture coordinates, `n_channels` values per corner of the faces, for which 1 is the full range.
     pub values: Option<AppearanceValues<'a>>,
+    /// Importance of each vertex; the sign of a weight, as of a signed saliency map, does not count. Squared distances are
+    /// multiplied by its magnitude, so that a half of a shape with weights of 4 keeps details half as deep as the other half
+    /// with weights of 1.
+    pub weights: Option<&'a [f64]>,
 }
 
 /// Values at the corners of faces, row by row.

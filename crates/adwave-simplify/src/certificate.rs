@@ -124,7 +124,7 @@ impl<'a> Certificates<'a> {
         for &face in &connectivity.around[plan.to as usize] {
             if self.in_star[face as usize] != self.test {
                 let wedges = connectivity.faces[face as usize];
-                self.new_faces.push(face, wedges, connectivity.corners(wedges));
+                self.new_faces.push(face, wedges, connectivity.corners_of(face));
             }
         }
     }
@@ -162,7 +162,7 @@ impl<'a> Certificates<'a> {
         for face in self.cover[t as usize].faces() {
             if self.in_star[face as usize] != self.test {
                 let wedges = connectivity.faces[face as usize];
-                faces.push(face, wedges, connectivity.corners(wedges));
+                faces.push(face, wedges, connectivity.corners_of(face));
             }
         }
         for (k, &face) in self.new_faces.ids.iter().enumerate() {

@@ -85,10 +85,15 @@ impl<'a> Collapser<'a> {
     pub(crate) fn new(
         connectivity: Connectivity,
         colors: Option<&'a WedgeColors>,
+        importance: Option<&[f64]>,
         certificates: Option<Certificates<'a>>,
     ) -> Self {
         let n = connectivity.n_positions();
-        let quadrics = (0..n as u32).into_par_iter().map(|u| connectivity.quadric(u)).collect();
+        let quadric = |u: u32| match importance {
+            Some(of) => connectivity.quadric(u).scaled(of[u as usize]),
+            None => connectivity.quadric(u),
+        };
+        let quadrics = (0..n as u32).into_par_iter().map(quadric).collect();
         Self {
             connectivity,
             quadrics,

@@ -36,6 +36,8 @@ pub(crate) enum Turning {
 pub(crate) struct Connectivity {
     /// Wedges of each face, or `REMOVED`.
     pub(crate) faces: Vec<[u32; 3]>,
+    /// Positions of each face that is not removed.
+    at: Vec<[u32; 3]>,
     /// Faces around each position.
     pub(crate) around: Vec<Vec<u32>>,
     /// Position of each wedge.
@@ -86,19 +88,21 @@ impl Connectivity {
             back[front as usize] = other;
             faces[other as usize] = [REMOVED; 3];
         }
-        let left = || faces.iter().enumerate().filter(|(_, face)| face[0] != REMOVED);
+        let place = |wedge: u32| if wedge == REMOVED { REMOVED } else { position[wedge as usize] };
+        let at: Vec<[u32; 3]> = faces.par_iter().map(|face| face.map(place)).collect();
+        let left = || at.iter().enumerate().filter(|(_, face)| face[0] != REMOVED);
         let mut counts = vec![0_usize; n];
-        for wedge in left().flat_map(|(_, face)| face) {
-            counts[position[*wedge as usize] as usize] += 1;
+        for &x in left().flat_map(|(_, face)| face) {
+            counts[x as usize] += 1;
         }
         let mut around: Vec<Vec<u32>> =
             counts.into_iter().map(|n| Vec::with_capacity(n + SPARE_FACES)).collect();
         for (t, face) in left() {
-            for &wedge in face {
-                around[position[wedge as usize] as usize].push(t as u32);
+            for &x in face {
+                around[x as usize].push(t as u32);
             }
         }
-        let mut connectivity = Self { faces, around, position, points, kinds: Vec::new(), back };
+        let mut connectivity = Self { faces, at, around, position, points, kinds: Vec::new(), back };
         connectivity.kinds = (0..n as u32).into_par_iter().map(|u| connectivity.classify(u)).collect();
         connectivity
     }
@@ -134,8 +138,13 @@ impl Connectivity {
         sides.unzip()
     }
 
-    fn positions_of(&self, face: u32) -> [u32; 3] {
-        self.faces[face as usize].map(|wedge| self.position[wedge as usize])
+    pub(crate) fn positions_of(&self, face: u32) -> [u32; 3] {
+        self.at[face as usize]
+    }
+
+    /// Points of the corners of a face that is not removed.
+    pub(crate) fn corners_of(&self, face: u32) -> [Point; 3] {
+        self.at[face as usize].map(|x| self.points[x as usize])
     }
 
     /// Lists the positions that share a face with `u`, without repetitions.
@@ -150,9 +159,11 @@ impl Connectivity {
 
     /// Returns the wedges at the two ends of an edge in a face.
     fn ends(&self, face: u32, u: u32, v: u32) -> Option<(u32, u32)> {
+        let at = self.at[face as usize];
+        let find = |x: u32| at.into_iter().position(|y| y == x);
+        let (k, l) = (find(u)?, find(v)?);
         let wedges = self.faces[face as usize];
-        let find = |x: u32| wedges.into_iter().find(|&wedge| self.position[wedge as usize] == x);
-        Some((find(u)?, find(v)?))
+        Some((wedges[k], wedges[l]))
     }
 
     /// Tells if an edge is on a border or a seam, or has more than two faces.
@@ -220,7 +231,7 @@ impl Connectivity {
     pub(crate) fn quadric(&self, u: u32) -> Quadric {
         let mut sum = Quadric::default();
         for &face in &self.around[u as usize] {
-            sum.add(&Quadric::triangle(self.corners(self.faces[face as usize])));
+            sum.add(&Quadric::triangle(self.corners_of(face)));
             if self.kind(u) == VertexKind::Smooth {
                 continue;
             }
@@ -259,16 +270,16 @@ impl Connectivity {
             if plan.vanishing.contains(&face) {
                 continue;
             }
-            let mut wedges = self.faces[face as usize];
-            for wedge in &mut wedges {
-                if self.position[*wedge as usize] == u {
+            let (mut wedges, at) = (self.faces[face as usize], self.at[face as usize]);
+            for (wedge, x) in wedges.iter_mut().zip(at) {
+                if x == u {
                     match plan.wedges.iter().find(|(from, _)| from == wedge) {
                         Some(&(_, to)) => *wedge = to,
                         None => return false,
                     }
                 }
             }
-            if !self.keeps_direction(face, wedges, turning) {
+            if !self.keeps_direction(at, [u, v], turning) {
                 return false;
             }
             plan.moved.push((face, wedges));
@@ -319,9 +330,10 @@ impl Connectivity {
         !plan.vanishing.iter().filter_map(|&face| opposite(face)).any(closes)
     }
 
-    /// Tells if a face that gets new wedges keeps its direction and has an area.
-    fn keeps_direction(&self, face: u32, wedges: [u32; 3], turning: Turning) -> bool {
-        let (old, new) = (self.corners(self.faces[face as usize]), self.corners(wedges));
+    /// Tells if a face of three positions keeps its direction and has an area if the first end of an edge moves to the second.
+    fn keeps_direction(&self, at: [u32; 3], [u, v]: [u32; 2], turning: Turning) -> bool {
+        let old = at.map(|x| self.points[x as usize]);
+        let new = at.map(|x| self.points[if x == u { v } else { x } as usize]);
         let (before, after) = (doubled_normal(old), doubled_normal(new));
         let sides = [0, 1, 2].map(|k| minus(new[(k + 1) % 3], new[k]));
         let longest = sides.map(|side| dot(side, side)).into_iter().fold(0.0, f64::max);
@@ -343,6 +355,7 @@ impl Connectivity {
         }
         for &(face, wedges) in &plan.moved {
             self.faces[face as usize] = wedges;
+            self.at[face as usize] = wedges.map(|wedge| self.position[wedge as usize]);
             self.around[v].push(face);
         }
         self.around[u] = Vec::new();

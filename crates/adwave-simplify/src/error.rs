@@ -36,6 +36,22 @@ pub enum SimplifyError {
         /// Number of values per corner.
         n_channels: usize,
     },
+    /// The number of weights differs from that of the vertices.
+    #[error("one weight per vertex is needed, got {found} weights for {n_vertices} vertices")]
+    Weights {
+        /// Number of weights.
+        found: usize,
+        /// Number of vertices.
+        n_vertices: usize,
+    },
+    /// A weight is not finite.
+    #[error("weights must be finite, got {value:?} at vertex {vertex}")]
+    Weight {
+        /// The value.
+        value: f64,
+        /// Index of the vertex.
+        vertex: usize,
+    },
     /// No face has a positive area.
     #[error("no face has a positive area; simplify the shape as a cloud")]
     NoSurface,

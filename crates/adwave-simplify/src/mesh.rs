@@ -143,19 +143,22 @@ pub fn simplify_mesh(
     params: &MeshParams,
     progress: Progress<'_>,
 ) -> Result<SimplifiedMesh, SimplifyError> {
-    let appearance = Appearance { labels, values: None };
+    let appearance = Appearance { labels, ..Appearance::default() };
     simplify_mesh_with_appearance(mesh, appearance, params, progress)
 }
 
-/// Simplifies as [`simplify_mesh`] does, and keeps colors and texture coordinates.
+/// Simplifies as [`simplify_mesh`] does, keeps colors and texture coordinates, and keeps more vertices where the weights
+/// are large.
 ///
 /// For [`MeshTarget::Error`], every vertex of the original finds, at the nearest point of the result, a value that the
 /// original has within the target distance of it: the difference is at most this distance times the largest change per
 /// length at the vertex, or 1/64 of the full range. For a number of vertices, the change of a value times the length of the
-/// edge adds to the cost of a collapse, as a distance by which a contour moves.
+/// edge adds to the cost of a collapse, as a distance by which a contour moves. Weights multiply the quadric error of the
+/// vertices (as in `lee2005`); they decide on the order of collapses, not on the distance that is proven.
 ///
 /// # Errors
-/// Returns a [`SimplifyError`] as [`simplify_mesh`] does, and for a wrong number of values.
+/// Returns a [`SimplifyError`] as [`simplify_mesh`] does, for a wrong number of values or weights, and for a weight that is
+/// not finite.
 pub fn simplify_mesh_with_appearance(
     mesh: &Mesh,
     appearance: Appearance<'_>,
@@ -198,6 +201,8 @@ struct Candidate {
 struct SimplifyJob<'a> {
     wedges: Wedges,
     colors: Option<WedgeColors>,
+    /// Importance of each position, at most 1.
+    importance: Option<Vec<f64>>,
     areas: Vec<f64>,
     charts: Vec<u32>,
     /// Triangles of the original, each rotated to its smallest wedge, sorted.
@@ -222,6 +227,7 @@ impl<'a> SimplifyJob<'a> {
     ) -> Result<Self, SimplifyError> {
         let wedges = Wedges::new(mesh, appearance, progress)?;
         let colors = appearance.values.map(|values| WedgeColors::new(&wedges, values));
+        let importance = appearance.weights.map(|weights| wedges.importance(mesh, weights)).transpose()?;
         let surface =
             TriangleSurface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
         progress.check()?;
@@ -229,7 +235,7 @@ impl<'a> SimplifyJob<'a> {
         let charts = wedges.charts();
         let mut sorted: Vec<[u32; 3]> = wedges.triangles.iter().map(|&t| rotate_to_smallest(t)).collect();
         sorted.par_sort_unstable();
-        Ok(Self { wedges, colors, areas, charts, sorted, surface, border, progress })
+        Ok(Self { wedges, colors, importance, areas, charts, sorted, surface, border, progress })
     }
 
     fn connectivity(&self) -> Connectivity {
@@ -238,6 +244,11 @@ impl<'a> SimplifyJob<'a> {
             connectivity.fix_borders();
         }
         connectivity
+    }
+
+    fn collapser<'b>(&'b self, certificates: Option<Certificates<'b>>) -> Collapser<'b> {
+        let (colors, importance) = (self.colors.as_ref(), self.importance.as_deref());
+        Collapser::new(self.connectivity(), colors, importance, certificates)
     }
 
     fn view<'b>(&'b self, triangles: &'b [[u32; 3]]) -> SurfaceView<'b> {
@@ -269,7 +280,7 @@ impl<'a> SimplifyJob<'a> {
             colors: self.colors.as_ref(),
         };
         let certificates = Certificates::new(original, limit);
-        let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), Some(certificates));
+        let mut collapser = self.collapser(Some(certificates));
         let mut count = n_before;
         for _ in 0..MAX_PASSES {
             let before = count;
@@ -302,7 +313,7 @@ impl<'a> SimplifyJob<'a> {
         if n >= n_before {
             return Ok((self.unchanged(), Why::Unchanged));
         }
-        let mut collapser = Collapser::new(self.connectivity(), self.colors.as_ref(), None);
+        let mut collapser = self.collapser(None);
         let mut count = n_before;
         for turning in [Turning::Limited, Turning::Free] {
             if count > n {

@@ -62,6 +62,16 @@ impl Quadric {
         self.weight += other.weight;
     }
 
+    /// Multiplies squared distances by a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self {
+            square: self.square.map(|x| factor * x),
+            linear: self.linear.map(|x| factor * x),
+            constant: factor * self.constant,
+            weight: self.weight,
+        }
+    }
+
     /// Mean squared distance of a point from the planes.
     pub(crate) fn mean(&self, p: Point) -> f64 {
         let [xx, yy, zz, xy, xz, yz] = self.square;

@@ -72,6 +72,32 @@ impl Wedges {
         if wedges.triangles.is_empty() { Err(SimplifyError::NoSurface) } else { Ok(wedges) }
     }
 
+    /// Largest magnitude of the weights of the vertices of a mesh at each position, relative to the largest of all. O(n).
+    pub(crate) fn importance(&self, mesh: &Mesh, weights: &[f64]) -> Result<Vec<f64>, SimplifyError> {
+        let n_vertices = mesh.points().len();
+        if weights.len() != n_vertices {
+            return Err(SimplifyError::Weights { found: weights.len(), n_vertices });
+        }
+        if let Some(vertex) = weights.iter().position(|w| !w.is_finite()) {
+            return Err(SimplifyError::Weight { value: weights[vertex], vertex });
+        }
+        let corners = mesh.faces().corners();
+        let mut importance = vec![0.0_f64; self.position.last().map_or(0, |&last| last as usize + 1)];
+        for (&wedge, &corner) in self.triangles.as_flattened().iter().zip(self.corners.as_flattened()) {
+            let of = &mut importance[self.position[wedge as usize] as usize];
+            *of = of.max(weights[corners[corner as usize] as usize].abs());
+        }
+        let greatest = importance.iter().copied().fold(0.0, f64::max);
+        if greatest > 0.0 {
+            for w in &mut importance {
+                *w /= greatest;
+            }
+        } else {
+            importance.fill(1.0);
+        }
+        Ok(importance)
+    }
+
     /// Counts the vertices of the mesh that triangles use.
     pub(crate) fn n_vertices(&self, triangles: &[[u32; 3]]) -> usize {
         let mut vertices: Vec<u32> =

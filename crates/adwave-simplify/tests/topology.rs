@@ -215,7 +215,7 @@ fn a_red_disc_in_a_flat_blue_square_survives_as_colors_of_vertices() {
     let values: Vec<f64> = mesh.faces().corners().iter().flat_map(|&x| red(x)).collect();
     let values = Some(AppearanceValues { values: &values, n_channels: 3 });
     for target in [MeshTarget::Error(0.03), MeshTarget::Error(0.3), MeshTarget::Vertices(120)] {
-        let appearance = Appearance { labels: None, values };
+        let appearance = Appearance { values, ..Appearance::default() };
         let params = MeshParams::new(target);
         let simplified = simplify_mesh_with_appearance(&mesh, appearance, &params, Progress::none()).unwrap();
         let is_red = |t: usize, weights: [f64; 3]| {
@@ -228,9 +228,39 @@ fn a_red_disc_in_a_flat_blue_square_survives_as_colors_of_vertices() {
         assert!(simplified.kept.len() < 900, "{} at {target:?}", simplified.kept.len());
     }
     let appearance =
-        Appearance { labels: None, values: Some(AppearanceValues { values: &[], n_channels: 3 }) };
+        Appearance { values: Some(AppearanceValues { values: &[], n_channels: 3 }), ..Appearance::default() };
     let params = MeshParams::new(MeshTarget::Vertices(9));
     assert!(simplify_mesh_with_appearance(&mesh, appearance, &params, Progress::none()).is_err());
+}
+
+#[test]
+fn more_vertices_remain_where_weights_are_large_and_their_scale_and_sign_do_not_matter() {
+    let ball = Sample::from_name("sphere", Some(4000)).unwrap();
+    let mesh = Mesh::new(ball.points, ball.faces).unwrap();
+    let simplify = |weights: &[f64]| {
+        let appearance = Appearance { weights: Some(weights), ..Appearance::default() };
+        let params = MeshParams::new(MeshTarget::Vertices(400));
+        simplify_mesh_with_appearance(&mesh, appearance, &params, Progress::none())
+    };
+    let upper = |kept: &[u32]| kept.iter().filter(|&&x| mesh.points()[x as usize][2] > 0.0).count();
+    let even = vec![1.0; mesh.points().len()];
+    let plain =
+        simplify_mesh(&mesh, None, &MeshParams::new(MeshTarget::Vertices(400)), Progress::none()).unwrap();
+    assert_eq!(simplify(&even).unwrap().kept, plain.kept);
+    assert!(upper(&plain.kept).abs_diff(200) < 20, "{}", upper(&plain.kept));
+    // The mean squared distance of a sphere goes as density⁻², so 16 gives 4 times the density.
+    let uneven: Vec<f64> = mesh.points().iter().map(|p| if p[2] > 0.0 { 16.0 } else { 1.0 }).collect();
+    let kept = simplify(&uneven).unwrap().kept;
+    assert!(upper(&kept).abs_diff(320) < 25, "{}", upper(&kept));
+    let signed: Vec<f64> = uneven.iter().map(|w| -0.25 * w).collect();
+    assert_eq!(simplify(&signed).unwrap().kept, kept);
+    let nothing = vec![0.0; mesh.points().len()];
+    assert_eq!(simplify(&nothing).unwrap().kept, plain.kept);
+    let error = |weights: &[f64]| simplify(weights).unwrap_err().to_string();
+    assert!(error(&even[1..]).contains("one weight per vertex"));
+    let mut missing = even.clone();
+    missing[7] = f64::NAN;
+    assert!(error(&missing).contains("got NaN at vertex 7"));
 }
 
 #[test]

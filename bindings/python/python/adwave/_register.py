@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
 from adwave._decomposer import Decomposer, prepare_decomposer
+from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._options import Length, OperatorLike, as_operator
 from adwave._part import Part, ask_about_faces, read_part
@@ -32,7 +33,7 @@ _PAIR = np.dtype(
 )
 
 
-_SIMPLIFY = ("error", "vertices", "ratio", "keep_border", "progress")
+_SIMPLIFY = ("error", "vertices", "ratio", "weights", "keep_border", "progress")
 
 
 class SimplifyResult(NamedTuple):
@@ -72,6 +73,7 @@ class SimplifyOptions:
     vertices: Union[int, None]
     ratio: Union[float, None]
     keep_border: bool
+    weights: Union[NDArray[np.float64], None]
 
 
 def simplify(
@@ -80,6 +82,7 @@ def simplify(
     error: Length | None = None,
     vertices: int | None = None,
     ratio: float | None = None,
+    weights: ArrayLike | None = None,
     keep_border: bool = False,
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
@@ -101,6 +104,9 @@ def simplify(
         Number of vertices of the result; more if the topology needs them.
     ratio : float, optional
         Share of the vertices that remain.
+    weights : (n,) array_like or str, optional
+        Importance of each vertex of a mesh, or the name of a signal or field; the sign does not count. It multiplies the
+        squared distance by which collapses are ordered, so that more vertices remain where it is large.
     keep_border : bool
         Leave the borders of an open mesh unchanged.
     progress : bool or callable, optional
@@ -115,7 +121,7 @@ def simplify(
     Raises
     ------
     ValueError
-        If the shape is a graph, or not exactly one target is given.
+        If the shape is a graph, not exactly one target is given, or a weight is missing or not finite.
 
     Examples
     --------
@@ -123,6 +129,10 @@ def simplify(
     >>> found = aw.simplify(aw.sample("creature", vertices=3000), error="0.5%")
     >>> found.shape.n_vertices < 3000 and found.greatest < 0.02
     True
+    >>> shape = aw.sample("creature", vertices=3000)
+    >>> salient = aw.simplify(shape, ratio=0.2, weights=aw.saliency(shape))
+    >>> salient.shape.n_vertices
+    600
     """
     if ratio is not None and not 0 < ratio <= 1:
         raise ValueError(f"ratio is the share of the vertices that remain, above 0 and at most 1, got {ratio}")
@@ -131,14 +141,25 @@ def simplify(
         raise ValueError(f"give one of error, vertices and ratio, got {' and '.join(given) or 'none'}")
     part = read_part("simplify", shape, options, _SIMPLIFY)
     own = part.shape
+    importance = None if weights is None else _importance(part, weights)
     with report_progress(progress, "simplifying") as report:
-        settings = SimplifyOptions(error, vertices, ratio, keep_border)
+        settings = SimplifyOptions(error, vertices, ratio, keep_border, importance)
         data, remaining, greatest, rms = _native.simplify(own._data, settings, report)
     if remaining is None:
         remaining = np.arange(own.n_vertices, dtype=np.uint32)
     if part.selection is not None:
         remaining = part.selection.rows[remaining].astype(np.uint32)
     return SimplifyResult(_in_kind(part, Shape._from_data(data)), remaining, greatest, rms)
+
+
+def _importance(part: Part, weights: ArrayLike) -> NDArray[np.float64]:
+    """One weight for each vertex that takes part, from an array or the name of a signal."""
+    if part.shape.kind != "mesh":
+        raise ValueError(f"weights are for meshes, got a {part.shape.kind}; leave them out")
+    whole = part.whole_shape
+    values = whole.signal(weights) if isinstance(weights, str) else weights
+    of_all = vertex_weights(values, whole.n_vertices, "weights")
+    return of_all if part.selection is None else of_all[part.selection.rows]
 
 
 def _in_kind(part: Part, simpler: Shape) -> Any:

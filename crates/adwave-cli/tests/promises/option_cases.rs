@@ -152,6 +152,7 @@ const CASES: &[OptionCase] = &[
     with(case("simplify", "--vertices", "100"), "!--ratio"),
     case("simplify", "--ratio", "0.7"),
     case("simplify", "--keep-border", ""),
+    case("simplify", "--weights", "mean-curvature"),
     in_file(with(case("simplify", "--allow-degrees", ""), "--error 2 !--ratio"), "scan2.las"),
     // Maps and features.
     case("*", "--mask-border", "1"),

@@ -18,6 +18,7 @@ Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
   adwave simplify part.stl -o part-small.stl --error 0.05
   adwave simplify bunny.ply -o bunny-5k.ply --vertices 5000
+  adwave simplify salient.ply -o small.ply --vertices 5000 --weights saliency     a field of 'adwave saliency'
   adwave simplify scan.laz -o thin.laz --error 0.25
   adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2     all other points stay"
 )]
@@ -48,6 +49,10 @@ pub(crate) struct SimplifyArgs {
     /// Share of the vertices, above 0 and at most 1
     #[arg(long, value_name = "R", value_parser = number, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) ratio: Option<f64>,
+    /// Mesh: keep more vertices where this signal or field of the file is large in magnitude, such as a saliency map; it
+    /// multiplies the squared distance by which collapses are ordered
+    #[arg(long, value_name = "SIGNAL")]
+    pub(crate) weights: Option<String>,
     /// Mesh: keep all vertices on borders
     #[arg(long)]
     pub(crate) keep_border: bool,

@@ -9,6 +9,7 @@ use crate::output::stopwatch::Stopwatch;
 use crate::output::{check_writable, note, number, output_format, percent_of, print, write_shape};
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
+use crate::resolve::signal::load_signal;
 use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
@@ -45,6 +46,12 @@ pub(crate) fn run(args: &SimplifyArgs, global: &Global<'_>) -> Result<(), CliErr
     let read = watch.lap();
     let simplified_shape = match &input.shape {
         Shape::Mesh(mesh) => simplify_mesh_file(args, &input, mesh, global)?,
+        Shape::Cloud(_) if args.weights.is_some() => {
+            return Err(CliError::Input(format!(
+                "--weights is for meshes, and {} is a cloud; leave it out",
+                input.name
+            )));
+        }
         Shape::Cloud(cloud) => simplify_cloud_file(args, &input, cloud, global)?,
         Shape::Graph(graph) if graph.positions().is_some() => {
             return Err(CliError::Input(format!(
@@ -102,7 +109,8 @@ fn simplify_mesh_file(
     let border = if is_border_kept { Border::Kept } else { Border::Weighted };
     let (labels, values) = (input.file.corner_labels(), input.file.corner_values());
     let values = values.as_ref().map(|of| AppearanceValues { values: &of.values, n_channels: of.n_channels });
-    let appearance = Appearance { labels: labels.as_deref(), values };
+    let weights = load_weights(args, input, global)?;
+    let appearance = Appearance { labels: labels.as_deref(), values, weights: weights.as_deref() };
     let simplified = with_progress(global, "simplifying", |progress| {
         let params = MeshParams::new(target).with_border(border);
         simplify_mesh_with_appearance(mesh, appearance, &params, progress)
@@ -139,6 +147,23 @@ fn simplify_mesh_file(
         n_vertices,
         lines,
     })
+}
+
+/// Values of the signal that `--weights` names.
+fn load_weights(
+    args: &SimplifyArgs,
+    input: &Input,
+    global: &Global<'_>,
+) -> Result<Option<Vec<f64>>, CliError> {
+    let Some(name) = &args.weights else { return Ok(None) };
+    let signal = load_signal(global, input, name, None)?;
+    if signal.n_channels != 1 {
+        return Err(CliError::Input(format!(
+            "--weights must name a signal of one number per vertex, and {name} has {}",
+            signal.n_channels
+        )));
+    }
+    Ok(Some(signal.values))
 }
 
 /// Line on a target that was not reached: what was asked for, what was reached, and why.
