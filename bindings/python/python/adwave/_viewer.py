@@ -112,6 +112,7 @@ const sum = new Float32Array(bands[0].length);
 const n = (colored ? fixed.length : sum.length) / 3;
 const normals = new Float32Array(3 * n), values = new Float32Array(n);
 const canvas = document.querySelector("canvas"), gl = canvas.getContext("webgl");
+if (!gl) { document.body.textContent = "This view needs WebGL, which this browser does not offer."; throw new Error("no WebGL"); }
 const shader = (type, text) => { const s = gl.createShader(type); gl.shaderSource(s, text); gl.compileShader(s); return s; };
 const program = gl.createProgram();
 gl.attachShader(program, shader(gl.VERTEX_SHADER, `attribute vec3 position, normal; attribute float value;
