@@ -70,6 +70,21 @@ packages of Debian; nothing else is installed.";
 /// Seconds that every test run feeds all readers and parsers with broken input.
 const FUZZED_SECONDS: &str = "60";
 
+/// Builds the libraries and the programs that the tests of the page and of the package run. With the tests of the
+/// workspace, so that the libraries are those of `cargo test`, with the same features.
+const BUILD_WITH_TESTS: [&str; 10] = [
+    "build",
+    "--workspace",
+    "--locked",
+    "--quiet",
+    "--lib",
+    "--tests",
+    "--bin",
+    "adwave",
+    "--bin",
+    "adwave-fuzz",
+];
+
 /// A step that did not succeed, in one line.
 type StepResult = Result<(), String>;
 
@@ -138,7 +153,7 @@ fn command_check() -> StepResult {
 }
 
 fn studio_test() -> StepResult {
-    cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
+    cargo(&BUILD_WITH_TESTS, &[])?;
     studio::test()
 }
 
@@ -175,8 +190,7 @@ fn test() -> StepResult {
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], &[])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     cargo(&["test", "--workspace", "--locked", "--quiet"], &[])?;
-    // With the tests, so that the libraries are those that the tests have built, with the same features.
-    cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
+    cargo(&BUILD_WITH_TESTS, &[])?;
     downloads.join().map_err(|_| "the thread of downloads panicked")??;
     // One core each: broken input beside the tests of the package, most of which are serial.
     let fuzzing = Command::new(target().join("debug/adwave-fuzz"))
@@ -274,10 +288,23 @@ fn data() -> PathBuf {
     std::env::var_os("ADWAVE_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from)
 }
 
+/// True if nothing was built here before. A first build gains nothing from partial results and line numbers.
+fn is_bare() -> bool {
+    let partial = std::fs::read_dir(target().join("debug/incremental"));
+    !partial.is_ok_and(|mut entries| {
+        entries
+            .any(|entry| entry.is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with("adwave")))
+    })
+}
+
 fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> StepResult {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     println!("> cargo {}", arguments.join(" "));
-    run(Command::new(cargo).current_dir(root()).args(arguments).envs(variables.iter().copied()))
+    let mut command = Command::new(cargo);
+    if is_bare() {
+        command.envs([("CARGO_INCREMENTAL", "0"), ("CARGO_PROFILE_DEV_DEBUG", "0")]);
+    }
+    run(command.current_dir(root()).args(arguments).envs(variables.iter().copied()))
 }
 
 /// Standard output of a command of cargo.

@@ -1,6 +1,6 @@
 //! The Python package: wheel, tests, documentation, and checks before a release.
 
-use crate::{StepResult, cargo, python, root, run, target};
+use crate::{BUILD_WITH_TESTS, StepResult, cargo, python, root, run, target};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -150,7 +150,7 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     if with_wheel {
         install(&python, &wheel()?, &place)?;
     } else {
-        cargo(&["build", "--workspace", "--locked", "--quiet", "--lib", "--bins", "--tests"], &[])?;
+        cargo(&BUILD_WITH_TESTS, &[])?;
         assemble(&place)?;
     }
     let check = |what: &str, words: &[&str], folder: &Path| {
