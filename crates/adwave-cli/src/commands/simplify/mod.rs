@@ -163,7 +163,7 @@ fn load_weights(
             signal.n_channels
         )));
     }
-    Ok(Some(signal.values))
+    Ok(Some(signal.values.to_vec()))
 }
 
 /// Line on a target that was not reached: what was asked for, what was reached, and why.
