@@ -118,7 +118,7 @@ pub(crate) fn compare(
         "roughness": {"before": before, "edit": target, "other": roughness},
         "rms": {"edit": rms(edited), "other": rms(&points)},
     });
-    Ok(bytes_response_with_header(encode_points(&points, session.center), "x-compare", &summary.to_string()))
+    Ok(bytes_response_with_header(encode_points(&points, session.center), "x-compare", &summary))
 }
 
 /// Bounds of the searched parameter of the other method.

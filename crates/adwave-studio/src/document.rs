@@ -87,6 +87,13 @@ impl Document {
         Ok(())
     }
 
+    /// Maps the gains of levels of widths `before` to levels of widths `after`; see [`map_gains`].
+    pub(crate) fn map_levels(&mut self, before: &[f64], after: &[f64]) {
+        for layer in &mut self.layers {
+            layer.gains = map_gains(&layer.gains, before, after);
+        }
+    }
+
     /// Returns the layers that are on.
     pub(crate) fn active_layers(&self) -> Vec<Layer> {
         self.layers.iter().filter(|layer| layer.on).map(DocumentLayer::to_recipe_layer).collect()
@@ -143,5 +150,55 @@ impl Document {
         let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, ApiError>>()?;
         let PositionParams { along, borders, volume } = recipe.positions;
         Ok(Self { revision, layers, along, border: borders, volume })
+    }
+}
+
+/// Gains for levels of other widths σ, in model units, increasing: the mean of the old gains over the octaves that a new
+/// band covers. Detail coarser than all old bands keeps the gain 1; equal levels keep their gains.
+///
+/// The page computes the same numbers for edits made while the server computes the bands.
+pub(crate) fn map_gains(gains: &[f64], before: &[f64], after: &[f64]) -> Vec<f64> {
+    let finest = before.iter().chain(after).copied().fold(f64::INFINITY, f64::min) / 2.0;
+    // The range of widths of each band, in octaves.
+    let ranges = |widths: &[f64]| -> Vec<(f64, f64)> {
+        let ends: Vec<f64> = widths.iter().map(|w| (w / finest).log2()).collect();
+        let starts = std::iter::once(0.0).chain(ends.iter().copied());
+        starts.zip(ends.iter().copied()).collect()
+    };
+    let old = ranges(before);
+    let mapped = |(start, end): (f64, f64)| {
+        let shares =
+            old.iter().zip(gains).map(|(&(low, high), &gain)| (end.min(high) - start.max(low), gain));
+        let beyond = end - start.max(old.last().map_or(0.0, |last| last.1));
+        let covered: Vec<(f64, f64)> =
+            shares.chain([(beyond, 1.0)]).filter(|(share, _)| *share > 1e-6).collect();
+        match covered.first() {
+            None => 1.0,
+            Some((_, first)) if covered.iter().all(|(_, gain)| gain == first) => *first,
+            Some(_) => {
+                let total: f64 = covered.iter().map(|(share, _)| share).sum();
+                covered.iter().map(|(share, gain)| share * gain).sum::<f64>() / total
+            }
+        }
+    };
+    ranges(after).into_iter().map(mapped).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gains_follow_their_widths_to_other_levels() {
+        let widths = [1.0, 2.0, 4.0];
+        assert_eq!(map_gains(&[0.5, 3.0, 2.0], &widths, &widths), [0.5, 3.0, 2.0]);
+        // Coarser detail than all old bands is not changed, and neither is that of a band between them.
+        assert_eq!(map_gains(&[0.5, 3.0, 2.0], &widths, &[1.0, 2.0, 4.0, 8.0]), [0.5, 3.0, 2.0, 1.0]);
+        // A band that covers two old ones takes their mean; two within one take its gain.
+        assert_eq!(map_gains(&[0.5, 3.0, 2.0], &widths, &[1.0, 4.0]), [0.5, 2.5]);
+        assert_eq!(map_gains(&[0.5, 3.0], &widths[..2], &[1.0, 1.5, 2.0]), [0.5, 3.0, 3.0]);
+        // Finer than all old bands is part of the finest.
+        assert_eq!(map_gains(&[0.5, 3.0], &widths[..2], &[0.25, 1.0, 2.0]), [0.5, 0.5, 3.0]);
+        assert_eq!(map_gains(&[], &[], &[1.0]), [1.0]);
     }
 }

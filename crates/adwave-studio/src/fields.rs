@@ -100,7 +100,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         encode_f32(n, |x| signal.values[x] as f32)
     };
     let description = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
-    Ok(bytes_response_with_header(content, "x-field", &description.to_string()))
+    Ok(bytes_response_with_header(content, "x-field", &description))
 }
 
 /// Responds with a field as regions use it: computed on the original shape, with its own dyadic levels.
@@ -115,7 +115,7 @@ pub(crate) fn region_field_response(session: &Session, name: &str) -> ApiResult 
     };
     let content = encode_f32(values.len(), |x| values[x] as f32);
     let description = json!({"label": info.label, "unit": info.unit, "diverging": info.diverging});
-    Ok(bytes_response_with_header(content, "x-field", &description.to_string()))
+    Ok(bytes_response_with_header(content, "x-field", &description))
 }
 
 fn norm(components: impl Iterator<Item = f64>) -> f32 {

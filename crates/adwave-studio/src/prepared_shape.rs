@@ -16,17 +16,26 @@ use adwave_io::{ShapeFile, file_normals, region_field};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
-/// Default number of levels; small shapes have fewer.
+/// Default number of levels; small shapes have fewer, large ones as many as reach [`MIN_RELATIVE_WIDTH`].
 const DEFAULT_LEVELS: usize = 8;
+/// Largest default number of levels: the bands that a shader can sum beside the masks of four layers.
+const MAX_DEFAULT_LEVELS: usize = 12;
 /// Largest width of a default level, relative to the diagonal.
 const MAX_RELATIVE_WIDTH: f64 = 0.25;
+/// Width, relative to the diagonal, that the coarsest default level of a large shape reaches.
+const MIN_RELATIVE_WIDTH: f64 = 0.02;
 
-/// Body of `PUT levels`: a count, a count with voices per octave, or widths; the default levels if empty.
+/// Body of `PUT levels`: a count, a count with voices per octave, steps, or widths; the default levels if empty.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LevelsRequest {
+    #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     voices: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     lengths: Option<Vec<Length>>,
 }
 
@@ -34,9 +43,15 @@ impl LevelsRequest {
     /// Converts to the levels of a recipe.
     fn to_levels(&self, walk_decomposer: &Decomposer) -> Result<LevelSpec, ApiError> {
         Ok(match self {
-            Self { lengths: Some(lengths), levels: None, voices: None } => LevelSpec::Widths(lengths.clone()),
-            Self { lengths: Some(_), .. } => {
-                return Err(ApiError::bad_request("either levels or lengths can be given, got both"));
+            Self { lengths: Some(lengths), levels: None, voices: None, steps: None } => {
+                LevelSpec::Widths(lengths.clone())
+            }
+            Self { steps: Some(steps), levels: None, voices: None, lengths: None } => {
+                LevelSpec::Steps(steps.clone())
+            }
+            Self { lengths: Some(_), .. } | Self { steps: Some(_), .. } => {
+                let message = "either levels, steps or lengths can be given, got several; give one";
+                return Err(ApiError::bad_request(message));
             }
             Self { voices: Some(voices), levels, .. } => {
                 let n = levels.unwrap_or(DEFAULT_LEVELS);
@@ -44,14 +59,35 @@ impl LevelsRequest {
                 LevelSpec::Steps(schedule.steps().to_vec())
             }
             Self { levels: Some(levels), .. } => LevelSpec::Dyadic(*levels),
-            Self { .. } => LevelSpec::Dyadic(default_levels(walk_decomposer)),
+            Self { .. } => default_levels(walk_decomposer),
         })
+    }
+
+    /// Request for the levels of a prepared shape.
+    fn from_levels(levels: &LevelSpec, schedule: &Schedule) -> Self {
+        match levels {
+            LevelSpec::Dyadic(n) => Self { levels: Some(*n), ..Self::default() },
+            LevelSpec::Widths(widths) => Self { lengths: Some(widths.clone()), ..Self::default() },
+            _ => Self { steps: Some(schedule.steps().to_vec()), ..Self::default() },
+        }
     }
 }
 
-/// Number of dyadic levels, so that the widest is a quarter of the diagonal, within 3..=8.
-fn default_levels(decomposer: &Decomposer) -> usize {
-    decomposer.levels_reaching(MAX_RELATIVE_WIDTH).0.clamp(3, DEFAULT_LEVELS)
+/// Default levels: eight dyadic ones, fewer if the widest would exceed a quarter of the diagonal, and more if it would
+/// stay below 2 % of it.
+fn default_levels(decomposer: &Decomposer) -> LevelSpec {
+    let most = decomposer.levels_reaching(MAX_RELATIVE_WIDTH).0;
+    let least = decomposer.levels_reaching(MIN_RELATIVE_WIDTH).0;
+    spread_levels(DEFAULT_LEVELS.max(least).min(most).max(3))
+}
+
+/// The dyadic levels 1 … n; beyond [`MAX_DEFAULT_LEVELS`] that many of them, spread evenly from the first to the last.
+fn spread_levels(n: usize) -> LevelSpec {
+    if n <= MAX_DEFAULT_LEVELS {
+        return LevelSpec::Dyadic(n);
+    }
+    let doublings = |j: usize| (j * (n - 1)) as f64 / (MAX_DEFAULT_LEVELS - 1) as f64;
+    LevelSpec::Steps((0..MAX_DEFAULT_LEVELS).map(|j| doublings(j).round().exp2()).collect())
 }
 
 /// Effect of an edit, for display.
@@ -139,7 +175,7 @@ impl PreparedShape {
         walk_decomposer: &Decomposer,
         progress: Progress<'_>,
     ) -> Result<Self, StudioError> {
-        Self::new(shape, walk_decomposer, LevelSpec::Dyadic(default_levels(walk_decomposer)), progress)
+        Self::new(shape, walk_decomposer, default_levels(walk_decomposer), progress)
     }
 
     /// Computes the bands of the levels that the page requests.
@@ -172,16 +208,26 @@ impl PreparedShape {
         self.schedule.n_levels()
     }
 
+    /// Returns the request that leads to the present levels.
+    pub(crate) fn levels_request(&self) -> LevelsRequest {
+        LevelsRequest::from_levels(&self.levels, &self.schedule)
+    }
+
+    /// Widths σ of the levels in model units, fine to coarse.
+    pub(crate) fn sigmas(&self) -> Vec<f64> {
+        self.schedule.sigma(self.decomposer.diffusion().step_length())[1..].to_vec()
+    }
+
     /// Describes the levels for the page, fine to coarse.
     pub(crate) fn level_infos(&self) -> Vec<LevelInfo> {
-        let sigma = self.schedule.sigma(self.decomposer.diffusion().step_length());
+        let sigma = self.sigmas();
         let one = |(j, (&steps, &sigma)): (usize, (&f64, &f64))| LevelInfo {
             level: j + 1,
             steps,
             sigma,
             fwhm: adwave::bands::FWHM * sigma,
         };
-        self.schedule.steps().iter().zip(&sigma[1..]).enumerate().map(one).collect()
+        self.schedule.steps().iter().zip(&sigma).enumerate().map(one).collect()
     }
 
     /// Computes the weights of a region, or returns those of an active layer with the same region.
@@ -294,5 +340,18 @@ impl PreparedShape {
             }
         });
         (scale as f32, bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_levels_are_spread_over_the_same_widths() {
+        assert_eq!(spread_levels(9), LevelSpec::Dyadic(9));
+        let LevelSpec::Steps(steps) = spread_levels(16) else { panic!("no steps") };
+        assert_eq!((steps.len(), steps[0], steps[11]), (12, 1.0, 32768.0));
+        assert!(steps.windows(2).all(|pair| pair[0] < pair[1]), "{steps:?}");
     }
 }

@@ -76,13 +76,33 @@ pub(crate) fn bytes_response(content: impl Into<Body>) -> Response {
     ([(header::CONTENT_TYPE, content_type)], content.into()).into_response()
 }
 
-/// Builds a binary response with one additional header.
-pub(crate) fn bytes_response_with_header(content: Vec<u8>, name: &'static str, value: &str) -> Response {
+/// Builds a binary response with JSON in one additional header, in ASCII: a browser reads headers as Latin-1.
+pub(crate) fn bytes_response_with_header(
+    content: Vec<u8>,
+    name: &'static str,
+    value: &serde_json::Value,
+) -> Response {
     let mut response = bytes_response(content);
-    if let Ok(value) = HeaderValue::from_bytes(value.as_bytes()) {
+    if let Ok(value) = HeaderValue::from_str(&to_ascii_json(value)) {
         response.headers_mut().insert(HeaderName::from_static(name), value);
     }
     response
+}
+
+/// Writes JSON with `\u` escapes for all characters beyond ASCII.
+fn to_ascii_json(value: &serde_json::Value) -> String {
+    let mut ascii = String::new();
+    for c in value.to_string().chars() {
+        if c.is_ascii() && c != '\u{7f}' {
+            ascii.push(c);
+        } else {
+            let mut units = [0; 2];
+            for unit in c.encode_utf16(&mut units) {
+                ascii.push_str(&format!("\\u{unit:04x}"));
+            }
+        }
+    }
+    ascii
 }
 
 /// Rows that one thread encodes at a time.

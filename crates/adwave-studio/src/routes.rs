@@ -7,8 +7,9 @@ use crate::response::{ApiError, bytes_response, encode_points, encode_rows, json
 use crate::save::SaveRequest;
 use crate::server::Studio;
 use crate::session::{Session, StudioInput};
-use crate::tasks::{run_blocking, run_inline, spawn_blocking_task, with_shape};
+use crate::tasks::{run_blocking, run_cancellable, run_inline, spawn_blocking_task, with_shape};
 use crate::{assets, compare, export_page, fields, report, save};
+use adwave::Progress;
 use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
 use adwave::region::Region;
@@ -160,22 +161,26 @@ async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Respon
 }
 
 async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    with_shape(studio, id, move |session| {
-        let request: LevelsRequest = parse_body(&body, "choice of levels")?;
+    let compute = move |session: &Session, progress: Progress<'_>| {
+        let request: LevelsRequest = parse_body(&body, "choice of bands")?;
         let (shape, walk) = (&session.input.shape, session.walk_decomposer()?);
-        let mut next = PreparedShape::with_requested_levels(shape, walk, &request, session.progress())?;
+        PreparedShape::with_requested_levels(shape, walk, &request, progress)
+    };
+    run_cancellable(studio, id, compute, |session, mut next| {
         let mut prepared = session.lock_prepared()?;
-        // There is one gain per level: the gains stay valid only if the number of levels does not change.
         let mut document = prepared.document.clone();
-        if next.n_levels() != prepared.n_levels() {
-            document.layers.clear();
-        }
+        document.map_levels(&prepared.sigmas(), &next.sigmas());
         next.apply_edit(document, &session.input.file)?;
         *prepared = next;
         session.store_edit(&prepared)?;
-        json_response(&json!({"levels": prepared.level_infos(), "edit": prepared.document}))
+        json_response(&describe_levels(&prepared))
     })
     .await
+}
+
+/// Describes new levels and the edit with the gains of these levels.
+fn describe_levels(prepared: &PreparedShape) -> serde_json::Value {
+    json!({"levels": prepared.level_infos(), "choice": prepared.levels_request(), "edit": prepared.document})
 }
 
 /// Streams the bands from coarse to fine.
@@ -325,7 +330,7 @@ async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Byt
         next.apply_edit(document, &session.input.file)?;
         *prepared = next;
         session.store_edit(&prepared)?;
-        json_response(&json!({"levels": prepared.level_infos(), "edit": prepared.document}))
+        json_response(&describe_levels(&prepared))
     })
     .await
 }
@@ -407,8 +412,7 @@ async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64>, body: By
         file.move_points(clean.points, MovedNormals::Follow, session.progress())
             .map_err(|e| ApiError::from_classified(&e))?;
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-        let (stem, extension) = session.input.name.rsplit_once('.').unwrap_or((&session.input.name, "ply"));
-        let name = format!("{stem}-denoised.{extension}");
+        let name = studio.unused_name(&session.input.name, "denoised");
         // Saved in the same folder, with an edit of its own.
         let session = studio.open(StudioInput { name, path: None, file, shape })?;
         json_response(&json!({"id": session.id, "name": session.input.name, "noise": clean.info.noise}))

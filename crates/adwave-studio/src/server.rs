@@ -101,6 +101,18 @@ impl Studio {
         self.sessions.write().unwrap_or_else(PoisonError::into_inner).retain(|session| session.id != id);
     }
 
+    /// Name `STEM-WORD.EXT` for a shape made from the one called `name`, with a number if an open shape has it.
+    pub(crate) fn unused_name(&self, name: &str, word: &str) -> String {
+        let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "ply"));
+        let sessions = self.sessions();
+        let numbered = |k: usize| match k {
+            1 => format!("{stem}-{word}.{extension}"),
+            k => format!("{stem}-{word}-{k}.{extension}"),
+        };
+        let is_free = |name: &String| sessions.iter().all(|session| session.input.name != *name);
+        (1..).map(numbered).find(is_free).unwrap_or_else(|| numbered(1))
+    }
+
     pub(crate) fn finish(&self) {
         self.is_done.store(true, Ordering::Relaxed);
     }

@@ -174,6 +174,7 @@ impl Session {
             "components": health.n_components,
             "notes": describe_defects(health),
             "levels": prepared.level_infos(),
+            "choice": prepared.levels_request(),
             "fields": crate::fields::list_fields(self, n_levels),
             "presets": presets,
             "resumed": self.was_resumed.get().copied().unwrap_or(false),

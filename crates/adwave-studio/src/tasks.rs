@@ -5,9 +5,11 @@
 use crate::response::{ApiError, ApiResult};
 use crate::server::Studio;
 use crate::session::Session;
+use adwave::Progress;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Runs `task` on a blocking thread, so that other requests are answered meanwhile.
 pub(crate) async fn run_blocking(
@@ -46,6 +48,50 @@ pub(crate) async fn run_inline(
     run_blocking(studio, move |studio| {
         let session = studio.session(id)?;
         studio.pool.install(|| task(&session))
+    })
+    .await
+}
+
+/// Cancels a computation when it is dropped: the request was cancelled, or it is finished.
+pub(crate) struct CancelOnDrop(pub(crate) Arc<AtomicBool>);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Computes bands without blocking other requests of the shape, and puts them into place in the shape's turn. A page
+/// that goes away or drops the request cancels it.
+pub(crate) async fn run_cancellable<T: Send>(
+    studio: Arc<Studio>,
+    id: u64,
+    compute: impl FnOnce(&Session, Progress<'_>) -> Result<T, ApiError> + Send + 'static,
+    install: impl FnOnce(&Session, T) -> ApiResult + Send + 'static,
+) -> Response {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let _guard = CancelOnDrop(Arc::clone(&cancel));
+    run_blocking(studio, move |studio| {
+        let session = studio.session(id)?;
+        let first_turn = session.wait_turn();
+        studio.pool.install(|| session.walk_decomposer().map(|_| ()))?;
+        drop(first_turn);
+        // A shutdown cancels too.
+        let pass_on = |_: u64, _: u64| {
+            if session.progress().is_cancelled() {
+                cancel.store(true, Ordering::Relaxed);
+            }
+        };
+        let progress = Progress::none().with_cancel(&cancel).with_report(&pass_on);
+        let result = studio.pool.install(|| compute(&session, progress))?;
+        let _turn = session.wait_turn();
+        if cancel.load(Ordering::Relaxed) {
+            return Err(ApiError::new(
+                StatusCode::SERVICE_UNAVAILABLE,
+                "the computation of the bands was cancelled",
+            ));
+        }
+        studio.pool.install(|| install(&session, result))
     })
     .await
 }

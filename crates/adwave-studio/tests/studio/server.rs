@@ -374,3 +374,70 @@ fn a_recipe_with_regions_of_the_shape_itself_is_replayed_to_the_same_bits() {
     let bytes = std::fs::read(saved["path"].as_str().unwrap()).unwrap();
     assert_eq!(bytes, replayed(&path, &recipe));
 }
+
+#[test]
+fn other_levels_keep_the_edit_by_width_and_can_be_taken_back() {
+    let folder = TempDir::new().unwrap();
+    let studio = Studio::on(&creature(&folder, 3000), folder.path());
+    let before = studio.get("/api/shapes/1").json();
+    let n_levels = before["levels"].as_array().unwrap().len();
+    let mut gains = vec![1.0; n_levels];
+    (gains[0], gains[n_levels - 1]) = (0.25, 3.0);
+    let document = edit(1, &[layer(&gains, &Value::Null)]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    let two_an_octave = json!({"levels": n_levels, "voices": 2});
+    let told = studio.put("/api/shapes/1/levels", &two_an_octave).json();
+    let mapped = told["edit"]["layers"][0]["gains"].as_array().unwrap();
+    assert_eq!((mapped.len(), told["levels"].as_array().unwrap().len()), (2 * n_levels - 1, mapped.len()));
+    assert_eq!((&mapped[0], mapped.last().unwrap()), (&json!(0.25), &json!(3.0)), "{told}");
+    assert_eq!(told["choice"]["steps"].as_array().unwrap().len(), mapped.len());
+    let back = studio.put("/api/shapes/1/levels", &before["choice"]).json();
+    assert_eq!((&back["levels"], &back["edit"]), (&before["levels"], &document));
+    let mixed = studio.put("/api/shapes/1/levels", &json!({"steps": [1, 2], "levels": 2}));
+    assert_eq!(mixed.status, 400);
+    assert!(mixed.error().contains("give one"), "{}", mixed.error());
+}
+
+#[test]
+fn bands_that_are_computed_block_nothing_and_can_be_cancelled() {
+    let folder = TempDir::new().unwrap();
+    let studio = Studio::on(&creature(&folder, 100_000), folder.path());
+    let before = studio.get("/api/shapes/1").json()["levels"].clone();
+    // Dropping the connection cancels the computation.
+    {
+        let mut stream = std::net::TcpStream::connect(&studio.host).unwrap();
+        let body = "{\"levels\": 16}";
+        let request = format!(
+            "PUT /api/shapes/1/levels HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Length: {}\r\n\r\n{body}",
+            studio.host,
+            studio.token,
+            body.len()
+        );
+        std::io::Write::write_all(&mut stream, request.as_bytes()).unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        let n_levels = before.as_array().unwrap().len();
+        let document = edit(1, &[layer(&vec![0.5; n_levels], &Value::Null)]);
+        assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    }
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert_eq!(studio.get("/api/shapes/1").json()["levels"], before);
+}
+
+#[test]
+fn names_of_fields_arrive_in_any_language() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("dicke.ply");
+    let sample = Sample::from_name("creature", Some(2000)).unwrap();
+    let mut file = ShapeFile::from_mesh(sample.points, sample.faces);
+    let values = (0..file.n_vertices()).map(|v| v as f32).collect::<Vec<_>>();
+    file.add_vertex_field(adwave_io::Field::new("Höhe_高", 1, adwave_io::FieldValues::F32(values))).unwrap();
+    write_path(&file, &path, None).unwrap();
+    let studio = Studio::on(&path, folder.path());
+    let listed = studio.get("/api/shapes/1").json()["fields"].as_array().unwrap().last().unwrap().clone();
+    assert_eq!(listed["label"], "Höhe_高");
+    let field = studio.get("/api/shapes/1/field?name=H%C3%B6he_%E9%AB%98");
+    let header = field.head.lines().find_map(|line| line.strip_prefix("x-field: ")).unwrap();
+    assert!(header.is_ascii(), "{header}");
+    // The client of this test changes heads to lower case.
+    assert_eq!(serde_json::from_str::<Value>(header).unwrap()["label"], "höhe_高");
+}

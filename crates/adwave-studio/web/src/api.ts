@@ -7,7 +7,8 @@ import type {
   EditSummary,
   Feature,
   FieldInfo,
-  Level,
+  LevelsAnswer,
+  LevelsChoice,
   Region,
   Shape,
   ShapeList,
@@ -51,7 +52,8 @@ export class Api {
     let response: Response;
     try {
       response = await fetch(`${this.root}api/${path}`, { ...init, headers, cache: 'no-store' });
-    } catch {
+    } catch (error) {
+      if (init.signal?.aborted) throw error;
       throw new ApiError(text.noServer, 0);
     }
     if (response.ok) return response;
@@ -76,8 +78,8 @@ export class Api {
     return this.json('shapes');
   }
 
-  open(file: Blob, name: string): Promise<{ id: number; name: string }> {
-    return this.json(`shapes?name=${encodeURIComponent(name)}`, { method: 'POST', body: file });
+  open(file: Blob, name: string, signal: AbortSignal): Promise<{ id: number; name: string }> {
+    return this.json(`shapes?name=${encodeURIComponent(name)}`, { method: 'POST', body: file, signal });
   }
 
   async close(id: number): Promise<void> {
@@ -96,11 +98,8 @@ export class Api {
     return new Uint32Array(await (await this.fetch(path)).arrayBuffer());
   }
 
-  levels(id: number, what: unknown): Promise<Level[]> {
-    return this.json<Level[] | { levels: Level[] }>(`shapes/${id}/levels`, {
-      method: 'PUT',
-      body: JSON.stringify(what),
-    }).then((answer) => (Array.isArray(answer) ? answer : answer.levels));
+  levels(id: number, what: LevelsChoice, signal: AbortSignal): Promise<LevelsAnswer> {
+    return this.json(`shapes/${id}/levels`, { method: 'PUT', body: JSON.stringify(what), signal });
   }
 
   edit(id: number): Promise<Edit> {
@@ -140,8 +139,8 @@ export class Api {
     return (await this.fetch(`shapes/${id}/recipe`)).text();
   }
 
-  putRecipe(id: number, recipe: string): Promise<{ levels: Level[]; edit: Edit }> {
-    return this.json(`shapes/${id}/recipe`, { method: 'PUT', body: recipe });
+  putRecipe(id: number, recipe: string, signal: AbortSignal): Promise<LevelsAnswer> {
+    return this.json(`shapes/${id}/recipe`, { method: 'PUT', body: recipe, signal });
   }
 
   save(id: number, name: string | null, replace: boolean): Promise<{ path: string; notes: string[] }> {

@@ -6,7 +6,7 @@
 import type { EditAnswer, WorkerLayer } from './compute/messages';
 import { globalGains } from './compute/positions';
 import type { Masks } from './masks';
-import { type Doc, needsServer } from './state';
+import { type Doc, needsServer, soloLayers } from './state';
 import type { Studio } from './studio';
 
 /** Milliseconds of rest before positions and normals of large shapes are computed: after a step, after a movement. */
@@ -46,7 +46,7 @@ export class Display {
 
   private showLive(): boolean {
     const { doc, nLevels, view } = this.studio;
-    const layers = doc.layers.filter((l) => l.on);
+    const layers = soloLayers(doc.layers, this.studio.solo).filter((l) => l.on);
     const terms = layers.map((l) => ({
       opacity: l.opacity,
       gains: l.gains,
@@ -95,7 +95,8 @@ export class Display {
     const { generation } = studio.session;
     const isOld = () => generation !== studio.session.generation;
     const { updates, ids } = regions.updatesFor(doc.layers.map((l) => l.region));
-    const layers: WorkerLayer[] = doc.layers.map((l, i) => ({
+    const { solo } = studio;
+    const layers: WorkerLayer[] = soloLayers(doc.layers, solo).map((l, i) => ({
       key: l.key,
       on: l.on,
       opacity: l.opacity,
@@ -103,7 +104,7 @@ export class Display {
       region: ids[i]!,
     }));
     const exact =
-      needsServer(doc, studio.shape!.kind === 'cloud') && saver?.state === 'saved' && !saver.hasUnsavedStep;
+      !solo && needsServer(doc, studio.shape!) && saver?.state === 'saved' && !saver.hasUnsavedStep;
     try {
       const answer = await studio.engine.call('edit', { layers, regions: updates, exact });
       if (isOld()) return;
@@ -114,7 +115,8 @@ export class Display {
         view.arrays.setEdited(answer.positions, answer.normals);
         this.shownDoc = doc;
       }
-      if (doc === studio.doc) this.updateDisplacement(answer);
+      // A band that is shown alone does not change the figures of the edit.
+      if (doc === studio.doc && !solo) this.updateDisplacement(answer);
     } catch (error) {
       // These regions are sent to the worker again next time.
       regions.markUnknown(updates);

@@ -9,6 +9,9 @@ import { fitGains, withGain } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
+/** Number of widths that fit side by side. */
+const MOST_LABELS = 18;
+
 interface BandColumn {
   root: HTMLElement;
   input: HTMLInputElement;
@@ -29,47 +32,25 @@ function setGain(studio: Studio, level: number, gain: number, step: boolean): vo
   } else studio.history.preview(doc);
 }
 
-/** Solo and mute of bands; remembers the gains before. */
-class SoloMute {
-  /** Gains before solo or mute, by layer and band (0: all bands). */
-  private readonly gainsBefore = new Map<string, number[]>();
+/** Mutes a band: gain 0, and its gain before when it is heard again. Solo is part of the view. */
+class Mute {
+  private readonly gainsBefore = new Map<string, number>();
 
   constructor(private readonly studio: Studio) {}
 
-  solo(level: number): void {
-    const { studio, gainsBefore } = this;
-    const { gains, key } = studio.layer;
-    const alone = gains.every((g, j) => j === level - 1 || g === 0) && gains.length > 1;
-    const before = gainsBefore.get(`${key}.0`);
-    if (alone) studio.changeLayer({ gains: before ?? fitGains([], gains.length) }, true);
-    else {
-      const someAlone = gains.filter((g) => g !== 0).length === 1 && before !== undefined;
-      if (!someAlone) gainsBefore.set(`${key}.0`, gains);
-      const own = (someAlone ? before[level - 1]! : gains[level - 1]!) || 1;
-      studio.changeLayer({ gains: gains.map((_, j) => (j === level - 1 ? own : 0)) }, true);
-    }
-  }
-
-  mute(level: number): void {
+  toggle(level: number): void {
     const { studio, gainsBefore } = this;
     const { gains, key } = studio.layer;
     const name = `${key}.${level}`;
-    if (gains[level - 1] === 0)
-      studio.changeLayer({ gains: gains.with(level - 1, gainsBefore.get(name)?.[0] || 1) }, true);
-    else {
-      gainsBefore.set(name, [gains[level - 1]!]);
-      studio.changeLayer({ gains: gains.with(level - 1, 0) }, true);
-    }
+    const gain = gains[level - 1]!;
+    if (gain !== 0) gainsBefore.set(name, gain);
+    const next = gain === 0 ? gainsBefore.get(name) || 1 : 0;
+    studio.changeLayer({ gains: gains.with(level - 1, next) }, true);
   }
 }
 
 /** Creates the controls of one band; `refresh` shows the gains again after invalid input. */
-function bandColumn(
-  studio: Studio,
-  soloMute: SoloMute,
-  { level, sigma }: Level,
-  refresh: () => void,
-): BandColumn {
+function bandColumn(studio: Studio, mute: Mute, { level, sigma }: Level, refresh: () => void): BandColumn {
   const size = formatNumber(sigma);
   const name = text.band(level, size);
   const input = h('input', {
@@ -80,11 +61,22 @@ function bandColumn(
     step: '1',
     'aria-label': name,
     'aria-orientation': 'vertical',
+    'aria-keyshortcuts': 's m',
     title: text.sliderHint,
     disabled: true,
     oninput: () => setGain(studio, level, gainOf(input.valueAsNumber), false),
     onchange: () => studio.history.end(),
     ondblclick: () => setGain(studio, level, 1, true),
+    // On a focused slider these letters are its buttons, which are no tab stops.
+    onkeydown: (event: KeyboardEvent) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const key = event.key.toLowerCase();
+      if (key === 's') studio.setSolo(level);
+      else if (key === 'm') mute.toggle(level);
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    },
   });
   const number = h('input', {
     class: 'number',
@@ -108,7 +100,8 @@ function bandColumn(
       'aria-label': text.solo(name),
       title: text.solo(name),
       'aria-pressed': 'false',
-      onclick: () => soloMute.solo(level),
+      tabIndex: -1,
+      onclick: () => studio.setSolo(level),
     },
     'S',
   );
@@ -119,7 +112,8 @@ function bandColumn(
       'aria-label': text.mute(name),
       title: text.mute(name),
       'aria-pressed': 'false',
-      onclick: () => soloMute.mute(level),
+      tabIndex: -1,
+      onclick: () => mute.toggle(level),
     },
     'M',
   );
@@ -197,9 +191,8 @@ function showSpectrum(columns: readonly BandColumn[], spectrum: readonly number[
   }
 }
 
-/** Shows the gains of a layer in the columns. */
-function showGains(columns: readonly BandColumn[], gains: readonly number[]): void {
-  const alone = gains.filter((g) => g !== 0).length === 1 && gains.length > 1;
+/** Shows the gains of a layer in the columns, and the band that is shown alone. */
+function showGains(columns: readonly BandColumn[], gains: readonly number[], solo: number | null): void {
   for (const [j, c] of columns.entries()) {
     const gain = gains[j] ?? 1;
     const position = String(positionOf(gain));
@@ -208,15 +201,16 @@ function showGains(columns: readonly BandColumn[], gains: readonly number[]): vo
     c.root.style.setProperty('--at', String(Number(position) / SLIDER_MAX));
     if (document.activeElement !== c.number) c.number.value = gainText(gain);
     c.root.classList.toggle('changed', gain !== 1);
-    c.mute.setAttribute('aria-pressed', String(gain === 0 && !alone));
-    c.solo.setAttribute('aria-pressed', String(alone && gain !== 0));
+    c.root.classList.toggle('unheard', solo !== null && solo !== j + 1);
+    c.mute.setAttribute('aria-pressed', String(gain === 0));
+    c.solo.setAttribute('aria-pressed', String(solo === j + 1));
   }
 }
 
 export function equalizer(studio: Studio): HTMLElement {
   let columns: BandColumn[] = [];
   let drawing = false;
-  const soloMute = new SoloMute(studio);
+  const mute = new Mute(studio);
   const bands = h('div', { class: 'bands', role: 'group', 'aria-label': text.equalizer });
   const presets = h('select', { 'aria-label': text.presets });
   const drawButton = h(
@@ -238,9 +232,14 @@ export function equalizer(studio: Studio): HTMLElement {
 
   function rebuild(): void {
     const levels = studio.shape?.levels ?? [];
-    columns = levels.map((l) => bandColumn(studio, soloMute, l, refresh));
+    columns = levels.map((l) => bandColumn(studio, mute, l, refresh));
     bands.replaceChildren(...columns.map((c) => c.root));
     bands.classList.toggle('many', columns.length > 10);
+    bands.style.setProperty('--columns', String(columns.length));
+    // Labels of many bands would overlap: every second or third is shown, the others when their band is pointed at.
+    const step = Math.ceil(columns.length / MOST_LABELS);
+    for (const [j, c] of columns.entries())
+      c.root.classList.toggle('unlabeled', (columns.length - 1 - j) % step !== 0);
     presets.replaceChildren(
       h('option', { value: '' }, text.presets),
       ...(studio.shape?.presets ?? []).map((p, i) =>
@@ -261,7 +260,8 @@ export function equalizer(studio: Studio): HTMLElement {
   }
 
   function refresh(): void {
-    showGains(columns, studio.layer.gains);
+    const { solo } = studio;
+    showGains(columns, studio.layer.gains, solo?.key === studio.selected ? solo.level : null);
     const { layer, doc } = studio;
     const index = doc.layers.indexOf(layer);
     whose.textContent = doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
@@ -275,7 +275,7 @@ export function equalizer(studio: Studio): HTMLElement {
   );
   studio.on('levels', rebuild);
   studio.on('band', enable);
-  studio.on(['doc', 'selected'], refresh);
+  studio.on(['doc', 'selected', 'solo'], refresh);
   studio.on('spectrum', () => showSpectrum(columns, studio.spectrum));
 
   return h(

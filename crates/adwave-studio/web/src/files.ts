@@ -39,11 +39,13 @@ export class Files {
       await this.reportErrors(async () => studio.session.applyEdit(JSON.parse(await file.text()) as Edit));
       return;
     }
-    studio.showMessage(text.reading(file.name));
     await this.reportErrors(async () => {
-      const { id } = await studio.api.open(file, file.name);
+      const opened = await studio.wait(text.reading(file.name), (signal) =>
+        studio.api.open(file, file.name, signal),
+      );
+      if (!opened) return;
       await this.refreshShapes();
-      await this.showShape(id);
+      await this.showShape(opened.id);
     });
   }
 
@@ -79,10 +81,17 @@ export class Files {
   async save(name: string | null = null, replace = false): Promise<void> {
     const { studio } = this;
     if (!studio.shape) return;
+    const { id } = studio.shape;
     await this.reportErrors(async () => {
-      await studio.saver?.waitUntilSent();
-      const { path, notes } = await studio.api.save(studio.shape!.id, name, replace);
-      studio.showMessage([text.saved(path), ...notes].join(' '));
+      try {
+        await studio.saver?.waitUntilSent();
+        const { path, notes } = await studio.api.save(id, name, replace);
+        studio.showMessage([text.saved(path), ...notes].join(' '));
+      } catch (error) {
+        if (!(error instanceof ApiError) || !(error.body as { exists?: boolean } | null)?.exists) throw error;
+        const again = { label: text.replaceFile, onclick: () => void this.save(name, true) };
+        studio.showMessage(error.message, 'error', again);
+      }
     });
   }
 

@@ -60,9 +60,9 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
   before.addEventListener('keyup', () => studio.setBefore(false));
   const split = iconButton('split', text.split, look.toggleSplit);
   const badge = h('span', { class: 'badge', hidden: true }, text.beforeShort);
-  studio.on(['doc', 'shape'], () => {
-    undo.disabled = !studio.history.canUndo;
-    redo.disabled = !studio.history.canRedo;
+  studio.on(['doc', 'shape', 'waiting'], () => {
+    undo.disabled = !studio.history.canUndo || studio.waiting.size > 0;
+    redo.disabled = !studio.history.canRedo || studio.waiting.size > 0;
   });
   studio.on(['before', 'compared'], () => {
     badge.hidden = !view.showsOriginal;
@@ -128,6 +128,32 @@ function saveStatus(studio: Studio, files: Files) {
     if (state === 'refused') studio.showMessage(saver.problem, 'error');
   });
   return { saving, banner };
+}
+
+/** Creates the notice of work that the user waits for; it appears after a moment, so that short work does not flicker. */
+function waitNotice(studio: Studio): HTMLElement {
+  const notice = h('div', { class: 'waiting-notice', hidden: true, role: 'status' });
+  let timer = 0;
+  const show = () => {
+    notice.hidden = studio.waiting.size === 0;
+    notice.replaceChildren(
+      ...[...studio.waiting.values()].map(({ what, cancel }) =>
+        h(
+          'p',
+          {},
+          h('i', { class: 'spinner', 'aria-hidden': 'true' }),
+          h('span', {}, what),
+          h('button', { type: 'button', onclick: cancel }, text.cancel),
+        ),
+      ),
+    );
+  };
+  studio.on('waiting', () => {
+    window.clearTimeout(timer);
+    if (studio.waiting.size === 0 || !notice.hidden) show();
+    else timer = window.setTimeout(show, 200);
+  });
+  return notice;
 }
 
 /** Creates the tabs that choose a panel on narrow screens. */
@@ -219,6 +245,7 @@ export function start(options: StartOptions): void {
     comparisonPanel(studio),
     badge,
     banner,
+    waitNotice(studio),
     loading,
     messages.element,
   );
@@ -235,7 +262,10 @@ export function start(options: StartOptions): void {
   listenToKeys(studio, stage, look, files);
   files.acceptDrops(app);
   announceShapes(studio);
-  window.addEventListener('pagehide', () => studio.saver?.flush());
+  window.addEventListener('pagehide', () => {
+    studio.saver?.flush();
+    studio.session.storeHistory();
+  });
   canvas.addEventListener('webglcontextlost', () => studio.showMessage(text.lostPicture));
   canvas.addEventListener('webglcontextrestored', () => view.request());
 

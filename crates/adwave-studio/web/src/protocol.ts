@@ -52,6 +52,21 @@ export interface Level {
   fwhm: number;
 }
 
+/** Choice of levels that the server turns into the same levels again. */
+export interface LevelsChoice {
+  levels?: number;
+  voices?: number;
+  steps?: number[];
+  lengths?: Length[];
+}
+
+/** Levels that replaced others, and the stored edit with gains of these levels. */
+export interface LevelsAnswer {
+  levels: Level[];
+  choice: LevelsChoice;
+  edit: Edit;
+}
+
 export interface FieldName {
   name: string;
   label: string;
@@ -76,6 +91,7 @@ export interface Shape {
   components: number;
   notes: string[];
   levels: Level[];
+  choice: LevelsChoice;
   fields: FieldName[];
   presets: { name: string; gains: number[] }[];
   resumed: boolean;

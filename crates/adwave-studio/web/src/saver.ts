@@ -123,12 +123,19 @@ export class Saver {
     window.clearTimeout(this.retry);
   }
 
-  /** Pauses saving while the server replaces the edit; changes made meanwhile belong to the replaced edit. */
-  async pauseDuring<T>(replace: () => Promise<T>): Promise<T> {
+  /**
+   * Pauses saving while the server replaces the levels, with which the gains of an edit must agree. `replace` gets a function
+   * that takes over the revision of the replaced edit. Steps made meanwhile are sent afterwards.
+   */
+  async pauseDuring<T>(replace: (revise: (revision: number) => void) => Promise<T>): Promise<T> {
     await this.waitUntilSent();
     this.isPaused = true;
     try {
-      return await replace();
+      return await replace((revision) => {
+        this.revision = Math.max(this.revision, revision);
+        // The step that follows has the gains of the new levels.
+        this.unsavedDoc = null;
+      });
     } finally {
       this.isPaused = false;
       void this.send();

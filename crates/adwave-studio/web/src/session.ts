@@ -2,9 +2,10 @@
 
 import type { ShapeRequest } from './boot';
 import { coarseTriangles } from './compute/coarse';
-import type { Edit, EditSummary, Level } from './protocol';
+import { restoreHistory, storeHistory } from './history-store';
+import type { Edit, EditSummary, LevelsAnswer, LevelsChoice, Shape } from './protocol';
 import { fetchEditAfterReload, Saver } from './saver';
-import { type Doc, fromEdit, isNeutral, needsServer } from './state';
+import { type Doc, type DocLevels, fromEdit, isNeutral, needsServer, withLevels } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -24,6 +25,7 @@ export class Session {
     const { studio } = this;
     const { view, timings, api } = studio;
     const generation = ++this.generation;
+    this.storeHistory();
     studio.saver?.close();
     const [shape, positions, triangles] = await Promise.all([early.shape, early.positions, early.triangles]);
     if (generation !== this.generation) return;
@@ -60,7 +62,8 @@ export class Session {
     const bands = this.readBands(generation);
     const edit = await fetchEditAfterReload(api, shape.id);
     if (generation !== this.generation) return;
-    this.startEditing(fromEdit(edit, shape.levels.length), edit.revision);
+    this.startEditing(fromEdit(edit, shape.levels.length, docLevels(shape)), edit.revision);
+    restoreHistory(shape, studio.history);
     studio.emit('shape');
     studio.emit('levels');
     void normals.then(({ normals }) => {
@@ -72,6 +75,12 @@ export class Session {
     if (view.arrays.heavy && !few) coarsen();
     if (!isNeutral(studio.doc)) studio.display.settle();
     void studio.engine.call('warm', {});
+  }
+
+  /** Stores the steps for the next visit of this tab. */
+  storeHistory(): void {
+    const { shape, history, saver } = this.studio;
+    if (shape && saver) storeHistory(shape, history);
   }
 
   /** Starts editing a document of the server; further steps are saved there. */
@@ -89,7 +98,7 @@ export class Session {
     if (moved) {
       studio.displacement = moved;
       studio.emit('moved');
-      if (needsServer(studio.doc, studio.shape!.kind === 'cloud')) studio.display.settle();
+      if (needsServer(studio.doc, studio.shape!)) studio.display.settle();
     }
     studio.emit('saving');
   }
@@ -104,30 +113,71 @@ export class Session {
     }
   }
 
-  /** Replaces the levels and fetches the new bands. The server resets gains if their number changes. */
-  async setLevels(what: unknown): Promise<void> {
-    const { studio } = this;
-    const { shape, api } = studio;
-    if (!shape) return;
-    await studio.saver?.pauseDuring(async () => {
-      const levels = await api.levels(shape.id, what);
-      this.replaceLevels(levels, await api.edit(shape.id));
-    });
-    await this.readLevels();
-    // Presets depend on the number of levels.
-    const { presets } = await api.shape(shape.id);
-    studio.shape = { ...studio.shape!, presets };
-    studio.emit('levels');
+  /** Replaces the levels as one step; gains follow their widths, also those that change while the server computes. */
+  async setLevels(choice: LevelsChoice): Promise<void> {
+    await this.replaceLevels(
+      (signal) => this.studio.api.levels(this.studio.shape!.id, choice, signal),
+      ({ levels }) => this.studio.history.commit(withLevels(this.studio.doc, levels)),
+    );
   }
 
-  private replaceLevels(levels: Level[], edit: Edit): void {
+  /** Steps to a document whose levels differ from the present ones. */
+  async stepOverLevels(to: 'undo' | 'redo'): Promise<void> {
     const { studio } = this;
+    const doc = studio.history.peek(to);
+    if (!doc) return;
+    await this.replaceLevels(
+      (signal) => studio.api.levels(studio.shape!.id, doc.levels.choice, signal),
+      ({ levels }) => {
+        // A step that was made meanwhile stays.
+        if (studio.history.peek(to) === doc) studio.history[to]();
+        else studio.history.commit(withLevels(studio.doc, levels));
+      },
+    );
+  }
+
+  /** Applies the levels and the edit of a recipe as one step. */
+  async applyRecipe(recipe: string): Promise<void> {
+    await this.replaceLevels(
+      (signal) => this.studio.api.putRecipe(this.studio.shape!.id, recipe, signal),
+      ({ levels, edit }) => this.studio.history.commit(fromEdit(edit, levels.sigmas.length, levels)),
+    );
+  }
+
+  /**
+   * Lets the server compute other levels, and takes a step to a document of these levels once they are there. Meanwhile the
+   * present document can be edited.
+   */
+  private async replaceLevels(
+    request: (signal: AbortSignal) => Promise<LevelsAnswer>,
+    step: (answer: { levels: DocLevels; edit: Edit }) => void,
+  ): Promise<void> {
+    const { studio } = this;
+    const { generation } = this;
+    const { saver } = studio;
+    if (!studio.shape || !saver) return;
+    const answer = await studio.wait(text.computingBands, (signal) =>
+      saver.pauseDuring(async (revise) => {
+        const answer = await request(signal);
+        revise(answer.edit.revision);
+        return answer;
+      }),
+    );
+    if (!answer || generation !== this.generation) return;
+    const { levels } = answer;
     this.generation++;
-    studio.shape = { ...studio.shape!, levels };
+    studio.history.end();
+    studio.shape = { ...studio.shape, levels, choice: answer.choice };
     studio.loadedBands.clear();
+    studio.solo = null;
     studio.view.setLevels(levels.length);
     studio.view.arrays.setUnedited();
-    this.startEditing(fromEdit(edit, levels.length), edit.revision);
+    step({ levels: docLevels(studio.shape), edit: answer.edit });
+    studio.emit('levels');
+    await this.readLevels();
+    // Presets and fields depend on the number of levels.
+    const { presets, fields } = await studio.api.shape(studio.shape.id);
+    studio.shape = { ...studio.shape, presets, fields };
     studio.emit('levels');
   }
 
@@ -137,22 +187,12 @@ export class Session {
     if (generation === this.generation) this.studio.display.settle();
   }
 
-  /** Applies the levels and the edit of a recipe. */
-  async applyRecipe(recipe: string): Promise<void> {
-    const { studio } = this;
-    await studio.saver?.pauseDuring(async () => {
-      const { levels, edit } = await studio.api.putRecipe(studio.shape!.id, recipe);
-      this.replaceLevels(levels, edit);
-    });
-    await this.readLevels();
-  }
-
   /** Applies an edit from a file as one step. */
   applyEdit(edit: Edit): void {
     const { nLevels, history } = this.studio;
     const fits = Array.isArray(edit.layers) && edit.layers.every((l) => l.gains.length === nLevels);
     if (!fits) throw new Error(text.badEdit(nLevels));
-    history.commit(fromEdit(edit, nLevels));
+    history.commit(fromEdit(edit, nLevels, this.studio.doc.levels));
   }
 
   /** Replaces the edit by the conflicting one of another page. */
@@ -161,7 +201,13 @@ export class Session {
     const edit = saver?.conflictingEdit;
     if (!edit) return;
     saver.resolve(false);
-    this.startEditing(fromEdit(edit, nLevels), edit.revision);
+    const doc = fromEdit(edit, nLevels, this.studio.doc.levels);
+    // The replaced edit can be had back with undo.
+    this.studio.history.commit(doc);
     display.settle();
   }
+}
+
+function docLevels({ choice, levels }: Shape): DocLevels {
+  return { choice, sigmas: levels.map((l) => l.sigma) };
 }

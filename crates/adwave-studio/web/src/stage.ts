@@ -262,14 +262,7 @@ export class Stage {
 
   /** Cancels the current stroke, line or pick; returns false if there is none. */
   escape(): boolean {
-    if (this.studio.lineDrawing) {
-      this.studio.lineDrawing.cancel();
-      return true;
-    }
-    if (this.studio.onPickVertex) {
-      this.studio.onPickVertex = null;
-      return true;
-    }
+    if (this.studio.cancelPick()) return true;
     if (!this.stroke) return false;
     this.endStroke('drop');
     return true;

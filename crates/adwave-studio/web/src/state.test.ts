@@ -1,10 +1,24 @@
-import { describe, expect, test } from 'vitest';
+import { describe, expect, test, vi } from 'vitest';
 import { appendStroke } from './brush';
 import { colorAt, rangeOf } from './colors';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
+import { restoreHistory, storeHistory } from './history-store';
 import { formatCount, formatNumber, toModelUnits } from './lengths';
+import { parseChoice } from './levels-dialog';
+import type { Shape } from './protocol';
 import { maskPacks, vertexShader } from './shader';
-import { fromEdit, History, isNeutral, toEdit, withGain, withLayer } from './state';
+import {
+  fromEdit,
+  History,
+  isNeutral,
+  mapGains,
+  needsServer,
+  soloLayers,
+  toEdit,
+  withGain,
+  withLayer,
+  withLevels,
+} from './state';
 
 const edit = {
   revision: 3,
@@ -124,4 +138,92 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     tint: false,
   });
   expect(source).toContain('gains[1] * (1.0 + masks0.x * slopes[4])');
+});
+
+describe('other levels', () => {
+  test('take the gains of their widths, and undo brings back the old ones', () => {
+    const widths = [1, 2, 4];
+    expect(mapGains([0.5, 3, 2], widths, widths)).toEqual([0.5, 3, 2]);
+    expect(mapGains([0.5, 3, 2], widths, [1, 2, 4, 8])).toEqual([0.5, 3, 2, 1]);
+    expect(mapGains([0.5, 3, 2], widths, [1, 4])).toEqual([0.5, 2.5]);
+    expect(mapGains([0.5, 3], [1, 2], [1, 1.5, 2])).toEqual([0.5, 3, 3]);
+    expect(mapGains([0.5, 3], [1, 2], [0.25, 1, 2])).toEqual([0.5, 0.5, 3]);
+    const before = fromEdit(edit, 2, { choice: { levels: 2 }, sigmas: [1, 2] });
+    const history = new History(before, () => {});
+    history.commit(withLevels(before, { choice: { steps: [1, 2, 4] }, sigmas: [1, 1.5, 2] }));
+    expect(history.doc.layers[0]!.gains).toEqual([1, 2, 2]);
+    expect(history.peek('undo')).toBe(before);
+    history.undo();
+    expect(history.doc).toBe(before);
+  });
+
+  test('are chosen in words that say what is wrong', () => {
+    const input = { count: '8', voices: '1', lengths: '1%, 2 %' };
+    expect(parseChoice('auto', input, 10)).toEqual({});
+    expect(parseChoice('count', input, 10)).toEqual({ levels: 8 });
+    expect(parseChoice('count', { ...input, count: '30' }, 10)).toBe(
+      'Enter a whole number of bands from 1 to 24.',
+    );
+    expect(parseChoice('count', { ...input, voices: '1.5' }, 10)).toContain('per octave');
+    expect(parseChoice('lengths', { ...input, lengths: '0.1, 2%, 1' }, 10)).toEqual({
+      lengths: [0.1, '2%', 1],
+    });
+    expect(parseChoice('lengths', { ...input, lengths: 'a, 1' }, 10)).toContain('“a”');
+    expect(parseChoice('lengths', { ...input, lengths: '2, 1' }, 10)).toContain('increasing');
+    expect(parseChoice('lengths', { ...input, lengths: '' }, 10)).toContain('increasing');
+  });
+});
+
+describe('solo', () => {
+  test('shows one band alone and leaves the document as it is', () => {
+    const doc = fromEdit({ ...edit, layers: [{ ...edit.layers[0]!, gains: [0, 2] }] }, 2);
+    const { key } = doc.layers[0]!;
+    expect(soloLayers(doc.layers, { key, level: 1 })[0]!.gains).toEqual([1, 0]);
+    expect(soloLayers(doc.layers, { key, level: 2 })[0]!.gains).toEqual([0, 2]);
+    expect(soloLayers(doc.layers, null)).toBe(doc.layers);
+  });
+});
+
+describe('the server', () => {
+  test('is needed for borders by default, and not for an edit that changes nothing', () => {
+    const doc = fromEdit(edit, 2);
+    const neutral = fromEdit({ ...edit, layers: [] }, 2);
+    expect(needsServer(doc, { kind: 'mesh', closed: true })).toBe(false);
+    expect(needsServer(doc, { kind: 'mesh', closed: false })).toBe(true);
+    expect(needsServer({ ...doc, border: 'free' }, { kind: 'mesh', closed: false })).toBe(false);
+    expect(needsServer({ ...doc, along: 'free' }, { kind: 'mesh', closed: false })).toBe(false);
+    expect(needsServer(doc, { kind: 'cloud', closed: false })).toBe(true);
+    expect(needsServer(neutral, { kind: 'cloud', closed: false })).toBe(false);
+  });
+});
+
+describe('the history', () => {
+  test('survives a reload if the stored edit is the present one', () => {
+    const items = new Map<string, string>();
+    vi.stubGlobal('sessionStorage', {
+      getItem: (key: string) => items.get(key) ?? null,
+      setItem: (key: string, value: string) => items.set(key, value),
+      removeItem: (key: string) => items.delete(key),
+    });
+    const shape = { id: 1, name: 'a.obj', n_vertices: 3 } as Shape;
+    const region = { painted: [{ add: { vertices: { indices: [1], radius: 1 } } }] };
+    const levels = { choice: {}, sigmas: [1, 2] };
+    const first = fromEdit(edit, 2, levels);
+    const history = new History(first, () => {});
+    const { key } = first.layers[0]!;
+    history.commit(withLayer(history.doc, key, { region }));
+    history.commit(withGain(history.doc, key, 1, 3));
+    history.commit(withGain(history.doc, key, 1, 4));
+    history.undo();
+    storeHistory(shape, history);
+    const again = new History(fromEdit(toEdit(history.doc, 0), 2, levels), () => {});
+    expect(restoreHistory(shape, again)).toBe(true);
+    again.redo();
+    expect(again.doc.layers[0]!.gains).toEqual([4, 2]);
+    for (let i = 0; i < 3; i++) again.undo();
+    expect(toEdit(again.doc, 3)).toEqual(edit);
+    storeHistory(shape, history);
+    expect(restoreHistory(shape, new History(first, () => {}))).toBe(false);
+    vi.unstubAllGlobals();
+  });
 });

@@ -3,11 +3,17 @@
  * Camera and view settings are not part of it.
  */
 
-import type { Along, Border, Edit, Layer, Region, VolumeRule } from './protocol';
+import type { Along, Border, Edit, Layer, LevelsChoice, Region, VolumeRule } from './protocol';
 
 export interface DocLayer extends Layer {
   /** Identifies the layer on this page; not sent to the server. */
   readonly key: number;
+}
+
+/** Levels that the gains of a document belong to: the choice that leads to them, and their widths σ. */
+export interface DocLevels {
+  readonly choice: LevelsChoice;
+  readonly sigmas: readonly number[];
 }
 
 export interface Doc {
@@ -15,7 +21,11 @@ export interface Doc {
   readonly along: Along | null;
   readonly border: Border | null;
   readonly volume: VolumeRule | null;
+  readonly levels: DocLevels;
 }
+
+/** Levels of a document without a shape. */
+export const NO_LEVELS: DocLevels = { choice: {}, sigmas: [] };
 
 let lastKey = 0;
 
@@ -23,10 +33,10 @@ export function newKey(): number {
   return ++lastKey;
 }
 
-export function fromEdit(edit: Edit, nLevels: number): Doc {
+export function fromEdit(edit: Edit, nLevels: number, levels: DocLevels = NO_LEVELS): Doc {
   const layers = edit.layers.map((l) => ({ ...l, key: newKey(), gains: fitGains(l.gains, nLevels) }));
   if (layers.length === 0) layers.push(newLayer('', nLevels));
-  return { layers, along: edit.along, border: edit.border, volume: edit.volume };
+  return { layers, along: edit.along, border: edit.border, volume: edit.volume, levels };
 }
 
 export function toEdit(doc: Doc, revision: number): Edit {
@@ -48,6 +58,51 @@ export function fitGains(gains: readonly number[], n: number): number[] {
   return Array.from({ length: n }, (_, j) => gains[j] ?? 1);
 }
 
+/**
+ * Gains for levels of other widths σ, increasing: the mean of the old gains over the octaves that a new band covers. Detail
+ * coarser than all old bands keeps the gain 1. The server maps the stored edit in the same way.
+ */
+export function mapGains(
+  gains: readonly number[],
+  before: readonly number[],
+  after: readonly number[],
+): number[] {
+  const finest = Math.min(...before, ...after) / 2;
+  // The range of widths of each band, in octaves.
+  const ranges = (widths: readonly number[]) => {
+    const ends = widths.map((w) => Math.log2(w / finest));
+    return ends.map((end, j) => [j ? ends[j - 1]! : 0, end] as const);
+  };
+  const old = ranges(before);
+  return ranges(after).map(([start, end]) => {
+    const covered = old
+      .map(([low, high], j) => ({ share: Math.min(end, high) - Math.max(start, low), gain: gains[j] ?? 1 }))
+      .concat({ share: end - Math.max(start, old.at(-1)?.[1] ?? 0), gain: 1 })
+      .filter(({ share }) => share > 1e-6);
+    const first = covered[0]?.gain ?? 1;
+    if (covered.every(({ gain }) => gain === first)) return first;
+    const total = covered.reduce((sum, { share }) => sum + share, 0);
+    return covered.reduce((sum, { share, gain }) => sum + share * gain, 0) / total;
+  });
+}
+
+/** The document with the gains of other levels. */
+export function withLevels(doc: Doc, levels: DocLevels): Doc {
+  const map = (gains: readonly number[]) => mapGains(gains, doc.levels.sigmas, levels.sigmas);
+  return { ...doc, levels, layers: doc.layers.map((l) => ({ ...l, gains: map(l.gains) })) };
+}
+
+/** The layers with only one band of one of them, for listening to it; the document keeps its gains. */
+export function soloLayers(
+  layers: readonly DocLayer[],
+  solo: { key: number; level: number } | null,
+): readonly DocLayer[] {
+  if (!solo) return layers;
+  return layers.map((l) =>
+    l.key === solo.key ? { ...l, gains: l.gains.map((g, j) => (j === solo.level - 1 ? g || 1 : 0)) } : l,
+  );
+}
+
 export function withLayer(doc: Doc, key: number, change: Partial<DocLayer>): Doc {
   return { ...doc, layers: doc.layers.map((l) => (l.key === key ? { ...l, ...change, key } : l)) };
 }
@@ -63,14 +118,18 @@ export function isNeutral(doc: Doc): boolean {
   return doc.layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
 }
 
-/** True if only the server can apply the constraints; the page then shows its positions. */
-export function needsServer(doc: Doc, cloud: boolean): boolean {
-  return (
-    // By default a cloud moves along its normals.
-    (doc.along === null ? cloud && !isNeutral(doc) : doc.along !== 'free') ||
-    (doc.border !== null && doc.border !== 'natural') ||
-    doc.volume === 'keep'
-  );
+/**
+ * True if only the server can apply the constraints; the page then shows its positions. By default a cloud moves along its
+ * normals, and so do the parts of a surface that have a border.
+ */
+export function needsServer(doc: Doc, { kind, closed }: { kind: string; closed: boolean }): boolean {
+  if (isNeutral(doc)) return false;
+  const cloud = kind === 'cloud';
+  const along = doc.along ?? (cloud ? 'normal' : 'free');
+  const border = doc.border ?? 'natural';
+  const treatsBorder =
+    !cloud && !closed && (border === 'keep' || (border === 'natural' && doc.along === null));
+  return along !== 'free' || treatsBorder || doc.volume === 'keep';
 }
 
 export class History {
@@ -93,6 +152,23 @@ export class History {
 
   get canRedo(): boolean {
     return this.future.length > 0;
+  }
+
+  /** Document that `undo` or `redo` would lead to. */
+  peek(which: 'undo' | 'redo'): Doc | null {
+    if (which === 'redo') return this.future.at(-1) ?? null;
+    return this.start ?? this.past.at(-1) ?? null;
+  }
+
+  /** All documents: past ones, the present one, and those that `redo` leads to, in their order. */
+  get documents(): { past: readonly Doc[]; future: readonly Doc[] } {
+    return { past: this.past, future: this.future };
+  }
+
+  /** Continues the history of an earlier visit. */
+  restore(past: readonly Doc[], future: readonly Doc[]): void {
+    this.past = [...past];
+    this.future = [...future];
   }
 
   get nSteps(): number {
@@ -155,6 +231,7 @@ function sameEdit(a: Doc, b: Doc): boolean {
     a.along === b.along &&
     a.border === b.border &&
     a.volume === b.volume &&
+    a.levels === b.levels &&
     a.layers.length === b.layers.length &&
     a.layers.every((l, i) => {
       const m = b.layers[i]!;

@@ -11,7 +11,7 @@ import type { Region, Shape, ShapeList } from './protocol';
 import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
-import { type Doc, type DocLayer, History, newLayer, withLayer } from './state';
+import { type Doc, type DocLayer, History, NO_LEVELS, newLayer, withLayer } from './state';
 import { Timings } from './timings';
 import type { ShownComparison } from './tools';
 import type { View } from './view';
@@ -30,6 +30,8 @@ export type Topic =
   | 'before'
   | 'compared'
   | 'drawing'
+  | 'waiting'
+  | 'solo'
   | 'theme';
 
 /** A link at the end of a message. */
@@ -41,7 +43,10 @@ export interface MessageLink {
 export class Studio {
   shape: Shape | null = null;
   shapes: ShapeList = { version: '', shapes: [] };
-  history = new History({ layers: [newLayer('', 0)], along: null, border: null, volume: null }, () => {});
+  history = new History(
+    { layers: [newLayer('', 0)], along: null, border: null, volume: null, levels: NO_LEVELS },
+    () => {},
+  );
   saver: Saver | null = null;
   selected = 0;
   readonly loadedBands = new Set<number>();
@@ -51,6 +56,11 @@ export class Studio {
   /** Compared method shown instead of the original. */
   comparison: ShownComparison | null = null;
   isBrushOn = false;
+  /** The only band of a layer that is shown; part of the view and not of the edit. */
+  solo: { key: number; level: number } | null = null;
+  /** Work that the user waits for, by number, in the order of its start. */
+  readonly waiting = new Map<number, { what: string; cancel: () => void }>();
+  private lastWait = 0;
   readonly timings = new Timings();
   readonly engine: Engine;
   readonly regions = new Regions();
@@ -74,6 +84,12 @@ export class Studio {
     worker: Worker,
     readonly showMessage: (sentence: string, kind?: 'info' | 'error', link?: MessageLink) => void,
   ) {
+    this.on('selected', () => {
+      if (!this.solo || this.solo.key === this.selected) return;
+      this.solo = null;
+      this.display.show(true);
+      this.emit('solo');
+    });
     this.engine = new Engine(worker, (event) => this.handleWorkerEvent(event));
     this.masks = new Masks(view.arrays);
     this.display = new Display(this, this.masks);
@@ -110,6 +126,9 @@ export class Studio {
     this.loadedBands.clear();
     this.displacement = null;
     this.comparison = null;
+    this.solo = null;
+    this.lastVertex = null;
+    this.cancelPick();
     this.emit('compared');
   }
 
@@ -156,6 +175,8 @@ export class Studio {
   }
 
   select(key: number): void {
+    // A pick belongs to the layer for which it was started.
+    if (key !== this.selected) this.cancelPick();
     this.selected = key;
     this.updateTint();
     this.emit('selected');
@@ -169,12 +190,60 @@ export class Studio {
   }
 
   undo(): void {
-    this.timings.startSliderTiming();
-    if (!this.history.undo()) this.timings.cancelSliderTiming();
+    this.step('undo');
   }
 
   redo(): void {
-    this.history.redo();
+    this.step('redo');
+  }
+
+  private step(to: 'undo' | 'redo'): void {
+    if (this.waiting.size > 0) return;
+    const next = this.history.peek(to);
+    if (!next) return;
+    this.cancelPick();
+    if (next.levels !== this.doc.levels) {
+      void this.session.stepOverLevels(to).catch((e: Error) => this.showMessage(e.message, 'error'));
+      return;
+    }
+    this.timings.startSliderTiming();
+    if (!this.history[to]()) this.timings.cancelSliderTiming();
+  }
+
+  /** Ends a pick or a line that waits for a click; returns false if there is none. */
+  cancelPick(): boolean {
+    const { lineDrawing } = this;
+    const waited = lineDrawing !== null || this.onPickVertex !== null;
+    this.onPickVertex = null;
+    lineDrawing?.cancel();
+    return waited;
+  }
+
+  /** Shows work that takes a while, with a button that cancels it. Returns `null` if it was cancelled. */
+  async wait<T>(what: string, work: (signal: AbortSignal) => Promise<T>): Promise<T | null> {
+    const abort = new AbortController();
+    const number = ++this.lastWait;
+    this.waiting.set(number, { what, cancel: () => abort.abort() });
+    this.emit('waiting');
+    const cancelled = new Promise<null>((done) => abort.signal.addEventListener('abort', () => done(null)));
+    try {
+      return await Promise.race([work(abort.signal), cancelled]);
+    } catch (error) {
+      if (abort.signal.aborted) return null;
+      throw error;
+    } finally {
+      this.waiting.delete(number);
+      this.emit('waiting');
+    }
+  }
+
+  /** Shows one band alone; all again if it is the one that is shown. */
+  setSolo(level: number): void {
+    const { solo, selected: key } = this;
+    this.solo = solo?.key === key && solo.level === level ? null : { key, level };
+    this.view.markMoving();
+    this.display.show(true);
+    this.emit('solo');
   }
 
   /** Changes a layer, as one step or as part of a gesture. */

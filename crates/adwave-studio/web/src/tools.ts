@@ -4,14 +4,15 @@ import { dialog } from './dialog';
 import { h } from './dom';
 import type { Files } from './files';
 import { formatNumber } from './lengths';
-import type { CompareMethod, Comparison } from './protocol';
+import type { CompareMethod, Comparison, Shape } from './protocol';
 import type { Studio } from './studio';
 import { text } from './text';
 
 /** Another method shown beside the edit. */
 export interface ShownComparison {
-  method: CompareMethod;
-  about: Comparison;
+  method: CompareMethod | 'noisy';
+  /** Figures of another method; `null` for the shape before denoising. */
+  about: Comparison | null;
 }
 
 function button(label: string, onclick: () => void): HTMLButtonElement {
@@ -30,15 +31,15 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
     'aria-label': text.strength,
   });
   /** Closes the dialog, shows a message, and runs a tool after the edit is saved. */
-  const work = (what: () => Promise<void>) => {
+  const work = (label: string, what: (isCancelled: () => boolean) => Promise<void>) => {
     close();
-    studio.showMessage(text.working);
     void files.reportErrors(async () => {
       await studio.saver?.waitUntilSent();
-      await what();
+      await studio.wait(`${label}…`, (signal) => what(() => signal.aborted));
     });
   };
-  const compare = (method: CompareMethod) => work(() => showComparison(studio, method));
+  const compare = (method: CompareMethod) =>
+    work(text.compare, (isCancelled) => showComparison(studio, method, isCancelled));
   return [
     h('h3', {}, text.compare),
     h('p', {}, text.compareNote),
@@ -60,8 +61,9 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
       'div',
       { class: 'row' },
       button(text.reportGo, () =>
-        work(async () => {
+        work(text.report, async (isCancelled) => {
           const { path } = await studio.api.report(shape.id);
+          if (isCancelled()) return;
           const href = new URL(path, studio.api.root).href;
           dialog(
             text.report,
@@ -82,10 +84,16 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
       { class: 'row' },
       strength,
       button(text.denoiseGo, () =>
-        work(async () => {
+        work(text.denoise, async (isCancelled) => {
+          const before = (await studio.engine.call('positions', {})).positions;
           const made = await studio.api.denoise(shape.id, strength.valueAsNumber || 1);
+          if (isCancelled()) {
+            await studio.api.close(made.id);
+            return;
+          }
           await files.refreshShapes();
           await files.showShape(made.id);
+          await showNoisy(studio, made.id, shape, before);
           studio.showMessage(text.denoised(made.noise));
         }),
       ),
@@ -93,10 +101,25 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
   ].filter((node) => node !== null);
 }
 
-async function showComparison(studio: Studio, method: CompareMethod): Promise<void> {
+/** Shows the positions before denoising on the left of the wipe. */
+async function showNoisy(studio: Studio, id: number, noisy: Shape, before: Float32Array): Promise<void> {
+  if (studio.shape?.id !== id) return;
+  const { center } = studio.shape;
+  for (let i = 0; i < before.length; i++) before[i]! += noisy.center[i % 3]! - center[i % 3]!;
+  const { normals } = await studio.engine.call('normals', { positions: before.slice() });
+  studio.view.arrays.setComparison(before, normals);
+  studio.comparison = { method: 'noisy', about: null };
+  studio.emit('compared');
+}
+
+async function showComparison(
+  studio: Studio,
+  method: CompareMethod,
+  isCancelled: () => boolean,
+): Promise<void> {
   const { id } = studio.shape!;
   const { positions, about } = await studio.api.compare(id, method);
-  if (studio.shape?.id !== id) return;
+  if (studio.shape?.id !== id || isCancelled()) return;
   const { normals } = await studio.engine.call('normals', { positions });
   studio.view.arrays.setComparison(positions, normals);
   studio.comparison = { method, about };
@@ -117,6 +140,13 @@ export function comparisonPanel(studio: Studio): HTMLElement {
     panel.hidden = comparison === null;
     if (!comparison) return;
     const { about, method } = comparison;
+    if (!about) {
+      panel.replaceChildren(
+        h('p', { class: 'hint' }, text.noisyHint),
+        button(text.compareEnd, () => endComparison(studio)),
+      );
+      return;
+    }
     const row = (name: string, edit: string, other: string) =>
       h('tr', {}, h('th', { scope: 'row' }, name), h('td', {}, edit), h('td', {}, other));
     panel.replaceChildren(

@@ -133,6 +133,7 @@ export function startMockServer({
     volume: isCloud ? null : 4.19,
     components: 1,
     notes: ['Created by the mock server.'],
+    choice: { levels: nLevels },
     levels: model.bands.map((b) => ({
       level: b.level,
       steps: 2 ** (b.level - 1),
@@ -228,7 +229,7 @@ export function startMockServer({
         return raw(Buffer.concat([bytes(Float64Array.from(model.positions)), bytes(places)]));
       }
       case 'PUT levels':
-        return json(describe(1).levels);
+        return json({ levels: describe(1).levels, choice: { levels: nLevels }, edit });
       case 'GET bands': {
         response.writeHead(200, { 'Content-Type': 'application/octet-stream' });
         for (const band of model.bands.toReversed()) {
@@ -288,7 +289,7 @@ export function startMockServer({
         response.writeHead(200, { 'Content-Type': 'application/toml' });
         return response.end(`levels = ${nLevels}\n# ${JSON.stringify(edit.layers)}\n`);
       case 'PUT recipe':
-        return json({ levels: describe(1).levels, edit });
+        return json({ levels: describe(1).levels, choice: { levels: nLevels }, edit });
       case 'POST save':
         return json({
           path: `/tmp/${JSON.parse(body).name ?? 'bumpy-edited.ply'}`,

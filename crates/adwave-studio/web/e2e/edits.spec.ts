@@ -1,0 +1,117 @@
+/** An edit is never lost: other bands, solo, a reload, a pick and a change of layer, and a file that exists. */
+
+import { mkdtempSync, writeFileSync } from 'node:fs';
+import { copyFile } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { expect, type Page, test } from '@playwright/test';
+import {
+  currentEdit,
+  expectNoFailures,
+  openPage,
+  setSlider,
+  waitUntilReady,
+  waitUntilSaved,
+} from './support/page';
+import { creature, killStudio, type StudioServer, startStudio } from './support/studio-server';
+
+let server: StudioServer;
+let page: Page;
+let folder: string;
+const failures: string[] = [];
+
+const gains = async () => (await currentEdit(page)).layers[0]!.gains;
+
+/** Sets the number of bands and of bands per octave in the dialog. */
+async function chooseBands(count: number, voices: number): Promise<void> {
+  await page.getByRole('button', { name: 'Bands', exact: true }).click();
+  await page.getByLabel('Choose bands').selectOption('count');
+  await page.getByLabel('Number of bands').fill(String(count));
+  await page.getByLabel('Bands per octave').fill(String(voices));
+  await page.getByRole('button', { name: 'Apply', exact: true }).click();
+}
+
+test.beforeAll(async ({ browser }) => {
+  folder = mkdtempSync(join(tmpdir(), 'adwave-edits-'));
+  const shape = join(folder, 'creature.ply');
+  await copyFile(creature(20_000), shape);
+  server = await startStudio(shape, join(folder, 'state'));
+  page = await openPage(browser, server.url, failures);
+});
+
+test.afterAll(async () => {
+  await page.close();
+  await killStudio(server);
+});
+
+test('other bands keep the edit, also what is changed meanwhile, and undo brings the old bands back', async () => {
+  await setSlider(page, 0, 0);
+  await waitUntilSaved(page);
+  const before = await gains();
+  await chooseBands(30, 1);
+  await expect(page.getByRole('alert')).toContainText('whole number of bands from 1 to 24');
+  await page.keyboard.press('Escape');
+  await chooseBands(8, 2);
+  // A step while the server computes.
+  await setSlider(page, 7, 200);
+  await expect(page.locator('.band')).toHaveCount(15);
+  await expect(page.locator('.band.waiting')).toHaveCount(0);
+  const mapped = await gains();
+  expect([mapped.length, mapped[0], mapped[14], mapped[7]]).toEqual([15, 0, 4, 1]);
+  await waitUntilSaved(page);
+  await page.getByRole('button', { name: /^Undo/ }).click();
+  await expect(page.locator('.band')).toHaveCount(8);
+  await expect(page.locator('.band.waiting')).toHaveCount(0);
+  expect(await gains()).toEqual([...before.slice(0, 7), 4]);
+  await page.getByRole('button', { name: /^Undo/ }).click();
+  expect(await gains()).toEqual(before);
+  await page.getByRole('button', { name: /^Redo/ }).click();
+  await waitUntilSaved(page);
+});
+
+test('solo shows one band and leaves the edit, and a reload keeps the steps', async () => {
+  const before = await gains();
+  const figures = await page.locator('.readouts').textContent();
+  await page.locator('.band input.gain').nth(2).press('s');
+  await expect(page.locator('.band.unheard')).toHaveCount(7);
+  expect(await gains()).toEqual(before);
+  await page.reload();
+  await waitUntilReady(page);
+  expect(await gains()).toEqual(before);
+  await expect(page.locator('.band.unheard')).toHaveCount(0);
+  await expect(page.locator('.readouts')).toHaveText(figures!);
+  await page.getByRole('button', { name: /^Undo/ }).click();
+  expect((await gains())[7]).toBe(1);
+  await page.getByRole('button', { name: /^Redo/ }).click();
+  expect(await gains()).toEqual(before);
+  await waitUntilSaved(page);
+});
+
+test('a band has two tab stops, and its buttons are 24 pixels', async () => {
+  const stops = await page
+    .locator('.band')
+    .first()
+    .locator('input, button')
+    .evaluateAll((all) => [
+      all.filter((e) => (e as HTMLElement).tabIndex >= 0).length,
+      ...all.filter((e) => e.tagName === 'BUTTON').map((e) => Math.min(e.clientWidth, e.clientHeight) + 2),
+    ]);
+  expect(stops).toEqual([2, 24, 24]);
+});
+
+test('a pick ends with a change of layer, and a file that exists can be replaced', async () => {
+  await page.keyboard.press('l');
+  await page.getByRole('button', { name: 'Brush', exact: true }).click();
+  await page.getByText('Match detail').click();
+  await page.getByRole('button', { name: 'Pick detail' }).click();
+  await page.keyboard.press(',');
+  const box = (await page.locator('canvas.picture').boundingBox())!;
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await page.waitForTimeout(300);
+  await expect(page.locator('.toasts')).not.toContainText('Detail picked');
+  writeFileSync(join(folder, 'creature-edited.ply'), 'mine');
+  await page.keyboard.press('Control+s');
+  await page.getByRole('button', { name: 'Replace it' }).click();
+  await expect(page.locator('.toasts')).toContainText('Saved as');
+  expectNoFailures(failures);
+});
