@@ -7,9 +7,13 @@ import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
   currentEdit,
+  drag,
   expectNoFailures,
   openPage,
+  type Point,
+  pictureFrame,
   setSlider,
+  waitForStrokes,
   waitUntilReady,
   waitUntilSaved,
 } from './support/page';
@@ -30,6 +34,13 @@ async function chooseBands(count: number, voices: number): Promise<void> {
   await page.getByLabel('Bands per octave').fill(String(voices));
   await page.getByRole('button', { name: 'Apply', exact: true }).click();
 }
+
+/** Sum of the displayed coordinates with weights, which tells two pictures apart. */
+const positionSum = (target: Page) =>
+  target.evaluate(async () => {
+    const positions = await window.studio.positions();
+    return positions.reduce((sum, x, i) => sum + x * (i % 101), 0);
+  });
 
 test.beforeAll(async ({ browser }) => {
   folder = mkdtempSync(join(tmpdir(), 'adwave-edits-'));
@@ -101,17 +112,41 @@ test('a band has two tab stops, and its buttons are 24 pixels', async () => {
 
 test('a pick ends with a change of layer, and a file that exists can be replaced', async () => {
   await page.keyboard.press('l');
-  await page.getByRole('button', { name: 'Brush', exact: true }).click();
-  await page.getByText('Match detail').click();
-  await page.getByRole('button', { name: 'Pick detail' }).click();
+  await page.locator('#layers select').first().selectOption('ball');
+  const before = await currentEdit(page);
+  await page.getByRole('button', { name: 'Choose center' }).click();
   await page.keyboard.press(',');
-  const box = (await page.locator('canvas.picture').boundingBox())!;
-  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  const { x, y } = await pictureFrame(page);
+  await page.mouse.click(x, y);
   await page.waitForTimeout(300);
-  await expect(page.locator('.toasts')).not.toContainText('Detail picked');
+  expect(await currentEdit(page)).toEqual(before);
   writeFileSync(join(folder, 'creature-edited.ply'), 'mine');
   await page.keyboard.press('Control+s');
   await page.getByRole('button', { name: 'Replace it' }).click();
   await expect(page.locator('.toasts')).toContainText('Saved as');
+  expectNoFailures(failures);
+});
+
+test('a first stroke has a live effect, on a layer of its own', async () => {
+  await page.keyboard.press('b');
+  const { x, y, size } = await pictureFrame(page);
+  const layers = (await currentEdit(page)).layers.length;
+  const path: Point[] = [0, 1, 2, 3].map((k) => [x + 0.02 * k * size, y]);
+  const before = await positionSum(page);
+  await drag(page, path, () => expect.poll(() => positionSum(page)).not.toBe(before));
+  expect(await waitForStrokes(page, 1)).toBe(true);
+  await drag(
+    page,
+    path.map(([u, v]) => [u, v + 20] as Point),
+  );
+  expect(await waitForStrokes(page, 2)).toBe(true);
+  const { layers: after } = await currentEdit(page);
+  expect([after.length, after.at(-1)!.name, after.at(-1)!.gains[0]]).toEqual([layers + 1, 'Smooth', 0]);
+  // The region is seen beside a color map, and not on its own.
+  await page.keyboard.press('c');
+  await page.waitForTimeout(300);
+  await page.getByRole('button', { name: 'Enhance', exact: true }).click();
+  await drag(page, path);
+  await expect.poll(async () => (await currentEdit(page)).layers.length).toBe(layers + 2);
   expectNoFailures(failures);
 });

@@ -8,6 +8,7 @@ import {
   type Point,
   pictureFrame,
   randomNumbers,
+  startPainting,
   strokeCount,
   waitForStrokes,
 } from './support/page';
@@ -50,7 +51,7 @@ test('masks of strokes equal those of the server', async ({ browser }) => {
     const page = await openPage(browser, server.url, failures);
     const { x, y, size } = await pictureFrame(page);
     await page.keyboard.press('l');
-    await page.keyboard.press('b');
+    await startPainting(page);
     const setInput = (label: string, value: number, within = page.locator('body')) =>
       within.getByLabel(label, { exact: true }).evaluate((input: HTMLInputElement, to) => {
         input.value = String(to);

@@ -10,6 +10,7 @@ import {
   type Point,
   pictureFrame,
   setSlider,
+  startPainting,
   strokeCount,
   waitForStrokes,
   waitUntilSaved,
@@ -70,7 +71,7 @@ test('edits survive a second tab and a killed server', async ({ browser }) => {
       const line = (dy: number) =>
         Array.from({ length: 8 }, (_, k): Point => [x + size * 0.01 * (k - 4), y + size * dy]);
       await first.keyboard.press('l');
-      await first.keyboard.press('b');
+      await startPainting(first);
       for (const [n, dy] of [0, 0.04, -0.04].entries()) {
         await drag(first, line(dy));
         expect(await waitForStrokes(first, n + 1), `stroke ${n + 1}`).toBe(true);

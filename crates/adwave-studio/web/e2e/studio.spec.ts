@@ -13,6 +13,7 @@ import {
   collectErrors,
   currentEdit,
   expectNoFailures,
+  startPainting,
   useTestBuild,
   waitUntilReady,
   waitUntilSaved,
@@ -153,7 +154,7 @@ async function useKeysAndUndo({ page }: Tour): Promise<void> {
 async function paintStroke(tour: Tour): Promise<{ pick: number[]; stamp: number[] }> {
   const { page, requests } = tour;
   await clearTimings(page);
-  await page.keyboard.press('b');
+  await startPainting(page);
   const box = (await page.locator('canvas.picture').boundingBox())!;
   const [cx, cy] = [box.x + box.width / 2, box.y + box.height / 2];
   const nLayers = (await currentEdit(page)).layers.length;
@@ -242,6 +243,7 @@ async function visitViews(tour: Tour): Promise<void> {
   await page.waitForTimeout(500);
   await takePicture(tour, '7-displacement');
   await page.keyboard.press('c');
+  await page.locator('.side-tabs [data-tab=look]').click();
   const colors = page.locator('#look select').first();
   const names = await colors
     .locator('option')
@@ -253,6 +255,7 @@ async function visitViews(tour: Tour): Promise<void> {
     await takePicture(tour, '8-field');
     await colors.selectOption('none');
   }
+  await page.locator('.side-tabs [data-tab=look]').click();
   await page.locator('#look .check input').first().check();
   await page.waitForTimeout(1500);
   await takePicture(tour, '9-features');

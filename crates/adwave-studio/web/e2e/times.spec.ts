@@ -13,6 +13,7 @@ import {
   expectNoFailures,
   type Point,
   pictureFrame,
+  startPainting,
   useTestBuild,
   waitForStrokes,
   waitUntilReady,
@@ -197,7 +198,7 @@ async function measureBrush(page: Page, requests: Request[], nVertices: number):
     return (await timings(page)).pick.slice(n);
   };
   const picks = await hover();
-  await page.keyboard.press('b');
+  await startPainting(page);
   const picksWithCircle = await hover();
   // A single stamp tells how much of the shape it covers.
   await page.mouse.click(x, y);

@@ -2,6 +2,7 @@
 
 import type { BrushMode, BrushShape } from './compute/messages';
 import { check, h, segments, slider } from './dom';
+import type { Effect } from './effects';
 import { formatNumber } from './lengths';
 import type { BrushStroke, Region } from './protocol';
 import type { Studio } from './studio';
@@ -11,6 +12,8 @@ import { text } from './text';
 export const SPACING = 0.15;
 
 export interface Brush {
+  /** Effect of a stroke: that of a layer painted for it, or a region for the sliders only. */
+  effect: Effect;
   /** Radius in percent of the diagonal. */
   radius: number;
   strength: number;
@@ -23,6 +26,7 @@ export interface Brush {
 }
 
 export const brush: Brush = {
+  effect: 'smooth',
   radius: 5,
   strength: 1,
   falloff: 1,
@@ -91,32 +95,6 @@ export function lastStamps(region: Region): number[] {
   return 'vertices' in inner ? inner.vertices.indices : [];
 }
 
-/** Creates the buttons that pick detail and apply it to a layer. */
-function matchButtons(studio: Studio): HTMLElement {
-  return h(
-    'div',
-    { class: 'row' },
-    h(
-      'button',
-      {
-        type: 'button',
-        title: text.pickDetailHint,
-        onclick: () => {
-          studio.showMessage(text.pickDetailClick);
-          studio.onPickVertex = (vertex) =>
-            studio.detail.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
-        },
-      },
-      text.pickDetail,
-    ),
-    h(
-      'button',
-      { type: 'button', title: text.applyDetailHint, onclick: () => studio.detail.applyToLayer() },
-      text.applyDetail,
-    ),
-  );
-}
-
 export function brushPanel(studio: Studio): HTMLElement {
   const toggle = h(
     'button',
@@ -154,11 +132,35 @@ export function brushPanel(studio: Studio): HTMLElement {
     radius.set(brush.radius);
     mode.set(brush.mode);
   });
+  const effects = (['smooth', 'enhance', 'flatten', 'match', 'region'] as const).map((effect) =>
+    h(
+      'button',
+      {
+        type: 'button',
+        'data-effect': effect,
+        title: text.effectHints[effect],
+        onclick: () => {
+          brush.effect = effect;
+          if (!studio.isBrushOn) studio.setBrush(true);
+          else studio.emit('tool');
+        },
+      },
+      text.effects[effect],
+    ),
+  );
+  const effectHint = h('p', { class: 'hint' });
+  const pick = h('button', { type: 'button', onclick: () => studio.detail.startPick() }, text.pickDetail);
+  studio.on('tool', () => {
+    for (const b of effects) b.setAttribute('aria-pressed', String(b.dataset['effect'] === brush.effect));
+    effectHint.textContent = text.effectHints[brush.effect];
+    pick.hidden = brush.effect !== 'match';
+  });
   const front = check(text.frontOnly, false, (on) => {
     brush.frontOnly = on;
   });
   studio.on('shape', () => {
     radius.set(brush.radius);
+    studio.emit('tool');
     // Points have no front side.
     front.hidden = studio.shape!.kind !== 'mesh';
   });
@@ -167,6 +169,9 @@ export function brushPanel(studio: Studio): HTMLElement {
     { class: 'brush-panel', id: 'brush', 'aria-label': text.brush },
     h('header', {}, h('h2', {}, text.brush)),
     toggle,
+    h('div', { class: 'effects', role: 'group', 'aria-label': text.effect }, ...effects),
+    effectHint,
+    pick,
     mode,
     radius,
     slider(
@@ -189,6 +194,5 @@ export function brushPanel(studio: Studio): HTMLElement {
       brush.symmetric = on;
     }),
     front,
-    h('details', {}, h('summary', {}, text.matching), matchButtons(studio)),
   );
 }

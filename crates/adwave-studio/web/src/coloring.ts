@@ -1,6 +1,6 @@
 /** Coloring by a scalar field, with a legend in its units. */
 
-import { colorAt, type MapName, type RangeRule, rangeOf } from './colors';
+import { colorAt, type MapName, movedOnly, type RangeRule, rangeOf } from './colors';
 import { h, select } from './dom';
 import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
@@ -95,7 +95,7 @@ export function coloring(studio: Studio): Coloring {
       legend.hidden = true;
       return;
     }
-    const range = rangeOf(values, rule, diverging);
+    const range = rangeOf(colored === 'change' ? movedOnly(values) : values, rule, diverging);
     view.setScalarRange(range, map);
     const context = bar.getContext('2d')!;
     for (let i = 0; i < 256; i++) {
@@ -159,6 +159,8 @@ export function coloring(studio: Studio): Coloring {
     paintLegend();
   }
 
+  /** Shape whose fields are listed. */
+  let listedId = 0;
   function listColors(): void {
     const shape = studio.shape;
     if (!shape) return;
@@ -178,7 +180,9 @@ export function coloring(studio: Studio): Coloring {
         ),
       ),
     );
-    void color('none');
+    const kept = [...colorSelect.options].some((option) => option.value === colored);
+    void color(kept && shape.id === listedId ? colored : 'none');
+    listedId = shape.id;
   }
   studio.on('levels', listColors);
   // Fields of the edited shape are fetched again after an edit.

@@ -49,6 +49,13 @@ export function colorTable(map: MapName): Uint8Array<ArrayBuffer> {
 
 export type RangeRule = 'most' | 'all' | { low: number; high: number };
 
+/** The displacements of vertices that moved: those of an edit elsewhere would make most of a local one a single color. */
+export function movedOnly(values: Float32Array): Float32Array {
+  let most = 0;
+  for (const x of values) if (x > most) most = x;
+  return most > 0 ? values.filter((x) => x > 1e-3 * most) : values;
+}
+
 /** Displayed range of a field. `most` spans the 2nd to the 98th percentile; a diverging field is symmetric about 0. */
 export function rangeOf(values: Float32Array, rule: RangeRule, diverging: boolean): [number, number] {
   if (typeof rule === 'object') return [rule.low, rule.high];

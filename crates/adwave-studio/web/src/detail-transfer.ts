@@ -1,6 +1,7 @@
 /** Matching detail: gains that give a layer the band sizes of another spot. */
 
-import { GREATEST_GAIN } from './gain';
+import { brush } from './brush';
+import { matchingGains } from './effects';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -10,6 +11,18 @@ export class DetailTransfer {
 
   constructor(private readonly studio: Studio) {}
 
+  /** True if the detail of a spot is stored for the present bands. */
+  get isPicked(): boolean {
+    return this.pickedRms?.length === this.studio.nLevels;
+  }
+
+  /** Lets the next click choose the spot whose detail is stored. */
+  startPick(): void {
+    const { studio } = this;
+    studio.showMessage(text.pickDetailClick);
+    studio.onPickVertex = (vertex) => this.pickFrom(vertex, (brush.radius / 100) * studio.shape!.diagonal);
+  }
+
   /** Stores the size of each band around a vertex. */
   pickFrom(vertex: number, radius: number): void {
     void this.studio.engine.call('energy', { key: null, vertex, radius }).then(({ rms }) => {
@@ -18,21 +31,11 @@ export class DetailTransfer {
     });
   }
 
-  /** Sets the gains of the selected layer so that its region gets the stored band sizes. */
-  applyToLayer(): void {
+  /** Gains that give the surroundings of a vertex the stored band sizes; `null` if none are stored. */
+  async gainsAt(vertex: number, radius: number): Promise<number[] | null> {
     const { pickedRms, studio } = this;
-    const { layer } = studio;
-    if (!pickedRms || pickedRms.length !== studio.nLevels) {
-      studio.showMessage(text.noDetail);
-      return;
-    }
-    void studio.engine.call('energy', { key: layer.key, vertex: null, radius: 0 }).then(({ rms }) => {
-      const gains = pickedRms.map((wanted, j) => {
-        const there = rms[j]!;
-        const gain = there > 0 ? wanted / there : 1;
-        return Math.round(1000 * Math.min(GREATEST_GAIN, gain)) / 1000;
-      });
-      studio.changeLayer({ gains }, true, layer.key);
-    });
+    if (!pickedRms || pickedRms.length !== studio.nLevels) return null;
+    const { rms } = await studio.engine.call('energy', { key: null, vertex, radius });
+    return matchingGains(pickedRms, rms);
   }
 }

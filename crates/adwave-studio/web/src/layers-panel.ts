@@ -91,10 +91,11 @@ function layerSettings(studio: Studio) {
       if (done) studio.history.end();
     },
   );
-  const tint = check(text.tint, studio.tint, (on) => {
-    studio.tint = on;
+  const tint = check(text.tint, studio.tint.region, (on) => {
+    studio.tint[studio.tintKind] = on;
     studio.updateTint();
   });
+  const tintBox = tint.querySelector('input')!;
   const where = h('div', { class: 'where' });
   let shown: Region | null | undefined;
   let shownKey = -1;
@@ -102,6 +103,7 @@ function layerSettings(studio: Studio) {
     const { layer } = studio;
     opacity.set(Math.round(100 * layer.opacity));
     tint.hidden = layer.region === null;
+    tintBox.checked = studio.tint[studio.tintKind];
     if (shown === layer.region && shownKey === layer.key) return;
     shown = layer.region;
     shownKey = layer.key;

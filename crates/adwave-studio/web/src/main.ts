@@ -156,25 +156,48 @@ function waitNotice(studio: Studio): HTMLElement {
   return notice;
 }
 
-/** Creates the tabs that choose a panel on narrow screens. */
-function sheetTabs(app: HTMLElement): HTMLElement {
-  const buttons = (Object.keys(text.tabs) as (keyof typeof text.tabs)[]).map((id) =>
-    h(
-      'button',
-      {
-        type: 'button',
-        'aria-pressed': String(id === 'equalizer'),
-        'data-tab': id,
-        onclick: () => {
-          app.dataset['tab'] = id;
-          for (const b of buttons) b.setAttribute('aria-pressed', String(b.dataset['tab'] === id));
-        },
-      },
-      text.tabs[id],
-    ),
-  );
-  app.dataset['tab'] = 'equalizer';
-  return h('nav', { class: 'sheet-tabs', 'aria-label': text.title }, ...buttons);
+type Tab = keyof typeof text.tabs;
+
+/**
+ * Creates the tabs that choose a panel: beside the picture one of the layers, the brush and the view; on narrow screens below
+ * it, with the bands as a fourth.
+ */
+function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet: HTMLElement } {
+  const show = (tab: Tab) => {
+    app.dataset['tab'] = tab;
+    if (tab !== 'equalizer') app.dataset['side'] = tab;
+    for (const b of buttons) {
+      const chosen = b.dataset['group'] === 'side' ? app.dataset['side'] : app.dataset['tab'];
+      b.setAttribute('aria-pressed', String(b.dataset['tab'] === chosen));
+    }
+  };
+  const buttons: HTMLButtonElement[] = [];
+  const bar = (group: 'side' | 'sheet', tabs: Tab[]) => {
+    const made = tabs.map((id) =>
+      h(
+        'button',
+        { type: 'button', 'data-tab': id, 'data-group': group, onclick: () => show(id) },
+        text.tabs[id],
+      ),
+    );
+    buttons.push(...made);
+    return h('nav', { class: `${group}-tabs`, 'aria-label': text.panels }, ...made);
+  };
+  const side = bar('side', ['layers', 'brush', 'look']);
+  const sheet = bar('sheet', ['equalizer', 'layers', 'brush', 'look']);
+  show('layers');
+  show('equalizer');
+  let brushWasOn = false;
+  studio.on('tool', () => {
+    if (studio.isBrushOn && !brushWasOn) {
+      // On a wide screen the settings of the brush come forward; a narrow one keeps its sheet.
+      const tab = app.dataset['tab'] as Tab;
+      show('brush');
+      if (tab === 'equalizer') show('equalizer');
+    }
+    brushWasOn = studio.isBrushOn;
+  });
+  return { side, sheet };
 }
 
 /** Sets the title of the page and shows messages about a newly opened shape. */
@@ -249,12 +272,13 @@ export function start(options: StartOptions): void {
     loading,
     messages.element,
   );
+  const tabs = panelTabs(studio, app);
   app.replaceChildren(
     bar,
     scene,
     equalizer(studio),
-    h('aside', { class: 'side' }, layersPanel(studio), brushPanel(studio), look.panel),
-    sheetTabs(app),
+    h('aside', { class: 'side' }, tabs.side, layersPanel(studio), brushPanel(studio), look.panel),
+    tabs.sheet,
   );
   const fit = () => view.resize(scene.clientWidth, scene.clientHeight);
   new ResizeObserver(fit).observe(scene);

@@ -74,6 +74,9 @@ const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
   float fill = max(0.0, dot(n, vec3(0.88, -0.12, 0.46)));
   vec3 light = base * (0.24 + 0.72 * key + 0.18 * fill + 0.06 * n.y);`;
 
+/** On a color map the tint is hatched, so that both are seen. */
+const HATCHED = '(0.1 + 0.75 * step(0.6, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0)))';
+
 export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): string {
   const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;
   if (dot(q, q) > 1.0) discard;
@@ -94,7 +97,7 @@ void main() {
 ${cloud ? round : facing}
   vec3 base = surface;
 ${scalar ? '  base = vScalar == vScalar ? texture(colors, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
-${tint ? '  base = mix(base, accent, 0.72 * min(vTint, 1.0));' : ''}
+${tint ? `  base = mix(base, accent, ${scalar ? HATCHED : '0.72'} * min(vTint, 1.0));` : ''}
 ${cloud ? '' : '  base *= side;'}
 ${clay ? CLAY : SHADED}
   color = vec4(light, 1.0);

@@ -2,8 +2,9 @@
 
 import { appendStroke, brush, brushShape, halfRadius, lastStamps, SPACING, smoothingRadius } from './brush';
 import type { BrushShape, PickAnswer } from './compute/messages';
-import type { Ray } from './compute/pick';
+import type { Hit, Ray } from './compute/pick';
 import { flatRing } from './compute/ring';
+import { effectGains, effectOf } from './effects';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -77,6 +78,9 @@ export class Stage {
       return;
     }
     const pans = e.button === 1 || e.button === 2 || e.shiftKey;
+    const picks =
+      this.studio.isBrushOn && brush.effect === 'match' && (e.altKey || !this.studio.detail.isPicked);
+    if (picks && !pans && !this.studio.onPickVertex) this.studio.detail.startPick();
     if (this.studio.isBrushOn && !pans && e.button === 0 && !this.studio.onPickVertex) {
       const pressure = e.pointerType === 'pen' && e.pressure > 0 ? 0.3 + 0.7 * e.pressure : 1;
       this.pendingPress = { id: e.pointerId, ...place, invert: e.ctrlKey || e.metaKey, pressure };
@@ -100,11 +104,7 @@ export class Stage {
       if (this.pointers.has(begun.id)) this.turning = 'turn';
       return;
     }
-    if (!studio.layer.region) {
-      // Painting on a layer without a region creates a new layer; both are one undo step.
-      studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
-      studio.showMessage(text.paintedLayer);
-    }
+    if (!(await this.chooseLayer(answer.hit, shape))) return;
     try {
       await studio.showMask(studio.layer, shape.mode === 'smooth' ? smoothingRadius(shape) : null);
     } catch (error) {
@@ -126,6 +126,43 @@ export class Stage {
       stamped: 0,
     };
     void this.paint();
+  }
+
+  /**
+   * Selects the layer that a stroke goes to: one of the effect of the brush, or the present one with a region. If there is
+   * none, it is created; layer and stroke are one undo step. Returns false if the brush has nothing to paint.
+   */
+  private async chooseLayer(hit: Hit, shape: BrushShape): Promise<boolean> {
+    const { studio } = this;
+    const { effect } = brush;
+    if (effect === 'region') {
+      if (studio.layer.region) return true;
+      studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
+      studio.showMessage(text.paintedLayer);
+      return true;
+    }
+    if (effectOf(studio.layer) === effect) return true;
+    const painted = studio.doc.layers.findLast((l) => effectOf(l) === effect);
+    // Detail is matched where the layer was begun.
+    if (painted && effect !== 'match') {
+      studio.select(painted.key);
+      return true;
+    }
+    if (shape.mode !== 'add') {
+      studio.showMessage(text.nothingToErase);
+      return false;
+    }
+    const sigmas = studio.doc.levels.sigmas;
+    const gains =
+      effect === 'match'
+        ? await studio.detail.gainsAt(hit.vertex, shape.radius)
+        : effectGains(effect, sigmas, shape.radius);
+    if (!gains) {
+      studio.showMessage(text.noDetail);
+      return false;
+    }
+    studio.addLayer(text.effects[effect], { painted: [] }, false, gains);
+    return true;
   }
 
   private async paint(): Promise<void> {

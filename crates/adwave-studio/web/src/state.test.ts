@@ -1,6 +1,7 @@
 import { describe, expect, test, vi } from 'vitest';
 import { appendStroke } from './brush';
-import { colorAt, rangeOf } from './colors';
+import { colorAt, movedOnly, rangeOf } from './colors';
+import { effectGains, effectOf, matchingGains } from './effects';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
 import { restoreHistory, storeHistory } from './history-store';
 import { formatCount, formatNumber, toModelUnits } from './lengths';
@@ -13,12 +14,14 @@ import {
   isNeutral,
   mapGains,
   needsServer,
+  newLayer,
   soloLayers,
   toEdit,
   withGain,
   withLayer,
   withLevels,
 } from './state';
+import { text } from './text';
 
 const edit = {
   revision: 3,
@@ -226,4 +229,32 @@ describe('the history', () => {
     expect(restoreHistory(shape, new History(first, () => {}))).toBe(false);
     vi.unstubAllGlobals();
   });
+});
+
+describe('an effect of the brush', () => {
+  test('acts on detail of its size', () => {
+    const sigmas = [0.5, 1, 2, 4, 8, 16];
+    expect(effectGains('smooth', sigmas, 4)).toEqual([0, 0, 0.5, 1, 1, 1]);
+    expect(effectGains('enhance', sigmas, 6)).toEqual([1.25, 2.5, 2.5, 1.554, 1, 1]);
+    expect(effectGains('flatten', sigmas, 4)).toEqual([0, 0, 0, 0, 0, 1]);
+    // A brush finer than all bands acts on the finest.
+    expect(effectGains('smooth', sigmas, 0.1)[0]).toBe(0);
+    expect(matchingGains([1, 0.1, 9], [2, 0, 1])).toEqual([0.5, 1, 4]);
+  });
+
+  test('is that of the layer with its name', () => {
+    const layer = { ...newLayer(text.effects.smooth, 2), region: { painted: [] } };
+    expect(effectOf(layer)).toBe('smooth');
+    expect(effectOf({ ...layer, name: 'mine' })).toBe(null);
+    expect(effectOf({ ...layer, region: null })).toBe(null);
+  });
+});
+
+test('the range of displacements is that of the vertices that moved', () => {
+  const values = new Float32Array(10_000);
+  for (let v = 0; v < 100; v++) values[v] = 1 + v / 100;
+  const [low, high] = rangeOf(movedOnly(values), 'most', false);
+  expect(low).toBeGreaterThan(0.9);
+  expect(high).toBeGreaterThan(1.9);
+  expect(movedOnly(new Float32Array(3))).toHaveLength(3);
 });

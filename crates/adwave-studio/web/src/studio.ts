@@ -5,6 +5,7 @@ import { rangeOf } from './colors';
 import type { WorkerEvent } from './compute/messages';
 import { DetailTransfer } from './detail-transfer';
 import { Display } from './display';
+import { effectOf } from './effects';
 import { Engine } from './engine';
 import { Masks } from './masks';
 import type { Region, Shape, ShapeList } from './protocol';
@@ -67,8 +68,8 @@ export class Studio {
   readonly detail = new DetailTransfer(this);
   readonly session = new Session(this);
   readonly display: Display;
-  /** True if the mask of the selected layer is tinted. */
-  tint = true;
+  /** True if the mask of the selected layer is tinted; for layers of an effect, which show it, by its own switch. */
+  tint = { region: true, effect: false };
   /** Last clicked vertex, the default center of a ball. */
   lastVertex: number | null = null;
   /** Line that is being drawn click by click. */
@@ -168,10 +169,14 @@ export class Studio {
     this.emit('doc');
   }
 
+  get tintKind(): 'region' | 'effect' {
+    return effectOf(this.layer) ? 'effect' : 'region';
+  }
+
   updateTint(): void {
     const slot = this.masks.slot(this.selected);
     // Comparisons are shown without tint.
-    this.view.setTint(this.tint && slot >= 0 && !this.comparison ? slot : null);
+    this.view.setTint(this.tint[this.tintKind] && slot >= 0 && !this.comparison ? slot : null);
   }
 
   select(key: number): void {
@@ -253,8 +258,10 @@ export class Studio {
     else this.history.preview(doc);
   }
 
-  addLayer(name: string, region: Region | null, step = true): number {
-    const layer = newLayer(name, this.nLevels, region);
+  addLayer(name: string, region: Region | null, step = true, gains: number[] | null = null): number {
+    this.cancelPick();
+    const empty = newLayer(name, this.nLevels, region);
+    const layer = gains ? { ...empty, gains } : empty;
     const doc = { ...this.doc, layers: [...this.doc.layers, layer] };
     this.selected = layer.key;
     if (step) this.history.commit(doc);

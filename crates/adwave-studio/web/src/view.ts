@@ -247,7 +247,7 @@ export class View {
       // The normals of the original do not fit the sum.
       flat: summed || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
-      tint: materials.tinted && !before && !materials.hasScalar,
+      tint: materials.tinted && !before,
     });
     this.overlays.placeEdges(this.style === 'edges' && !summed && !few, geometry);
     this.renderer.render(this.scene, this.camera.three);

@@ -74,6 +74,12 @@ export async function pictureFrame(page: Page): Promise<{ x: number; y: number; 
   return { x: box.x + box.width / 2, y: box.y + box.height / 2, size: Math.min(box.width, box.height) };
 }
 
+/** Turns the brush on, with which the next strokes paint a region and have no effect of their own. */
+export async function startPainting(page: Page): Promise<void> {
+  await page.keyboard.press('b');
+  await page.locator('[data-effect="region"]').evaluate((button: HTMLButtonElement) => button.click());
+}
+
 /** Current edit of the page. */
 export const currentEdit = (page: Page): Promise<Edit> => page.evaluate(() => window.studio.state());
 
