@@ -40,6 +40,31 @@ impl Autosave {
         Some((parse_recipe(&content.levels).ok()?.levels, content.edit))
     }
 
+    /// Folder of the files whose values were added to the shape.
+    fn fields_folder(&self) -> PathBuf {
+        self.path.with_extension("fields")
+    }
+
+    /// Lists the files whose values were added to the shape, by name.
+    pub(crate) fn field_files(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(self.fields_folder()).into_iter().flatten().flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        paths
+    }
+
+    /// Stores a file of values for the next session.
+    pub(crate) fn write_field_file(&self, name: &str, content: &[u8]) -> Result<(), ApiError> {
+        let write = || {
+            std::fs::create_dir_all(self.fields_folder())?;
+            std::fs::write(self.fields_folder().join(name), content)
+        };
+        write().map_err(|e| {
+            let message = "the field cannot be stored for the next session";
+            ApiError::new(axum::http::StatusCode::INSUFFICIENT_STORAGE, format!("{message}: {e}"))
+        })
+    }
+
     /// Writes an edit atomically: the previous content stays until the new one is complete.
     pub(crate) fn write(&self, levels: &LevelSpec, edit: &Document) -> Result<(), ApiError> {
         let recipe = Recipe { levels: levels.clone(), ..Recipe::default() };

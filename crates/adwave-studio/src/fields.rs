@@ -1,7 +1,9 @@
 //! Scalar fields at the vertices, shown as colors.
 
 use crate::prepared_shape::PreparedShape;
-use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f32, json_response};
+use crate::response::{
+    ApiError, ApiResult, bytes_response_with_header, encode_f32, encode_rows, json_response,
+};
 use crate::session::Session;
 use adwave::Progress;
 use adwave::bands::BandsParams;
@@ -9,7 +11,7 @@ use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features,
 use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
-use adwave_io::{SignalSource, named_signal, region_field};
+use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
 use serde::Serialize;
 use serde_json::json;
 
@@ -21,6 +23,8 @@ pub(crate) struct FieldInfo {
     unit: String,
     /// True for fields of the edited shape.
     edited: bool,
+    /// True for the colors of the file, which have no single value per vertex.
+    rgb: bool,
     #[serde(skip)]
     diverging: bool,
 }
@@ -32,6 +36,7 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
         label: label.to_owned(),
         unit: unit.to_owned(),
         edited,
+        rgb: false,
         diverging,
     };
     let mut fields = vec![
@@ -55,12 +60,29 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
             false,
         ));
     }
-    for stored in session.input.file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
+    let file = session.file();
+    for stored in file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
         if !fields.iter().any(|known| known.name == stored.name) {
             fields.push(field(&stored.name, &stored.name, "", false, false));
         }
     }
+    if file.field("color").is_some_and(|color| matches!(color.n_channels, 3 | 4)) {
+        fields.push(FieldInfo { rgb: true, ..field("color", "Colors of the file", "", false, false) });
+    }
     fields
+}
+
+/// Encodes colors as `u8 × 4 × n`. Numbers up to 1 are fractions, up to 255 bytes, and larger ones of 16 bits.
+fn encode_colors(colors: &Field) -> Vec<u8> {
+    let (values, n_channels) = (colors.to_f64(), colors.n_channels);
+    let most = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let factor = if most <= 1.0 { 255.0 } else { 1.0 / if most <= 255.0 { 1.0 } else { 257.0 } };
+    encode_rows(values.len() / n_channels, 4, |x, rgba| {
+        for c in 0..3 {
+            rgba[c] = (factor * values[n_channels * x + c]).round().clamp(0.0, 255.0) as u8;
+        }
+        rgba[3] = u8::MAX;
+    })
 }
 
 /// Converts a name such as `mean-curvature` to a label such as `Mean curvature`.
@@ -81,7 +103,9 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
     };
     let n = session.points().len();
     let band = name.strip_prefix("band-").and_then(|level| level.parse::<usize>().ok());
-    let content = if name == "change" {
+    let content = if info.rgb {
+        session.file().field(name).map(encode_colors).unwrap_or_default()
+    } else if name == "change" {
         let (before, after) = (session.points(), &prepared.points);
         encode_f32(n, |x| norm((0..3).map(|c| after[x][c] - before[x][c])))
     } else if let Some(level) = band.filter(|&j| (1..=prepared.n_levels()).contains(&j)) {
@@ -92,7 +116,8 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         let saliency = compute_saliency(session, &prepared)?;
         encode_f32(n, |x| saliency[x])
     } else {
-        let file = if info.edited { session.edited_file(&prepared)? } else { session.input.file.clone() };
+        let file =
+            if info.edited { session.edited_file(&prepared)? } else { ShapeFile::clone(&session.file()) };
         drop(prepared);
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let source = SignalSource { file: &file, shape: &shape, name: &session.input.name };
@@ -107,7 +132,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
 pub(crate) fn region_field_response(session: &Session, name: &str) -> ApiResult {
     let prepared = session.lock_prepared()?;
     let known = list_fields(session, prepared.n_levels());
-    let field = region_field(&session.input.file, &prepared.decomposer, name);
+    let field = region_field(&session.file(), &prepared.decomposer, name);
     let (Some(info), Some((1, values))) = (known.iter().find(|field| field.name == name), field) else {
         return Err(ApiError::bad_request(format!(
             "the shape has no field '{name}' with one value per vertex"
@@ -131,7 +156,7 @@ fn compute_saliency(session: &Session, prepared: &PreparedShape) -> Result<Vec<f
     let decomposer = &prepared.decomposer;
     let request =
         decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule).accuracy(COLOR_ACCURACY);
-    let outward = prepared.outward_normals(&session.input.file)?;
+    let outward = prepared.outward_normals(&session.file())?;
     let has_outside = outward.info.has_outside();
     let wavelets =
         if has_outside { request.normal_components_in_one_pass(&outward.normals) } else { request.norms() };
@@ -145,7 +170,7 @@ fn cloud_feature_list(
     prepared: &PreparedShape,
     params: &FeatureParams,
 ) -> Result<Vec<Feature>, ApiError> {
-    let normals = adwave_io::file_normals(&session.input.file);
+    let normals = adwave_io::file_normals(&session.file());
     let coordinates = CloudCoordinates {
         points: &prepared.points,
         normals: normals.as_deref(),

@@ -49,6 +49,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/exact", get(send_edited_positions))
         .route("/weights", post(compute_weights))
         .route("/field", get(send_field))
+        .route("/fields", post(add_fields).layer(DefaultBodyLimit::max(MAX_UPLOAD)))
         .route("/features", get(send_features))
         .route("/recipe", get(send_recipe).merge(put(apply_recipe)))
         .route("/save", post(save_file))
@@ -170,7 +171,7 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
         let mut prepared = session.lock_prepared()?;
         let mut document = prepared.document.clone();
         document.map_levels(&prepared.sigmas(), &next.sigmas());
-        next.apply_edit(document, &session.input.file)?;
+        next.apply_edit(document, &session.file())?;
         *prepared = next;
         session.store_edit(&prepared)?;
         json_response(&describe_levels(&prepared))
@@ -246,7 +247,7 @@ async fn apply_edit(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
             );
             return Err(ApiError::new(StatusCode::CONFLICT, message).with_fields(json!({"edit": current})));
         }
-        let summary = prepared.apply_edit(document, &session.input.file)?;
+        let summary = prepared.apply_edit(document, &session.file())?;
         session.store_edit(&prepared)?;
         json_response(&summary)
     })
@@ -265,9 +266,8 @@ async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: 
     with_shape(studio, id, move |session| {
         let region: Region = parse_body(&body, "region")?;
         let mut prepared = session.lock_prepared()?;
-        let weights = prepared
-            .region_weights(&region, &session.input.file)
-            .map_err(|e| ApiError::from_classified(&e))?;
+        let weights =
+            prepared.region_weights(&region, &session.file()).map_err(|e| ApiError::from_classified(&e))?;
         let weights = weights.to_vertices(prepared.decomposer.geometry().vertex_map());
         Ok(bytes_response(encode_rows(weights.len(), 1, |x, byte| {
             byte[0] = (255.0 * weights[x]).round() as u8;
@@ -285,6 +285,24 @@ async fn send_field(State(studio): StudioState, Path(id): Path<u64>, Query(query
             Some("region") => fields::region_field_response(session, name),
             _ => fields::field_response(session, name),
         }
+    })
+    .await
+}
+
+/// Adds the values of the file in the body as fields.
+async fn add_fields(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+    body: Bytes,
+) -> Response {
+    with_shape(studio, id, move |session| {
+        let name = query.get("name").map_or("values", |name| name.rsplit(['/', '\\']).next().unwrap_or(name));
+        if name.is_empty() || name.starts_with('.') || name.contains([':', '\0']) {
+            let message = "the name of the file must be a plain file name";
+            return Err(ApiError::bad_request(format!("{message}, got '{name}'; rename it")));
+        }
+        json_response(&json!({"fields": session.add_fields(name, &body)?}))
     })
     .await
 }
@@ -327,7 +345,7 @@ async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Byt
         let mut prepared = session.lock_prepared()?;
         let revision = prepared.document.revision + 1;
         let document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
-        next.apply_edit(document, &session.input.file)?;
+        next.apply_edit(document, &session.file())?;
         *prepared = next;
         session.store_edit(&prepared)?;
         json_response(&describe_levels(&prepared))

@@ -7,12 +7,14 @@ use crate::response::ApiError;
 use adwave::operator::OperatorKind;
 use adwave::shape::{Shape, bounding_box, triangulate};
 use adwave::{Decomposer, Progress};
-use adwave_io::{Format, MovedNormals, ShapeFile, write_bytes};
+use adwave_io::{
+    Field, FieldValues, Format, MovedNormals, ShapeFile, SignalSource, named_signal, write_bytes,
+};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock};
 
 /// Largest number of vertices: with eight bands a browser needs about 100 bytes for each.
 const MAX_VERTICES: usize = 12_000_000;
@@ -30,10 +32,19 @@ pub struct StudioInput {
     pub shape: Shape,
 }
 
+/// Name, origin and geometry of an open shape.
+pub(crate) struct OpenedShape {
+    pub(crate) name: String,
+    pub(crate) path: Option<PathBuf>,
+    pub(crate) shape: Shape,
+}
+
 /// An open shape with its lazily computed state.
 pub(crate) struct Session {
     pub(crate) id: u64,
-    pub(crate) input: StudioInput,
+    pub(crate) input: OpenedShape,
+    /// Content of the file, and the fields that were added to it.
+    file: RwLock<Arc<ShapeFile>>,
     /// Folder for saved files.
     pub(crate) folder: PathBuf,
     pub(crate) center: [f64; 3],
@@ -71,9 +82,18 @@ impl Session {
             _ => Vec::new(),
         };
         let autosave = Autosave::new(&input, autosave_folder);
+        let StudioInput { name, path, file, shape } = input;
+        let mut file = file;
+        if let Some(autosave) = &autosave {
+            // Fields of the last session, which regions of the edit may use.
+            for stored in autosave.field_files() {
+                let _ = add_values(&mut file, &shape, &stored);
+            }
+        }
         Ok(Self {
             id,
-            input,
+            input: OpenedShape { name, path, shape },
+            file: RwLock::new(Arc::new(file)),
             folder,
             center,
             triangles,
@@ -117,7 +137,7 @@ impl Session {
             let stored = self.autosave.as_ref().and_then(Autosave::read);
             let resumed = stored.and_then(|(levels, document)| {
                 let mut prepared = PreparedShape::new(shape, walk, levels, progress).ok()?;
-                prepared.apply_edit(document, &self.input.file).ok()?;
+                prepared.apply_edit(document, &self.file()).ok()?;
                 Some(prepared)
             });
             let _ = self.was_resumed.set(resumed.is_some());
@@ -126,6 +146,27 @@ impl Session {
         });
         let prepared = result.as_ref().map_err(|e| ApiError::from_classified(&**e))?;
         Ok(prepared.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Returns the content of the file with the fields that were added.
+    pub(crate) fn file(&self) -> Arc<ShapeFile> {
+        Arc::clone(&self.file.read().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Adds the values of a file at the vertices; returns the names of the new fields.
+    pub(crate) fn add_fields(&self, name: &str, content: &[u8]) -> Result<Vec<String>, ApiError> {
+        let folder = tempfile::tempdir().map_err(StudioError::from)?;
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).map_err(StudioError::from)?;
+        let mut file = ShapeFile::clone(&self.file());
+        let names = add_values(&mut file, &self.input.shape, &path)
+            // The message names the file by its place on this machine.
+            .map_err(|e| ApiError::bad_request(e.replace(&path.display().to_string(), name)))?;
+        if let Some(autosave) = &self.autosave {
+            autosave.write_field_file(name, content)?;
+        }
+        *self.file.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(file);
+        Ok(names)
     }
 
     pub(crate) fn points(&self) -> &[[f64; 3]] {
@@ -142,7 +183,7 @@ impl Session {
 
     /// Returns the content of the file with the edited positions.
     pub(crate) fn edited_file(&self, prepared: &PreparedShape) -> Result<ShapeFile, ApiError> {
-        let mut file = self.input.file.clone();
+        let mut file = ShapeFile::clone(&self.file());
         file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
             .map_err(|e| ApiError::from_classified(&e))?;
         Ok(file)
@@ -161,7 +202,7 @@ impl Session {
         Ok(json!({
             "id": self.id,
             "name": input.name,
-            "format": input.file.format().map(Format::name),
+            "format": self.file().format().map(Format::name),
             "formats": self.writable_formats(),
             "kind": kind,
             "n_vertices": input.shape.n_vertices(),
@@ -192,6 +233,41 @@ impl Session {
         let can_store = |format: &Format| write_bytes(&probe, *format, &mut std::io::sink()).is_ok();
         Format::all().filter(can_store).map(Format::name).collect()
     }
+}
+
+/// Largest number of fields that a file of values may add.
+const MAX_ADDED_FIELDS: usize = 64;
+
+/// Adds the values of a file at the vertices as fields: one for each channel, named after the file. Returns their names,
+/// or the reason why the file has none for this shape.
+fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<String>, String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let source = SignalSource { file, shape, name: "the shape" };
+    let signal = named_signal(source, &path.to_string_lossy(), None).map_err(|e| e.to_string())?;
+    let n_channels = signal.n_channels;
+    if n_channels > MAX_ADDED_FIELDS {
+        return Err(format!(
+            "{name} must have at most {MAX_ADDED_FIELDS} values per vertex, got {n_channels}; select some with `adwave convert`"
+        ));
+    }
+    let stem = ["gz", "npy", "dmat", "csv", "tsv", "txt", "gii", "nii", "mgh", "mgz", "annot", "label"]
+        .iter()
+        .fold(name.as_str(), |stem, ending| stem.strip_suffix(&format!(".{ending}")).unwrap_or(stem));
+    let names: Vec<String> = match n_channels {
+        1 => vec![stem.to_owned()],
+        _ => (0..n_channels)
+            .map(|c| {
+                let channel = signal.channel_names.get(c).cloned().unwrap_or_else(|| (c + 1).to_string());
+                format!("{stem} {channel}")
+            })
+            .collect(),
+    };
+    for (c, name) in names.iter().enumerate() {
+        let values = signal.values.iter().skip(c).step_by(n_channels).copied().collect();
+        file.add_vertex_field(Field::new(name.as_str(), 1, FieldValues::F64(values)))
+            .map_err(|e| e.to_string())?;
+    }
+    Ok(names)
 }
 
 /// Describes unusual properties of a shape, one sentence each.

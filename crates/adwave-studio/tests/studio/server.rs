@@ -441,3 +441,47 @@ fn names_of_fields_arrive_in_any_language() {
     // The client of this test changes heads to lower case.
     assert_eq!(serde_json::from_str::<Value>(header).unwrap()["label"], "höhe_高");
 }
+
+#[test]
+fn fields_of_other_files_color_the_shape_and_select_regions_and_are_there_again() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let kept = folder.path().join("kept");
+    let studio = Studio::on(&path, &kept);
+    let n = opened(&path).file.n_vertices();
+    let table = |n: usize| (0..n).map(|v| format!("{v}\n")).collect::<String>();
+    let refused = studio.ask("POST", "/api/shapes/1/fields?name=short.csv", table(3).as_bytes());
+    assert_eq!(refused.status, 400);
+    assert!(refused.error().contains("short.csv needs one row per vertex"), "{}", refused.error());
+    let hidden = studio.ask("POST", "/api/shapes/1/fields?name=.csv", table(n).as_bytes());
+    assert_eq!(hidden.status, 400);
+    let added = studio.ask("POST", "/api/shapes/1/fields?name=a%2Fheat.csv", table(n).as_bytes());
+    assert_eq!(added.json(), json!({"fields": ["heat"]}), "{}", added.text());
+    let values = studio.get("/api/shapes/1/field?name=heat").floats();
+    assert_eq!((values.len(), values[7]), (n, 7.0));
+    let region = json!({"field": {"name": "heat", "low": 0, "high": n - 1}});
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let document = edit(1, &[layer(&vec![0.0; n_levels], &region)]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    studio.end();
+    let again = Studio::on(&path, &kept);
+    assert_eq!(again.get("/api/shapes/1/edit").json()["layers"][0]["region"]["field"]["name"], "heat");
+    let fields = again.get("/api/shapes/1").json()["fields"].clone();
+    assert!(fields.as_array().unwrap().iter().any(|field| field["name"] == "heat"), "{fields}");
+}
+
+#[test]
+fn colors_of_a_file_are_sent_as_bytes() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("colored.ply");
+    let sample = Sample::from_name("creature", Some(2000)).unwrap();
+    let mut file = ShapeFile::from_mesh(sample.points, sample.faces);
+    let values = (0..file.n_vertices()).flat_map(|v| [0, (v % 200) as u8, 255]).collect();
+    file.add_vertex_field(adwave_io::Field::new("color", 3, adwave_io::FieldValues::U8(values))).unwrap();
+    write_path(&file, &path, None).unwrap();
+    let studio = Studio::on(&path, folder.path());
+    let fields = studio.get("/api/shapes/1").json()["fields"].clone();
+    assert!(fields.as_array().unwrap().iter().any(|field| field["name"] == "color" && field["rgb"] == true));
+    let colors = studio.get("/api/shapes/1/field?name=color").body;
+    assert_eq!((colors.len(), &colors[4 * 150..][..4]), (4 * file.n_vertices(), &[0, 150, 255, 255][..]));
+}

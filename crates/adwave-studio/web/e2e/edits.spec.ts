@@ -150,3 +150,39 @@ test('a first stroke has a live effect, on a layer of its own', async () => {
   await expect.poll(async () => (await currentEdit(page)).layers.length).toBe(layers + 2);
   expectNoFailures(failures);
 });
+
+test('a file of values dropped on the shape colors it, also after a reload', async () => {
+  await page.keyboard.press('Escape');
+  const n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
+  const drop = (name: string, text: string) =>
+    page.evaluate(
+      ([file, content]) => {
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([content], file));
+        document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
+      },
+      [name, text] as const,
+    );
+  await drop('short.csv', '1\n2\n');
+  await expect(page.getByRole('alert')).toContainText('one row per vertex');
+  await drop('Wärme.csv', Array.from({ length: n }, (_, v) => `${v / n}\n`).join(''));
+  await expect(page.locator('.legend-title')).toHaveText('Wärme');
+  // Whole numbers are classes.
+  await drop('label.csv', Array.from({ length: n }, (_, v) => `${v % 3}\n`).join(''));
+  await expect(page.locator('.swatches li')).toHaveText(['0', '1', '2']);
+  await page.keyboard.press('3');
+  await waitUntilSaved(page);
+  await page.reload();
+  await waitUntilReady(page);
+  await expect(page.locator('.swatches li')).toHaveCount(3);
+  expectNoFailures(failures);
+});
+
+test('the denoised copy is compared with the shape before', async () => {
+  await page.getByRole('button', { name: 'Tools', exact: true }).click();
+  await page.getByRole('button', { name: 'Denoise', exact: true }).click();
+  await expect(page.locator('.comparison')).toContainText('before denoising');
+  await expect(page.locator('.divider')).toContainText('With noise');
+  await page.getByRole('button', { name: 'End comparison' }).click();
+  expectNoFailures(failures);
+});

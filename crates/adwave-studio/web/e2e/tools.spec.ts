@@ -27,6 +27,7 @@ async function screenshotDeviation(page: Page, name: string, selector: string): 
   return deviation(decodePng(bytes), (await page.locator(selector).boundingBox())!);
 }
 
+const openTools = (page: Page) => page.getByRole('button', { name: 'Tools', exact: true }).click();
 const openFileMenu = (page: Page) => page.getByRole('button', { name: 'File', exact: true }).click();
 
 test.describe
@@ -100,7 +101,7 @@ test.describe
         ['Taubin', 'Taubin'],
         ['Manifold harmonics', 'Harmonics'],
       ] as const) {
-        await openFileMenu(page);
+        await openTools(page);
         await page.getByRole('button', { name, exact: true }).click();
         await page.locator(`.comparison:not([hidden]) th:text-is("${heading}")`).waitFor();
         const cells = await page.locator('.comparison tbody tr').first().locator('td').allTextContents();
@@ -114,7 +115,7 @@ test.describe
     });
 
     test('the report is a page with pictures', async () => {
-      await openFileMenu(page);
+      await openTools(page);
       await page.getByRole('button', { name: 'Create report' }).click();
       const link = page.getByRole('link', { name: 'Open report' });
       await link.waitFor();

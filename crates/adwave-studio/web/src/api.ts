@@ -131,6 +131,18 @@ export class Api {
     return { values: new Float32Array(await response.arrayBuffer()), info };
   }
 
+  /** Fetches the colors of the file, `u8 × 4 × n`. */
+  async colors(id: number, name: string): Promise<Uint8Array> {
+    const response = await this.fetch(`shapes/${id}/field?name=${encodeURIComponent(name)}`);
+    return new Uint8Array(await response.arrayBuffer());
+  }
+
+  /** Adds the values of a file at the vertices; returns the names of the new fields. */
+  addFields(id: number, file: Blob, name: string, signal: AbortSignal): Promise<{ fields: string[] }> {
+    const path = `shapes/${id}/fields?name=${encodeURIComponent(name)}`;
+    return this.json(path, { method: 'POST', body: file, signal });
+  }
+
   features(id: number): Promise<Feature[]> {
     return this.json(`shapes/${id}/features`);
   }

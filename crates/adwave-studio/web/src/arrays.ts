@@ -203,6 +203,16 @@ export class ShapeArrays {
     this.coarse?.edited.copyAttribute('scalar', values, 1, false);
   }
 
+  /** Sets the colors of the file, `u8 × 4 × n`. */
+  setRgb(colors: Uint8Array): void {
+    const attribute = new BufferAttribute(colors, 4, true);
+    this.base.setAttribute('paint', attribute);
+    if (this.hasEdited) this.edited.setAttribute('paint', attribute);
+    if (this.hasComparison) this.comparison.setAttribute('paint', attribute);
+    this.coarse?.base.copyAttribute('paint', colors, 4, true);
+    this.coarse?.edited.copyAttribute('paint', colors, 4, true);
+  }
+
   /** Selects the original (or the compared method) or the edited shape; its coarse version if `few` and available. */
   selectGeometry(before: boolean, few: boolean): DrawnGeometry {
     // The compared method has no coarse version.

@@ -16,6 +16,31 @@ const DIRECTIONS: Record<ViewName, [number, number, number]> = {
 
 const FIELD_OF_VIEW = 30;
 
+/** Everything that a camera keeps from one visit to the next, in coordinates relative to the center of the shape. */
+export interface CameraState {
+  quaternion: number[];
+  pivot: number[];
+  distance: number;
+  up: 'y' | 'z';
+  trackball: boolean;
+}
+
+/** True for a complete state; another version may have stored another one. */
+export function isCameraState(x: unknown): x is CameraState {
+  const state = x as CameraState | null;
+  const finite = (list: unknown, n: number) =>
+    Array.isArray(list) && list.length === n && list.every((v) => Number.isFinite(v));
+  return (
+    typeof state === 'object' &&
+    state !== null &&
+    finite(state.quaternion, 4) &&
+    finite(state.pivot, 3) &&
+    state.distance > 0 &&
+    Number.isFinite(state.distance) &&
+    (state.up === 'y' || state.up === 'z')
+  );
+}
+
 export class Camera {
   readonly three = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
   readonly pivot = new Vector3();
@@ -81,6 +106,20 @@ export class Camera {
     this.frame();
   }
 
+  get state(): CameraState {
+    const { pivot, distance, up, trackball } = this;
+    return { quaternion: this.three.quaternion.toArray(), pivot: pivot.toArray(), distance, up, trackball };
+  }
+
+  restore(state: CameraState): void {
+    this.up = state.up;
+    this.trackball = state.trackball === true;
+    this.three.quaternion.fromArray(state.quaternion).normalize();
+    this.pivot.fromArray(state.pivot);
+    this.distance = Math.min(this.radius * 50, Math.max(this.radius * 1e-3, state.distance));
+    this.update();
+  }
+
   level(): void {
     this.lookFrom(new Vector3(0, 0, 1).applyQuaternion(this.three.quaternion));
   }
@@ -132,6 +171,18 @@ export class Camera {
       .multiplyScalar(1 - f);
     this.pivot.add(place);
     this.distance = next;
+    this.update();
+  }
+
+  /** Moves the pivot along the direction of view to the depth of a point, so that zooming stops in front of it. */
+  focusDepth(point: readonly number[]): void {
+    const forward = this.three.getWorldDirection(new Vector3());
+    const eye = this.three.position;
+    const depth =
+      forward.x * (point[0]! - eye.x) + forward.y * (point[1]! - eye.y) + forward.z * (point[2]! - eye.z);
+    if (!(depth > this.three.near)) return;
+    this.distance = depth;
+    this.pivot.copy(eye).addScaledVector(forward, depth);
     this.update();
   }
 

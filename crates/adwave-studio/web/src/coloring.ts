@@ -1,6 +1,6 @@
 /** Coloring by a scalar field, with a legend in its units. */
 
-import { colorAt, type MapName, movedOnly, type RangeRule, rangeOf } from './colors';
+import { classesOf, colorAt, hasValues, type MapName, movedOnly, type RangeRule, rangeOf } from './colors';
 import { h, select } from './dom';
 import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
@@ -12,10 +12,16 @@ function isServerField(field: FieldName): boolean {
   return field.name !== 'change' && !/^band-\d+$/.test(field.name);
 }
 
+/** Largest number of classes in the legend. */
+const MOST_SWATCHES = 12;
+
 export interface Coloring {
   controls: HTMLElement[];
   legend: HTMLElement;
   toggleChange(): void;
+  /** Value of the list of colors that is shown. */
+  readonly shown: string;
+  show(name: string): void;
   /** Text with the value at a vertex; empty without coloring. */
   valueAt(v: number): string;
 }
@@ -29,6 +35,8 @@ export function coloring(studio: Studio): Coloring {
   let diverging = false;
   let map: MapName = 'viridis';
   let rule: RangeRule = 'most';
+  /** Values of the classes of the shown field; `null` for a field with a color map. */
+  let classes: number[] | null = null;
 
   const colorSelect = h('select', {
     'aria-label': text.colors,
@@ -82,17 +90,32 @@ export function coloring(studio: Studio): Coloring {
   const bar = h('canvas', { width: 256, height: 1, 'aria-hidden': 'true' });
   const legendTitle = h('span', { class: 'legend-title' });
   const numbers = h('div', { class: 'legend-numbers' });
+  const swatches = h('ul', { class: 'swatches', hidden: true });
   const legend = h(
     'figure',
     { class: 'legend', hidden: true },
     h('figcaption', {}, legendTitle),
     bar,
     numbers,
+    swatches,
   );
 
   function paintLegend(): void {
     if (!values) {
       legend.hidden = true;
+      return;
+    }
+    swatches.hidden = true;
+    bar.hidden = false;
+    legendTitle.textContent = unit ? `${title} (${unit})` : title;
+    if (classes) {
+      paintClasses(classes);
+      return;
+    }
+    if (!hasValues(values)) {
+      bar.hidden = true;
+      numbers.replaceChildren(h('span', {}, text.noValues));
+      legend.hidden = false;
       return;
     }
     const range = rangeOf(colored === 'change' ? movedOnly(values) : values, rule, diverging);
@@ -103,12 +126,28 @@ export function coloring(studio: Studio): Coloring {
       context.fillStyle = `rgb(${r} ${g} ${b})`;
       context.fillRect(i, 0, 1, 1);
     }
-    legendTitle.textContent = unit ? `${title} (${unit})` : title;
     numbers.replaceChildren(
       ...[0, 0.5, 1].map((t) => h('span', {}, formatNumber(range[0] + t * (range[1] - range[0])))),
     );
     if (document.activeElement !== low) low.value = range[0].toPrecision(4);
     if (document.activeElement !== high) high.value = range[1].toPrecision(4);
+    legend.hidden = false;
+  }
+
+  /** Lists the classes; the colors of vertices are their numbers in this list. */
+  function paintClasses(list: readonly number[]): void {
+    view.setScalarRange([0, 255], 'classes');
+    bar.hidden = true;
+    numbers.replaceChildren();
+    const shown = list.slice(0, MOST_SWATCHES);
+    swatches.replaceChildren(
+      ...shown.map((value, i) => {
+        const [r, g, b] = colorAt('classes', i / 255);
+        return h('li', {}, h('i', { style: `background: rgb(${r} ${g} ${b})` }), String(value));
+      }),
+      list.length > shown.length ? h('li', {}, `+ ${list.length - shown.length}`) : '',
+    );
+    swatches.hidden = false;
     legend.hidden = false;
   }
 
@@ -119,8 +158,21 @@ export function coloring(studio: Studio): Coloring {
     colored = name;
     colorSelect.value = name;
     colorOptions.hidden = name === 'none';
-    if (name === 'none') {
+    classes = null;
+    const field = studio.shape?.fields.find((f) => `field-${f.name}` === name);
+    if (name === 'none' || field?.rgb) {
       values = null;
+      colorOptions.hidden = true;
+      if (field?.rgb) {
+        try {
+          const colors = await studio.api.colors(studio.shape!.id, field.name);
+          if (mine === asked) view.setRgb(colors);
+        } catch (error) {
+          studio.showMessage((error as Error).message, 'error');
+        }
+        paintLegend();
+        return;
+      }
       view.setScalar(null);
       paintLegend();
       return;
@@ -142,6 +194,7 @@ export function coloring(studio: Studio): Coloring {
         title = answer.info.label;
         unit = answer.info.unit;
         diverging = answer.info.diverging;
+        if (!field?.edited) classes = classesOf(values);
       }
     } catch (error) {
       if (mine !== asked) return;
@@ -155,7 +208,15 @@ export function coloring(studio: Studio): Coloring {
       mapSelect.querySelector('select')!.value = map;
       ruleSelect.querySelector('select')!.value = 'most';
     }
-    view.setScalar(values, [0, 1], map);
+    colorOptions.hidden = classes !== null;
+    if (classes) {
+      const numbered = new Map(classes.map((value, i) => [value, i]));
+      view.setScalar(
+        values.map((x) => numbered.get(x) ?? Number.NaN),
+        [0, 255],
+        'classes',
+      );
+    } else view.setScalar(values, [0, 1], map);
     paintLegend();
   }
 
@@ -184,7 +245,7 @@ export function coloring(studio: Studio): Coloring {
     void color(kept && shape.id === listedId ? colored : 'none');
     listedId = shape.id;
   }
-  studio.on('levels', listColors);
+  studio.on(['levels', 'fields'], listColors);
   // Fields of the edited shape are fetched again after an edit.
   let later = 0;
   studio.on('moved', () => {
@@ -198,6 +259,12 @@ export function coloring(studio: Studio): Coloring {
   return {
     controls: [h('label', { class: 'field' }, h('span', {}, text.colors), colorSelect), colorOptions],
     legend,
+    get shown() {
+      return colored;
+    },
+    show: (name) => {
+      if ([...colorSelect.options].some((option) => option.value === name)) void color(name);
+    },
     toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
     valueAt: (v) => (values ? `, ${title} ${formatNumber(values[v]!)}${unit ? ` ${unit}` : ''}` : ''),
   };

@@ -1,6 +1,7 @@
 /** Color maps and the displayed range of a field. */
 
-export type MapName = 'viridis' | 'diverging' | 'gray';
+/** `classes` is a palette for numbered classes, entry 0 … 255 of the table. */
+export type MapName = 'viridis' | 'diverging' | 'gray' | 'classes';
 
 type Rgb = [number, number, number];
 
@@ -24,12 +25,45 @@ const DIVERGING: Rgb[] = [
   [0.6, 0.11, 0.16],
 ];
 
+/** Colors of classes, which differ in lightness too; they repeat. */
+const CLASSES: Rgb[] = [
+  [0.12, 0.47, 0.71],
+  [1, 0.73, 0.47],
+  [0.17, 0.55, 0.24],
+  [0.84, 0.15, 0.16],
+  [0.77, 0.69, 0.84],
+  [0.55, 0.34, 0.29],
+  [0.97, 0.71, 0.82],
+  [0.09, 0.75, 0.81],
+  [0.74, 0.74, 0.13],
+  [0.42, 0.24, 0.6],
+  [0.68, 0.78, 0.91],
+  [0.45, 0.45, 0.45],
+];
+
+/** Largest number of different whole numbers that are shown as classes. */
+const MOST_CLASSES = 48;
+
+/** Classes of a field of whole numbers, increasing; `null` for other fields. A missing value belongs to none. */
+export function classesOf(values: Float32Array): number[] | null {
+  const found = new Set<number>();
+  for (const x of values) {
+    if (Number.isNaN(x)) continue;
+    if (!Number.isInteger(x)) return null;
+    found.add(x);
+    if (found.size > MOST_CLASSES) return null;
+  }
+  return found.size > 1 ? [...found].sort((a, b) => a - b) : null;
+}
+
 /** Color at t in [0, 1], each component in [0, 255]. */
 export function colorAt(map: MapName, t: number): Rgb {
   const s = Math.min(1, Math.max(0, t));
   let rgb: Rgb;
   if (map === 'viridis') {
     rgb = [0, 1, 2].map((c) => VIRIDIS.reduceRight((sum, k) => sum * s + k[c]!, 0)) as Rgb;
+  } else if (map === 'classes') {
+    rgb = CLASSES[Math.round(255 * s) % CLASSES.length]!;
   } else if (map === 'gray') {
     rgb = [0.15 + 0.8 * s, 0.15 + 0.8 * s, 0.15 + 0.8 * s];
   } else {
@@ -54,6 +88,11 @@ export function movedOnly(values: Float32Array): Float32Array {
   let most = 0;
   for (const x of values) if (x > most) most = x;
   return most > 0 ? values.filter((x) => x > 1e-3 * most) : values;
+}
+
+/** True if a field has a number at any vertex. */
+export function hasValues(values: Float32Array): boolean {
+  return values.some((x) => Number.isFinite(x));
 }
 
 /** Displayed range of a field. `most` spans the 2nd to the 98th percentile; a diverging field is symmetric about 0. */

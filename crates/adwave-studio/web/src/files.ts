@@ -4,11 +4,17 @@ import { ApiError } from './api';
 import type { fetchShape as FetchShape } from './boot';
 import { dialog } from './dialog';
 import { check, chooseFile, download, h, iconButton } from './dom';
+import { pictureWithLegend } from './picture';
 import type { Edit, ReadableFormat, Shape } from './protocol';
 import { toEdit } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 import { toolSections } from './tools';
+import { parseView } from './view-memory';
+
+/** Files that hold values at vertices and no shape. */
+const VALUES =
+  /\.(npy|dmat|mgh|mgz|annot|label|thickness|curv|sulc|area|shape\.gii|func\.gii|label\.gii|d(scalar|tseries|label)\.nii)(\.gz)?$/i;
 
 export class Files {
   constructor(
@@ -39,14 +45,54 @@ export class Files {
       await this.reportErrors(async () => studio.session.applyEdit(JSON.parse(await file.text()) as Edit));
       return;
     }
+    if (/\.view\.json$/i.test(file.name)) {
+      const view = parseView(await file.text());
+      if (view && studio.shape) studio.shownView?.set(view);
+      else studio.showMessage(text.badView(file.name), 'error');
+      return;
+    }
     await this.reportErrors(async () => {
-      const opened = await studio.wait(text.reading(file.name), (signal) =>
-        studio.api.open(file, file.name, signal),
-      );
+      if (studio.shape && VALUES.test(file.name)) {
+        await this.addFields(file);
+        return;
+      }
+      const opened = await this.openShape(file);
       if (!opened) return;
       await this.refreshShapes();
       await this.showShape(opened.id);
     });
+  }
+
+  /** Opens a file as a shape, or adds its values to the open shape if it has no positions. */
+  private async openShape(file: File): Promise<{ id: number } | null> {
+    const { studio } = this;
+    try {
+      return await studio.wait(text.reading(file.name), (signal) => studio.api.open(file, file.name, signal));
+    } catch (error) {
+      if (!studio.shape || !(error instanceof ApiError) || error.status !== 400) throw error;
+      try {
+        await this.addFields(file);
+      } catch (reason) {
+        // A GIFTI with values says why they do not fit; another file is no shape.
+        throw /\.(gii|nii|csv|txt)(\.gz)?$/i.test(file.name) ? reason : error;
+      }
+      return null;
+    }
+  }
+
+  /** Adds the values of a file at the vertices as fields, and colors the shape by the first. */
+  private async addFields(file: File): Promise<void> {
+    const { studio } = this;
+    const { id } = studio.shape!;
+    const added = await studio.wait(text.reading(file.name), (signal) =>
+      studio.api.addFields(id, file, file.name, signal),
+    );
+    if (!added || studio.shape?.id !== id) return;
+    const { fields } = await studio.api.shape(id);
+    studio.shape = { ...studio.shape, fields };
+    studio.emit('fields');
+    studio.showField(added.fields[0]!);
+    studio.showMessage(text.fieldAdded(added.fields[0]!));
   }
 
   async close(id: number): Promise<void> {
@@ -130,10 +176,16 @@ export class Files {
   }
 
   async picture(): Promise<void> {
-    await this.reportErrors(async () => download(await this.studio.view.picture(), `${this.stem}.png`));
+    await this.reportErrors(async () => {
+      const { view } = this.studio;
+      // The buffer of the canvas holds the picture only until the end of the task that drew it.
+      view.draw();
+      const legend = document.querySelector<HTMLElement>('.legend');
+      download(await pictureWithLegend(view.canvas, legend), `${this.stem}.png`);
+    });
   }
 
-  /** Opens the dialog for saving, downloads and tools. */
+  /** Opens the dialog for saving, downloads and recipes. */
   openMenu(): void {
     const { shape } = this.studio;
     if (!shape) return;
@@ -143,7 +195,6 @@ export class Files {
       ...this.saveSection(close),
       ...this.downloadSection(shape, close),
       ...this.recipeSection(shape, close),
-      ...toolSections(this.studio, this, close),
       h('h3', {}, text.quit),
       h('p', {}, text.quitNote),
       h(
@@ -151,11 +202,36 @@ export class Files {
         { class: 'row' },
         button(text.quit, () => {
           close();
-          void this.quitStudio();
+          this.askToQuit();
         }),
       ),
       shape.notes.length ? h('h3', {}, text.notes) : null,
       shape.notes.length ? h('ul', {}, ...shape.notes.map((n) => h('li', {}, n))) : null,
+    );
+  }
+
+  /** Opens the dialog of denoising, comparison and report. */
+  openTools(): void {
+    if (!this.studio.shape) return;
+    const box = dialog(text.tools, ...toolSections(this.studio, this, () => box.close()));
+  }
+
+  private askToQuit(): void {
+    const box = dialog(
+      text.quit,
+      h('p', {}, text.quitQuestion),
+      h(
+        'div',
+        { class: 'actions' },
+        button(
+          text.quit,
+          () => {
+            box.close();
+            void this.quitStudio();
+          },
+          'primary',
+        ),
+      ),
     );
   }
 
@@ -199,6 +275,10 @@ export class Files {
         'div',
         { class: 'row' },
         button(text.picture, () => void this.picture()),
+        button(text.viewFile, () => {
+          const view = JSON.stringify(studio.shownView?.get());
+          download(new Blob([view], { type: 'application/json' }), `${this.stem}.view.json`);
+        }),
         button(text.pageGo, () => {
           close();
           void this.page();

@@ -1,16 +1,19 @@
 /** View panel: style, colors, features, camera, and the wipe between before and after. */
 
 import { coloring } from './coloring';
-import { check, h, iconButton, segments } from './dom';
+import { check, h, iconButton, segments, slider } from './dom';
 import { formatCount, formatNumber } from './lengths';
 import type { Feature } from './protocol';
 import type { Stage } from './stage';
 import type { Studio } from './studio';
 import { text } from './text';
 import type { Style } from './view';
+import { recallView, type ViewMemory } from './view-memory';
 
 /** Radius of the ball of a feature, in σ. */
 const BALL = 0.7;
+/** Number of features that are shown at first. */
+const FEW_FEATURES = 200;
 
 export interface LookPanel {
   panel: HTMLElement;
@@ -26,6 +29,15 @@ export interface LookPanel {
 /** Creates the choice of shading. */
 function styleControl(studio: Studio) {
   const { view } = studio;
+  const points = slider(
+    text.pointSize,
+    { min: 25, max: 400, step: 25, value: 100 },
+    (v) => `${v} %`,
+    (v) => {
+      view.pointScale = v / 100;
+      view.markMoving();
+    },
+  );
   const styles: Style[] = ['shaded', 'matcap', 'flat', 'edges'];
   const setStyle = (style: Style) => {
     view.style = style;
@@ -41,21 +53,36 @@ function styleControl(studio: Studio) {
     'shaded',
     setStyle,
   );
-  studio.on('shape', () => setStyle(view.style));
+  studio.on('shape', () => {
+    const cloud = studio.shape!.kind === 'cloud';
+    points.hidden = !cloud;
+    // A cloud has no edges.
+    styleButtons.querySelector<HTMLElement>('button:last-child')!.hidden = cloud;
+    setStyle(cloud && view.style === 'edges' ? 'shaded' : view.style);
+  });
 
-  const cycle = () => setStyle(styles[(styles.indexOf(view.style) + 1) % styles.length]!);
-  return { buttons: styleButtons, setStyle, cycle };
+  const cycle = () => {
+    const offered = styles.filter((s) => s !== 'edges' || studio.shape?.kind !== 'cloud');
+    setStyle(offered[(offered.indexOf(view.style) + 1) % offered.length]!);
+  };
+  return { buttons: styleButtons, points, setStyle, cycle };
 }
 
 /** Creates the switch for features, and the output for a clicked feature or vertex. */
 function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => string): HTMLElement[] {
   const { view } = studio;
+  /** All features of the shape, and those that are shown. */
+  let found: Feature[] = [];
   let features: Feature[] = [];
+  /** Place of the last click, from which the next one is measured. */
+  let lastPlace: number[] | null = null;
   const featureList = h('output', { class: 'feature', hidden: true });
   const setFeatures = (on: boolean) => {
     featureList.hidden = true;
     if (!on) {
+      found = [];
       features = [];
+      threshold.hidden = true;
       view.showFeatures([], 1);
       view.request();
       return;
@@ -65,16 +92,41 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
       (list) => {
         // The request takes a while; meanwhile features may have been turned off or another shape opened.
         if (!featureBox.querySelector('input')!.checked || studio.shape?.id !== id) return;
-        features = list;
-        view.showFeatures(list, BALL);
+        found = list;
+        // Many balls hide the shape.
+        share = Math.max(1, Math.min(100, Math.round((100 * FEW_FEATURES) / Math.max(1, list.length))));
+        showStrongest();
+        threshold.set(share);
+        threshold.hidden = list.length === 0;
         studio.showMessage(text.nFeatures(list.length));
       },
       (e: Error) => studio.showMessage(e.message, 'error'),
     );
   };
   const featureBox = check(text.features, false, setFeatures);
+  /** Share of the features that are shown, the strongest first, in percent. */
+  let share = 100;
+  const showStrongest = () => {
+    const strongest = [...found].sort((a, b) => b.strength - a.strength);
+    features = strongest.slice(0, Math.ceil((share / 100) * strongest.length));
+    view.showFeatures(features, BALL);
+    view.request();
+  };
+  const threshold = slider(
+    text.strongest,
+    { min: 1, max: 100, step: 1, value: share },
+    (v) => text.shownOf(Math.ceil((v / 100) * found.length), found.length),
+    (v) => {
+      share = v;
+      showStrongest();
+    },
+  );
+  threshold.hidden = true;
   studio.on('shape', () => {
+    found = [];
     features = [];
+    lastPlace = null;
+    threshold.hidden = true;
     featureBox.querySelector('input')!.checked = false;
     featureList.hidden = true;
   });
@@ -110,15 +162,25 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
     }
     featureList.hidden = true;
     if (!answer.hit) return;
-    const v = answer.hit.vertex;
-    featureList.textContent = `${text.vertex(v)}${valueAt(v)}`;
+    const { vertex: v, point } = answer.hit;
+    const { center } = studio.shape!;
+    const place = point.map((x, c) => x + center[c]!);
+    const distance = lastPlace && Math.hypot(...place.map((x, c) => x - lastPlace![c]!));
+    lastPlace = place;
+    const lines = [
+      `${text.vertex(v)}${valueAt(v)}`,
+      text.place(place.map((x) => formatNumber(x, 4)).join(', ')),
+      distance === null ? '' : text.distance(formatNumber(distance, 4)),
+    ];
+    featureList.replaceChildren(...lines.map((line) => h('div', {}, line)));
     featureList.hidden = false;
   };
-  return [featureBox, featureList];
+  return [featureBox, threshold, featureList];
 }
 
 /** Creates the buttons for standard views, and the settings of the camera. */
-function cameraControls({ view }: Studio): HTMLElement[] {
+function cameraControls(studio: Studio): HTMLElement[] {
+  const { view } = studio;
   const cameraRow = h(
     'div',
     { class: 'row' },
@@ -169,6 +231,10 @@ function cameraControls({ view }: Studio): HTMLElement[] {
       view.markMoving();
     },
   );
+  studio.on(['shape', 'camera'], () => {
+    upright.set(view.camera.up);
+    turning.set(view.camera.trackball ? 'trackball' : 'turntable');
+  });
   return [
     cameraRow,
     h('details', {}, h('summary', {}, text.camera), h('div', { class: 'stack' }, turning, upright)),
@@ -258,12 +324,40 @@ function createReadouts(studio: Studio): HTMLElement {
 export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const style = styleControl(studio);
   const colors = coloring(studio);
+  let recalled: string | null = null;
+  const showLook = (memory: ViewMemory | null) => {
+    if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
+    recalled = memory?.colors ?? null;
+  };
+  studio.shownView = {
+    get: () => {
+      const { camera, style } = studio.view;
+      return { camera: camera.state, style, colors: colors.shown };
+    },
+    set: (memory) => {
+      studio.view.camera.restore(memory.camera);
+      studio.view.markMoving();
+      showLook(memory);
+      recallColors();
+      studio.emit('camera');
+    },
+  };
+  studio.on('shape', () => showLook(recallView(studio.shape!)));
+  const recallColors = () => {
+    // Displacements and sizes of bands need all bands.
+    if (recalled === null || studio.loadedBands.size < studio.nLevels) return;
+    colors.show(recalled);
+    recalled = null;
+  };
+  studio.on(['levels', 'band'], recallColors);
+  studio.showField = (name) => colors.show(`field-${name}`);
   const { divider, toggleSplit } = wipe(studio);
   const panel = h(
     'section',
     { class: 'look-panel', id: 'look', 'aria-label': text.look },
     h('header', {}, h('h2', {}, text.look)),
     style.buttons,
+    style.points,
     ...colors.controls,
     ...featureControls(studio, stage, colors.valueAt),
     ...cameraControls(studio),

@@ -11,6 +11,7 @@ import { layersPanel } from './layers-panel';
 import { type LookPanel, lookPanel } from './look-panel';
 import type { ShapeList } from './protocol';
 import type { SaveState } from './saver';
+import { scaleBar } from './scale-bar';
 import { Stage } from './stage';
 import { type MessageLink, Studio } from './studio';
 import { installTestHooks } from './test-hooks';
@@ -84,6 +85,7 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
       themeButton(view),
       iconButton('help', text.help, showKeys, { class: 'icon wide-only' }),
     ),
+    h('button', { type: 'button', onclick: () => files.openTools() }, text.tools),
     h('button', { type: 'button', class: 'primary', onclick: () => files.openMenu() }, text.file),
   );
   return { bar, badge };
@@ -265,6 +267,7 @@ export function start(options: StartOptions): void {
     look.divider,
     look.readouts,
     look.legend,
+    scaleBar(view),
     comparisonPanel(studio),
     badge,
     banner,

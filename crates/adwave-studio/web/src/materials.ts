@@ -5,6 +5,7 @@ import {
   DoubleSide,
   GLSL3,
   LinearFilter,
+  NearestFilter,
   RawShaderMaterial,
   Vector2,
   Vector3,
@@ -19,6 +20,9 @@ export type Masked = readonly { slot: number; slopes: readonly number[] }[];
 export class Materials {
   packs = 0;
   hasScalar = false;
+  /** True if the scalar numbers the classes of the palette. */
+  hasClasses = false;
+  hasRgb = false;
   tinted = false;
   private readonly made = new Map<string, RawShaderMaterial>();
   /** Uniforms of the sum of bands; their lengths are part of the shader. */
@@ -70,6 +74,9 @@ export class Materials {
 
   setScalarRange(range: [number, number], map: MapName): void {
     (this.shared['range']!.value as Vector2).set(...range);
+    this.hasClasses = map === 'classes';
+    this.texture.magFilter = this.hasClasses ? NearestFilter : LinearFilter;
+    this.texture.minFilter = this.texture.magFilter;
     this.texture.image.data!.set(colorTable(map));
     this.texture.needsUpdate = true;
   }

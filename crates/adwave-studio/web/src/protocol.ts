@@ -72,6 +72,8 @@ export interface FieldName {
   label: string;
   unit: string;
   edited: boolean;
+  /** True for the colors of the file, which have no single value per vertex. */
+  rgb?: boolean;
 }
 
 export interface Shape {

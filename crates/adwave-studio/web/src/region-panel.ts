@@ -245,7 +245,7 @@ function fieldControls(context: RegionContext, field: Content<'field'>): Node[] 
     const input = h('input', {
       type: 'number',
       step: 'any',
-      value: String(field[name]),
+      value: String(Number(field[name].toPrecision(6))),
       onchange: () => {
         if (Number.isFinite(input.valueAsNumber)) set({ field: { ...field, [name]: input.valueAsNumber } });
       },

@@ -8,6 +8,7 @@ import { fetchEditAfterReload, Saver } from './saver';
 import { type Doc, type DocLevels, fromEdit, isNeutral, needsServer, withLevels } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
+import { placeCamera, rememberView } from './view-memory';
 
 /** Number of triangles of the coarse version. */
 const COARSE = 45_000;
@@ -34,6 +35,7 @@ export class Session {
     sessionStorage.setItem('adwave-shape', String(shape.id));
     const cloud = triangles.length === 0;
     view.setShape(positions, triangles, cloud, shape.mean_length || shape.diagonal / 100);
+    placeCamera(view.camera, shape);
     const coarsen = () => view.arrays.setCoarse(coarseTriangles(positions, triangles, COARSE));
     const few = view.arrays.heavy && shape.n_triangles > COARSE_FIRST;
     if (few) {
@@ -80,7 +82,9 @@ export class Session {
   /** Stores the steps for the next visit of this tab. */
   storeHistory(): void {
     const { shape, history, saver } = this.studio;
-    if (shape && saver) storeHistory(shape, history);
+    if (!shape || !saver) return;
+    storeHistory(shape, history);
+    if (this.studio.shownView) rememberView(shape, this.studio.shownView.get());
   }
 
   /** Starts editing a document of the server; further steps are saved there. */

@@ -21,10 +21,14 @@ export interface Variant {
   /** Computes normals from derivatives instead of vertex normals. */
   flat: boolean;
   scalar: boolean;
+  /** The scalar is the number of a class, the same over a triangle. */
+  classes: boolean;
+  /** Colors of the file instead of a scalar. */
+  rgb: boolean;
   tint: boolean;
 }
 
-export function vertexShader({ nLevels, packs, cloud, flat, scalar, tint }: Variant): string {
+export function vertexShader({ nLevels, packs, cloud, flat, scalar, classes, rgb, tint }: Variant): string {
   const levels = Array.from({ length: nLevels }, (_, j) => j);
   const components = ['x', 'y', 'z', 'w'];
   const nMasks = 4 * packs;
@@ -44,7 +48,8 @@ ${nLevels ? `uniform float gains[${nLevels}];\nuniform float scales[${nLevels}];
 ${nLevels && nMasks ? `uniform float slopes[${nLevels * nMasks}];` : ''}
 in vec3 position;
 in vec4 normal;
-${scalar ? 'in float scalar;\nout float vScalar;' : ''}
+${scalar ? `in float scalar;\n${classes ? 'flat ' : ''}out float vScalar;` : ''}
+${rgb ? 'in vec4 paint;\nout vec3 vPaint;' : ''}
 ${tint || packs > 0 ? 'in vec4 masks0;' : ''}
 ${tint || packs > 1 ? 'in vec4 masks1;' : ''}
 ${levels.map((j) => `in vec4 band${j};`).join('\n')}
@@ -57,6 +62,7 @@ ${sum.join('\n')}
   vPlace = place.xyz;
 ${flat && !cloud ? '' : '  vNormal = normalMatrix * normal.xyz;'}
 ${scalar ? '  vScalar = scalar;' : ''}
+${rgb ? '  vPaint = paint.rgb;' : ''}
 ${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
   gl_Position = projectionMatrix * place;
 ${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5, 64.0);' : ''}
@@ -77,7 +83,7 @@ const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
 /** On a color map the tint is hatched, so that both are seen. */
 const HATCHED = '(0.1 + 0.75 * step(0.6, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0)))';
 
-export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): string {
+export function fragmentShader({ cloud, clay, flat, scalar, classes, rgb, tint }: Variant): string {
   const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;
   if (dot(q, q) > 1.0) discard;
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
@@ -89,15 +95,17 @@ export function fragmentShader({ cloud, clay, flat, scalar, tint }: Variant): st
   return `precision highp float;
 uniform vec3 surface;
 ${tint ? 'uniform vec3 accent;\nin float vTint;' : ''}
-${scalar ? 'uniform vec2 range;\nuniform sampler2D colors;\nin float vScalar;' : ''}
+${scalar ? `uniform vec2 range;\nuniform sampler2D colors;\n${classes ? 'flat ' : ''}in float vScalar;` : ''}
+${rgb ? 'in vec3 vPaint;' : ''}
 ${flat && !cloud ? '' : 'in vec3 vNormal;'}
 in vec3 vPlace;
 out vec4 color;
 void main() {
 ${cloud ? round : facing}
   vec3 base = surface;
+${rgb ? '  base = vPaint;' : ''}
 ${scalar ? '  base = vScalar == vScalar ? texture(colors, vec2((vScalar - range.x) / (range.y - range.x), 0.5)).rgb : vec3(0.5);' : ''}
-${tint ? `  base = mix(base, accent, ${scalar ? HATCHED : '0.72'} * min(vTint, 1.0));` : ''}
+${tint ? `  base = mix(base, accent, ${scalar || rgb ? HATCHED : '0.72'} * min(vTint, 1.0));` : ''}
 ${cloud ? '' : '  base *= side;'}
 ${clay ? CLAY : SHADED}
   color = vec4(light, 1.0);

@@ -357,6 +357,8 @@ export class Stage {
       this.resizeBrush(e.deltaY > 0 ? 1 / 1.1 : 1.1);
       return;
     }
+    const { hit } = this.hoverAnswer ?? { hit: null };
+    if (hit) this.studio.view.camera.focusDepth(hit.point);
     this.studio.view.camera.zoom(Math.exp(Math.max(-60, Math.min(60, e.deltaY * lines)) * 0.0025), x, y);
     this.studio.view.markMoving();
   }

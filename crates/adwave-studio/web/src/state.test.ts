@@ -1,12 +1,14 @@
 import { describe, expect, test, vi } from 'vitest';
 import { appendStroke } from './brush';
-import { colorAt, movedOnly, rangeOf } from './colors';
+import { Camera } from './camera';
+import { classesOf, colorAt, hasValues, movedOnly, rangeOf } from './colors';
 import { effectGains, effectOf, matchingGains } from './effects';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
 import { restoreHistory, storeHistory } from './history-store';
 import { formatCount, formatNumber, toModelUnits } from './lengths';
 import { parseChoice } from './levels-dialog';
 import type { Shape } from './protocol';
+import { roundLength } from './scale-bar';
 import { maskPacks, vertexShader } from './shader';
 import {
   fromEdit,
@@ -22,6 +24,7 @@ import {
   withLevels,
 } from './state';
 import { text } from './text';
+import { parseView, placeCamera, recallView, rememberView, uprightAxis } from './view-memory';
 
 const edit = {
   revision: 3,
@@ -138,6 +141,8 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     clay: false,
     flat: true,
     scalar: false,
+    classes: false,
+    rgb: false,
     tint: false,
   });
   expect(source).toContain('gains[1] * (1.0 + masks0.x * slopes[4])');
@@ -257,4 +262,69 @@ test('the range of displacements is that of the vertices that moved', () => {
   expect(low).toBeGreaterThan(0.9);
   expect(high).toBeGreaterThan(1.9);
   expect(movedOnly(new Float32Array(3))).toHaveLength(3);
+});
+
+describe('colors of a field', () => {
+  test('are a palette for whole numbers, and say that there are no values', () => {
+    expect(classesOf(new Float32Array([3, 1, Number.NaN, 1]))).toEqual([1, 3]);
+    expect(classesOf(new Float32Array([1, 1.5]))).toBe(null);
+    expect(classesOf(Float32Array.from({ length: 100 }, (_, v) => v))).toBe(null);
+    expect(colorAt('classes', 0)).not.toEqual(colorAt('classes', 1 / 255));
+    expect(hasValues(new Float32Array([Number.NaN, Number.NaN]))).toBe(false);
+    expect(hasValues(new Float32Array([Number.NaN, 0]))).toBe(true);
+  });
+});
+
+test('the scale bar has a round length', () => {
+  expect([0.3, 1, 7.2, 49, 1999, 0.0051].map(roundLength)).toEqual([0.2, 1, 5, 20, 1000, 0.005]);
+  expect([roundLength(0), roundLength(Number.POSITIVE_INFINITY)]).toEqual([0, 0]);
+});
+
+test('zooming stops in front of the surface under the pointer', () => {
+  const camera = new Camera();
+  camera.setBounds([0, 0, 0], 1);
+  camera.resize(400, 300);
+  camera.start();
+  // A point on the near side of the shape, whose pivot is at the center.
+  const [x, y, z] = camera.toward() as [number, number, number];
+  const point = [0.8 * x, 0.8 * y, 0.8 * z];
+  for (let i = 0; i < 60; i++) {
+    camera.focusDepth(point);
+    camera.zoom(0.8, 200, 150);
+    const { x: u, y: v, scale } = camera.project(point);
+    expect(Math.hypot(u - 200, v - 150)).toBeLessThan(1e-3);
+    expect(scale).toBeGreaterThan(0);
+  }
+  expect(camera.distance).toBeLessThan(0.01);
+});
+
+describe('a view', () => {
+  test('is remembered by shape, and begins upright by its format', () => {
+    const items = new Map<string, string>();
+    vi.stubGlobal('localStorage', {
+      getItem: (key: string) => items.get(key) ?? null,
+      setItem: (key: string, value: string) => items.set(key, value),
+    });
+    const shape = { name: 'a.las', n_vertices: 3, format: 'las' } as Shape;
+    const camera = new Camera();
+    camera.setBounds([0, 0, 0], 1);
+    placeCamera(camera, shape);
+    expect(camera.up).toBe('z');
+    camera.turn(30, 10);
+    camera.zoom(0.5, 0, 0);
+    rememberView(shape, { camera: camera.state, style: 'flat', colors: 'change' });
+    const again = new Camera();
+    again.setBounds([0, 0, 0], 1);
+    placeCamera(again, shape);
+    expect(again.state.distance).toBe(camera.state.distance);
+    expect(again.toward()).toEqual(camera.toward());
+    expect(recallView({ ...shape, n_vertices: 4 })).toBe(null);
+    items.set('adwave-views', '[["a.las 3", {"camera": {"distance": "far"}}]]');
+    expect(recallView(shape)).toBe(null);
+    const view = { camera: camera.state, style: 'flat', colors: 'none' };
+    expect(parseView(JSON.stringify(view))).toEqual(view);
+    expect([parseView('{}'), parseView('no'), parseView('null')]).toEqual([null, null, null]);
+    expect(uprightAxis({ name: 'a.obj', format: 'obj' })).toBe('y');
+    vi.unstubAllGlobals();
+  });
 });

@@ -16,6 +16,7 @@ import { type Doc, type DocLayer, History, NO_LEVELS, newLayer, withLayer } from
 import { Timings } from './timings';
 import type { ShownComparison } from './tools';
 import type { View } from './view';
+import type { ViewMemory } from './view-memory';
 
 export type Topic =
   | 'shape'
@@ -32,6 +33,8 @@ export type Topic =
   | 'compared'
   | 'drawing'
   | 'waiting'
+  | 'fields'
+  | 'camera'
   | 'solo'
   | 'theme';
 
@@ -62,6 +65,10 @@ export class Studio {
   /** Work that the user waits for, by number, in the order of its start. */
   readonly waiting = new Map<number, { what: string; cancel: () => void }>();
   private lastWait = 0;
+  /** Colors the shape by a field of the server; set by the view. */
+  showField: (name: string) => void = () => {};
+  /** Camera, shading and colors; set by the panel of the view. */
+  shownView: { get: () => ViewMemory; set: (view: ViewMemory) => void } | null = null;
   readonly timings = new Timings();
   readonly engine: Engine;
   readonly regions = new Regions();

@@ -1,4 +1,4 @@
-/** Tools of the file dialog: comparison with other methods, report and denoising. */
+/** Tools: comparison with other methods, report and denoising. */
 
 import { dialog } from './dialog';
 import { h } from './dom';

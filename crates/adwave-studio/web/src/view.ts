@@ -49,6 +49,8 @@ export class View {
   split: number | null = null;
   /** Called after each frame. */
   onDrawn: ((began: number) => void) | null = null;
+  /** Called after each frame, for what is drawn over the picture. */
+  onFrame: (() => void) | null = null;
   private readonly software: boolean;
   private readonly scene = new Scene();
   private readonly materials = new Materials();
@@ -56,6 +58,8 @@ export class View {
   private body: Mesh<BufferGeometry, RawShaderMaterial> | Points<BufferGeometry, RawShaderMaterial> | null =
     null;
   private pointSize = 1;
+  /** Factor on the size of the points of a cloud. */
+  pointScale = 1;
   private frame = 0;
   private moving = 0;
 
@@ -108,6 +112,7 @@ export class View {
     this.body = null;
     this.arrays.clear();
     this.materials.hasScalar = false;
+    this.materials.hasRgb = false;
     this.materials.tinted = false;
     this.materials.forgetSums();
     this.overlays.clear();
@@ -124,8 +129,17 @@ export class View {
     this.request();
   }
 
+  /** Shows the colors of the file, `u8 × 4 × n`; `null` shows that of the surface. */
+  setRgb(colors: Uint8Array | null): void {
+    this.materials.hasRgb = colors !== null;
+    this.materials.hasScalar = false;
+    if (colors) this.arrays.setRgb(colors);
+    this.request();
+  }
+
   setScalar(values: Float32Array | null, range: [number, number] = [0, 1], map: MapName = 'viridis'): void {
     this.materials.hasScalar = values !== null;
+    this.materials.hasRgb = false;
     if (values) {
       this.arrays.setScalar(values);
       this.materials.setScalarRange(range, map);
@@ -206,7 +220,7 @@ export class View {
       return;
     }
     const perPixel = height / (2 * Math.tan((15 * Math.PI) / 180));
-    this.materials.setPointSize(this.pointSize * perPixel);
+    this.materials.setPointSize(this.pointScale * this.pointSize * perPixel);
     this.overlays.setPixels(perPixel);
     renderer.clear();
     if (this.split === null) {
@@ -222,6 +236,7 @@ export class View {
       renderer.setScissorTest(false);
     }
     this.onDrawn?.(began);
+    this.onFrame?.();
   }
 
   /**
@@ -247,6 +262,8 @@ export class View {
       // The normals of the original do not fit the sum.
       flat: summed || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
+      classes: materials.hasScalar && materials.hasClasses,
+      rgb: materials.hasRgb,
       tint: materials.tinted && !before,
     });
     this.overlays.placeEdges(this.style === 'edges' && !summed && !few, geometry);
@@ -257,16 +274,6 @@ export class View {
   finish(): void {
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  }
-
-  picture(): Promise<Blob> {
-    this.draw();
-    return new Promise((done, failed) => {
-      this.canvas.toBlob(
-        (blob) => (blob ? done(blob) : failed(new Error('The picture could not be created.'))),
-        'image/png',
-      );
-    });
   }
 }
 
