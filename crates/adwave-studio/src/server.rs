@@ -110,7 +110,7 @@ impl Studio {
             k => format!("{stem}-{word}-{k}.{extension}"),
         };
         let is_free = |name: &String| sessions.iter().all(|session| session.input.name != *name);
-        (1..).map(numbered).find(is_free).unwrap_or_else(|| numbered(1))
+        (1..=sessions.len() + 1).map(numbered).find(is_free).unwrap_or_else(|| numbered(1))
     }
 
     pub(crate) fn finish(&self) {

@@ -9,6 +9,8 @@ import { fitGains, withGain } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
+/** Largest number of bands with their buttons side by side. */
+const MOST_WIDE = 16;
 /** Number of widths that fit side by side. */
 const MOST_LABELS = 18;
 
@@ -234,7 +236,7 @@ export function equalizer(studio: Studio): HTMLElement {
     const levels = studio.shape?.levels ?? [];
     columns = levels.map((l) => bandColumn(studio, mute, l, refresh));
     bands.replaceChildren(...columns.map((c) => c.root));
-    bands.classList.toggle('many', columns.length > 10);
+    bands.classList.toggle('many', columns.length > MOST_WIDE);
     bands.style.setProperty('--columns', String(columns.length));
     // Labels of many bands would overlap: every second or third is shown, the others when their band is pointed at.
     const step = Math.ceil(columns.length / MOST_LABELS);

@@ -195,6 +195,15 @@ export class Files {
       ...this.saveSection(close),
       ...this.downloadSection(shape, close),
       ...this.recipeSection(shape, close),
+      // On wide screens the tools have a button of their own.
+      button(
+        text.tools,
+        () => {
+          close();
+          this.openTools();
+        },
+        'narrow-only',
+      ),
       h('h3', {}, text.quit),
       h('p', {}, text.quitNote),
       h(

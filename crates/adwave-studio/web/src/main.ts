@@ -85,7 +85,7 @@ function topBar(studio: Studio, files: Files, look: LookPanel, saving: HTMLEleme
       themeButton(view),
       iconButton('help', text.help, showKeys, { class: 'icon wide-only' }),
     ),
-    h('button', { type: 'button', onclick: () => files.openTools() }, text.tools),
+    h('button', { type: 'button', class: 'wide-only', onclick: () => files.openTools() }, text.tools),
     h('button', { type: 'button', class: 'primary', onclick: () => files.openMenu() }, text.file),
   );
   return { bar, badge };
