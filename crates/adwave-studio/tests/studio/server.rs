@@ -449,7 +449,7 @@ fn fields_of_other_files_color_the_shape_and_select_regions_and_are_there_again(
     let kept = folder.path().join("kept");
     let studio = Studio::on(&path, &kept);
     let n = opened(&path).file.n_vertices();
-    let table = |n: usize| (0..n).map(|v| format!("{v}\n")).collect::<String>();
+    let table = |n: usize| (0..n).map(|v| v.to_string()).collect::<Vec<_>>().join("\n");
     let refused = studio.ask("POST", "/api/shapes/1/fields?name=short.csv", table(3).as_bytes());
     assert_eq!(refused.status, 400);
     assert!(refused.error().contains("short.csv needs one row per vertex"), "{}", refused.error());
