@@ -90,7 +90,7 @@ impl<'a> Collapser<'a> {
     ) -> Self {
         let n = connectivity.n_positions();
         let quadric = |u: u32| match importance {
-            Some(of) => connectivity.quadric(u).scaled(of[u as usize]),
+            Some(of) => connectivity.quadric(u).multiply(of[u as usize]),
             None => connectivity.quadric(u),
         };
         let quadrics = (0..n as u32).into_par_iter().map(quadric).collect();

@@ -63,7 +63,7 @@ impl Quadric {
     }
 
     /// Multiplies squared distances by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn multiply(self, factor: f64) -> Self {
         Self {
             square: self.square.map(|x| factor * x),
             linear: self.linear.map(|x| factor * x),
