@@ -17,6 +17,7 @@ const MOST_ITERATIONS: usize = 4000;
 fn gain(semigroup: Semigroup, n: f64, k: f64) -> f64 {
     match semigroup {
         Semigroup::Steps => (1.0 - k / 2.0).max(0.0).powf(n),
+        Semigroup::PlainSteps => (1.0 - k).abs().powf(n),
         Semigroup::Heat { rate } => (-0.5 * rate * n * k).exp(),
     }
 }
@@ -25,6 +26,7 @@ fn gain(semigroup: Semigroup, n: f64, k: f64) -> f64 {
 fn half_gain_frequency(semigroup: Semigroup, n: f64) -> f64 {
     let k = match semigroup {
         Semigroup::Steps => 2.0 * (1.0 - (-1.0 / n).exp2()),
+        Semigroup::PlainSteps => 1.0 - (-1.0 / n).exp2(),
         Semigroup::Heat { rate } => 2.0 * std::f64::consts::LN_2 / (rate * n),
     };
     k.clamp(1e-6, 1.9)

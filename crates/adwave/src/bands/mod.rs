@@ -11,6 +11,7 @@ mod fixed_series;
 mod heat_series;
 mod norms;
 mod params;
+mod plain_series;
 mod powers;
 mod real_series;
 mod schedule;

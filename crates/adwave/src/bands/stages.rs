@@ -59,11 +59,16 @@ impl Transform {
         let steps = schedule.steps_from_zero();
         let rate = match self.diffusion().semigroup() {
             Semigroup::Heat { rate } => rate,
-            Semigroup::Steps => 1.0,
+            Semigroup::Steps | Semigroup::PlainSteps => 1.0,
         };
         // A part of a fractional power would be a small fractional power, which converges slowly.
         let can_be_cut = self.engine() == Engine::Chebyshev
-            && (self.diffusion().semigroup() != Semigroup::Steps || schedule.first_real().is_none());
+            && match self.diffusion().semigroup() {
+                Semigroup::Heat { .. } => true,
+                Semigroup::Steps => schedule.first_real().is_none(),
+                // Modes near −1 last as long as those near 1, so that a stage leaves no smoother signal.
+                Semigroup::PlainSteps => false,
+            };
         // The slowest modes are few: on a shape of more vertices than steps their error is no part of the norm that counts.
         let long = LONG.max(self.diffusion().n_vertices() as f64);
         let jumps = rate * steps[steps.len() - 1];

@@ -25,7 +25,7 @@ impl Transform {
     /// True if [`sum_of_bands`](Self::sum_of_bands) applies: the diffusion is reversible, the steps are whole or those
     /// of heat, and few enough that one recurrence is accurate.
     pub fn has_sum_of_bands(&self, schedule: &Schedule) -> bool {
-        let is_heat = self.diffusion().semigroup() != Semigroup::Steps;
+        let is_heat = matches!(self.diffusion().semigroup(), Semigroup::Heat { .. });
         self.diffusion().is_reversible()
             && (is_heat || schedule.first_real().is_none())
             && !self.is_staged(schedule)

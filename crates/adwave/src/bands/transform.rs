@@ -4,7 +4,7 @@ use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
-use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series};
+use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series, plain_series};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
 use crate::sparse::{RowOutput, SignalView, apply, difference};
@@ -111,6 +111,7 @@ impl Transform {
         let len = wavelets.len() * signal.len();
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
         check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
+        self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
         let outcome = if stages.len() > 1 {
@@ -150,6 +151,7 @@ impl Transform {
         check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
         check_factors(factors, schedule)?;
         check_buffer(out.len(), signal.len())?;
+        self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
         let outcome = if stages.len() > 1 {
@@ -181,11 +183,20 @@ impl Transform {
         Ok(self.info(&outcome, n_channels).with_stages(stages.len(), signal.len()))
     }
 
+    /// Checks that a walk that need not stay takes whole steps.
+    fn check_steps(&self, schedule: &Schedule) -> Result<(), BandsError> {
+        if self.diffusion.semigroup() == Semigroup::PlainSteps {
+            whole_steps_from_zero(schedule)?;
+        }
+        Ok(())
+    }
+
     /// Series of the band between two numbers of steps. For fractional powers it interpolates, with the remainder
     /// bounded as in `trefethen2013`, chapter 11.
     pub(super) fn band(&self, pair: &[f64], rung: InterpolationGrid, growth: Growth) -> Series {
         match self.diffusion.semigroup() {
             Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
+            Semigroup::PlainSteps => plain_series::band(pair[0] as u64, pair[1] as u64, growth),
             Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
         }
     }
@@ -301,8 +312,8 @@ impl Transform {
 
 /// Method that `params` imply for an operator.
 fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
-    let is_heat = diffusion.semigroup() != Semigroup::Steps;
-    if is_heat || diffusion.is_reversible() && params.engine != Engine::Powers {
+    let needs_series = diffusion.semigroup() != Semigroup::Steps;
+    if needs_series || diffusion.is_reversible() && params.engine != Engine::Powers {
         Engine::Chebyshev
     } else {
         Engine::Powers

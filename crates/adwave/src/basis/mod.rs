@@ -100,6 +100,7 @@ pub(crate) fn check_whole(schedule: &Schedule) -> Result<(), BasisError> {
 fn check_steps(diffusion: &Diffusion) -> Result<(), BasisError> {
     match diffusion.semigroup() {
         Semigroup::Steps => Ok(()),
+        Semigroup::PlainSteps => Err(BasisError::Plain),
         Semigroup::Heat { .. } => Err(BasisError::Heat),
     }
 }
@@ -140,6 +141,11 @@ pub enum BasisError {
         "the functions of heat on a surface reach every vertex and have no sparse matrices; use the operator `walk`, or the functions of single vertices"
     )]
     Heat,
+    /// A given walk that need not stay, whose powers are not those of Φ₁.
+    #[error(
+        "the functions are those of a walk that stays at least half of the time, and the given walk does not; use half of it and half of the identity, or the functions of single vertices"
+    )]
+    Plain,
     /// The matrices would exceed the memory limit.
     #[error(
         "level {n_levels} of {n_vertices} vertices needs about {needed} bytes with all levels before it, more than the limit of {limit}; ask for fewer levels, for single vertices, for bands of a signal instead of the functions, or raise the limit"

@@ -3,6 +3,7 @@
 mod border;
 mod creases;
 mod default_schedule;
+mod given_walk;
 mod labels;
 mod level_spec;
 mod request;

@@ -59,6 +59,14 @@ pub enum DiffusionError {
         /// Number of vertices.
         n_vertices: usize,
     },
+    /// The matrix has another number of rows than the shape has vertices.
+    #[error("a walk has one row per vertex, got {n_rows} rows for {n_vertices} vertices")]
+    RowCount {
+        /// Number of rows.
+        n_rows: usize,
+        /// Number of vertices of the shape.
+        n_vertices: usize,
+    },
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -80,6 +88,9 @@ pub enum Semigroup {
     /// The power `Φ₁ⁿ`: n steps of the walk (eq. 6).
     #[default]
     Steps,
+    /// The power `Qⁿ`, `Q = 2Φ₁ − I`: n steps of a walk that need not stay where it is. Its eigenvalues are in
+    /// [−1, 1], so n must be whole.
+    PlainSteps,
     /// The exponential `exp(−n·rate·(I − Φ₁))`: heat after n times the time of a step. As a walk, it takes steps of
     /// Φ₁ at random times, `rate` per step on average.
     Heat {
@@ -100,6 +111,8 @@ pub struct Diffusion {
     step_length: f64,
     is_reversible: bool,
     semigroup: Semigroup,
+    /// True if every row stays with probability ½ or has no other entries.
+    stays_half: bool,
 }
 
 impl Diffusion {
@@ -147,6 +160,7 @@ impl Diffusion {
             step_length: step_square.sqrt(),
             is_reversible,
             semigroup: Semigroup::Steps,
+            stays_half: true,
         })
     }
 
@@ -172,7 +186,7 @@ impl Diffusion {
         let Some(n) = offsets.len().checked_sub(1) else { return Err(RowsError::NoOffsets.into()) };
         let pattern = Pattern::with_values(offsets.to_vec(), columns.to_vec(), n, values.len())?;
         let wrong = parallel::map_chunks(n, VERTICES_AT_A_TIME, |mut range| {
-            range.find_map(|row| wrong_row(row, pattern.row(row), &values[pattern.range(row)]))
+            range.find_map(|row| wrong_row(row, pattern.row(row), &values[pattern.range(row)], ROW_SUM_TOLERANCE))
         });
         if let Some(error) = wrong.into_iter().flatten().next() {
             return Err(error);
@@ -197,7 +211,7 @@ impl Diffusion {
         };
         let rows = CompressedRows::from_rows(n, rows_at_a_time(n), Progress::none(), Vec::new, row)?;
         let stationary = vec![1.0 / n.max(1) as f64; n];
-        Ok(Self { rows, stationary, step_length: 1.0, is_reversible: false, semigroup: Semigroup::Steps })
+        Ok(Self::from_given(rows, stationary, 1.0, false, Semigroup::Steps))
     }
 
     /// [`from_rows`](Self::from_rows) from three lists in any order: entry `e` is `values[e]` at
@@ -291,12 +305,14 @@ impl Diffusion {
                 columns.iter().zip(values).map(|(&y, w)| w * squared_length(x, y as usize)).sum();
             stationary[x] * square
         })?;
+        let per_step = if self.semigroup == Semigroup::PlainSteps { 2.0 } else { 1.0 };
         Ok(Self {
             rows,
             stationary,
-            step_length: step_square.sqrt(),
+            step_length: (per_step * step_square).sqrt(),
             is_reversible: self.is_reversible,
             semigroup: self.semigroup,
+            stays_half: self.stays_half,
         })
     }
 
@@ -329,7 +345,20 @@ impl Diffusion {
     ) -> Result<Self, Cancelled> {
         let rows = CompressedRows::new_unchecked(pattern, weights);
         let stationary = normalize_sum(mass, progress)?;
-        Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup })
+        Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup, stays_half: false })
+    }
+
+    /// Operator from the off-diagonal entries of Φ₁, which were checked, and what is known of it.
+    pub(super) fn from_given(
+        rows: CompressedRows<f64>,
+        stationary: Vec<f64>,
+        step_length: f64,
+        is_reversible: bool,
+        semigroup: Semigroup,
+    ) -> Self {
+        let moves = |x: usize| rows.row(x).1.iter().sum::<f64>();
+        let stays_half = (0..rows.n_rows()).all(|x| rows.row(x).0.is_empty() || moves(x) == 0.5);
+        Self { rows, stationary, step_length, is_reversible, semigroup, stays_half }
     }
 
     /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, with ascending columns;
@@ -391,6 +420,11 @@ impl Diffusion {
         1.0 - self.row(x).1.iter().sum::<f64>()
     }
 
+    /// True if every row stays with probability ½ or has no other entries, which products make use of.
+    pub(crate) fn stays_half(&self) -> bool {
+        self.stays_half
+    }
+
     /// Meaning of n steps.
     pub fn semigroup(&self) -> Semigroup {
         self.semigroup
@@ -422,17 +456,22 @@ impl Diffusion {
 }
 
 /// First error in a row of a diffusion operator.
-fn wrong_row(row: usize, columns: &[u32], values: &[f64]) -> Option<DiffusionError> {
+pub(super) fn wrong_row(
+    row: usize,
+    columns: &[u32],
+    values: &[f64],
+    tolerance: f64,
+) -> Option<DiffusionError> {
     let is_wrong = |value: &f64| !(value.is_finite() && *value >= 0.0);
     if let Some(at) = values.iter().position(is_wrong) {
         return Some(DiffusionError::BadEntry { row, column: columns[at] as usize, value: values[at] });
     }
     let sum: f64 = values.iter().sum();
-    ((sum - 1.0).abs() > ROW_SUM_TOLERANCE).then_some(DiffusionError::RowSum { row, sum })
+    ((sum - 1.0).abs() > tolerance).then_some(DiffusionError::RowSum { row, sum })
 }
 
 /// Distribution proportional to `weights` ≥ 0; uniform if all of them are 0.
-fn normalize_sum(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+pub(super) fn normalize_sum(mut weights: Vec<f64>, progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
     let n = weights.len();
     let total = parallel::try_sum(n, progress, |x| weights[x])?;
     parallel::try_visit_rows(&mut weights, 1, VERTICES_AT_A_TIME, progress, |_, rows| {

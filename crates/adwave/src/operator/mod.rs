@@ -3,6 +3,7 @@
 
 mod density;
 mod diffusion;
+mod given;
 mod guided;
 mod local;
 mod spectrum;

@@ -8,7 +8,6 @@ use super::block_recurrence::BlockRecurrence;
 use super::kernel::{self, PassInput, PassTerm, TilePass};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 use super::tiles::{Index, TileList, TileView, Tiles};
-use crate::operator::Semigroup;
 use crate::parallel;
 use crate::{Cancelled, Progress};
 use std::ops::Range;
@@ -163,7 +162,7 @@ impl<'a> Recurrence<'a> {
         }
         let (k, own, width, stride, at) = (self.k, self.operator.own, self.width, self.stride, self.at);
         let is_first = k == 0;
-        let is_lazy = self.operator.diffusion().semigroup() == Semigroup::Steps;
+        let is_lazy = self.operator.diffusion().stays_half();
         let from = if is_first { 0 } else { k + 1 };
         let mut terms = Vec::new();
         let mut outs: Vec<Vec<&mut [f64]>> = tiles.iter().map(|_| Vec::with_capacity(sums.len())).collect();

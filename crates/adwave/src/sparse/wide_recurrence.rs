@@ -9,7 +9,6 @@ use super::kernel::{
     InstructionSet, MAX_LANES, WideProduct, WideRows, WideTerms, combine_wide, multiply_wide,
 };
 use super::recurrence::{Continuation, Sum};
-use crate::operator::Semigroup;
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
@@ -79,7 +78,7 @@ impl<'a> WideRecurrence<'a> {
             offsets: neighbors.offsets(),
             columns: neighbors.columns(),
             weights: diffusion.weights(),
-            is_lazy: diffusion.semigroup() == Semigroup::Steps,
+            is_lazy: diffusion.stays_half(),
         };
         let target = InstructionSet::detect();
         let ChannelBlock { at, width, lanes, stride } = channels;
