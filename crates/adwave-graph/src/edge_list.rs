@@ -1,0 +1,202 @@
+//! Large edge lists, read as a stream.
+
+use crate::GraphWalkError;
+use adwave::Progress;
+use adwave::rows::CompressedRows;
+use std::io::BufRead;
+
+/// Lines between two checks for cancellation.
+const LINES_AT_A_TIME: u64 = 1 << 14;
+
+/// Largest number of a node: indices have 32 bits.
+const LARGEST: u64 = u32::MAX as u64 - 1;
+
+/// A graph from a list of edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeList {
+    /// Symmetric weights, n_nodes × n_nodes; loops stay on the diagonal.
+    pub weights: CompressedRows<f64>,
+    /// Number of lines with an edge.
+    pub n_edges: u64,
+    /// Number of edges that repeat another, in either direction; their weights were added.
+    pub n_repeated: u64,
+}
+
+/// Reads lines `u v` or `u v weight`, with nodes numbered from 0 and separated by blanks, tabs or commas; empty lines and
+/// lines that begin with `#` or `%` are skipped. The graph is undirected and has as many nodes as the largest number says, at
+/// least `n_nodes`. Memory: 8 bytes per edge (16 with weights) and 24 bytes per edge of the result.
+///
+/// # Errors
+/// [`GraphWalkError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would take
+/// more memory than the file, or if the call is cancelled.
+///
+/// ```
+/// use adwave::Progress;
+/// let list = adwave_graph::read_edges(&b"# a path\n0 1\n1 2 0.5\n"[..], 0, Progress::none())?;
+/// assert_eq!(list.weights.row(1), ([0, 2].as_slice(), [1.0, 0.5].as_slice()));
+/// # Ok::<(), adwave_graph::GraphWalkError>(())
+/// ```
+pub fn read_edges(
+    mut lines: impl BufRead,
+    n_nodes: usize,
+    progress: Progress<'_>,
+) -> Result<EdgeList, GraphWalkError> {
+    let (mut pairs, mut weights): (Vec<[u32; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (mut text, mut line) = (Vec::new(), 0);
+    let mut largest = 0;
+    loop {
+        text.clear();
+        let n_bytes = lines.read_until(b'\n', &mut text).map_err(|error| GraphWalkError::BadLine {
+            line: line + 1,
+            problem: format!("it cannot be read: {error}"),
+        })?;
+        if n_bytes == 0 {
+            break;
+        }
+        line += 1;
+        if line % LINES_AT_A_TIME == 0 {
+            progress.check()?;
+        }
+        let wrong = |problem: String| GraphWalkError::BadLine { line, problem };
+        let Some((pair, weight)) = parse(&text).map_err(wrong)? else { continue };
+        largest = largest.max(pair[0]).max(pair[1]);
+        if weight != 1.0 && weights.is_empty() {
+            weights.resize(pairs.len(), 1.0);
+        }
+        if weight != 1.0 || !weights.is_empty() {
+            weights.push(weight);
+        }
+        pairs.push(pair);
+    }
+    let n_named = if pairs.is_empty() { 0 } else { largest as usize + 1 };
+    // Nodes without edges take no bytes in the file, but memory in every later computation.
+    let limit = (1_000_000 + 64 * pairs.len() as u64).max(n_nodes as u64);
+    if n_named as u64 > limit {
+        return Err(GraphWalkError::TooLarge {
+            needed: n_named as u64,
+            limit,
+            advice: "the numbers of the nodes leave large gaps: number them from 0 without gaps",
+        });
+    }
+    let n_edges = pairs.len() as u64;
+    let rows = both_directions(n_nodes.max(n_named), pairs, &weights, progress)?;
+    let n_repeated = n_edges - (rows.nnz() as u64 + count_loops(&rows)) / 2;
+    Ok(EdgeList { weights: rows, n_edges, n_repeated })
+}
+
+fn count_loops(rows: &CompressedRows<f64>) -> u64 {
+    (0..rows.n_rows()).filter(|&x| rows.row(x).0.binary_search(&(x as u32)).is_ok()).count() as u64
+}
+
+/// The edge of a line; `None` for a comment or an empty line.
+fn parse(text: &[u8]) -> Result<Option<([u32; 2], f64)>, String> {
+    let text = text.trim_ascii();
+    if text.is_empty() || text[0] == b'#' || text[0] == b'%' {
+        return Ok(None);
+    }
+    let mut words =
+        text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
+    let mut node = || -> Result<u32, String> {
+        let word = words.next().ok_or("a line has two nodes, `0 1`")?;
+        let shown = || String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+        let mut number = 0_u64;
+        for &byte in word {
+            if !byte.is_ascii_digit() {
+                return Err(format!("`{}` is no number of a node, 0, 1, 2, …", shown()));
+            }
+            number = (10 * number).saturating_add(u64::from(byte - b'0')).min(1 << 40);
+        }
+        if number > LARGEST { Err(format!("node `{}` is larger than {LARGEST}", shown())) } else { Ok(number as u32) }
+    };
+    let pair = [node()?, node()?];
+    let Some(word) = words.next() else { return Ok(Some((pair, 1.0))) };
+    let shown = String::from_utf8_lossy(&word[..word.len().min(20)]);
+    let weight: Option<f64> = shown.parse().ok();
+    match weight {
+        Some(weight) if weight.is_finite() && weight >= 0.0 => Ok(Some((pair, weight))),
+        _ => Err(format!("the weight `{shown}` must be a number of at least 0")),
+    }
+}
+
+/// Symmetric rows of the edges. Weights of repeated edges are added in the order of the list.
+fn both_directions(
+    n: usize,
+    pairs: Vec<[u32; 2]>,
+    weights: &[f64],
+    progress: Progress<'_>,
+) -> Result<CompressedRows<f64>, GraphWalkError> {
+    let mut offsets = vec![0_usize; n + 1];
+    for [u, v] in &pairs {
+        offsets[*u as usize + 1] += 1;
+        if u != v {
+            offsets[*v as usize + 1] += 1;
+        }
+    }
+    for x in 0..n {
+        offsets[x + 1] += offsets[x];
+    }
+    progress.check()?;
+    let mut next = offsets.clone();
+    let mut entries = vec![(0_u32, 0.0_f64); offsets[n]];
+    for (edge, &[u, v]) in pairs.iter().enumerate() {
+        let weight = weights.get(edge).copied().unwrap_or(1.0);
+        entries[next[u as usize]] = (v, weight);
+        next[u as usize] += 1;
+        if u != v {
+            entries[next[v as usize]] = (u, weight);
+            next[v as usize] += 1;
+        }
+    }
+    drop(pairs);
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::with_capacity(entries.len()), Vec::new());
+    values.reserve_exact(entries.len());
+    for x in 0..n {
+        if x % 4096 == 0 {
+            progress.check()?;
+        }
+        let row = &mut entries[offsets[x]..offsets[x + 1]];
+        row.sort_by_key(|entry| entry.0);
+        let first = columns.len();
+        for &(y, w) in &*row {
+            match values.last_mut() {
+                Some(last) if columns.len() > first && columns.last() == Some(&y) => *last += w,
+                _ => {
+                    columns.push(y);
+                    values.push(w);
+                }
+            }
+        }
+        starts.push(columns.len());
+    }
+    Ok(CompressedRows::new(starts, columns, values, n)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<EdgeList, GraphWalkError> {
+        read_edges(text.as_bytes(), 0, Progress::none())
+    }
+
+    #[test]
+    fn edges_go_both_ways_and_repeated_ones_are_added() {
+        let list = read("% a graph\n0,1\n\n2\t1 0.25\r\n1 0\n2 2 3\n").unwrap();
+        assert_eq!((list.n_edges, list.n_repeated), (4, 1));
+        assert_eq!(list.weights.row(0), ([1].as_slice(), [2.0].as_slice()));
+        assert_eq!(list.weights.row(1), ([0, 2].as_slice(), [2.0, 0.25].as_slice()));
+        assert_eq!(list.weights.row(2), ([1, 2].as_slice(), [0.25, 3.0].as_slice()));
+        assert_eq!(read("").unwrap().weights.n_rows(), 0);
+        assert_eq!(read_edges(&b"0 1"[..], 5, Progress::none()).unwrap().weights.n_rows(), 5);
+    }
+
+    #[test]
+    fn lines_that_are_no_edges_are_named() {
+        let cases = ["0 1\n2", "0 1\n-1 2", "0 1\na b", "0 1\n1 2 -3", "0 1\n1 2 nan", "0 1\n1 99999999999999999999"];
+        for text in cases {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.starts_with("line 2"), "{error}");
+        }
+        assert!(matches!(read("0 4000000000"), Err(GraphWalkError::TooLarge { .. })));
+    }
+}

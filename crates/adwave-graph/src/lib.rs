@@ -1,0 +1,38 @@
+//! Random walks on graphs and on clouds of any dimension, and what their powers are used for.
+//!
+//! | step | type or function |
+//! |---|---|
+//! | exact nearest neighbors of points in any dimension | [`nearest_lists`] |
+//! | weights of neighbors | [`kernel_weights`], [`Kernel`] |
+//! | a walk from weights, or a walk as given | [`WalkMatrix`], [`WalkOptions`] |
+//! | powers of the walk for many channels, and their adjoint | [`WalkPowers`] |
+//! | imputation of counts, and its time by cross-validation | [`impute_into`], [`cross_validate`] |
+//! | geometric scattering, and moments of its coefficients | [`scatter`], [`pool`] |
+//! | large edge lists | [`read_edges`] |
+//!
+//! The results have the same bits on any number of threads. The crate opens no files.
+
+mod count_matrix;
+mod cross_validation;
+mod edge_list;
+mod error;
+mod impute;
+mod kernel;
+mod lanes;
+mod nearest;
+mod pooling;
+mod powers;
+mod scattering;
+mod walk;
+
+pub use count_matrix::{CountMatrix, CountValues, Transformation};
+pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate};
+pub use edge_list::{EdgeList, read_edges};
+pub use error::GraphWalkError;
+pub use impute::{ImputationInput, impute_into};
+pub use kernel::{Kernel, kernel_weights};
+pub use nearest::{DimensionedPoints, MAX_TIED, NearestLists, nearest_lists};
+pub use pooling::{Pooling, pool};
+pub use powers::WalkPowers;
+pub use scattering::{Scattering, ScatteringParams, scatter};
+pub use walk::{Normalization, SelfLoops, Symmetrization, WalkMatrix, WalkOptions};
