@@ -13,7 +13,8 @@ fn crates_depend_only_on_those_below_them() {
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
     let layer = |name: &str| match name {
         "adwave" | "adwave-test-data" => Some(0),
-        "adwave-io" | "adwave-graph" | "adwave-baselines" | "adwave-register" | "adwave-render" | "adwave-simplify" => Some(1),
+        "adwave-io" | "adwave-graph" | "adwave-baselines" | "adwave-register" | "adwave-render"
+        | "adwave-simplify" => Some(1),
         "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(2),
         "adwave-studio" => Some(3),
         "adwave-cli" => Some(4),

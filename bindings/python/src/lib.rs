@@ -25,6 +25,7 @@ mod register;
 mod repeatability;
 mod shape;
 mod studio;
+mod walk;
 
 use pyo3::prelude::*;
 
@@ -48,5 +49,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     baselines::add(module)?;
     frames::add(module)?;
     repeatability::add(module)?;
-    studio::add(module)
+    studio::add(module)?;
+    walk::add(module)
 }

@@ -6,6 +6,7 @@ use crate::error::{self, value_error};
 use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOptions};
 use crate::region::region_weights;
 use crate::shape::ShapeData;
+use crate::walk::WalkData;
 use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule, Transform};
 use adwave::positions::constrain_positions;
 use adwave::shape::{Shape, VertexRole, bounding_box};
@@ -97,6 +98,17 @@ impl Prepared {
         let flags = flags.as_slice()?;
         let decomposer = run(py, flags.len(), None, |_| self.decomposer.masked(flags))?;
         Ok(Self { decomposer, normals: self.normals.clone(), shape: self.shape.clone_ref(py) })
+    }
+
+    /// The shape with a walk as given.
+    fn with_walk(&self, py: Python<'_>, walk: &Bound<'_, WalkData>) -> PyResult<Self> {
+        let walk = walk.get().powers.walk();
+        if walk.normalization() != adwave_graph::Normalization::Row {
+            let error = adwave_graph::GraphWalkError::NotRowStochastic(walk.normalization().name());
+            return Err(error::to_exception(&error));
+        }
+        let decomposer = run(py, usize::MAX, None, |p| self.decomposer.with_walk(walk.rows(), p))?;
+        Ok(Self { decomposer, normals: None, shape: self.shape.clone_ref(py) })
     }
 
     #[getter]

@@ -12,6 +12,7 @@ use crate::commands::{
     features::FeaturesArgs,
     filter::FilterArgs,
     formats::FormatsArgs,
+    impute::ImputeArgs,
     info::InfoArgs,
     matching::MatchArgs,
     region::RegionArgs,
@@ -20,6 +21,7 @@ use crate::commands::{
     reproduce::ReproduceArgs,
     saliency::SaliencyArgs,
     sample::SampleArgs,
+    scatter::ScatterArgs,
     shell::{CompletionsArgs, ManArgs},
     simplify::SimplifyArgs,
     studio::StudioArgs,
@@ -130,6 +132,10 @@ pub(crate) enum Command {
     Compare(CompareArgs),
     /// Write scaling functions and wavelets, of one vertex as fields or of all as sparse matrices
     Basis(BasisArgs),
+    /// Average counts over similar cells, for a time that is chosen by cross-validation
+    Impute(ImputeArgs),
+    /// Compute scattering features of fields on a graph
+    Scatter(ScatterArgs),
     /// Draw a picture of a shape, of a field on it or of its features; or a sheet of several
     Render(RenderArgs),
     /// Write a page about a shape: health, bands, saliency, features and presets, with pictures and tables

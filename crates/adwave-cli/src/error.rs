@@ -74,6 +74,7 @@ by_kind!(
     adwave_io::NamedSignalError,
     adwave_io::ShapeFileError,
     adwave_baselines::compare::CompareError,
+    adwave_graph::GraphWalkError,
     adwave_render::RenderError,
     adwave_report::demo::DemoError,
     adwave_report::reproduce::ModelError,

@@ -180,6 +180,8 @@ fn dispatch(command: &Command, global: &Global<'_>) -> Result<(), CliError> {
         Command::Evaluate(args) => commands::evaluate::run(args, global),
         Command::Compare(args) => commands::compare::run(args, global),
         Command::Basis(args) => commands::basis::run(args, global),
+        Command::Impute(args) => commands::impute::run(args, global),
+        Command::Scatter(args) => commands::scatter::run(args, global),
         Command::Render(args) => commands::render::run(args, global),
         Command::Region(args) => commands::region::run(args, global),
         Command::Report(args) => commands::report::run(args, global),

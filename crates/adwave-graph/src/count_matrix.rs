@@ -35,7 +35,8 @@ impl CountMatrix<'_> {
     /// Checks the size of the matrix for a walk, and that all values are finite.
     pub(crate) fn check(&self, powers: &WalkPowers) -> Result<(), GraphWalkError> {
         let n_columns = self.n_channels;
-        let wrong = |n_values| GraphWalkError::SignalLength { n_values, n_nodes: powers.n_nodes(), n_columns };
+        let wrong =
+            |n_values| GraphWalkError::SignalLength { n_values, n_nodes: powers.n_nodes(), n_columns };
         match self.values {
             CountValues::Dense(values) => powers.check_signal(values, n_columns),
             CountValues::Sparse(rows) => {
@@ -144,11 +145,18 @@ fn place(rows: &CompressedRows<f64>, at: usize) -> (usize, usize) {
 pub(crate) struct RowFactors(Option<Vec<f64>>);
 
 impl RowFactors {
-    pub(crate) fn new(counts: &CountMatrix<'_>, transformation: Transformation) -> Result<Self, GraphWalkError> {
+    pub(crate) fn new(
+        counts: &CountMatrix<'_>,
+        transformation: Transformation,
+    ) -> Result<Self, GraphWalkError> {
         let Some(size) = transformation.library_size else { return Ok(Self(None)) };
         if !(size > 0.0 && size.is_finite()) {
             let name = "the library size";
-            return Err(GraphWalkError::BadParameter { name, range: "greater than 0 and finite", value: size });
+            return Err(GraphWalkError::BadParameter {
+                name,
+                range: "greater than 0 and finite",
+                value: size,
+            });
         }
         let factor = |sum: f64| if sum > 0.0 { size / sum } else { 1.0 };
         Ok(Self(Some(counts.row_sums().into_iter().map(factor).collect())))

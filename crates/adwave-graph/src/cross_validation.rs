@@ -73,7 +73,11 @@ pub fn cross_validate(
         return Err(GraphWalkError::BadParameter { name, range, value: params.share });
     }
     if params.most_steps == 0 {
-        return Err(GraphWalkError::BadParameter { name: "the largest number of steps", range: "at least 1", value: 0.0 });
+        return Err(GraphWalkError::BadParameter {
+            name: "the largest number of steps",
+            range: "at least 1",
+            value: 0.0,
+        });
     }
     if let Some((node, channel, value)) = counts.find(|v| v < 0.0 || v.fract() != 0.0 || v > 1e15) {
         return Err(GraphWalkError::NotCount { node, channel, value });
@@ -131,7 +135,7 @@ fn errors(
                 counts.copy_row(node, these, row);
                 let part = if is_test { 1.0 - share } else { share };
                 for (v, &channel) in row.iter_mut().zip(these) {
-                    let trained = drawn(*v, share, hash(params.seed, node as u64, channel as u64));
+                    let trained = draw_molecules(*v, share, hash(params.seed, node as u64, channel as u64));
                     let own = if is_test { *v - trained } else { trained };
                     *v = own / part * factors.get(node);
                 }
@@ -183,7 +187,7 @@ fn mix(state: u64) -> u64 {
 }
 
 /// Number of `count` molecules that are drawn with probability `share`.
-fn drawn(count: f64, share: f64, bits: u64) -> f64 {
+fn draw_molecules(count: f64, share: f64, bits: u64) -> f64 {
     if count == 0.0 {
         return 0.0;
     }
@@ -212,7 +216,7 @@ mod tests {
     fn the_split_has_the_mean_and_variance_of_a_binomial() {
         for (count, share) in [(7.0, 0.9), (60.0, 0.5), (500.0, 0.3)] {
             let n = 20_000;
-            let found: Vec<f64> = (0..n).map(|i| drawn(count, share, hash(5, i, 3))).collect();
+            let found: Vec<f64> = (0..n).map(|i| draw_molecules(count, share, hash(5, i, 3))).collect();
             let mean = found.iter().sum::<f64>() / n as f64;
             let variance = found.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64;
             let exact = count * share * (1.0 - share);

@@ -106,7 +106,11 @@ fn parse(text: &[u8]) -> Result<Option<([u32; 2], f64)>, String> {
             }
             number = (10 * number).saturating_add(u64::from(byte - b'0')).min(1 << 40);
         }
-        if number > LARGEST { Err(format!("node `{}` is larger than {LARGEST}", shown())) } else { Ok(number as u32) }
+        if number > LARGEST {
+            Err(format!("node `{}` is larger than {LARGEST}", shown()))
+        } else {
+            Ok(number as u32)
+        }
     };
     let pair = [node()?, node()?];
     let Some(word) = words.next() else { return Ok(Some((pair, 1.0))) };
@@ -192,7 +196,8 @@ mod tests {
 
     #[test]
     fn lines_that_are_no_edges_are_named() {
-        let cases = ["0 1\n2", "0 1\n-1 2", "0 1\na b", "0 1\n1 2 -3", "0 1\n1 2 nan", "0 1\n1 99999999999999999999"];
+        let cases =
+            ["0 1\n2", "0 1\n-1 2", "0 1\na b", "0 1\n1 2 -3", "0 1\n1 2 nan", "0 1\n1 99999999999999999999"];
         for text in cases {
             let error = read(text).unwrap_err().to_string();
             assert!(error.starts_with("line 2"), "{error}");

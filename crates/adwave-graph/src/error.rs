@@ -11,7 +11,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum GraphWalkError {
     /// The number of values is not points × dimensions.
-    #[error("points are n × d values with d of at least 1, got {n_values} values for {n_dimensions} dimensions")]
+    #[error(
+        "points are n × d values with d of at least 1, got {n_values} values for {n_dimensions} dimensions"
+    )]
     PointsLength {
         /// Number of values.
         n_values: usize,
@@ -19,7 +21,9 @@ pub enum GraphWalkError {
         n_dimensions: usize,
     },
     /// A coordinate is NaN, infinite or beyond 1e100.
-    #[error("coordinate {dimension} of point {point} is {value}; coordinates are finite and at most 1e100 in size")]
+    #[error(
+        "coordinate {dimension} of point {point} is {value}; coordinates are finite and at most 1e100 in size"
+    )]
     BadCoordinate {
         /// The point, from 0.
         point: usize,
@@ -51,7 +55,9 @@ pub enum GraphWalkError {
         n_points: usize,
     },
     /// A distance is negative or NaN.
-    #[error("the distance from point {point} to its neighbor {neighbor} is {distance}; distances are finite and at least 0")]
+    #[error(
+        "the distance from point {point} to its neighbor {neighbor} is {distance}; distances are finite and at least 0"
+    )]
     BadDistance {
         /// The point.
         point: usize,
@@ -98,7 +104,9 @@ pub enum GraphWalkError {
         purpose: &'static str,
     },
     /// A column or symmetric normalization where rows must sum to 1.
-    #[error("bands need a walk whose rows sum to 1, and this one is normalized by {0}; use row normalization")]
+    #[error(
+        "bands need a walk whose rows sum to 1, and this one is normalized by {0}; use row normalization"
+    )]
     NotRowStochastic(&'static str),
     /// The signal has the wrong length.
     #[error("the signal has {n_values} values for {n_nodes} nodes; it needs one row per node{}", transposed_hint(*.n_columns, *.n_nodes))]
@@ -133,7 +141,9 @@ pub enum GraphWalkError {
         value: f64,
     },
     /// A square root of negative values.
-    #[error("value {channel} of node {node} is {value}, and its square root was asked for; use values of at least 0")]
+    #[error(
+        "value {channel} of node {node} is {value}, and its square root was asked for; use values of at least 0"
+    )]
     NegativeValue {
         /// The node.
         node: usize,
@@ -187,6 +197,14 @@ pub enum GraphWalkError {
     /// A line of an edge list that is no edge.
     #[error("line {line} of the edge list is no edge: {problem}")]
     BadLine {
+        /// The line, from 1.
+        line: u64,
+        /// The problem.
+        problem: String,
+    },
+    /// A line of a MatrixMarket file that does not fit.
+    #[error("line {line} of the matrix: {problem}")]
+    BadMatrixLine {
         /// The line, from 1.
         line: u64,
         /// The problem.

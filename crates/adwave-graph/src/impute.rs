@@ -52,7 +52,8 @@ pub fn impute_into(
         return Err(GraphWalkError::NegativeValue { node, channel, value });
     }
     let factors = RowFactors::new(&counts, transformation)?;
-    let fractional = if steps.fract() == 0.0 { None } else { Some(FractionalPower::new(powers, steps, progress)?) };
+    let fractional =
+        if steps.fract() == 0.0 { None } else { Some(FractionalPower::new(powers, steps, progress)?) };
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
         let these = &channels[range.clone()];
@@ -98,7 +99,7 @@ struct FractionalPower {
 
 impl FractionalPower {
     fn new(powers: &WalkPowers, steps: f64, progress: Progress<'_>) -> Result<Self, GraphWalkError> {
-        let diffusion = Diffusion::from_walk(powers.ordered(), progress)?;
+        let diffusion = Diffusion::from_walk(powers.ordered_rows(), progress)?;
         let reason = match (diffusion.is_reversible(), diffusion.semigroup()) {
             (false, _) => "is directed",
             (true, Semigroup::Steps) => {
@@ -113,7 +114,14 @@ impl FractionalPower {
     /// Replaces the values of a block by their power.
     fn apply(&self, block: &mut LaneBlock, progress: Progress<'_>) -> Result<(), GraphWalkError> {
         let mut change = vec![0.0; block.now.len()];
-        self.transform.weighted_into(&block.now, block.lanes, &self.schedule, &[1.0], &mut change, progress)?;
+        self.transform.weighted_into(
+            &block.now,
+            block.lanes,
+            &self.schedule,
+            &[1.0],
+            &mut change,
+            progress,
+        )?;
         block.now.iter_mut().zip(&change).for_each(|(now, w)| *now -= w);
         Ok(())
     }
@@ -126,7 +134,11 @@ mod tests {
     use crate::powers::tests::{noise, powers};
     use adwave::rows::CompressedRows;
 
-    fn impute(powers: &WalkPowers, input: ImputationInput<'_>, steps: f64) -> Result<Vec<f64>, GraphWalkError> {
+    fn impute(
+        powers: &WalkPowers,
+        input: ImputationInput<'_>,
+        steps: f64,
+    ) -> Result<Vec<f64>, GraphWalkError> {
         let mut out = vec![0.0; powers.n_nodes() * input.channels.len()];
         impute_into(powers, input, steps, &mut out, Progress::none())?;
         Ok(out)
@@ -200,7 +212,9 @@ mod tests {
         let refused = |values: &[f64], square_root, steps: f64, channels: &[usize]| {
             let counts = CountMatrix { values: CountValues::Dense(values), n_channels: 2 };
             let transformation = Transformation { library_size: None, square_root };
-            impute(&powers, ImputationInput { counts, transformation, channels }, steps).unwrap_err().to_string()
+            impute(&powers, ImputationInput { counts, transformation, channels }, steps)
+                .unwrap_err()
+                .to_string()
         };
         let good = [1.0; 8];
         let negative = [1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0];

@@ -214,8 +214,10 @@ mod tests {
 
     #[test]
     fn duplicates_have_the_weight_one_and_a_bad_decay_an_error() {
-        let lists = NearestLists::from_arrays(3, &[1, 2, 0, 2, 0, 1], &[0.0, 4.0, 0.0, 4.0, 4.0, 4.0]).unwrap();
-        for kernel in [Kernel::Adaptive { decay: 1.0, scale_neighbor: 1 }, Kernel::SelfTuning { scale_neighbor: 1 }]
+        let lists =
+            NearestLists::from_arrays(3, &[1, 2, 0, 2, 0, 1], &[0.0, 4.0, 0.0, 4.0, 4.0, 4.0]).unwrap();
+        for kernel in
+            [Kernel::Adaptive { decay: 1.0, scale_neighbor: 1 }, Kernel::SelfTuning { scale_neighbor: 1 }]
         {
             let weights = weights(&lists, kernel);
             assert_eq!(weights.get(0, 1), 1.0);

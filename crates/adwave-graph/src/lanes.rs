@@ -54,7 +54,10 @@ fn multiply_fixed<const L: usize>(
 ) -> Result<(), Cancelled> {
     progress.check()?;
     let (now, out) = (now.as_chunks::<L>().0, out.as_chunks_mut::<L>().0);
-    assert!(now.len() == rows.n_rows() && out.len() == rows.n_rows(), "a row of lanes for each row of the matrix");
+    assert!(
+        now.len() == rows.n_rows() && out.len() == rows.n_rows(),
+        "a row of lanes for each row of the matrix"
+    );
     let arch = Arch::new();
     if out.len() <= SERIAL {
         arch.dispatch(RowsProduct { rows, now, first: 0, out });

@@ -8,7 +8,7 @@
 //! | powers of the walk for many channels, and their adjoint | [`WalkPowers`] |
 //! | imputation of counts, and its time by cross-validation | [`impute_into`], [`cross_validate`] |
 //! | geometric scattering, and moments of its coefficients | [`scatter`], [`pool`] |
-//! | large edge lists | [`read_edges`] |
+//! | large edge lists and matrices | [`read_edges`], [`read_matrix_market`] |
 //!
 //! The results have the same bits on any number of threads. The crate opens no files.
 
@@ -19,6 +19,7 @@ mod error;
 mod impute;
 mod kernel;
 mod lanes;
+mod matrix_market;
 mod nearest;
 mod pooling;
 mod powers;
@@ -31,6 +32,7 @@ pub use edge_list::{EdgeList, read_edges};
 pub use error::GraphWalkError;
 pub use impute::{ImputationInput, impute_into};
 pub use kernel::{Kernel, kernel_weights};
+pub use matrix_market::{SparseMatrix, read_matrix_market};
 pub use nearest::{DimensionedPoints, MAX_TIED, NearestLists, nearest_lists};
 pub use pooling::{Pooling, pool};
 pub use powers::WalkPowers;

@@ -95,7 +95,9 @@ impl NearestLists {
     /// ```
     pub fn from_arrays(n_points: usize, indices: &[i64], distances: &[f64]) -> Result<Self, GraphWalkError> {
         let (n_indices, n_distances) = (indices.len(), distances.len());
-        if n_indices != n_distances || n_points == 0 && n_indices > 0 || n_points > 0 && n_indices % n_points != 0
+        if n_indices != n_distances
+            || n_points == 0 && n_indices > 0
+            || n_points > 0 && n_indices % n_points != 0
         {
             return Err(GraphWalkError::ListsLength { n_indices, n_distances, n_points });
         }
@@ -114,9 +116,9 @@ impl NearestLists {
                 if !(distance >= 0.0 && distance.is_finite()) {
                     return Err(GraphWalkError::BadDistance { point, neighbor: neighbor as usize, distance });
                 }
-                row.push(Candidate { square: distance, index: neighbor as u32 });
+                row.push(NearCandidate { square: distance, index: neighbor as u32 });
             }
-            row.sort_unstable_by(Candidate::compare);
+            row.sort_unstable_by(NearCandidate::compare);
             row.dedup_by_key(|candidate| candidate.index);
             lists.indices.extend(row.iter().map(|candidate| candidate.index));
             lists.distances.extend(row.iter().map(|candidate| candidate.square));
@@ -128,12 +130,12 @@ impl NearestLists {
 
 /// A point that may be among the nearest.
 #[derive(Clone, Copy, Debug)]
-struct Candidate {
+struct NearCandidate {
     square: f64,
     index: u32,
 }
 
-impl Candidate {
+impl NearCandidate {
     fn compare(&self, other: &Self) -> Ordering {
         self.square.total_cmp(&other.square).then(self.index.cmp(&other.index))
     }
@@ -142,7 +144,7 @@ impl Candidate {
 /// The nearest points found so far, sorted: the k nearest and those tied with the k-th.
 struct NearestSoFar {
     k: usize,
-    found: Vec<Candidate>,
+    found: Vec<NearCandidate>,
 }
 
 impl NearestSoFar {
@@ -154,7 +156,7 @@ impl NearestSoFar {
         }
     }
 
-    fn insert(&mut self, candidate: Candidate) {
+    fn insert(&mut self, candidate: NearCandidate) {
         if candidate.square > self.limit() {
             return;
         }
@@ -187,7 +189,8 @@ impl<'a> PreparedPoints<'a> {
                 *sum += v / n as f64;
             }
         }
-        let deviations = points.values.chunks_exact(d).flat_map(|row| row.iter().zip(&mean).map(|(v, m)| v - m));
+        let deviations =
+            points.values.chunks_exact(d).flat_map(|row| row.iter().zip(&mean).map(|(v, m)| v - m));
         let largest = deviations.fold(0.0, |most: f64, v| most.max(v.abs()));
         let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
         let mut single = DMatrix::zeros(n, d + 1);
@@ -312,7 +315,13 @@ fn search_block(
 }
 
 /// Adds the points from `start` on that are near x to the nearest so far, given their products with x.
-fn look_at(prepared: &PreparedPoints<'_>, x: usize, products: &[f32], start: usize, nearest: &mut NearestSoFar) {
+fn look_at(
+    prepared: &PreparedPoints<'_>,
+    x: usize,
+    products: &[f32],
+    start: usize,
+    nearest: &mut NearestSoFar,
+) {
     let own = 0.5 * prepared.norms[x] * prepared.norms[x];
     let slack = prepared.slack(x);
     let threshold = |nearest: &NearestSoFar| {
@@ -328,7 +337,7 @@ fn look_at(prepared: &PreparedPoints<'_>, x: usize, products: &[f32], start: usi
         for (i, &value) in values.iter().enumerate() {
             let y = start + group * GROUP + i;
             if value <= limit && y != x {
-                nearest.insert(Candidate { square: prepared.squared_distance(x, y), index: y as u32 });
+                nearest.insert(NearCandidate { square: prepared.squared_distance(x, y), index: y as u32 });
                 limit = threshold(nearest);
             }
         }
@@ -408,7 +417,8 @@ mod tests {
             *v = *v * 1e-6 + if (i / 5) % 3 == 0 { 1e6 } else { -1e6 };
         }
         let found =
-            nearest_lists(DimensionedPoints { values: &values, n_dimensions: 5 }, 4, Progress::none()).unwrap();
+            nearest_lists(DimensionedPoints { values: &values, n_dimensions: 5 }, 4, Progress::none())
+                .unwrap();
         assert_eq!(sorted(&found), by_definition(&values, 5, 4));
     }
 
@@ -440,7 +450,9 @@ mod tests {
             assert!((0..n).all(|x| found.row(x).0.len() == n - 1));
         }
         let wrong = |values: &[f64], n_dimensions| {
-            nearest_lists(DimensionedPoints { values, n_dimensions }, 1, Progress::none()).unwrap_err().to_string()
+            nearest_lists(DimensionedPoints { values, n_dimensions }, 1, Progress::none())
+                .unwrap_err()
+                .to_string()
         };
         assert!(wrong(&[1.0, f64::NAN], 1).contains("coordinate 0 of point 1"));
         assert!(wrong(&[1.0, 2.0, 3.0], 2).contains("n × d"));
@@ -449,8 +461,12 @@ mod tests {
 
     #[test]
     fn lists_of_others_are_sorted_and_checked() {
-        let lists = NearestLists::from_arrays(3, &[0, 2, 1, -1, 0, 2, 2, 0, 1], &[0.0, 2.0, 1.0, 0.0, 1.0, 5.0, 0.0, 2.0, 5.0])
-            .unwrap();
+        let lists = NearestLists::from_arrays(
+            3,
+            &[0, 2, 1, -1, 0, 2, 2, 0, 1],
+            &[0.0, 2.0, 1.0, 0.0, 1.0, 5.0, 0.0, 2.0, 5.0],
+        )
+        .unwrap();
         assert_eq!(lists.row(0), ([1, 2].as_slice(), [1.0, 2.0].as_slice()));
         assert_eq!(lists.row(1).0, [0, 2]);
         assert!(NearestLists::from_arrays(2, &[1, 7], &[1.0, 1.0]).is_err());

@@ -234,6 +234,11 @@ mod tests {
         let constant = with(vec![1, 2, 4], vec![1, 2], None).unwrap();
         assert!(constant.values.iter().all(|v| v.abs() < 1e-15));
         assert_eq!(with(vec![1], vec![], None).unwrap().values, []);
-        assert!(scatter(&powers, &[], 0, &ScatteringParams::default(), Progress::none()).unwrap().values.is_empty());
+        assert!(
+            scatter(&powers, &[], 0, &ScatteringParams::default(), Progress::none())
+                .unwrap()
+                .values
+                .is_empty()
+        );
     }
 }

@@ -111,7 +111,11 @@ impl WalkMatrix {
         if let SelfLoops::Weight(value) = self_loops
             && !(value.is_finite() && value >= 0.0)
         {
-            return Err(GraphWalkError::BadParameter { name: "the weight of loops", range: "finite and at least 0", value });
+            return Err(GraphWalkError::BadParameter {
+                name: "the weight of loops",
+                range: "finite and at least 0",
+                value,
+            });
         }
         progress.check()?;
         let weights = match symmetrization {
@@ -228,9 +232,8 @@ impl WalkMatrix {
                 weights.push(w);
             }
         }
-        let graph = Graph::from_columns(n, &rows, &columns, &weights).map_err(|_| {
-            GraphWalkError::Diffusion(DiffusionError::RowCount { n_rows: n, n_vertices: n })
-        })?;
+        let graph = Graph::from_columns(n, &rows, &columns, &weights)
+            .map_err(|_| GraphWalkError::Diffusion(DiffusionError::RowCount { n_rows: n, n_vertices: n }))?;
         let params = adwave::operator::OperatorParams::default();
         let decomposer = Decomposer::with_params(&Shape::Graph(graph), &params, progress)?;
         Ok(decomposer.with_walk(&self.rows, progress)?)
@@ -412,7 +415,8 @@ mod tests {
     #[test]
     fn normalizations_divide_by_the_row_sums_and_isolated_nodes_stay() {
         for normalization in [Normalization::Row, Normalization::Column, Normalization::Symmetric] {
-            let options = WalkOptions { normalization, self_loops: SelfLoops::Keep, ..WalkOptions::default() };
+            let options =
+                WalkOptions { normalization, self_loops: SelfLoops::Keep, ..WalkOptions::default() };
             let walk = walk(&WEIGHTS, options).unwrap();
             let sums: [f64; 3] = [3.0, 4.0, 3.0];
             for (x, row) in WEIGHTS[..3].iter().enumerate() {
@@ -447,7 +451,10 @@ mod tests {
         let options = WalkOptions { self_loops: SelfLoops::Keep, ..WalkOptions::default() };
         assert!(!walk(&one_way, options).unwrap().is_reversible());
         let column = WalkOptions { normalization: Normalization::Column, ..options };
-        assert!(matches!(walk(&one_way, column), Err(GraphWalkError::NotSymmetric { row: 0, column: 1, .. })));
+        assert!(matches!(
+            walk(&one_way, column),
+            Err(GraphWalkError::NotSymmetric { row: 0, column: 1, .. })
+        ));
         let mean = walk(&one_way, WalkOptions { symmetrization: Symmetrization::Mean, ..options }).unwrap();
         assert!(mean.is_reversible());
         assert_eq!(mean.rows().get(1, 0), 0.5 / 1.5);

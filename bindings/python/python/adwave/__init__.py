@@ -28,6 +28,8 @@ render(shape, f), report(shape, "a.html")   draw it; write a page about it
 info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
 read(path), Shape(points, faces)            shapes; sample() and graph() make others
+walk(P), points(X)                          random walks on graphs and on points of any dimension
+impute(counts, walk), scattering(walk, f)   averages over similar cells; features of fields on a graph
 Decomposer(shape)                           a shape prepared once, for many requests
 studio(shape)                               an equalizer in the browser
 ==========================================  ============================================================
@@ -59,6 +61,8 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_repeatability": ("ChangedShape", "Repeatability", "Trials", "repeatability"),
     "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
     "_recipe": ("Recipe", "read_recipe"),
+    "_walk": ("ScatteringResult", "Walk", "from_edge_index", "neighbors", "points", "scattering", "walk"),
+    "_impute": ("Imputation", "impute"),
     "_info": ("Info", "info", "memory_needed", "preset_gains", "region", "report", "signal"),
     "_picture": ("Camera", "ColorScale", "Picture", "render"),
     "_studio": ("StudioResult", "studio"),

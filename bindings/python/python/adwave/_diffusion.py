@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import LinearOperator
 
+    from adwave._walk import Walk
+
 #: Share of the diagonal up to which levels go if none are given: of bands, of features, of a signed saliency map.
 EXTENT = _native.EXTENT
 
@@ -40,7 +42,7 @@ _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 class PreparedShape:
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
-    __slots__ = ("__weakref__", "_by_width", "_data", "_last_masked", "_mask", "_options", "shape")
+    __slots__ = ("__weakref__", "_by_width", "_data", "_last_masked", "_mask", "_options", "_walk", "shape")
 
     shape: Shape
 
@@ -50,6 +52,7 @@ class PreparedShape:
         with report_progress(progress, "preparing") as report:
             self._data = _native.Prepared(self.shape._data, self._options.with_default_kind("walk"), report)
         self._mask: NDArray[np.bool_] | None = None
+        self._walk: Walk | None = None
         self._by_width: Any = None
         self._last_masked: Any = None
 
@@ -80,7 +83,7 @@ class PreparedShape:
     @property
     def chooses_operator(self) -> bool:
         """Whether each request chooses the operator that suits its levels, because none was given."""
-        return self._options.kind is None and not self._options.needs_walk()
+        return self._walk is None and self._options.kind is None and not self._options.needs_walk()
 
     @property
     def n_vertices(self) -> int:
@@ -140,10 +143,36 @@ class PreparedShape:
         if flags.shape != (self.n_vertices,):
             raise ValueError(f"mask must have one flag for each of {self.n_vertices} vertices, got shape {flags.shape}")
         other = type(self).__new__(type(self))
-        other.shape, other._options, other._mask = self.shape, self._options, flags
+        other.shape, other._options, other._mask, other._walk = self.shape, self._options, flags, self._walk
         other._by_width = other._last_masked = None
         other._data = self._data.with_mask(flags)
         return other
+
+    def with_walk(self: _Prepared, walk: Walk) -> _Prepared:
+        """Shape with the given walk as its diffusion: a step of the walk is a step of the bands.
+
+        Parameters
+        ----------
+        walk : Walk
+            A walk with a node for each vertex and rows that sum to 1.
+
+        Raises
+        ------
+        ValueError
+            If the walk has another number of nodes or another normalization.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> pair = aw.Decomposer(aw.graph(2, [[0, 1]])).with_walk(aw.walk([[0, 1], [1, 0]]))
+        >>> pair.decompose([1.0, 3.0], levels=1).coarsest
+        array([3., 1.])
+        """
+        other = type(self).__new__(type(self))
+        other.shape, other._options, other._mask, other._walk = self.shape, self._options, None, walk
+        other._by_width = other._last_masked = None
+        other._data = self._data.with_walk(walk._data)
+        return other if self._mask is None else other.with_mask(self._mask)
 
     def schedule(self, levels: LevelsLike = None, *, extent: float | None = None) -> list[float]:
         """Number of diffusion steps of each level.
@@ -552,7 +581,7 @@ class PreparedShape:
         return f"<adwave.{type(self).__name__}: {operator} on {self.shape!r}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (type(self), self.shape, self._options, self._mask)
+        return _restore, (type(self), self.shape, self._options, self._mask, self._walk)
 
 
 def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | None) -> Steps | Widths:
@@ -572,6 +601,14 @@ def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | Non
     return Widths(rms=None if rms is None else [rms], fwhm=None if fwhm is None else [fwhm])
 
 
-def _restore(kind: type[_Prepared], shape: Shape, options: Operator, mask: NDArray[np.bool_] | None) -> _Prepared:
+def _restore(
+    kind: type[_Prepared],
+    shape: Shape,
+    options: Operator,
+    mask: NDArray[np.bool_] | None,
+    walk: Walk | None = None,
+) -> _Prepared:
     prepared = kind(shape, operator=options)
+    if walk is not None:
+        prepared = prepared.with_walk(walk)
     return prepared if mask is None else prepared.with_mask(mask)

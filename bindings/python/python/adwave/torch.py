@@ -23,8 +23,9 @@ import torch
 from adwave import _native
 from adwave._decomposer import Decomposer
 from adwave._options import BandsRequest, LevelsLike, check_steps
+from adwave._walk import SCALES, Walk, from_edge_index
 
-__all__ = ["bands", "combine_bands", "filter", "smooth"]
+__all__ = ["Scattering", "bands", "combine_bands", "filter", "scatter_bands", "smooth"]
 
 
 @dataclass(frozen=True)
@@ -348,3 +349,196 @@ def filter(
     wavelets = _Split.apply(rows, given)[:-1]
     change = torch.einsum("j,jnc->nc" if gains.ndim == 1 else "jn,jnc->nc", gains - 1.0, wavelets)
     return (rows + change).reshape(own.n_vertices, *channels).movedim(0, axis)
+
+
+@dataclass(frozen=True)
+class _Scales:
+    """A walk with the numbers of steps between which its bands lie."""
+
+    walk: Walk
+    scales: tuple[int, ...]
+
+
+class _Powers(torch.autograd.Function):
+    """Bands between powers of a walk of an n × channels signal, (J + 1) × n × channels."""
+
+    @staticmethod
+    def forward(signal: Any, scales: _Scales) -> Any:
+        return _from_numpy(scales.walk._data.bands(_to_numpy(signal), list(scales.scales)), signal)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.scales = inputs[1]
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Any:
+        return _PowersAdjoint.apply(gradients[0], ctx.scales), None
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Any, _: Any) -> Any:
+        return _Powers.apply(tangent, ctx.scales)
+
+
+class _PowersAdjoint(torch.autograd.Function):
+    """Adjoint of `_Powers`, by the transposed walk: n × channels values from (J + 1) × n × channels."""
+
+    @staticmethod
+    def forward(weights: Any, scales: _Scales) -> Any:
+        return _from_numpy(scales.walk._data.adjoint(_to_numpy(weights), list(scales.scales)), weights)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.scales = inputs[1]
+
+    @staticmethod
+    def backward(ctx: Any, *gradients: Any) -> Any:
+        return _Powers.apply(gradients[0], ctx.scales), None
+
+    @staticmethod
+    def jvp(ctx: Any, tangent: Any, _: Any) -> Any:
+        return _PowersAdjoint.apply(tangent, ctx.scales)
+
+
+def scatter_bands(walk: Walk, signal: torch.Tensor, scales: Sequence[int] = SCALES) -> torch.Tensor:
+    """Bands ``(P^{n_{j−1}} − P^{n_j}) f`` and the rest, (J + 1) × n × channels, with their gradient.
+
+    Directed walks have gradients too: the adjoint uses the transposed walk, at the cost of the bands.
+
+    Parameters
+    ----------
+    walk : Walk
+        The walk.
+    signal : (n, channels) tensor
+        Values at the nodes.
+    scales : sequence of int
+        n_1 < n_2 < … < n_J.
+
+    Examples
+    --------
+    >>> aw.torch.scatter_bands(walk, f, [1, 2]).shape  # doctest: +SKIP
+    torch.Size([3, 100, 2])
+    """
+    if not torch.is_tensor(signal) or signal.ndim != 2 or signal.shape[0] != walk.n_nodes:
+        raise ValueError(f"signal must be a tensor of {walk.n_nodes} rows and some channels, got {_shape(signal)}")
+    return _Powers.apply(signal, _Scales(walk, tuple(int(n) for n in scales)))
+
+
+def _shape(value: object) -> str:
+    return f"shape {tuple(value.shape)}" if torch.is_tensor(value) else type(value).__name__
+
+
+class Scattering(torch.nn.Module):
+    """Geometric scattering as a layer: the signal, |W_j f| and |W_k |W_j f||, k > j, with gradients and learned gains.
+
+    Call it with a signal and a `Walk`, or with a graph of PyTorch Geometric (``x``, ``edge_index``, ``edge_weight``,
+    ``batch``) or of DGL (``ndata["x"]``, ``edges()``). A batch is a graph of several components. Powers of the walk are
+    exact for each component.
+
+    Parameters
+    ----------
+    steps : sequence of int
+        Scales n_1 < n_2 < ….
+    orders : sequence of int
+        Orders, of 0, 1 and 2.
+    pool : 'mean', 'max' or 'norms', optional
+        Statistics over the nodes of each graph; without it the result has a row for each node.
+    learn_gains : bool
+        Gives each band a gain, 1 at first.
+
+    Examples
+    --------
+    >>> layer = aw.torch.Scattering(steps=[1, 2, 4])  # doctest: +SKIP
+    >>> layer(f, walk).shape  # (nodes, paths × channels)  # doctest: +SKIP
+    torch.Size([100, 14])
+    """
+
+    def __init__(
+        self,
+        steps: Sequence[int] = SCALES,
+        orders: Sequence[int] = (0, 1, 2),
+        pool: str | None = None,
+        *,
+        learn_gains: bool = False,
+    ) -> None:
+        super().__init__()
+        if any(order not in (0, 1, 2) for order in orders):
+            raise ValueError(f"orders of scattering are 0, 1 and 2, got {list(orders)}")
+        if pool not in (None, "mean", "max", "norms"):
+            raise ValueError(f"pool must be 'mean', 'max' or 'norms', got {pool!r}")
+        self.steps = tuple(int(n) for n in steps)
+        self.orders = tuple(sorted({int(order) for order in orders}))
+        self.pool = pool
+        self.gains = torch.nn.Parameter(torch.ones(len(self.steps)), requires_grad=learn_gains)
+
+    def paths(self) -> list[tuple[int, ...]]:
+        """Bands of each path, from 1, in the order of the result."""
+        n = len(self.steps)
+        of_order = (
+            [()],
+            [(j,) for j in range(1, n + 1)],
+            [(j, k) for j in range(1, n + 1) for k in range(j + 1, n + 1)],
+        )
+        return [path for order in self.orders for path in of_order[order]]
+
+    def forward(self, signal: Any, walk: Walk | None = None, batch: torch.Tensor | None = None) -> torch.Tensor:
+        """Coefficients, (n, paths × channels), or (graphs, paths × channels × statistics) if pooled."""
+        if not torch.is_tensor(signal):
+            signal, walk, batch = _from_graph(signal, walk, batch)
+        if walk is None:
+            raise ValueError("give a walk, such as aw.from_edge_index(edge_index), or a graph with edge_index")
+        rows = signal[:, None] if signal.ndim == 1 else signal
+        gains = self.gains.to(rows)
+        n_scales = len(self.steps)
+        parts = [rows[None]] if 0 in self.orders else []
+        if 1 in self.orders or 2 in self.orders:
+            first = (gains[:, None, None] * scatter_bands(walk, rows, self.steps)[:-1]).abs()
+            if 1 in self.orders:
+                parts.append(first)
+            if 2 in self.orders and n_scales > 1:
+                n, n_channels = rows.shape
+                stacked = first[:-1].movedim(0, 1).reshape(n, -1)
+                second = scatter_bands(walk, stacked, self.steps)[:-1].reshape(n_scales, n, n_scales - 1, n_channels)
+                second = (gains[:, None, None, None] * second).abs()
+                before, after = np.triu_indices(n_scales, 1)
+                parts.append(second[after, :, before])
+        if not parts:
+            return rows.new_zeros(rows.shape[0], 0)
+        found = torch.cat(parts).movedim(0, 1).reshape(rows.shape[0], -1)
+        return found if self.pool is None else _pool(found, self.pool, batch)
+
+
+def _pool(values: torch.Tensor, pool: str, batch: torch.Tensor | None) -> torch.Tensor:
+    """Statistics of n × features values over the nodes of each graph."""
+    labels = values.new_zeros(len(values), dtype=torch.long) if batch is None else batch.to(values.device).long()
+    n_graphs = 1 if batch is None else int(labels.max()) + 1 if len(labels) else 0
+    index = labels[:, None].expand_as(values)
+    if pool == "max":
+        start = values.new_zeros(n_graphs, values.shape[1])
+        return start.scatter_reduce(0, index, values, "amax", include_self=False)
+    if pool == "norms":
+        values = torch.cat([values.abs() ** q for q in range(1, 5)], dim=1)
+        index = labels[:, None].expand_as(values)
+    sums = values.new_zeros(n_graphs, values.shape[1]).scatter_add(0, index, values)
+    if pool == "norms":
+        return sums
+    counts = torch.bincount(labels, minlength=n_graphs).clamp(min=1).to(values)
+    return sums / counts[:, None]
+
+
+def _from_graph(graph: Any, walk: Walk | None, batch: Any) -> tuple[torch.Tensor, Walk, Any]:
+    """Signal, walk and batch of a graph of PyTorch Geometric or DGL."""
+    if hasattr(graph, "edge_index"):
+        signal = graph.x
+        if walk is None:
+            walk = from_edge_index(graph.edge_index, getattr(graph, "edge_weight", None), nodes=signal.shape[0])
+        return signal, walk, getattr(graph, "batch", None) if batch is None else batch
+    if hasattr(graph, "ndata") and hasattr(graph, "edges"):
+        signal = graph.ndata["x"]
+        if walk is None:
+            sources, targets = graph.edges()
+            walk = from_edge_index(torch.stack([sources, targets]), nodes=signal.shape[0])
+        if batch is None and hasattr(graph, "batch_num_nodes"):
+            counts = graph.batch_num_nodes()
+            batch = torch.repeat_interleave(torch.arange(len(counts)), counts.cpu())
+        return signal, walk, batch
+    raise TypeError(f"signal must be a tensor or a graph with x and edge_index, got {type(graph).__name__}")

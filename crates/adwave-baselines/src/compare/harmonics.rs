@@ -26,7 +26,9 @@ pub(super) fn compare(
     let (steps, semigroup) = (bands.steps[bands.n_levels()], input.decomposer.diffusion().semigroup());
     let exponent = match semigroup {
         // (1 − λσ²/4n)^n = ½ at λσ²/4 = n(1 − 2^(−1/n))
-        Semigroup::Steps | Semigroup::PlainSteps => std::f64::consts::LN_2 / (steps * (1.0 - (-1.0 / steps).exp2())),
+        Semigroup::Steps | Semigroup::PlainSteps => {
+            std::f64::consts::LN_2 / (steps * (1.0 - (-1.0 / steps).exp2()))
+        }
         Semigroup::Heat { .. } => 1.0,
     };
     let gain = |frequency: f64| (-exponent * (frequency * sigma).powi(2) / 4.0).exp();

@@ -15,6 +15,7 @@ mod region_help;
 mod selection;
 mod shape;
 mod signal;
+mod walk;
 
 pub(crate) use analysis::{BorderMaskArgs, DetectArgs, MapArgs};
 pub(crate) use cloud_part::CloudPartArgs;
@@ -31,3 +32,4 @@ pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;
 pub(crate) use shape::{ShapeArgs, ShapeKindArg};
 pub(crate) use signal::{SignalArgs, signal_names};
+pub(crate) use walk::{KernelArg, WalkArgs};

@@ -11,10 +11,12 @@ use crate::output::{
     check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, number, peak_memory,
     percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
 };
+use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::levels::{check_levels, resolve_levels};
-use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
+use crate::resolve::operator::{mask_missing, operator_for_levels, prepare, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
+use crate::resolve::walk::with_given_walk;
 use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
@@ -40,6 +42,9 @@ pub(crate) struct TransformArgs {
     /// File for the bands (.npz, .vtp, .ply, .las, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Walk as given, instead of the shape's own: a matrix (.mtx) with a row for each vertex, diagonal included, whose rows sum to 1
+    #[arg(long, value_name = "FILE", conflicts_with = "operator", help_heading = "Diffusion operator")]
+    pub(crate) walk: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]
@@ -106,7 +111,14 @@ fn resolve(
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
+    let decomposer = match &args.walk {
+        None => prepare_for_signal(global, &input, &operator, &signal, name)?,
+        Some(path) => {
+            global.given.refuse(&OPERATOR_OPTIONS, "applies to the shape's own walk (not with --walk)")?;
+            let own = prepare(global, &input, &operator)?;
+            mask_missing(with_given_walk(&own, path, global)?, &signal, name, global)?
+        }
+    };
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let (schedule, levels_reason) = (levels.schedule, levels.reason);
     Ok((TransformJob { file, input, signal, decomposer, schedule, levels_reason, params }, read))

@@ -7,3 +7,4 @@ pub(crate) mod region;
 pub(crate) mod shape;
 pub(crate) mod signal;
 pub(crate) mod up;
+pub(crate) mod walk;

@@ -186,7 +186,9 @@ impl Diffusion {
         let Some(n) = offsets.len().checked_sub(1) else { return Err(RowsError::NoOffsets.into()) };
         let pattern = Pattern::with_values(offsets.to_vec(), columns.to_vec(), n, values.len())?;
         let wrong = parallel::map_chunks(n, VERTICES_AT_A_TIME, |mut range| {
-            range.find_map(|row| wrong_row(row, pattern.row(row), &values[pattern.range(row)], ROW_SUM_TOLERANCE))
+            range.find_map(|row| {
+                wrong_row(row, pattern.row(row), &values[pattern.range(row)], ROW_SUM_TOLERANCE)
+            })
         });
         if let Some(error) = wrong.into_iter().flatten().next() {
             return Err(error);

@@ -195,11 +195,8 @@ mod tests {
 
     #[test]
     fn wrong_matrices_are_refused() {
-        let cases: [&[&[f64]]; 3] = [
-            &[&[0.5, 0.4], &[0.0, 1.0]],
-            &[&[1.5, -0.5], &[0.0, 1.0]],
-            &[&[f64::NAN, 1.0], &[0.0, 1.0]],
-        ];
+        let cases: [&[&[f64]]; 3] =
+            [&[&[0.5, 0.4], &[0.0, 1.0]], &[&[1.5, -0.5], &[0.0, 1.0]], &[&[f64::NAN, 1.0], &[0.0, 1.0]]];
         for rows in cases {
             assert!(Diffusion::from_walk(&matrix(rows), Progress::none()).is_err(), "{rows:?}");
         }

@@ -1,0 +1,238 @@
+"""`impute`: counts averaged over similar cells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from adwave._walk import Walk, points, walk as make_walk
+
+#: Genes that are processed together.
+BLOCK = 256
+#: Share of the molecules that is diffused in cross-validation.
+SHARE = 0.9
+#: Largest number of steps that cross-validation tries.
+MOST_STEPS = 256
+#: Principal components of cells without a graph.
+N_COMPONENTS = 50
+
+
+@dataclass(frozen=True)
+class _Split:
+    """Split of the molecules."""
+
+    share: float
+    library_size: float | None
+    seed: int
+    most_steps: int
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """Counts in compressed rows."""
+
+    offsets: NDArray[np.int64]
+    columns: NDArray[np.uint32]
+    values: NDArray[np.float64]
+    n_channels: int
+
+
+@dataclass(frozen=True)
+class Imputation:
+    """Imputed values, and the time that was taken."""
+
+    #: Values, cells × genes.
+    values: NDArray[np.float64]
+    #: Number of steps.
+    steps: float
+    #: Mean squared error of 0, 1, 2, … steps by cross-validation; empty if the time was given.
+    errors: NDArray[np.float64]
+    #: Columns of the values in the matrix that was given.
+    genes: NDArray[np.int64]
+    #: The walk.
+    walk: Walk = field(repr=False)
+    #: Assumptions that were made.
+    notes: tuple[str, ...] = ()
+
+
+def impute(
+    X: Any,  # noqa: N803
+    walk: Walk | None = None,
+    *,
+    t: float | Literal["auto"] = "auto",
+    genes: Sequence[int] | Sequence[str] | None = None,
+    layer: str | None = None,
+    library_size: float | Literal["median"] | None = None,
+    square_root: bool = False,
+    seed: int = 0,
+) -> Imputation:
+    """Average counts over similar cells, ``Pᵗ X``, for a time t that is chosen by molecular cross-validation.
+
+    Diffusion for too long removes the differences between cells: look at `Imputation.errors`, which should have their
+    least value inside.
+
+    Parameters
+    ----------
+    X : (cells, genes) array, sparse matrix or AnnData
+        Raw counts. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
+    walk : Walk, optional
+        The walk. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
+        other counts that of the nearest neighbors in their first principal components.
+    t : float or 'auto'
+        Number of steps. ``"auto"`` holds back a tenth of the molecules and takes the time that predicts them best, which
+        needs raw counts. Fractional steps need a walk that stays half of the time.
+    genes : sequence of int or str, optional
+        Columns of the result, by number or (of an AnnData) by name; all by default.
+    layer : str, optional
+        Layer of the AnnData.
+    library_size : float or 'median', optional
+        Sum to which the counts of each cell are scaled before diffusion.
+    square_root : bool
+        Takes square roots before diffusion; the result stays in square roots.
+    seed : int
+        Seed of the split of the molecules.
+
+    Examples
+    --------
+    >>> import adwave as aw, numpy as np
+    >>> ring = aw.walk(np.roll(np.eye(30), 1, 1) + np.roll(np.eye(30), -1, 1), normalize="row", self_loops=1)
+    >>> counts = np.random.default_rng(0).poisson(5.0, (30, 4))
+    >>> found = aw.impute(counts, ring, t=3)
+    >>> bool(abs(found.values - np.linalg.matrix_power(ring.matrix().toarray(), 3) @ counts).max() < 1e-12)
+    True
+    """
+    notes: list[str] = []
+    counts, names = _matrix(X, layer)
+    if walk is None:
+        walk = _default_walk(X, counts, notes)
+    n, n_genes = counts.shape
+    if n != walk.n_nodes:
+        hint = "; it has a column per node, so it seems to be genes × cells: transpose it" if n_genes == walk.n_nodes else ""
+        raise ValueError(f"X must have one row for each of {walk.n_nodes} nodes, got shape {counts.shape}{hint}")
+    chosen = _columns(genes, names, n_genes)
+    size = None
+    totals = np.zeros(n)
+    if library_size is not None:
+        totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
+        positive = totals[totals > 0]
+        size = float(np.median(positive)) if library_size == "median" and positive.size else 1.0
+        if library_size != "median":
+            size = float(library_size)
+        if not size > 0 or not np.isfinite(size):
+            raise ValueError(f"library_size must be greater than 0, got {library_size}")
+    errors = np.empty(0)
+    if t == "auto":
+        steps, found, _, is_at_limit = walk._data.cross_validate(
+            _sparse(counts), _Split(SHARE, size, int(seed), MOST_STEPS)
+        )
+        errors = np.array(found)
+        t = float(steps)
+        if is_at_limit:
+            notes.append(f"the error still falls at {MOST_STEPS} steps, the most that were tried")
+    values = np.empty((n, len(chosen)))
+    for place, block in _blocks(counts, chosen):
+        if size is not None:
+            block *= np.divide(size, totals, out=np.ones(n), where=totals > 0)[:, None]
+        values[:, place] = walk._data.impute(block, float(t), square_root)
+    return Imputation(values, float(t), errors, chosen, walk, tuple(notes))
+
+
+def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:  # noqa: N803
+    """Counts, and the names of the genes if there are any."""
+    is_annotated = all(hasattr(X, name) for name in ("X", "layers", "obsm", "var_names"))
+    if not is_annotated:
+        if layer is not None:
+            raise ValueError("layer applies to an AnnData, and X is a matrix")
+        counts: Any = X if hasattr(X, "tocsc") else np.asarray(X)
+        names = None
+    else:
+        if layer is not None and layer not in X.layers:
+            raise ValueError(f"the AnnData has no layer {layer!r}; it has {sorted(X.layers)}")
+        counts, names = X.X if layer is None else X.layers[layer], [str(name) for name in X.var_names]
+    if len(counts.shape) != 2:
+        raise ValueError(f"X must be cells × genes, got shape {counts.shape}")
+    return (counts.tocsc() if hasattr(counts, "tocsc") else counts), names
+
+
+def _default_walk(X: Any, counts: Any, notes: list[str]) -> Walk:  # noqa: N803
+    """The walk of an AnnData's neighbors, or of the nearest neighbors in principal components."""
+    pairs, coordinates = getattr(X, "obsp", {}), getattr(X, "obsm", {})
+    if "connectivities" in pairs:
+        notes.append("walk on obsp['connectivities'], with loops of weight 1")
+        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0)
+    if "X_pca" in coordinates:
+        notes.append("walk to the 15 nearest neighbors in obsm['X_pca']")
+        return points(coordinates["X_pca"])
+    notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
+    return points(principal_components(counts, N_COMPONENTS))
+
+
+def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
+    """Coordinates of cells in the first principal components of the square roots of their normalized counts."""
+    from scipy.sparse.linalg import LinearOperator, svds
+
+    totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
+    factors = np.divide(1e4, totals, out=np.ones(len(totals)), where=totals > 0)
+    if hasattr(counts, "tocsr"):
+        rows: Any = counts.tocsr().astype(np.float64)
+        rows.data *= np.repeat(factors, np.diff(rows.indptr))
+        rows.data = np.sqrt(rows.data)
+    else:
+        rows = np.sqrt(np.asarray(counts, dtype=np.float64) * factors[:, None])
+    mean = np.asarray(rows.mean(axis=0)).ravel()
+    n_components = min(n_components, min(rows.shape) - 1)
+    if n_components < 1:
+        raise ValueError(f"principal components need at least two cells and two genes, got shape {rows.shape}")
+
+    def forward(v: NDArray[np.float64]) -> NDArray[np.float64]:
+        return rows @ v - mean @ v
+
+    def backward(u: NDArray[np.float64]) -> NDArray[np.float64]:
+        return rows.T @ u - np.multiply.outer(mean, u.sum(axis=0)).reshape(len(mean), *u.shape[1:])
+
+    factory: Any = LinearOperator
+    centered = factory(rows.shape, matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
+    start = np.ones(min(rows.shape))
+    left, sizes, _ = svds(centered, k=n_components, v0=start)
+    return np.ascontiguousarray((left * sizes)[:, ::-1])
+
+
+def _columns(genes: Any, names: list[str] | None, n_genes: int) -> NDArray[np.int64]:
+    """Columns by number or by name."""
+    if genes is None:
+        return np.arange(n_genes)
+    chosen = []
+    for gene in genes:
+        if isinstance(gene, str):
+            if names is None or gene not in names:
+                known = "the matrix has no names" if names is None else "the AnnData has no such name"
+                raise ValueError(f"genes: {gene!r} is unknown, {known}")
+            chosen.append(names.index(gene))
+        elif 0 <= int(gene) < n_genes:
+            chosen.append(int(gene))
+        else:
+            raise ValueError(f"genes must be in 0..={n_genes - 1}, got {gene}")
+    return np.array(chosen, dtype=np.int64)
+
+
+def _blocks(counts: Any, chosen: NDArray[np.int64]) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+    """Some columns at a time as a dense array of its own."""
+    for start in range(0, len(chosen), BLOCK):
+        place = slice(start, min(start + BLOCK, len(chosen)))
+        block = counts[:, chosen[place]]
+        if hasattr(block, "toarray"):
+            block = block.toarray()
+        yield place, np.array(block, dtype=np.float64, order="C")
+
+
+def _sparse(counts: Any) -> _Counts:
+    """Counts in compressed rows."""
+    from scipy.sparse import csr_array
+
+    rows: Any = csr_array(counts, dtype=np.float64)
+    rows.sum_duplicates()
+    return _Counts(rows.indptr.astype(np.int64), rows.indices.astype(np.uint32), rows.data, rows.shape[1])

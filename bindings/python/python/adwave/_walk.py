@@ -1,0 +1,478 @@
+"""`Walk`: a random walk on a graph or on points of any dimension, its powers and its scattering."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from adwave import _native
+from adwave._layout import signal_values
+from adwave._progress import ProgressLike, report_progress
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    from adwave._decomposer import Decomposer
+
+#: Ways to divide the weights of a graph.
+Normalization = Literal["row", "column", "symmetric"]
+#: Weights of neighbors by their distances.
+Kernel = Literal["adaptive", "paper", "self-tuning", "density-invariant"]
+#: Statistics over the nodes of a graph.
+Pool = Literal["mean", "max", "norms", "moments"]
+
+#: Scales of scattering: numbers of steps between which the bands lie.
+SCALES = (1, 2, 4, 8, 16)
+#: Neighbor whose distance is the scale of a point.
+SCALE_NEIGHBOR = 5
+
+
+@dataclass(frozen=True)
+class _WalkChoices:
+    """Construction of a walk from weights."""
+
+    self_loops: str
+    symmetrize: str | None
+    normalize: str
+    stay: float
+
+
+@dataclass(frozen=True)
+class _KernelChoice:
+    """Weights of neighbors by their distances."""
+
+    name: str
+    decay: float
+    scale_neighbor: int
+
+
+class Walk:
+    """A random walk P on n nodes, as `adwave.walk`, `adwave.points` and `adwave.neighbors` make it.
+
+    ``repr`` tells how it was made. Results do not depend on the number of threads.
+    """
+
+    __slots__ = ("_data", "_decomposer", "_source", "origin")
+
+    #: Construction of the walk in words.
+    origin: str
+
+    def __init__(self, source: tuple[NDArray[Any], ...], choices: _WalkChoices | None, origin: str) -> None:
+        values, columns, offsets = source
+        self._source = (source, choices)
+        self._data = _native.WalkData(offsets, columns, values, choices)
+        self._decomposer: Any = None
+        self.origin = origin
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return self._data.n_nodes
+
+    @property
+    def n_isolated(self) -> int:
+        """Number of nodes without neighbors, whose values stay as they are."""
+        return self._data.n_isolated
+
+    @property
+    def is_reversible(self) -> bool:
+        """Whether weights are symmetric. A directed walk is applied power by power, in whole steps."""
+        return self._data.is_reversible
+
+    @property
+    def normalization(self) -> str:
+        """Divisors of the weights: ``'row'``, ``'column'`` or ``'symmetric'``."""
+        return self._data.normalization
+
+    def matrix(self) -> csr_array:
+        """P as a sparse n × n matrix."""
+        from scipy.sparse import csr_array
+
+        values, columns, offsets = self._data.matrix()
+        return csr_array((values, columns, offsets), shape=(self.n_nodes, self.n_nodes))
+
+    def smooth(self, signal: ArrayLike, steps: int, *, progress: ProgressLike = None) -> NDArray[np.float64]:
+        """``P^steps f`` for a whole number of steps.
+
+        Parameters
+        ----------
+        signal : (n,) or (n, channels) array
+            Values at the nodes.
+        steps : int
+            Number of steps, at least 0.
+        progress : bool or callable, optional
+            ``True`` for a bar, or a function of (done, total).
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> aw.walk([[0, 1], [1, 0]]).smooth([1.0, 3.0], 3)
+        array([3., 1.])
+        """
+        if steps != int(steps) or steps < 0:
+            raise ValueError(f"steps must be a whole number of at least 0, got {steps}")
+        values, layout = signal_values(signal, self.n_nodes)
+        with report_progress(progress, "smoothing") as report:
+            return layout.arrange(self._data.apply(values, int(steps), report))
+
+    def bands(self, signal: ArrayLike, scales: Sequence[int] = SCALES) -> NDArray[np.float64]:
+        """Bands ``(P^{n_{j−1}} − P^{n_j}) f``, n_0 = 0, and the rest ``P^{n_J} f``; they sum to the signal.
+
+        Parameters
+        ----------
+        signal : (n,) or (n, channels) array
+            Values at the nodes.
+        scales : sequence of int
+            n_1 < n_2 < … < n_J.
+
+        Returns
+        -------
+        (J + 1, n) or (J + 1, n, channels) array
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> aw.walk([[0.5, 0.5], [0.5, 0.5]]).bands([1.0, 3.0], [1])
+        array([[-1.,  1.],
+               [ 2.,  2.]])
+        """
+        values, layout = signal_values(signal, self.n_nodes)
+        return layout.arrange(self._data.bands(values, [int(n) for n in scales]))
+
+    def prepare(self) -> Decomposer:
+        """The graph of the walk as an `adwave.Decomposer`: bands, filters, denoising, saliency and features.
+
+        Walks that stay half of the time or more take any levels; others take whole numbers of steps.
+
+        Raises
+        ------
+        ValueError
+            Unless rows are normalized.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> pair = aw.walk([[0, 1], [1, 0]]).prepare()
+        >>> pair.decompose([1.0, 3.0], levels=1).coarsest
+        array([3., 1.])
+        """
+        from adwave._decomposer import Decomposer
+        from adwave._shape import graph
+
+        if self._decomposer is None:
+            matrix = self.matrix().tocoo()
+            off = matrix.row != matrix.col
+            edges = np.column_stack([matrix.row[off], matrix.col[off]])
+            shape = graph(self.n_nodes, edges, matrix.data[off])
+            self._decomposer = Decomposer(shape, operator="walk").with_walk(self)
+        return self._decomposer
+
+    def __repr__(self) -> str:
+        return f"<adwave.Walk: {self.n_nodes} nodes, {self.origin}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Walk, (*self._source, self.origin)
+
+
+def walk(
+    matrix: object,
+    *,
+    normalize: Normalization | None = None,
+    self_loops: float | Literal["keep"] = "keep",
+    symmetrize: Literal["mean", "maximum"] | None = None,
+    stay: float = 0.0,
+) -> Walk:
+    """A walk as given, or from the weights of a graph.
+
+    Parameters
+    ----------
+    matrix : (n, n) array or sparse matrix
+        Without `normalize` the walk itself: entries ≥ 0, rows that sum to 1 with the diagonal. With it, weights.
+    normalize : 'row', 'column' or 'symmetric', optional
+        Divides weights W with row sums D: ``D⁻¹W`` averages values, ``WD⁻¹`` moves amounts, ``D^(−½)WD^(−½)`` is
+        symmetric.
+    self_loops : float or 'keep'
+        Weight of the loop at each node; ``"keep"`` takes the diagonal as it is.
+    symmetrize : 'mean' or 'maximum', optional
+        Makes directed weights symmetric. A directed walk takes whole steps only.
+    stay : float
+        Share of the steps that stay: the walk is ``stay·I + (1 − stay)·P``.
+
+    Raises
+    ------
+    ValueError
+        If an entry is negative or not finite, or a row of a given walk does not sum to 1.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.walk([[0, 1, 0], [1, 0, 3], [0, 3, 0]], normalize="row").matrix().toarray()
+    array([[0.  , 1.  , 0.  ],
+           [0.25, 0.  , 0.75],
+           [0.  , 1.  , 0.  ]])
+    """
+    source = _rows(matrix)
+    if normalize is None:
+        changed = {"self_loops": self_loops != "keep", "symmetrize": symmetrize is not None, "stay": stay != 0.0}
+        for name, is_changed in changed.items():
+            if is_changed:
+                raise ValueError(f"{name} applies to weights, and this is a walk as given; add normalize='row'")
+        return Walk(source, None, "as given")
+    choices = _WalkChoices(_loops(self_loops), symmetrize, normalize, float(stay))
+    return Walk(source, choices, _describe("a graph", choices))
+
+
+def points(
+    X: ArrayLike,  # noqa: N803
+    *,
+    neighbors: int = 15,
+    kernel: Kernel = "adaptive",
+    decay: float = 1.0,
+    scale_neighbor: int = SCALE_NEIGHBOR,
+    self_loops: float = 1.0,
+    stay: float = 0.0,
+    progress: ProgressLike = None,
+) -> Walk:
+    """A walk on points of any dimension, to their exact nearest neighbors.
+
+    Neighbors at the same distance as the last one are all taken, as for point clouds in space. The search compares all
+    pairs, in about 20 s for 100 000 points in 50 dimensions; for many more, use `adwave.neighbors` with those of another
+    program.
+
+    Parameters
+    ----------
+    X : (n, d) array
+        Points.
+    neighbors : int
+        Number of nearest neighbors.
+    kernel : str
+        ``"adaptive"``: exp(−(d/σ)^decay), σ the distance to the `scale_neighbor`-th neighbor, mean of both directions;
+        ``"self-tuning"``: exp(−d²/σσ′); ``"paper"``: exp(−d²/2E²), E the mean distance; ``"density-invariant"``: the
+        last one divided by the density of the points.
+    decay, scale_neighbor : float, int
+        Parameters of the kernel.
+    self_loops : float
+        Weight of the loop at each point; a kernel has 1 at the distance 0.
+    stay : float
+        Share of the steps that stay.
+    progress : bool or callable, optional
+        ``True`` for a bar, or a function of (done, total).
+
+    Examples
+    --------
+    >>> import adwave as aw, numpy as np
+    >>> aw.points(np.eye(5), neighbors=2).n_nodes
+    5
+    """
+    values = np.ascontiguousarray(np.atleast_2d(np.asarray(X, dtype=np.float64)))
+    if values.ndim != 2:
+        raise ValueError(f"points must be an n × d array, got shape {values.shape}")
+    with report_progress(progress, "finding neighbors") as report:
+        offsets, indices, distances = _native.nearest(values, int(neighbors), report)
+    chosen = _KernelChoice(kernel, float(decay), int(scale_neighbor))
+    if len(offsets) == 1:  # no points
+        offsets, indices = np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.uint32)
+    weights = _native.neighbor_weights(offsets, indices.astype(np.int64), distances, chosen)
+    choices = _WalkChoices(str(float(self_loops)), None, "row", float(stay))
+    origin = f"{neighbors} nearest neighbors in {values.shape[1]} dimensions, kernel {kernel}"
+    return Walk(weights, choices, _describe(origin, choices))
+
+
+def neighbors(
+    indices: ArrayLike,
+    distances: ArrayLike,
+    *,
+    kernel: Kernel = "adaptive",
+    decay: float = 1.0,
+    scale_neighbor: int = SCALE_NEIGHBOR,
+    self_loops: float = 1.0,
+    stay: float = 0.0,
+) -> Walk:
+    """A walk on points whose neighbors another program found, such as pynndescent, faiss or scikit-learn.
+
+    Parameters
+    ----------
+    indices, distances : (n, k) arrays
+        Neighbors of each point, and their distances. −1 means none; a point in its own list is left out.
+    kernel, decay, scale_neighbor, self_loops, stay
+        As in `adwave.points`.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.neighbors([[1], [0]], [[2.0], [2.0]], self_loops=0.0).matrix().toarray()
+    array([[0., 1.],
+           [1., 0.]])
+    """
+    found = np.ascontiguousarray(np.asarray(indices), dtype=np.int64)
+    lengths = np.ascontiguousarray(np.asarray(distances), dtype=np.float64)
+    if found.ndim != 2 or lengths.shape != found.shape:
+        raise ValueError(f"indices and distances must be n × k arrays, got shapes {found.shape} and {lengths.shape}")
+    chosen = _KernelChoice(kernel, float(decay), int(scale_neighbor))
+    counts = np.array([len(found)], dtype=np.int64)
+    weights = _native.neighbor_weights(counts, found.ravel(), lengths.ravel(), chosen)
+    choices = _WalkChoices(str(float(self_loops)), None, "row", float(stay))
+    return Walk(weights, choices, _describe(f"given neighbors, kernel {kernel}", choices))
+
+
+def from_edge_index(
+    edge_index: object,
+    edge_weight: object = None,
+    *,
+    nodes: int | None = None,
+    normalize: Normalization = "row",
+    self_loops: float | Literal["keep"] = 0.0,
+    symmetrize: Literal["mean", "maximum"] | None = None,
+    stay: float = 0.5,
+) -> Walk:
+    """A walk on a graph of PyTorch Geometric: 2 × E indices, in any order; repeated edges are added.
+
+    A batch is a graph of several components. The default is the lazy walk of geometric scattering.
+
+    Parameters
+    ----------
+    edge_index : (2, E) array or tensor
+        Edge e goes from ``edge_index[0, e]`` to ``edge_index[1, e]``.
+    edge_weight : (E,) array or tensor, optional
+        Weights.
+    nodes : int, optional
+        Number of nodes, if the last have no edges.
+    normalize, self_loops, symmetrize, stay
+        As in `adwave.walk`.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.from_edge_index([[0, 1], [1, 0]]).matrix().toarray()
+    array([[0.5, 0.5],
+           [0.5, 0.5]])
+    """
+    from scipy.sparse import coo_array
+
+    ends = as_array(edge_index)
+    if ends.ndim != 2 or ends.shape[0] != 2:
+        raise ValueError(f"edge_index must be a 2 × E array, got shape {ends.shape}")
+    ends = ends.astype(np.int64)
+    n = int(ends.max(initial=-1)) + 1 if nodes is None else int(nodes)
+    if ends.size and (ends.min() < 0 or ends.max() >= n):
+        raise ValueError(f"edge_index must be in 0..={n - 1}, got {ends.min()} to {ends.max()}")
+    weights = np.ones(ends.shape[1]) if edge_weight is None else as_array(edge_weight).astype(np.float64).ravel()
+    if weights.shape != (ends.shape[1],):
+        raise ValueError(f"edge_weight must have one value for each of {ends.shape[1]} edges, got {weights.shape[0]}")
+    matrix = coo_array((weights, (ends[0], ends[1])), shape=(n, n))
+    return walk(matrix, normalize=normalize, self_loops=self_loops, symmetrize=symmetrize, stay=stay)
+
+
+@dataclass(frozen=True)
+class ScatteringResult:
+    """Scattering coefficients of a signal."""
+
+    #: Coefficients: (paths, n, channels), or (graphs, paths, channels, statistics) if pooled.
+    values: NDArray[np.float64]
+    #: Bands of each path, from 1: ``()`` the signal, ``(j,)`` |W_j f|, ``(j, k)`` |W_k |W_j f||.
+    paths: tuple[tuple[int, ...], ...]
+
+    def features(self) -> NDArray[np.float64]:
+        """One row of features for each node, or for each graph if pooled."""
+        if self.values.ndim == 4:
+            return self.values.reshape(len(self.values), -1)
+        return np.moveaxis(self.values, 1, 0).reshape(self.values.shape[1], -1)
+
+
+def scattering(
+    walk: Walk,
+    signal: ArrayLike,
+    *,
+    steps: Sequence[int] = SCALES,
+    orders: Sequence[int] = (0, 1, 2),
+    pool: Pool | None = None,
+    batch: ArrayLike | None = None,
+    progress: ProgressLike = None,
+) -> ScatteringResult:
+    """Geometric scattering: the signal, the sizes of its bands, and the sizes of the coarser bands of each of these.
+
+    Parameters
+    ----------
+    walk : Walk
+        The walk, usually lazy (``stay=0.5``).
+    signal : (n,) or (n, channels) array
+        Values at the nodes.
+    steps : sequence of int
+        Scales n_1 < n_2 < …; the bands are ``P^{n_{j−1}} − P^{n_j}`` with n_0 = 0.
+    orders : sequence of int
+        Orders, of 0, 1 and 2.
+    pool : str, optional
+        Statistics over the nodes: ``"mean"``, ``"max"``, ``"norms"`` (sums of the powers 1 to 4 of the sizes) or
+        ``"moments"`` (mean, variance, skewness, excess kurtosis).
+    batch : (n,) array of int, optional
+        Graph of each node, for pooling over several graphs; graphs without nodes have zeros.
+    progress : bool or callable, optional
+        ``True`` for a bar, or a function of (done, total).
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> lazy = aw.walk([[0, 1], [1, 0]], normalize="row", stay=0.5)
+    >>> found = aw.scattering(lazy, [1.0, 3.0], steps=[1, 2])
+    >>> found.paths
+    ((), (1,), (2,), (1, 2))
+    >>> found.values[1, :, 0]
+    array([1., 1.])
+    """
+    values, _ = signal_values(signal, walk.n_nodes)
+    with report_progress(progress, "scattering") as report:
+        scales, wanted = [int(n) for n in steps], [int(order) for order in orders]
+        found, paths = walk._data.scatter(values, scales, wanted, report)
+    named = tuple(tuple(path) for path in paths)
+    if pool is None:
+        if batch is not None:
+            raise ValueError("batch applies to pooling; give pool too")
+        return ScatteringResult(found, named)
+    return ScatteringResult(pool_nodes(found, pool, batch), named)
+
+
+def pool_nodes(values: NDArray[np.float64], pool: Pool, batch: ArrayLike | None) -> NDArray[np.float64]:
+    """Statistics of (paths, n, channels) values over the nodes of each graph."""
+    n_paths, n, n_channels = values.shape
+    labels = np.zeros(n, dtype=np.int64) if batch is None else as_array(batch).astype(np.int64).ravel()
+    if labels.shape != (n,) or (n and labels.min() < 0):
+        raise ValueError(f"batch must have the graph of each of {n} nodes, from 0")
+    n_graphs = int(labels.max(initial=0 if batch is None else -1)) + 1
+    flat = _native.pool_graphs(values, labels.astype(np.uint32), n_graphs, pool)
+    return flat.reshape(n_graphs, n_paths, n_channels, -1 if n_paths * n_channels * n_graphs else 1)
+
+
+def as_array(values: object) -> NDArray[Any]:
+    """An array, also from a tensor that needs a gradient or lies on a device."""
+    detached = getattr(values, "detach", None)
+    if detached is not None:
+        values = detached().cpu().numpy()
+    return np.asarray(values)
+
+
+def _rows(matrix: object) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]:
+    """Values, columns and offsets of a square matrix with sorted rows."""
+    from scipy.sparse import csr_array, issparse
+
+    rows: Any = matrix if issparse(matrix) else csr_array(np.atleast_2d(np.asarray(matrix, dtype=np.float64)))
+    if len(rows.shape) != 2 or rows.shape[0] != rows.shape[1]:
+        raise ValueError(f"the matrix of a graph is square, got shape {rows.shape}")
+    if rows.shape[0] >= 2**32 - 1:
+        raise ValueError(f"a graph has fewer than 2³² − 1 nodes, got {rows.shape[0]}")
+    rows = csr_array(rows, dtype=np.float64, copy=True)
+    rows.sum_duplicates()
+    return rows.data, rows.indices.astype(np.uint32), rows.indptr.astype(np.int64)
+
+
+def _loops(self_loops: float | str) -> str:
+    return "keep" if self_loops == "keep" else str(float(self_loops))
+
+
+def _describe(source: str, choices: _WalkChoices) -> str:
+    loops = "loops as given" if choices.self_loops == "keep" else f"loops of weight {choices.self_loops}"
+    symmetric = "" if choices.symmetrize is None else f", {choices.symmetrize} of both directions"
+    return f"{source}, {loops}{symmetric}, {choices.normalize} normalization, {choices.stay} of the steps stay"

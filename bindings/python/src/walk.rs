@@ -1,0 +1,382 @@
+//! Walks on graphs and on points of any dimension: powers, imputation and scattering.
+
+use crate::arrays;
+use crate::call::run;
+use crate::error::value_error;
+use adwave::Cancelled;
+use adwave::rows::CompressedRows;
+use adwave_graph::{
+    CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, Kernel,
+    NearestLists, Normalization, Pooling, ScatteringParams, SelfLoops, Symmetrization, Transformation,
+    WalkMatrix, WalkOptions, WalkPowers, cross_validate, impute_into, kernel_weights, nearest_lists, pool,
+    scatter,
+};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<WalkData>()?;
+    module.add_function(wrap_pyfunction!(nearest, module)?)?;
+    module.add_function(wrap_pyfunction!(neighbor_weights, module)?)?;
+    module.add_function(wrap_pyfunction!(pool_graphs, module)?)
+}
+
+/// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
+type WeightArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
+
+/// Options of a walk from weights; `None` for a walk as given.
+#[derive(FromPyObject)]
+struct WalkChoices {
+    /// `"keep"`, or a weight as text.
+    self_loops: String,
+    symmetrize: Option<String>,
+    normalize: String,
+    stay: f64,
+}
+
+impl WalkChoices {
+    fn options(&self) -> PyResult<WalkOptions> {
+        let self_loops = match self.self_loops.as_str() {
+            "keep" => SelfLoops::Keep,
+            weight => SelfLoops::Weight(
+                weight.parse().map_err(|_| value_error("self_loops must be a number or 'keep'"))?,
+            ),
+        };
+        let symmetrization = match self.symmetrize.as_deref() {
+            None => Symmetrization::None,
+            Some("mean") => Symmetrization::Mean,
+            Some("maximum") => Symmetrization::Maximum,
+            Some(other) => {
+                return Err(value_error(format!("symmetrize must be 'mean' or 'maximum', got {other:?}")));
+            }
+        };
+        let normalization = [Normalization::Row, Normalization::Column, Normalization::Symmetric]
+            .into_iter()
+            .find(|kind| kind.name() == self.normalize)
+            .ok_or_else(|| {
+                value_error(format!(
+                    "normalize must be 'row', 'column' or 'symmetric', got {:?}",
+                    self.normalize
+                ))
+            })?;
+        Ok(WalkOptions { self_loops, symmetrization, normalization, stay: self.stay })
+    }
+}
+
+/// Numbers of a C-contiguous array of three dimensions.
+fn values3<'a>(array: &'a PyReadonlyArray3<'_, f64>, name: &str) -> PyResult<&'a [f64]> {
+    if !array.is_c_contiguous() {
+        return Err(value_error(format!("{name} must be C-contiguous")));
+    }
+    array.as_slice().map_err(|e| value_error(format!("{name}: {e}")))
+}
+
+/// A walk prepared for its powers.
+#[pyclass(frozen, module = "adwave._native")]
+pub(crate) struct WalkData {
+    pub(crate) powers: WalkPowers,
+}
+
+#[pymethods]
+impl WalkData {
+    #[new]
+    #[pyo3(signature = (offsets, columns, values, choices, progress=None))]
+    fn new(
+        py: Python<'_>,
+        offsets: PyReadonlyArray1<'_, i64>,
+        columns: PyReadonlyArray1<'_, u32>,
+        values: PyReadonlyArray1<'_, f64>,
+        choices: Option<WalkChoices>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let offsets: Vec<usize> = offsets.as_slice()?.iter().map(|&at| at.max(0) as usize).collect();
+        let (columns, values) = (columns.as_slice()?.to_vec(), values.as_slice()?.to_vec());
+        let n = offsets.len().saturating_sub(1);
+        let options = choices.map(|choices| choices.options()).transpose()?;
+        let powers = run(py, n, progress.as_ref(), move |p| {
+            let rows = CompressedRows::new(offsets, columns, values, n)?;
+            let walk = match options {
+                Some(options) => WalkMatrix::from_weights(rows, options, p)?,
+                None => WalkMatrix::from_probabilities(rows, p)?,
+            };
+            Ok::<_, adwave_graph::GraphWalkError>(WalkPowers::new(walk, p)?)
+        })?;
+        Ok(Self { powers })
+    }
+
+    #[getter]
+    fn n_nodes(&self) -> usize {
+        self.powers.n_nodes()
+    }
+
+    #[getter]
+    fn n_isolated(&self) -> usize {
+        self.powers.walk().n_isolated()
+    }
+
+    #[getter]
+    fn is_reversible(&self) -> bool {
+        self.powers.walk().is_reversible()
+    }
+
+    #[getter]
+    fn normalization(&self) -> &'static str {
+        self.powers.walk().normalization().name()
+    }
+
+    /// The matrix of the walk.
+    fn matrix<'py>(&self, py: Python<'py>) -> WeightArrays<'py> {
+        to_arrays(py, self.powers.walk().rows())
+    }
+
+    /// ``Pᵗ f`` of n × channels values.
+    #[pyo3(signature = (signal, steps, progress=None))]
+    fn apply<'py>(
+        &self,
+        py: Python<'py>,
+        signal: PyReadonlyArray2<'_, f64>,
+        steps: u32,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let n_channels = signal.shape()[1];
+        let signal = arrays::rows(&signal, "signal")?;
+        let out = run(py, usize::MAX, progress.as_ref(), |p| {
+            let mut out = vec![0.0; signal.len()];
+            self.powers.apply_into(signal, n_channels, steps, &mut out, p)?;
+            Ok::<_, adwave_graph::GraphWalkError>(out)
+        })?;
+        arrays::matrix(py, out, n_channels)
+    }
+
+    /// Bands between scales and the remainder, (J + 1) × n × channels.
+    fn bands<'py>(
+        &self,
+        py: Python<'py>,
+        signal: PyReadonlyArray2<'_, f64>,
+        scales: Vec<u32>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
+        let signal = arrays::rows(&signal, "signal")?;
+        let out = run(py, n, None, |p| {
+            let mut out = vec![0.0; (scales.len() + 1) * signal.len()];
+            self.powers.bands_into(signal, n_channels, &scales, &mut out, p)?;
+            Ok::<_, adwave_graph::GraphWalkError>(out)
+        })?;
+        arrays::levels(py, out, n, n_channels)
+    }
+
+    /// Adjoint of `bands`, n × channels.
+    fn adjoint<'py>(
+        &self,
+        py: Python<'py>,
+        gradients: PyReadonlyArray3<'_, f64>,
+        scales: Vec<u32>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let n_channels = gradients.shape()[2];
+        let gradients = values3(&gradients, "gradients")?;
+        let n = self.powers.n_nodes();
+        let out = run(py, n, None, |p| {
+            let mut out = vec![0.0; n * n_channels];
+            self.powers.adjoint_into(gradients, n_channels, &scales, &mut out, p)?;
+            Ok::<_, adwave_graph::GraphWalkError>(out)
+        })?;
+        arrays::matrix(py, out, n_channels)
+    }
+
+    /// Scattering coefficients, paths × n × channels, and the paths.
+    #[pyo3(signature = (signal, scales, orders, progress=None))]
+    fn scatter<'py>(
+        &self,
+        py: Python<'py>,
+        signal: PyReadonlyArray2<'_, f64>,
+        scales: Vec<u32>,
+        orders: Vec<u32>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>)> {
+        let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
+        let signal = arrays::rows(&signal, "signal")?;
+        let params = ScatteringParams { scales, orders, max_bytes: adwave_io::free_memory() };
+        let found = run(py, usize::MAX, progress.as_ref(), |p| {
+            scatter(&self.powers, signal, n_channels, &params, p)
+        })?;
+        let n_paths = found.paths.len();
+        let values = arrays::vector(py, found.values).reshape([n_paths, n, n_channels])?;
+        Ok((values, found.paths))
+    }
+
+    /// ``Pᵗ X`` of all channels of a block of counts, n × channels.
+    fn impute<'py>(
+        &self,
+        py: Python<'py>,
+        counts: PyReadonlyArray2<'_, f64>,
+        steps: f64,
+        square_root: bool,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let n_channels = counts.shape()[1];
+        let counts = arrays::rows(&counts, "X")?;
+        let channels: Vec<usize> = (0..n_channels).collect();
+        let out = run(py, usize::MAX, None, |p| {
+            let counts = CountMatrix { values: CountValues::Dense(counts), n_channels };
+            let transformation = Transformation { library_size: None, square_root };
+            let mut out = vec![0.0; self.powers.n_nodes() * n_channels];
+            let input = ImputationInput { counts, transformation, channels: &channels };
+            impute_into(&self.powers, input, steps, &mut out, p)?;
+            Ok::<_, adwave_graph::GraphWalkError>(out)
+        })?;
+        arrays::matrix(py, out, n_channels)
+    }
+
+    /// Number of steps by cross-validation of counts in compressed rows, and the error of each number.
+    #[pyo3(signature = (counts, split, progress=None))]
+    fn cross_validate(
+        &self,
+        py: Python<'_>,
+        counts: CountColumns<'_>,
+        split: SplitChoices,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(u32, Vec<f64>, Vec<usize>, bool)> {
+        let CountColumns { offsets, columns, values, n_channels } = counts;
+        let offsets: Vec<usize> = offsets.as_slice()?.iter().map(|&at| at.max(0) as usize).collect();
+        let (columns, values) = (columns.as_slice()?.to_vec(), values.as_slice()?.to_vec());
+        let SplitChoices { share, library_size, seed, most_steps } = split;
+        let params = CrossValidationParams {
+            share,
+            library_size,
+            seed,
+            most_steps,
+            ..CrossValidationParams::default()
+        };
+        let found = run(py, usize::MAX, progress.as_ref(), |p| {
+            let rows = CompressedRows::new(offsets, columns, values, n_channels)?;
+            cross_validate(
+                &self.powers,
+                &CountMatrix { values: CountValues::Sparse(&rows), n_channels },
+                params,
+                p,
+            )
+        })?;
+        Ok((found.steps, found.errors, found.channels, found.is_at_limit))
+    }
+}
+
+/// Counts in compressed rows.
+#[derive(FromPyObject)]
+struct CountColumns<'py> {
+    offsets: PyReadonlyArray1<'py, i64>,
+    columns: PyReadonlyArray1<'py, u32>,
+    values: PyReadonlyArray1<'py, f64>,
+    n_channels: usize,
+}
+
+/// Split of the molecules.
+#[derive(FromPyObject)]
+struct SplitChoices {
+    share: f64,
+    library_size: Option<f64>,
+    seed: u64,
+    most_steps: u32,
+}
+
+/// Kernel by its name.
+#[derive(FromPyObject)]
+struct KernelChoice {
+    name: String,
+    decay: f64,
+    scale_neighbor: usize,
+}
+
+fn to_arrays<'py>(py: Python<'py>, rows: &CompressedRows<f64>) -> WeightArrays<'py> {
+    let offsets: Vec<i64> = rows.offsets().iter().map(|&at| at as i64).collect();
+    (
+        arrays::vector(py, rows.values().to_vec()),
+        arrays::vector(py, rows.columns().to_vec()),
+        arrays::vector(py, offsets),
+    )
+}
+
+/// Exact nearest neighbors: offsets, indices and distances.
+#[pyfunction]
+#[pyo3(signature = (points, k, progress=None))]
+fn nearest<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'_, f64>,
+    k: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>)> {
+    let n_dimensions = points.shape()[1];
+    let values = arrays::rows(&points, "points")?;
+    let lists = run(py, usize::MAX, progress.as_ref(), |p| {
+        nearest_lists(DimensionedPoints { values, n_dimensions }, k, p)
+    })?;
+    let offsets = lists.offsets.iter().map(|&at| at as i64).collect();
+    Ok((arrays::vector(py, offsets), arrays::vector(py, lists.indices), arrays::vector(py, lists.distances)))
+}
+
+/// Symmetric weights of neighbors, given as n × k indices with distances, or as lists with offsets.
+#[pyfunction]
+fn neighbor_weights<'py>(
+    py: Python<'py>,
+    offsets: PyReadonlyArray1<'_, i64>,
+    indices: PyReadonlyArray1<'_, i64>,
+    distances: PyReadonlyArray1<'_, f64>,
+    kernel: KernelChoice,
+) -> PyResult<WeightArrays<'py>> {
+    let KernelChoice { name, decay, scale_neighbor } = kernel;
+    let kernel = match name.as_str() {
+        "paper" => Kernel::Paper,
+        "adaptive" => Kernel::Adaptive { decay, scale_neighbor },
+        "self-tuning" => Kernel::SelfTuning { scale_neighbor },
+        "density-invariant" => Kernel::DensityInvariant,
+        _ => {
+            return Err(value_error(format!(
+                "kernel must be 'adaptive', 'paper', 'self-tuning' or 'density-invariant', got {name:?}"
+            )));
+        }
+    };
+    let (offsets, indices, distances) = (offsets.as_slice()?, indices.as_slice()?, distances.as_slice()?);
+    let rows = run(py, usize::MAX, None, |p| {
+        let lists = if offsets.len() == 1 {
+            NearestLists::from_arrays(offsets[0].max(0) as usize, indices, distances)?
+        } else {
+            NearestLists {
+                offsets: offsets.iter().map(|&at| at as usize).collect(),
+                indices: indices.iter().map(|&y| y as u32).collect(),
+                distances: distances.to_vec(),
+            }
+        };
+        kernel_weights(&lists, kernel, p)
+    })?;
+    Ok(to_arrays(py, &rows))
+}
+
+/// Statistics over the nodes of each graph: graphs × paths × channels × statistics, flat.
+#[pyfunction]
+fn pool_graphs<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray3<'_, f64>,
+    graph_of: PyReadonlyArray1<'_, u32>,
+    n_graphs: usize,
+    pooling: &str,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let n_channels = values.shape()[2];
+    let values = values3(&values, "values")?;
+    let graph_of = graph_of.as_slice()?;
+    let pooling = match pooling {
+        "mean" => Pooling::Mean,
+        "max" => Pooling::Max,
+        "norms" => Pooling::Norms,
+        "moments" => Pooling::Moments,
+        other => {
+            return Err(value_error(format!(
+                "pool must be 'mean', 'max', 'norms' or 'moments', got {other:?}"
+            )));
+        }
+    };
+    let out = run(py, usize::MAX, None, |_| {
+        Ok::<_, Cancelled>(pool(values, n_channels, graph_of, n_graphs, pooling))
+    })?;
+    Ok(arrays::vector(py, out.map_err(|e| value_error(e.to_string()))?))
+}

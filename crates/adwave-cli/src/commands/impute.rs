@@ -1,0 +1,229 @@
+//! `adwave impute`: counts averaged over similar cells.
+
+use crate::args::{WalkArgs, seed as parse_seed};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::progress::{with_progress, with_spinner};
+use crate::output::{
+    check_writable, count, has_extension, note, number, print, table, without_gzip, write_file,
+    write_file_with,
+};
+use crate::resolve::walk::{ResolvedWalk, WalkDefaults, in_file, load_walk, read_matrix, read_table};
+use adwave_graph::{
+    CountMatrix, CountValues, CrossValidation, CrossValidationParams, ImputationInput, SparseMatrix,
+    Transformation, cross_validate, impute_into,
+};
+use adwave_io::{ArrayValues, write_npy};
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Rows of the printed curve.
+const PRINTED_TIMES: usize = 12;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+COUNTS is a matrix of cells × genes: .npy (numpy.save), or a sparse .mtx. Of an .h5ad, which is HDF5, take aw.impute(adata) in Python.
+The result is .npy, cells × genes, 64-bit floats.
+
+The time is a number of steps of the walk. 'auto' chooses it by molecular cross-validation: a tenth of the molecules is held back,
+the others are diffused, and the time whose result predicts the held-back molecules best is taken. This needs raw counts.
+
+Examples:
+  adwave impute counts.npy -o imputed.npy --points pca.npy
+  adwave impute counts.mtx -o imputed.npy --graph neighbors.mtx --library-size median --sqrt
+  adwave impute counts.mtx -o imputed.npy --walk walk.mtx --time 3 --genes 0,17,42")]
+pub(crate) struct ImputeArgs {
+    /// Matrix of cells × genes (.npy or .mtx, also .mtx.gz)
+    #[arg(value_name = "COUNTS")]
+    pub(crate) counts: PathBuf,
+    /// File for the result (.npy)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// Number of steps, or auto
+    #[arg(long, value_name = "T", default_value = "auto")]
+    pub(crate) time: String,
+    /// Genes of the result, columns counted from 0 [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub(crate) genes: Option<Vec<usize>>,
+    /// Multiply the counts of each cell so that they sum to this number, or to the median
+    #[arg(long, value_name = "SIZE")]
+    pub(crate) library_size: Option<String>,
+    /// Take square roots before diffusion
+    #[arg(long)]
+    pub(crate) sqrt: bool,
+    /// Seed of the split of the molecules
+    #[arg(long, value_name = "K", value_parser = parse_seed, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// File for the errors of all times that were tried (.csv)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) curve: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) walk: WalkArgs,
+}
+
+/// Values of the matrix as read.
+enum LoadedCounts {
+    Dense { values: Vec<f64>, n_channels: usize },
+    Sparse(SparseMatrix),
+}
+
+impl LoadedCounts {
+    fn matrix(&self) -> CountMatrix<'_> {
+        match self {
+            Self::Dense { values, n_channels } => {
+                CountMatrix { values: CountValues::Dense(values), n_channels: *n_channels }
+            }
+            Self::Sparse(matrix) => {
+                CountMatrix { values: CountValues::Sparse(&matrix.rows), n_channels: matrix.n_columns }
+            }
+        }
+    }
+}
+
+pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError> {
+    check_files(args)?;
+    let given_time = parse_time(&args.time)?;
+    if given_time.is_some() {
+        global.given.refuse(&["--seed", "--curve"], "applies to cross-validation (--time auto)")?;
+    }
+    let counts = load_counts(&args.counts, global)?;
+    let matrix = counts.matrix();
+    let library_size = library_size(args, &matrix)?;
+    let walk = load_walk(&args.walk, WalkDefaults { self_loops: 1.0, stay: 0.0 }, global)?;
+    let powers = &walk.powers;
+    let (steps, chosen) = match given_time {
+        Some(steps) => (steps, None),
+        None => {
+            let params =
+                CrossValidationParams { library_size, seed: args.seed, ..CrossValidationParams::default() };
+            let found = with_progress(global, "choosing the time", |progress| {
+                cross_validate(powers, &matrix, params, progress).map_err(|e| in_file(&args.counts, &e))
+            })?;
+            if found.is_at_limit {
+                note(
+                    global,
+                    "the error still falls at the largest number of steps that was tried: take fewer neighbors with care",
+                );
+            }
+            (f64::from(found.steps), Some(found))
+        }
+    };
+    let channels = match &args.genes {
+        Some(genes) => genes.clone(),
+        None => (0..matrix.n_channels).collect(),
+    };
+    let transformation = Transformation { library_size, square_root: args.sqrt };
+    let mut out = vec![0.0; powers.n_nodes() * channels.len()];
+    with_progress(global, "imputing", |progress| {
+        let input = ImputationInput { counts: matrix, transformation, channels: &channels };
+        impute_into(powers, input, steps, &mut out, progress).map_err(|e| in_file(&args.counts, &e))
+    })?;
+    with_spinner(global, "writing", || {
+        write_file_with(global, &args.output, |path| {
+            write_npy(path, &[powers.n_nodes(), channels.len()], ArrayValues::F64(&out))
+        })
+    })?;
+    if let (Some(path), Some(found)) = (&args.curve, &chosen) {
+        write_file(global, path, curve_csv(found).as_bytes())?;
+    }
+    report(args, &walk, steps, chosen.as_ref(), channels.len(), global)
+}
+
+fn check_files(args: &ImputeArgs) -> Result<(), CliError> {
+    if has_extension(&args.counts, &["h5ad", "h5", "loom"]) {
+        return Err(CliError::Input(format!(
+            "{}: the command reads no HDF5; use aw.impute(adata) in Python, or save X as .npy or .mtx",
+            args.counts.display()
+        )));
+    }
+    if !has_extension(&args.output, &["npy"]) {
+        return Err(CliError::Input(format!("{}: the result is written as .npy", args.output.display())));
+    }
+    if let Some(curve) = &args.curve {
+        check_writable(curve)?;
+    }
+    check_writable(&args.output)
+}
+
+/// A number of steps; `None` for auto.
+fn parse_time(text: &str) -> Result<Option<f64>, CliError> {
+    match (text, text.parse::<f64>()) {
+        ("auto", _) => Ok(None),
+        (_, Ok(steps)) if steps.is_finite() && steps >= 0.0 => Ok(Some(steps)),
+        _ => Err(CliError::Input(format!(
+            "--time must be auto or a number of steps of at least 0, got {text}"
+        ))),
+    }
+}
+
+fn load_counts(path: &Path, global: &Global<'_>) -> Result<LoadedCounts, CliError> {
+    if has_extension(&without_gzip(path), &["mtx"]) {
+        return Ok(LoadedCounts::Sparse(read_matrix(path, global)?));
+    }
+    let (values, n_channels) = read_table(path, global)?;
+    Ok(LoadedCounts::Dense { values, n_channels })
+}
+
+fn library_size(args: &ImputeArgs, matrix: &CountMatrix<'_>) -> Result<Option<f64>, CliError> {
+    match args.library_size.as_deref() {
+        None => Ok(None),
+        Some("median") => Ok(Some(matrix.median_row_sum())),
+        Some(text) => match text.parse::<f64>() {
+            Ok(size) if size > 0.0 && size.is_finite() => Ok(Some(size)),
+            _ => Err(CliError::Input(format!(
+                "--library-size must be median or a number greater than 0, got {text}"
+            ))),
+        },
+    }
+}
+
+fn curve_csv(found: &CrossValidation) -> String {
+    let mut text = "steps,error\n".to_owned();
+    for (steps, error) in found.errors.iter().enumerate() {
+        text += &format!("{steps},{error}\n");
+    }
+    text
+}
+
+fn report(
+    args: &ImputeArgs,
+    walk: &ResolvedWalk,
+    steps: f64,
+    chosen: Option<&CrossValidation>,
+    n_genes: usize,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let mut text = format!("{}\n{}\n", args.counts.display(), walk.text);
+    if let Some(found) = chosen {
+        text += &format!(
+            "{} by molecular cross-validation over {}\n\n",
+            count(found.steps, "step", "steps"),
+            count(found.channels.len(), "gene", "genes")
+        );
+        let apart = found.errors.len().div_ceil(PRINTED_TIMES);
+        let shown = (0..found.errors.len()).filter(|t| t % apart == 0 || *t == found.steps as usize);
+        text += &table(
+            ["steps", "mean squared error", ""],
+            shown.map(|t| {
+                let mark = if t == found.steps as usize { "least" } else { "" };
+                [t.to_string(), number(found.errors[t]), mark.to_owned()]
+            }),
+        );
+        text.push('\n');
+    } else {
+        text += &format!("{steps} steps\n");
+    }
+    text += &format!("{}, {}\n", count(n_genes, "gene", "genes"), args.output.display());
+    let curve = chosen.map_or(Value::Null, |found| json!(found.errors));
+    let json = json!({
+        "counts": args.counts.display().to_string(),
+        "output": args.output.display().to_string(),
+        "graph": walk.json,
+        "steps": steps,
+        "time_is_chosen": chosen.is_some(),
+        "errors": curve,
+        "genes": n_genes,
+    });
+    print(global, &text, &json)
+}

@@ -1,0 +1,231 @@
+//! From the flags of a walk to its powers.
+
+use crate::args::{KernelArg, WalkArgs};
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::progress::with_progress;
+use crate::output::{count, has_extension, note};
+use adwave::Decomposer;
+use adwave::operator::Semigroup;
+use adwave_graph::{
+    DimensionedPoints, GraphWalkError, SelfLoops, SparseMatrix, Symmetrization, WalkMatrix, WalkOptions,
+    WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
+};
+use adwave_io::read_npy;
+use flate2::read::MultiGzDecoder;
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+/// Number of nearest neighbors of a point.
+const NEIGHBORS: usize = 15;
+
+/// Options of a walk that a command takes unless others are given.
+#[derive(Clone, Copy)]
+pub(crate) struct WalkDefaults {
+    /// Weight of the loops.
+    pub(crate) self_loops: f64,
+    /// Share of the steps that stay.
+    pub(crate) stay: f64,
+}
+
+/// A walk with its description.
+pub(crate) struct ResolvedWalk {
+    pub(crate) powers: WalkPowers,
+    /// Its construction in words.
+    pub(crate) text: String,
+    pub(crate) json: Value,
+}
+
+/// Reads or builds the walk.
+pub(crate) fn load_walk(
+    args: &WalkArgs,
+    defaults: WalkDefaults,
+    global: &Global<'_>,
+) -> Result<ResolvedWalk, CliError> {
+    if args.points.is_none() {
+        global.given.refuse(&["--neighbors", "--kernel"], "applies to points (--points)")?;
+    }
+    if args.graph.is_none() {
+        global.given.refuse(&["--symmetrize"], "applies to a graph (--graph); kernels are symmetric")?;
+    }
+    let (walk, source) = if let Some(path) = &args.walk {
+        let options = ["--self-loops", "--normalize", "--stay"];
+        global
+            .given
+            .refuse(&options, "applies to weights (--graph, --points); a given walk is taken as it is")?;
+        let matrix = read_matrix(path, global)?;
+        let built = with_progress(global, "preparing", |progress| {
+            WalkMatrix::from_probabilities(matrix.rows, progress)
+        });
+        (built.map_err(|e| in_file(path, &e))?, "as given".to_owned())
+    } else {
+        build_walk(args, defaults, global)?
+    };
+    let n_isolated = walk.n_isolated();
+    if n_isolated > 0 {
+        let text = format!(
+            "{} without neighbors: values stay there as they are",
+            count(n_isolated, "node is", "nodes are")
+        );
+        note(global, &text);
+    }
+    if !walk.is_reversible() {
+        note(
+            global,
+            "the walk is directed: it is applied power by power, in whole steps (--symmetrize makes weights symmetric)",
+        );
+    }
+    let (n, n_entries) = (walk.n_nodes(), walk.rows().nnz());
+    let text =
+        format!("{}, {}; walk {source}", count(n, "node", "nodes"), count(n_entries, "entry", "entries"));
+    let json = json!({
+        "nodes": n,
+        "entries": n_entries,
+        "isolated": n_isolated,
+        "reversible": walk.is_reversible(),
+        "normalization": walk.normalization().name(),
+        "walk": source,
+    });
+    let powers = with_progress(global, "preparing", |progress| {
+        WalkPowers::new(walk, progress).map_err(GraphWalkError::from)
+    })?;
+    Ok(ResolvedWalk { powers, text, json })
+}
+
+/// Builds a walk from weights, with its description.
+fn build_walk(
+    args: &WalkArgs,
+    defaults: WalkDefaults,
+    global: &Global<'_>,
+) -> Result<(WalkMatrix, String), CliError> {
+    let self_loops = match args.self_loops.as_deref() {
+        None => SelfLoops::Weight(defaults.self_loops),
+        Some("keep") => SelfLoops::Keep,
+        Some(text) => match text.parse::<f64>() {
+            Ok(weight) => SelfLoops::Weight(weight),
+            Err(_) => {
+                return Err(CliError::Input(format!("--self-loops must be a weight or \"keep\", got {text}")));
+            }
+        },
+    };
+    let options = WalkOptions {
+        self_loops,
+        symmetrization: args.symmetrize.map_or(Symmetrization::None, Into::into),
+        normalization: args.normalize.map(Into::into).unwrap_or_default(),
+        stay: args.stay.unwrap_or(defaults.stay),
+    };
+    let (path, weights, source) = match (&args.graph, &args.points) {
+        (Some(path), _) => (path, read_graph(path, global)?.rows, "on the graph".to_owned()),
+        (None, Some(path)) => {
+            let (k, kernel) =
+                (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelArg::Adaptive));
+            let (values, n_dimensions) = read_table(path, global)?;
+            let weights = with_progress(global, "finding neighbors", |progress| {
+                let lists = nearest_lists(DimensionedPoints { values: &values, n_dimensions }, k, progress)?;
+                kernel_weights(&lists, kernel.to_kernel(), progress)
+            });
+            let source = format!("to the {k} nearest neighbors of points in {n_dimensions} dimensions");
+            (path, weights.map_err(|e| in_file(path, &e))?, source)
+        }
+        (None, None) => return Err(CliError::Input("give --graph, --walk or --points".to_owned())),
+    };
+    let walk = with_progress(global, "preparing", |progress| {
+        WalkMatrix::from_weights(weights, options, progress).map_err(|e| in_file(path, &e))
+    })?;
+    let loops = match self_loops {
+        SelfLoops::Weight(weight) => format!("loops of weight {weight}"),
+        _ => "loops as in the file".to_owned(),
+    };
+    let text = format!(
+        "{source}, {loops}, {} normalization, {} of the steps stay",
+        walk.normalization().name(),
+        options.stay
+    );
+    Ok((walk, text))
+}
+
+/// An error about a file.
+pub(crate) fn in_file(path: &Path, error: &impl adwave::ClassifiedError) -> CliError {
+    match CliError::classify(error) {
+        CliError::Input(text) => CliError::Input(format!("{}: {text}", path.display())),
+        other => other,
+    }
+}
+
+/// A shape with a walk as given.
+pub(crate) fn with_given_walk(
+    decomposer: &Decomposer,
+    path: &Path,
+    global: &Global<'_>,
+) -> Result<Decomposer, CliError> {
+    let matrix = read_matrix(path, global)?;
+    let walked = with_progress(global, "preparing", |progress| decomposer.with_walk(&matrix.rows, progress))
+        .map_err(|e| in_file(path, &e))?;
+    if !walked.diffusion().is_reversible() {
+        note(global, "the walk is directed: it is applied power by power, in whole steps");
+    } else if walked.diffusion().semigroup() == Semigroup::PlainSteps {
+        note(global, "the walk need not stay where it is: it takes whole steps");
+    }
+    Ok(walked)
+}
+
+/// Opens a text file, plain or gzip.
+fn open(path: &Path, global: &Global<'_>) -> Result<Box<dyn BufRead>, CliError> {
+    global.inputs.add_file(path);
+    let file =
+        File::open(path).map_err(|e| CliError::Input(format!("cannot read {}: {e}", path.display())))?;
+    let is_gzip = has_extension(path, &["gz"]);
+    Ok(if is_gzip {
+        Box::new(BufReader::new(MultiGzDecoder::new(file)))
+    } else {
+        Box::new(BufReader::new(file))
+    })
+}
+
+/// Reads a sparse matrix.
+pub(crate) fn read_matrix(path: &Path, global: &Global<'_>) -> Result<SparseMatrix, CliError> {
+    let lines = open(path, global)?;
+    with_progress(global, "reading", |progress| {
+        read_matrix_market(lines, progress).map_err(|e| in_file(path, &e))
+    })
+}
+
+/// Reads the weights of a graph, as a matrix or as a list of edges.
+fn read_graph(path: &Path, global: &Global<'_>) -> Result<SparseMatrix, CliError> {
+    let name = crate::output::without_gzip(path);
+    if has_extension(&name, &["mtx"]) {
+        return read_matrix(path, global);
+    }
+    let lines = open(path, global)?;
+    let list = with_progress(global, "reading", |progress| {
+        read_edges(lines, 0, progress).map_err(|e| in_file(path, &e))
+    })?;
+    if list.n_repeated > 0 {
+        let text = format!(
+            "{} another; their weights were added",
+            count(list.n_repeated, "edge repeats", "edges repeat")
+        );
+        note(global, &text);
+    }
+    Ok(SparseMatrix { n_columns: list.weights.n_rows(), rows: list.weights })
+}
+
+/// Reads a table of numbers with its number of columns.
+pub(crate) fn read_table(path: &Path, global: &Global<'_>) -> Result<(Vec<f64>, usize), CliError> {
+    if !has_extension(path, &["npy"]) {
+        return Err(CliError::Input(format!(
+            "{}: tables of numbers are read from .npy (numpy.save), with a row for each node",
+            path.display()
+        )));
+    }
+    global.inputs.add_file(path);
+    let array = read_npy(path, &global.limits).map_err(|e| CliError::classify(&e))?;
+    if array.shape.len() > 2 || array.shape.is_empty() {
+        let text = format!("{}: a table has one or two dimensions, got {:?}", path.display(), array.shape);
+        return Err(CliError::Input(text));
+    }
+    let n_columns = array.shape.get(1).copied().unwrap_or(1);
+    Ok((array.values.to_f64(), n_columns))
+}
