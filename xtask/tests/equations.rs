@@ -6,8 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const SOURCES: [&str; 4] = [
+const SOURCES: [&str; 5] = [
     "crates/adwave/src",
+    "crates/adwave-graph/src",
     "crates/adwave-baselines/src",
     "crates/adwave-register/src",
     "crates/adwave-simplify/src",

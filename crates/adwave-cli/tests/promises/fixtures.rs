@@ -1,7 +1,7 @@
 //! Small files of every kind, made so that most options make a difference on them.
 
 use adwave::sample::{NoiseSigma, Sample};
-use adwave_io::{Field, FieldValues, Format, ShapeFile, write_path};
+use adwave_io::{ArrayValues, Field, FieldValues, Format, ShapeFile, write_npy, write_path};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -57,6 +57,27 @@ fn write_fixtures(folder: &Path) {
     let n = mesh(1).n_vertices();
     let mask: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", u8::from(k % 5 != 0)));
     fs::write(at("mask.csv"), format!("inside\n{mask}")).unwrap();
+    write_cells(folder);
+}
+
+/// Counts and coordinates of 60 cells on a ring, a walk on them, and the graph of each.
+fn write_cells(folder: &Path) {
+    let n = 60;
+    let save = |name: &str, n_columns: usize, value: &dyn Fn(usize, usize) -> f64| {
+        let values: Vec<f64> = (0..n * n_columns).map(|i| value(i / n_columns, i % n_columns)).collect();
+        write_npy(&folder.join(name), &[n, n_columns], ArrayValues::F64(&values)).unwrap();
+    };
+    let angle = |x: usize| std::f64::consts::TAU * x as f64 / n as f64;
+    let rough = |x: usize, c: usize| ((x * 7919 + c * 31) % 101) as f64 / 100.0;
+    save("counts.npy", 4, &|x, c| (6.0 + 4.0 * (angle(x) + c as f64).sin() + 5.0 * rough(x, c)).floor());
+    save("cells.npy", 6, &|x, c| (angle(x) * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.1 * rough(x, c));
+    save("batch.npy", 1, &|x, _| (x % 3) as f64);
+    let mut text = format!("%%MatrixMarket matrix coordinate real general\n{n} {n} {}\n", 3 * n);
+    for x in 0..n {
+        let (before, after) = ((x + n - 1) % n + 1, (x + 1) % n + 1);
+        let _ = writeln!(text, "{} {} 0.5\n{} {before} 0.25\n{} {after} 0.25", x + 1, x + 1, x + 1, x + 1);
+    }
+    fs::write(folder.join("walk.mtx"), text).unwrap();
 }
 
 /// A rough square of 400 points, and three points above it.

@@ -3,7 +3,7 @@
 use crate::harness::split_words;
 
 /// Shortest useful lines of each command. `{in}` and `{other}` stand for shapes; all results go below `out/`.
-const BASES: [(&str, &[&str]); 26] = [
+const BASES: [(&str, &[&str]); 28] = [
     ("info", &["info {in}"]),
     ("transform", &["transform {in} -o out/r.ply"]),
     ("filter", &["filter {in} -o out/r.ply --gains 0,0.5,1", "filter {in} -o out/r.ply --preset smooth"]),
@@ -16,6 +16,8 @@ const BASES: [(&str, &[&str]); 26] = [
     ("diff", &["diff {in} {other} -o out/r.ply"]),
     ("evaluate", &["evaluate {in} --runs 1 --percent 10 --theta 0.5", "evaluate {in} --fixations gaze"]),
     ("compare", &["compare {in} --with mht --harmonics 20 -o out"]),
+    ("impute", &["impute counts.npy -o out/r.npy --points cells.npy"]),
+    ("scatter", &["scatter --graph graph.mtx --field cells.npy -o out/r.npy"]),
     ("basis", &["basis {in} --vertex 3 --level 2 -o out/r.ply", "basis {in} --levels 2 -o out/r.npz"]),
     ("render", &["render {in} -o out/r.png --size 400x300"]),
     ("report", &["report {in} -o out/r.html"]),
@@ -204,6 +206,38 @@ const CASES: &[OptionCase] = &[
     case("basis", "--level", "3"),
     case("basis", "--levels", "3"),
     case("basis", "--drop-tolerance", "0.01"),
+    case("transform", "--walk", "walk.mtx"),
+    // impute
+    case("impute", "--output", "out/other.npy"),
+    case("impute", "--time", "3"),
+    case("impute", "--genes", "0,2"),
+    with(case("impute", "--library-size", "median"), "--time 3"),
+    with(case("impute", "--sqrt", ""), "--time 3"),
+    case("impute", "--seed", "5"),
+    case("impute", "--curve", "out/curve.csv"),
+    with(case("impute", "--graph", "graph.mtx"), "!--points"),
+    with(case("impute", "--walk", "walk.mtx"), "!--points"),
+    case("impute", "--points", "counts.npy"),
+    with(case("impute", "--symmetrize", "mean"), "!--points --graph graph.mtx"),
+    // scatter
+    case("scatter", "--output", "out/other.npy"),
+    case("scatter", "--field", "counts.npy"),
+    case("scatter", "--scales", "1,3"),
+    case("scatter", "--orders", "1"),
+    case("scatter", "--pool", "moments"),
+    with(case("scatter", "--batch", "batch.npy"), "--pool mean"),
+    with(case("scatter", "--graph", "graph2.mtx"), "!--graph"),
+    with(case("scatter", "--walk", "walk.mtx"), "!--graph"),
+    with(case("scatter", "--points", "cells.npy"), "!--graph"),
+    with(case("scatter", "--neighbors", "5"), "!--graph --points cells.npy"),
+    with(case("scatter", "--kernel", "paper"), "!--graph --points cells.npy"),
+    with(case("scatter", "--normalize", "column"), "!--graph --points cells.npy"),
+    // walks
+    case("*", "--kernel", "paper"),
+    case("*", "--self-loops", "3"),
+    case("*", "--symmetrize", "maximum"),
+    case("*", "--normalize", "symmetric"),
+    case("*", "--stay", "0.25"),
     // compare
     with(case("compare", "--with", "taubin"), "!--harmonics"),
     case("compare", "--harmonics", "30"),
