@@ -59,7 +59,7 @@ impl CountMatrix<'_> {
     pub(crate) fn find(&self, is_wrong: impl Fn(f64) -> bool + Sync) -> Option<(usize, usize, f64)> {
         match self.values {
             CountValues::Dense(values) => {
-                let at = values.par_iter().position_first(|&v| is_wrong(v))?;
+                let at = values.par_iter().with_min_len(1 << 14).position_first(|&v| is_wrong(v))?;
                 Some((at / self.n_channels, at % self.n_channels, values[at]))
             }
             CountValues::Sparse(rows) => {

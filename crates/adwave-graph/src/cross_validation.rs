@@ -127,11 +127,12 @@ fn errors(
     let SplitRange { params, most } = split;
     let share = params.share;
     let mut sums = vec![0.0; most as usize + 1];
+    let (mut spare_train, mut spare_test) = (None, None);
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
         let these = &channels[range];
-        let half = |is_test: bool| {
-            powers.load(these.len(), |node, row| {
+        let half = |is_test: bool, spare| {
+            powers.load(these.len(), spare, |node, row| {
                 counts.copy_row(node, these, row);
                 let part = if is_test { 1.0 - share } else { share };
                 for (v, &channel) in row.iter_mut().zip(these) {
@@ -141,13 +142,14 @@ fn errors(
                 }
             })
         };
-        let (mut train, test) = (half(false), half(true));
+        let (mut train, test) = (half(false, spare_train.take()), half(true, spare_test.take()));
         for (t, sum) in sums.iter_mut().enumerate() {
             if t > 0 {
                 powers.step(&mut train, progress)?;
             }
             *sum += squared_difference(&train, &test);
         }
+        (spare_train, spare_test) = (Some(train), Some(test));
     }
     let n_values = (powers.n_nodes() * channels.len()).max(1) as f64;
     Ok(sums.into_iter().map(|sum| sum / n_values).collect())
@@ -261,10 +263,10 @@ mod tests {
             let matrix = CountMatrix { values: CountValues::Dense(&counts), n_channels: n_genes };
             let params = CrossValidationParams { most_steps: 512, ..CrossValidationParams::default() };
             let found = cross_validate(&powers, &matrix, params, Progress::none()).unwrap();
-            let mut now = powers.load(1, |_, _| ());
+            let mut now = powers.load(1, None, |_, _| ());
             let mut oracle = vec![0.0; found.errors.len()];
             for g in 0..n_genes {
-                now = powers.load(1, |node, row| row[0] = counts[node * n_genes + g]);
+                now = powers.load(1, None, |node, row| row[0] = counts[node * n_genes + g]);
                 for (t, error) in oracle.iter_mut().enumerate() {
                     if t > 0 {
                         powers.step(&mut now, Progress::none()).unwrap();

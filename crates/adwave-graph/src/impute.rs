@@ -54,10 +54,11 @@ pub fn impute_into(
     let factors = RowFactors::new(&counts, transformation)?;
     let fractional =
         if steps.fract() == 0.0 { None } else { Some(FractionalPower::new(powers, steps, progress)?) };
+    let mut spare = None;
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
         let these = &channels[range.clone()];
-        let mut block = powers.load(these.len(), |node, row| {
+        let mut block = powers.load(these.len(), spare.take(), |node, row| {
             counts.copy_row(node, these, row);
             let factor = factors.get(node);
             for v in row {
@@ -76,6 +77,7 @@ pub fn impute_into(
             }
         }
         powers.store(&block, range, channels.len(), out);
+        spare = Some(block);
     }
     Ok(progress.step(channels.len() as u64, channels.len() as u64)?)
 }

@@ -83,16 +83,18 @@ impl WalkPowers {
         if steps > MOST_STEPS {
             return Err(GraphWalkError::BadSteps { steps: f64::from(steps), most: MOST_STEPS });
         }
+        let mut spare = None;
         for channels in blocks(n_channels) {
             progress.step(channels.start as u64, n_channels as u64)?;
             let fill = |node: usize, row: &mut [f64]| {
                 row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
             };
-            let mut block = self.load(channels.len(), fill);
+            let mut block = self.load(channels.len(), spare.take(), fill);
             for _ in 0..steps {
                 self.step(&mut block, progress)?;
             }
             self.store(&block, channels, n_channels, out);
+            spare = Some(block);
         }
         Ok(progress.step(n_channels as u64, n_channels as u64)?)
     }
@@ -121,7 +123,7 @@ impl WalkPowers {
             let fill = |node: usize, row: &mut [f64]| {
                 row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
             };
-            let block = self.load(channels.len(), fill);
+            let block = self.load(channels.len(), None, fill);
             self.visit_bands(block, scales, progress, |level, values, block| {
                 let out = &mut out[level * signal.len()..][..signal.len()];
                 self.store_values(values, block, channels.clone(), n_channels, out);
@@ -188,14 +190,14 @@ impl WalkPowers {
                     }
                 }
             };
-            let mut block = self.load(channels.len(), fill(scales.len()));
+            let mut block = self.load(channels.len(), None, fill(scales.len()));
             for level in (0..scales.len()).rev() {
                 let until = if level == 0 { 0 } else { scales[level - 1] };
                 for _ in until..scales[level] {
                     multiply(transpose, block.lanes, &block.now, &mut block.next, progress)?;
                     std::mem::swap(&mut block.now, &mut block.next);
                 }
-                let added = self.load(channels.len(), fill(level));
+                let added = self.load(channels.len(), None, fill(level));
                 block.now.iter_mut().zip(&added.now).for_each(|(now, g)| *now += g);
             }
             self.store(&block, channels, n_channels, out);
@@ -203,24 +205,38 @@ impl WalkPowers {
         Ok(())
     }
 
-    /// A block of `width` channels, filled node by node.
-    pub(crate) fn load(&self, width: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> LaneBlock {
+    /// A block of `width` channels, filled node by node, in the memory of `spare` if there is one.
+    pub(crate) fn load(
+        &self,
+        width: usize,
+        spare: Option<LaneBlock>,
+        fill: impl Fn(usize, &mut [f64]) + Sync,
+    ) -> LaneBlock {
         let lanes = lanes(width);
         let n = self.n_nodes();
-        let mut now = vec![0.0; n * lanes];
+        let mut block = match spare {
+            Some(block) if block.lanes == lanes => block,
+            _ => LaneBlock { now: vec![0.0; n * lanes], next: vec![0.0; n * lanes], lanes, width },
+        };
+        if block.width != width {
+            block.now.fill(0.0);
+            block.width = width;
+        }
         let fill_rows = |first: usize, rows: &mut [f64]| {
             for (place, row) in (first..).zip(rows.chunks_exact_mut(lanes)) {
                 fill(self.node_at[place] as usize, &mut row[..width]);
             }
         };
         if n <= SERIAL {
-            fill_rows(0, &mut now);
+            fill_rows(0, &mut block.now);
         } else {
-            now.par_chunks_mut(ROWS_AT_A_TIME * lanes)
+            block
+                .now
+                .par_chunks_mut(ROWS_AT_A_TIME * lanes)
                 .enumerate()
                 .for_each(|(chunk, rows)| fill_rows(chunk * ROWS_AT_A_TIME, rows));
         }
-        LaneBlock { next: vec![0.0; now.len()], now, lanes, width }
+        block
     }
 
     /// One step of the walk.
@@ -261,7 +277,7 @@ impl WalkPowers {
     }
 
     /// The matrix in the order of the rows of a block.
-    pub(crate) fn ordered(&self) -> &CompressedRows<f64> {
+    pub(crate) fn ordered_rows(&self) -> &CompressedRows<f64> {
         &self.ordered
     }
 
@@ -274,7 +290,7 @@ impl WalkPowers {
         if self.n_nodes().checked_mul(n_channels) != Some(signal.len()) {
             return Err(self.wrong_length(signal.len(), n_channels));
         }
-        match signal.iter().position(|v| !v.is_finite()) {
+        match signal.par_iter().with_min_len(1 << 14).position_first(|v| !v.is_finite()) {
             None => Ok(()),
             Some(at) => Err(GraphWalkError::BadValue {
                 node: at / n_channels,

@@ -111,7 +111,7 @@ pub fn scatter(
         progress.step(channels.start as u64, n_channels as u64)?;
         let width = channels.len();
         sizes.resize(n_scales * powers.n_nodes() * width, 0.0);
-        let block = powers.load(width, |node, row| {
+        let block = powers.load(width, None, |node, row| {
             row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
         });
         let per_band = powers.n_nodes() * width;
@@ -170,7 +170,7 @@ fn second_order(
     let lanes: Vec<(usize, usize)> =
         (0..n_scales - 1).flat_map(|j| (0..width).map(move |c| (j, c))).collect();
     for lanes in lanes.chunks(MAX_LANES) {
-        let block = powers.load(lanes.len(), |node, row| {
+        let block = powers.load(lanes.len(), None, |node, row| {
             for (v, &(j, c)) in row.iter_mut().zip(lanes) {
                 *v = sizes[j * per_band + node * width + c];
             }

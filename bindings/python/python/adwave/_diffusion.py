@@ -42,7 +42,7 @@ _Prepared = TypeVar("_Prepared", bound="PreparedShape")
 class PreparedShape:
     """A shape with its diffusion operator Φ₁; `adwave.Decomposer` adds the bands."""
 
-    __slots__ = ("__weakref__", "_by_width", "_data", "_last_masked", "_mask", "_options", "_walk", "shape")
+    __slots__ = ("__weakref__", "_by_width", "_data", "_given_walk", "_last_masked", "_mask", "_options", "shape")
 
     shape: Shape
 
@@ -52,7 +52,7 @@ class PreparedShape:
         with report_progress(progress, "preparing") as report:
             self._data = _native.Prepared(self.shape._data, self._options.with_default_kind("walk"), report)
         self._mask: NDArray[np.bool_] | None = None
-        self._walk: Walk | None = None
+        self._given_walk: Walk | None = None
         self._by_width: Any = None
         self._last_masked: Any = None
 
@@ -83,7 +83,7 @@ class PreparedShape:
     @property
     def chooses_operator(self) -> bool:
         """Whether each request chooses the operator that suits its levels, because none was given."""
-        return self._walk is None and self._options.kind is None and not self._options.needs_walk()
+        return self._given_walk is None and self._options.kind is None and not self._options.needs_walk()
 
     @property
     def n_vertices(self) -> int:
@@ -143,7 +143,8 @@ class PreparedShape:
         if flags.shape != (self.n_vertices,):
             raise ValueError(f"mask must have one flag for each of {self.n_vertices} vertices, got shape {flags.shape}")
         other = type(self).__new__(type(self))
-        other.shape, other._options, other._mask, other._walk = self.shape, self._options, flags, self._walk
+        other.shape, other._options, other._mask = self.shape, self._options, flags
+        other._given_walk = self._given_walk
         other._by_width = other._last_masked = None
         other._data = self._data.with_mask(flags)
         return other
@@ -169,7 +170,7 @@ class PreparedShape:
         array([3., 1.])
         """
         other = type(self).__new__(type(self))
-        other.shape, other._options, other._mask, other._walk = self.shape, self._options, None, walk
+        other.shape, other._options, other._mask, other._given_walk = self.shape, self._options, None, walk
         other._by_width = other._last_masked = None
         other._data = self._data.with_walk(walk._data)
         return other if self._mask is None else other.with_mask(self._mask)
@@ -581,7 +582,7 @@ class PreparedShape:
         return f"<adwave.{type(self).__name__}: {operator} on {self.shape!r}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (type(self), self.shape, self._options, self._mask, self._walk)
+        return _restore, (type(self), self.shape, self._options, self._mask, self._given_walk)
 
 
 def smoothing_levels(steps: float | None, rms: Length | None, fwhm: Length | None) -> Steps | Widths:

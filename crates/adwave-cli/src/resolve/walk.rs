@@ -106,7 +106,9 @@ fn build_walk(
         Some(text) => match text.parse::<f64>() {
             Ok(weight) => SelfLoops::Weight(weight),
             Err(_) => {
-                return Err(CliError::Input(format!("--self-loops must be a weight or \"keep\", got {text}")));
+                return Err(CliError::Input(format!(
+                    "--self-loops must be a weight or \"keep\", got {text}"
+                )));
             }
         },
     };

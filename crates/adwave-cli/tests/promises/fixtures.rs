@@ -70,7 +70,9 @@ fn write_cells(folder: &Path) {
     let angle = |x: usize| std::f64::consts::TAU * x as f64 / n as f64;
     let rough = |x: usize, c: usize| ((x * 7919 + c * 31) % 101) as f64 / 100.0;
     save("counts.npy", 4, &|x, c| (6.0 + 4.0 * (angle(x) + c as f64).sin() + 5.0 * rough(x, c)).floor());
-    save("cells.npy", 6, &|x, c| (angle(x) * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.1 * rough(x, c));
+    save("cells.npy", 6, &|x, c| {
+        (angle(x) * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.1 * rough(x, c)
+    });
     save("batch.npy", 1, &|x, _| (x % 3) as f64);
     let mut text = format!("%%MatrixMarket matrix coordinate real general\n{n} {n} {}\n", 3 * n);
     for x in 0..n {
