@@ -85,7 +85,10 @@ def legs(n: int) -> None:
         return
     random = np.random.default_rng(1)
     weights = sparse.random_array((n, n), density=6 / n, rng=random)
-    weights = ((weights + weights.T) > 0).astype(float)
+    weights = ((weights + weights.T) > 0).astype(float).tolil()
+    weights.setdiag(0)
+    weights = sparse.csr_array(weights)
+    weights.eliminate_zeros()
     signal = random.normal(size=(n, 3))
     degree = np.maximum(np.asarray(weights.sum(axis=0)).ravel(), 1e-12)
     walk = torch.tensor((0.5 * (sparse.eye_array(n) + weights @ sparse.diags_array(1 / degree))).todense()).float()

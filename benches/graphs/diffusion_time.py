@@ -38,9 +38,9 @@ def main() -> None:
     for depth in (200, 1000, 10_000):
         truth = depth * share
         counts = random.poisson(truth)
-        # The graph is that of all molecules, as in practice.
-        walk = aw.points(principal_components(counts), neighbors=15)
-        found = aw.impute(counts, walk)
+        # The graph is that of all molecules, as in practice; cross-validation makes its own.
+        found = aw.impute(counts)
+        walk = found.walk
         errors, values = [], counts.astype(float)
         for _ in range(len(found.errors)):
             errors.append(((values - truth) ** 2).mean())
@@ -52,13 +52,6 @@ def main() -> None:
         curves.append((depth, found, errors))
     if arguments.picture:
         draw(curves, arguments.picture)
-
-
-def principal_components(counts: np.ndarray) -> np.ndarray:
-    """First 20 principal components of the square roots."""
-    from adwave._impute import principal_components
-
-    return principal_components(counts, 20)
 
 
 def draw(curves: list, path: str) -> None:

@@ -9,7 +9,7 @@ use adwave_graph::{
     CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, Kernel,
     NearestLists, Normalization, Pooling, ScatteringParams, SelfLoops, Symmetrization, Transformation,
     WalkMatrix, WalkOptions, WalkPowers, cross_validate, impute_into, kernel_weights, nearest_lists, pool,
-    scatter,
+    scatter, split_counts,
 };
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -21,7 +21,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<WalkData>()?;
     module.add_function(wrap_pyfunction!(nearest, module)?)?;
     module.add_function(wrap_pyfunction!(neighbor_weights, module)?)?;
-    module.add_function(wrap_pyfunction!(pool_graphs, module)?)
+    module.add_function(wrap_pyfunction!(pool_graphs, module)?)?;
+    module.add_function(wrap_pyfunction!(split_molecules, module)?)
 }
 
 /// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
@@ -350,6 +351,24 @@ fn neighbor_weights<'py>(
         kernel_weights(&lists, kernel, p)
     })?;
     Ok(to_arrays(py, &rows))
+}
+
+/// The molecules that cross-validation diffuses, as values of the same compressed rows.
+#[pyfunction]
+fn split_molecules<'py>(
+    py: Python<'py>,
+    counts: CountColumns<'_>,
+    share: f64,
+    seed: u64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let CountColumns { offsets, columns, values, n_channels } = counts;
+    let offsets: Vec<usize> = offsets.as_slice()?.iter().map(|&at| at.max(0) as usize).collect();
+    let (columns, values) = (columns.as_slice()?.to_vec(), values.as_slice()?.to_vec());
+    let train = run(py, usize::MAX, None, |_| {
+        let rows = CompressedRows::new(offsets, columns, values, n_channels)?;
+        split_counts(&rows, share, seed)
+    })?;
+    Ok(arrays::vector(py, train.values().to_vec()))
 }
 
 /// Statistics over the nodes of each graph: graphs × paths × channels × statistics, flat.

@@ -8,6 +8,7 @@ use crate::count_matrix::RowFactors;
 use crate::powers::{LaneBlock, blocks};
 use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
 use adwave::Progress;
+use adwave::rows::CompressedRows;
 use rand_distr::{Binomial, Distribution};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
@@ -79,7 +80,7 @@ pub fn cross_validate(
             value: 0.0,
         });
     }
-    if let Some((node, channel, value)) = counts.find(|v| v < 0.0 || v.fract() != 0.0 || v > 1e15) {
+    if let Some((node, channel, value)) = counts.find(|v| !is_count(v)) {
         return Err(GraphWalkError::NotCount { node, channel, value });
     }
     let transformation = Transformation { library_size: params.library_size, square_root: false };
@@ -96,6 +97,47 @@ pub fn cross_validate(
         }
         most = (2 * most).min(params.most_steps);
     }
+}
+
+/// The share of the counts that cross-validation diffuses, with the split of [`cross_validate`] for the same share and seed.
+///
+/// A graph that was made from all counts knows the molecules that are held back, and the least error is then found too
+/// early. Make the graph for cross-validation from these counts.
+///
+/// # Errors
+/// [`GraphWalkError::NotCount`] if a value is no count.
+///
+/// ```
+/// use adwave::rows::CompressedRows;
+/// use adwave_graph::split_counts;
+/// let counts = CompressedRows::new(vec![0, 2], vec![0, 3], vec![5.0, 100.0], 4)?;
+/// let train = split_counts(&counts, 0.5, 1)?;
+/// assert!(train.row(0).1.iter().zip([5.0, 100.0]).all(|(t, all)| *t >= 0.0 && *t <= all));
+/// # Ok::<(), adwave_graph::GraphWalkError>(())
+/// ```
+pub fn split_counts(
+    counts: &CompressedRows<f64>,
+    share: f64,
+    seed: u64,
+) -> Result<CompressedRows<f64>, GraphWalkError> {
+    let mut train = counts.clone();
+    for node in 0..counts.n_rows() {
+        let (channels, values) = counts.row(node);
+        let start = counts.offsets()[node];
+        for (k, (&channel, &value)) in channels.iter().zip(values).enumerate() {
+            if !is_count(value) {
+                return Err(GraphWalkError::NotCount { node, channel: channel as usize, value });
+            }
+            let bits = hash(seed, node as u64, u64::from(channel));
+            train.values_mut()[start + k] = draw_molecules(value, share, bits);
+        }
+    }
+    Ok(train)
+}
+
+/// True for whole numbers of at least 0 that double precision counts exactly.
+fn is_count(value: f64) -> bool {
+    (0.0..=1e15).contains(&value) && value.fract() == 0.0
 }
 
 /// The channels with the largest sums, ascending; those without a count are left out.
@@ -212,7 +254,6 @@ mod tests {
     use super::*;
     use crate::powers::tests::noise;
     use crate::{CountValues, WalkMatrix, WalkOptions};
-    use adwave::rows::CompressedRows;
 
     #[test]
     fn the_split_has_the_mean_and_variance_of_a_binomial() {

@@ -27,7 +27,7 @@ mod scattering;
 mod walk;
 
 pub use count_matrix::{CountMatrix, CountValues, Transformation};
-pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate};
+pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate, split_counts};
 pub use edge_list::{EdgeList, read_edges};
 pub use error::GraphWalkError;
 pub use impute::{ImputationInput, impute_into};

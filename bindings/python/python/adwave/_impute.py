@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from adwave import _native
 from adwave._walk import Walk, points, walk as make_walk
 
 #: Genes that are processed together.
@@ -73,7 +74,8 @@ def impute(
     """Average counts over similar cells, ``Pᵗ X``, for a time t that is chosen by molecular cross-validation.
 
     Diffusion for too long removes the differences between cells: look at `Imputation.errors`, which should have their
-    least value inside.
+    least value inside. A graph that was made from the same counts knows the molecules that are held back, so that the
+    time comes out too short; without a graph, cross-validation makes one of its own from the molecules that it diffuses.
 
     Parameters
     ----------
@@ -107,8 +109,9 @@ def impute(
     """
     notes: list[str] = []
     counts, names = _matrix(X, layer)
+    is_own_graph = False
     if walk is None:
-        walk = _default_walk(X, counts, notes)
+        walk, is_own_graph = _default_walk(X, counts, notes)
     n, n_genes = counts.shape
     if n != walk.n_nodes:
         hint = "; it has a column per node, so it seems to be genes × cells: transpose it" if n_genes == walk.n_nodes else ""
@@ -126,8 +129,11 @@ def impute(
             raise ValueError(f"library_size must be greater than 0, got {library_size}")
     errors = np.empty(0)
     if t == "auto":
-        steps, found, _, is_at_limit = walk._data.cross_validate(
-            _sparse(counts), _Split(SHARE, size, int(seed), MOST_STEPS)
+        molecules = _sparse(counts)
+        # A graph of all molecules knows those that are held back, and the least error would be found too early.
+        judge = _walk_of_train(molecules, int(seed)) if is_own_graph else walk
+        steps, found, _, is_at_limit = judge._data.cross_validate(
+            molecules, _Split(SHARE, size, int(seed), MOST_STEPS)
         )
         errors = np.array(found)
         t = float(steps)
@@ -158,17 +164,27 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:  # noqa:
     return (counts.tocsc() if hasattr(counts, "tocsc") else counts), names
 
 
-def _default_walk(X: Any, counts: Any, notes: list[str]) -> Walk:  # noqa: N803
-    """The walk of an AnnData's neighbors, or of the nearest neighbors in principal components."""
+def _walk_of_train(counts: _Counts, seed: int) -> Walk:
+    """The walk to the nearest neighbors in principal components of the molecules that are not held back."""
+    from scipy.sparse import csr_array
+
+    train = _native.split_molecules(counts, SHARE, seed)
+    shape = (len(counts.offsets) - 1, counts.n_channels)
+    rows = csr_array((train, counts.columns.astype(np.int64), counts.offsets), shape=shape)
+    return points(principal_components(rows, N_COMPONENTS))
+
+
+def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:  # noqa: N803
+    """The walk of an AnnData's neighbors, or that of the counts, and whether it is the latter."""
     pairs, coordinates = getattr(X, "obsp", {}), getattr(X, "obsm", {})
     if "connectivities" in pairs:
         notes.append("walk on obsp['connectivities'], with loops of weight 1")
-        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0)
+        return make_walk(pairs["connectivities"], normalize="row", self_loops=1.0), False
     if "X_pca" in coordinates:
         notes.append("walk to the 15 nearest neighbors in obsm['X_pca']")
-        return points(coordinates["X_pca"])
+        return points(coordinates["X_pca"]), False
     notes.append(f"walk to the 15 nearest neighbors in {N_COMPONENTS} principal components of all counts")
-    return points(principal_components(counts, N_COMPONENTS))
+    return points(principal_components(counts, N_COMPONENTS)), True
 
 
 def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:

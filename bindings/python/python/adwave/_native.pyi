@@ -57,6 +57,7 @@ __all__ = [
     "set_threads",
     "signature",
     "simplify",
+    "split_molecules",
     "studio",
     "taubin",
     "threads",
@@ -325,4 +326,5 @@ def nearest(
 def neighbor_weights(
     offsets: NDArray[np.int64], indices: NDArray[np.int64], distances: _Floats, kernel: object
 ) -> tuple[_Floats, NDArray[np.uint32], NDArray[np.int64]]: ...
+def split_molecules(counts: object, share: float, seed: int) -> _Floats: ...
 def pool_graphs(values: _Floats, graph_of: NDArray[np.uint32], n_graphs: int, pooling: str) -> _Floats: ...
