@@ -163,6 +163,7 @@ fn write_named_files(folder: &Path) {
     }
     save(&land(40.0), "flight-2.laz");
     write_curves_and_graphs(folder);
+    write_cells(folder);
     write_cortex(folder, &brain);
     let n = model.n_vertices();
     let values = |f: fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
@@ -193,6 +194,45 @@ fn write_curves_and_graphs(folder: &Path) {
     fs::write(folder.join("network.mtx"), format!("{head}\n50 50 50\n{edges}")).unwrap();
     let signal: Vec<f64> = (0..50).map(|k| (f64::from(k) / 5.0).sin()).collect();
     adwave_io::write_npy(&folder.join("signal.npy"), &[50], adwave_io::ArrayValues::F64(&signal)).unwrap();
+}
+
+/// Cells on a ring with counts, coordinates, their graph and their walk.
+fn write_cells(folder: &Path) {
+    let (n, n_genes) = (60_usize, 45_usize);
+    let count = |x: usize, g: usize| {
+        (4.0 + 3.0 * (x as f64 / 9.5 + g as f64).sin()).floor() + f64::from((x * 7 + g * 3) as u32 % 3)
+    };
+    let save = |name: &str, n_columns: usize, value: &dyn Fn(usize, usize) -> f64| {
+        let values: Vec<f64> = (0..n * n_columns).map(|i| value(i / n_columns, i % n_columns)).collect();
+        adwave_io::write_npy(&folder.join(name), &[n, n_columns], adwave_io::ArrayValues::F64(&values))
+            .unwrap();
+    };
+    save("counts.npy", n_genes, &count);
+    for name in ["pca.npy", "cells.npy", "genes.npy", "x.npy"] {
+        save(name, 6, &|x, c| {
+            (x as f64 / 9.5 * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.01 * (x * 31 % 17) as f64
+        });
+    }
+    save("f.npy", 1, &|x, _| (x as f64 / 9.5).sin());
+    let (mut counts, mut ring, mut walk, mut edges) =
+        (String::new(), String::new(), String::new(), String::new());
+    for x in 1..=n {
+        let (before, after) = ((x + n - 2) % n + 1, x % n + 1);
+        (1..=n_genes).for_each(|g| counts += &format!("{x} {g} {}\n", count(x - 1, g - 1)));
+        ring += &format!("{x} {before} 1\n{x} {after} 1\n");
+        walk += &format!("{x} {x} 0.5\n{x} {before} 0.25\n{x} {after} 0.25\n");
+        edges += &format!("{} {}\n", x - 1, after - 1);
+    }
+    let head = "%%MatrixMarket matrix coordinate real general";
+    for (name, n_columns, n_entries, entries) in [
+        ("counts.mtx", n_genes, n * n_genes, &counts),
+        ("neighbors.mtx", n, 2 * n, &ring),
+        ("graph.mtx", n, 2 * n, &ring),
+        ("walk.mtx", n, 3 * n, &walk),
+    ] {
+        fs::write(folder.join(name), format!("{head}\n{n} {n_columns} {n_entries}\n{entries}")).unwrap();
+    }
+    fs::write(folder.join("edges.txt"), edges).unwrap();
 }
 
 /// Surfaces, fields, labels and an annotation as neuroimaging has them.
