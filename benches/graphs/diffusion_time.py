@@ -63,7 +63,7 @@ def draw(curves: list, path: str) -> None:
 
     figure, axes = pyplot.subplots(1, len(curves), figsize=(10, 3.2), layout="constrained")
     for axis, (depth, found, errors) in zip(axes, curves, strict=True):
-        shift = (found.errors - errors).mean()
+        shift = (found.errors - errors)[int(found.steps)]
         axis.plot(errors, color="#777777", label="error against the rates")
         axis.plot(found.errors - shift, color="#c44e52", linestyle="--", label="cross-validation, shifted")
         axis.axvline(found.steps, color="#c44e52", linewidth=0.8)

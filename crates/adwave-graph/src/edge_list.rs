@@ -80,12 +80,17 @@ pub fn read_edges(
     }
     let n_edges = pairs.len() as u64;
     let rows = both_directions(n_nodes.max(n_named), pairs, &weights, progress)?;
-    let n_repeated = n_edges - (rows.nnz() as u64 + count_loops(&rows)) / 2;
+    let n_repeated = n_edges - count_pairs(&rows);
     Ok(EdgeList { weights: rows, n_edges, n_repeated })
 }
 
-fn count_loops(rows: &CompressedRows<f64>) -> u64 {
-    (0..rows.n_rows()).filter(|&x| rows.row(x).0.binary_search(&(x as u32)).is_ok()).count() as u64
+/// Number of different edges of a symmetric matrix: entries on and right of the diagonal.
+fn count_pairs(rows: &CompressedRows<f64>) -> u64 {
+    let pairs = |x: usize| {
+        let columns = rows.row(x).0;
+        columns.len() - columns.partition_point(|&y| (y as usize) < x)
+    };
+    (0..rows.n_rows()).map(|x| pairs(x) as u64).sum()
 }
 
 /// The edge of a line; `None` for a comment or an empty line.

@@ -81,6 +81,10 @@ struct RowsProduct<'a, const L: usize> {
 impl<const L: usize> NullaryFnOnce for RowsProduct<'_, L> {
     type Output = ();
 
+    #[expect(
+        clippy::inline_always,
+        reason = "the instructions of the dispatch apply to what is inlined into it"
+    )]
     #[inline(always)]
     fn call(self) {
         let Self { rows, now, first, out } = self;

@@ -37,7 +37,7 @@ pub fn read_matrix_market(
     lines: impl BufRead,
     progress: Progress<'_>,
 ) -> Result<SparseMatrix, GraphWalkError> {
-    let mut lines = Lines { lines, text: Vec::new(), line: 0 };
+    let mut lines = Lines { reader: lines, text: Vec::new(), line: 0 };
     let banner = lines.next()?.unwrap_or_default().to_ascii_lowercase();
     let words: Vec<&str> = banner.split_whitespace().collect();
     let ["%%matrixmarket", "matrix", "coordinate", value, symmetry] = words[..] else {
@@ -112,7 +112,7 @@ fn parse_entry(text: &str, is_pattern: bool) -> Option<(u32, u32, f64)> {
 
 /// Lines with their numbers, for messages.
 struct Lines<R> {
-    lines: R,
+    reader: R,
     text: Vec<u8>,
     line: u64,
 }
@@ -120,7 +120,7 @@ struct Lines<R> {
 impl<R: BufRead> Lines<R> {
     fn next(&mut self) -> Result<Option<String>, GraphWalkError> {
         self.text.clear();
-        let read = self.lines.read_until(b'\n', &mut self.text);
+        let read = self.reader.read_until(b'\n', &mut self.text);
         self.line += 1;
         let n_bytes = read.map_err(|error| self.wrong(&format!("it cannot be read: {error}")))?;
         Ok((n_bytes > 0).then(|| String::from_utf8_lossy(self.text.trim_ascii()).into_owned()))

@@ -46,7 +46,7 @@ impl DimensionedPoints<'_> {
         if n_dimensions == 0 || !n_values.is_multiple_of(n_dimensions) {
             return Err(GraphWalkError::PointsLength { n_values, n_dimensions });
         }
-        match self.values.iter().position(|v| !(v.abs() <= LARGEST)) {
+        match self.values.iter().position(|v| v.is_nan() || v.abs() > LARGEST) {
             None => Ok(()),
             Some(at) => Err(GraphWalkError::BadCoordinate {
                 point: at / n_dimensions,

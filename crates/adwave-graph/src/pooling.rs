@@ -80,15 +80,12 @@ pub fn pool(
                 add(pooling, sums, v, v - mean);
             }
         }
-        for graph in 0..n_graphs {
+        for (graph, &count) in counts.iter().enumerate() {
             for channel in 0..n_channels {
                 let at = graph * n_channels + channel;
                 let start = ((graph * n_paths + path) * n_channels + channel) * n_statistics;
-                let found = if counts[graph] == 0.0 {
-                    [0.0; 4]
-                } else {
-                    statistics(pooling, means[at], sums[at], counts[graph])
-                };
+                let found =
+                    if count == 0.0 { [0.0; 4] } else { statistics(pooling, means[at], sums[at], count) };
                 out[start..start + n_statistics].copy_from_slice(&found[..n_statistics]);
             }
         }

@@ -119,7 +119,9 @@ pub fn scatter(
             if level < n_scales {
                 let out = &mut sizes[level * per_band..][..per_band];
                 powers.store_values(band, block, 0..width, width, out);
-                out.iter_mut().for_each(|v| *v = v.abs());
+                for v in out {
+                    *v = v.abs();
+                }
             }
         })?;
         if has(1) {
