@@ -42,6 +42,15 @@ from adwave._register import match as match
 from adwave._register import simplify as simplify
 from adwave._recipe import Recipe as Recipe
 from adwave._recipe import read_recipe as read_recipe
+from adwave._walk import ScatteringResult as ScatteringResult
+from adwave._walk import Walk as Walk
+from adwave._walk import from_edge_index as from_edge_index
+from adwave._walk import neighbors as neighbors
+from adwave._walk import points as points
+from adwave._walk import scattering as scattering
+from adwave._walk import walk as walk
+from adwave._impute import Imputation as Imputation
+from adwave._impute import impute as impute
 from adwave._info import Info as Info
 from adwave._info import info as info
 from adwave._info import memory_needed as memory_needed
@@ -70,6 +79,7 @@ __all__ = [
     "Distances",
     "FeatureOptions",
     "Features",
+    "Imputation",
     "Info",
     "InternalError",
     "Layer",
@@ -81,11 +91,13 @@ __all__ = [
     "Repeatability",
     "Saliency",
     "SaliencyOptions",
+    "ScatteringResult",
     "Shape",
     "SimplifyResult",
     "Steps",
     "StudioResult",
     "Trials",
+    "Walk",
     "Widths",
     "__version__",
     "as_shape",
@@ -96,11 +108,15 @@ __all__ = [
     "features",
     "filter",
     "filter_labels",
+    "from_edge_index",
     "gaze_scores",
     "graph",
+    "impute",
     "info",
     "match",
     "memory_needed",
+    "neighbors",
+    "points",
     "preset_gains",
     "read",
     "read_bytes",
@@ -111,12 +127,14 @@ __all__ = [
     "report",
     "saliency",
     "sample",
+    "scattering",
     "show_versions",
     "signal",
     "simplify",
     "smooth",
     "studio",
     "threads",
+    "walk",
 ]
 __version__: str
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import LinearOperator
 
-    from adwave._walk import Walk
-
 #: Share of the diagonal up to which levels go if none are given: of bands, of features, of a signed saliency map.
 EXTENT = _native.EXTENT
 
@@ -52,7 +50,7 @@ class PreparedShape:
         with report_progress(progress, "preparing") as report:
             self._data = _native.Prepared(self.shape._data, self._options.with_default_kind("walk"), report)
         self._mask: NDArray[np.bool_] | None = None
-        self._given_walk: Walk | None = None
+        self._given_walk: Any = None
         self._by_width: Any = None
         self._last_masked: Any = None
 
@@ -149,7 +147,7 @@ class PreparedShape:
         other._data = self._data.with_mask(flags)
         return other
 
-    def with_walk(self: _Prepared, walk: Walk) -> _Prepared:
+    def with_walk(self: _Prepared, walk: Any) -> _Prepared:
         """Shape with the given walk as its diffusion: a step of the walk is a step of the bands.
 
         Parameters
@@ -607,7 +605,7 @@ def _restore(
     shape: Shape,
     options: Operator,
     mask: NDArray[np.bool_] | None,
-    walk: Walk | None = None,
+    walk: Any = None,
 ) -> _Prepared:
     prepared = kind(shape, operator=options)
     if walk is not None:

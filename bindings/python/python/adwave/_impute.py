@@ -44,7 +44,15 @@ class _Counts:
 
 @dataclass(frozen=True)
 class Imputation:
-    """Imputed values, and the time that was taken."""
+    """Imputed values, and the time that was taken.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.impute([[2.0], [4.0]], aw.walk([[0.5, 0.5], [0.5, 0.5]]), t=1).values
+    array([[3.],
+           [3.]])
+    """
 
     #: Values, cells × genes.
     values: NDArray[np.float64]

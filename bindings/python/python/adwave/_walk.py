@@ -54,6 +54,12 @@ class Walk:
     """A random walk P on n nodes, as `adwave.walk`, `adwave.points` and `adwave.neighbors` make it.
 
     ``repr`` tells how it was made. Results do not depend on the number of threads.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.walk([[0, 1], [1, 0]])
+    <adwave.Walk: 2 nodes, as given>
     """
 
     __slots__ = ("_data", "_decomposer", "_source", "origin")
@@ -369,7 +375,15 @@ def from_edge_index(
 
 @dataclass(frozen=True)
 class ScatteringResult:
-    """Scattering coefficients of a signal."""
+    """Scattering coefficients of a signal.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.scattering(aw.walk([[0, 1], [1, 0]]), [1.0, 3.0], steps=[1]).features()
+    array([[1., 2.],
+           [3., 2.]])
+    """
 
     #: Coefficients: (paths, n, channels), or (graphs, paths, channels, statistics) if pooled.
     values: NDArray[np.float64]
