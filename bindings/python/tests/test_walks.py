@@ -186,7 +186,7 @@ def test_a_prepared_walk_has_bands_and_filters() -> None:
     prepared = ring(30).prepare()
     f = RNG.normal(size=30)
     bands = prepared.decompose(f, levels=4)
-    assert np.allclose(bands.coarsest, ring(30).smooth(f, 8), atol=1e-10)
+    assert np.allclose(bands.scaling(4), ring(30).smooth(f, 8), atol=1e-10)
     assert np.allclose(bands.reconstruct(), f, atol=1e-12)
     with pytest.raises(ValueError, match="whole"):
         prepared.smooth(f, 0.5)

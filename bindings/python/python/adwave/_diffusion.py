@@ -164,7 +164,7 @@ class PreparedShape:
         --------
         >>> import adwave as aw
         >>> pair = aw.Decomposer(aw.graph(2, [[0, 1]])).with_walk(aw.walk([[0, 1], [1, 0]]))
-        >>> pair.decompose([1.0, 3.0], levels=1).coarsest
+        >>> pair.decompose([1.0, 3.0], levels=1).scaling(1)
         array([3., 1.])
         """
         other = type(self).__new__(type(self))

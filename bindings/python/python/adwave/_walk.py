@@ -163,17 +163,18 @@ class Walk:
         --------
         >>> import adwave as aw
         >>> pair = aw.walk([[0, 1], [1, 0]]).prepare()
-        >>> pair.decompose([1.0, 3.0], levels=1).coarsest
+        >>> pair.decompose([1.0, 3.0], levels=1).scaling(1)
         array([3., 1.])
         """
         from adwave._decomposer import Decomposer
         from adwave._shape import graph
 
         if self._decomposer is None:
-            matrix = self.matrix().tocoo()
-            off = matrix.row != matrix.col
-            edges = np.column_stack([matrix.row[off], matrix.col[off]])
-            shape = graph(self.n_nodes, edges, matrix.data[off])
+            from scipy.sparse import triu
+
+            steps = self.matrix()
+            edges = triu(steps + steps.T, 1).tocoo()
+            shape = graph(self.n_nodes, np.column_stack([edges.row, edges.col]), edges.data)
             self._decomposer = Decomposer(shape, operator="walk").with_walk(self)
         return self._decomposer
 
