@@ -92,23 +92,12 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
     let library_size = library_size(args, &matrix)?;
     let walk = load_walk(&args.walk, WalkDefaults { self_loops: 1.0, stay: 0.0 }, global)?;
     let powers = &walk.powers;
-    let (steps, chosen) = match given_time {
-        Some(steps) => (steps, None),
-        None => {
-            let params =
-                CrossValidationParams { library_size, seed: args.seed, ..CrossValidationParams::default() };
-            let found = with_progress(global, "choosing the time", |progress| {
-                cross_validate(powers, &matrix, params, progress).map_err(|e| in_file(&args.counts, &e))
-            })?;
-            if found.is_at_limit {
-                note(
-                    global,
-                    "the error still falls at the largest number of steps that was tried: take fewer neighbors with care",
-                );
-            }
-            (f64::from(found.steps), Some(found))
-        }
+    let chosen = if given_time.is_none() {
+        Some(choose_time(args, &walk, &matrix, library_size, global)?)
+    } else {
+        None
     };
+    let steps = given_time.unwrap_or_else(|| chosen.as_ref().map_or(0.0, |found| f64::from(found.steps)));
     let channels = match &args.genes {
         Some(genes) => genes.clone(),
         None => (0..matrix.n_channels).collect(),
@@ -128,6 +117,24 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
         write_file(global, path, curve_csv(found).as_bytes())?;
     }
     report(args, &walk, steps, chosen.as_ref(), channels.len(), global)
+}
+
+/// The time by cross-validation.
+fn choose_time(
+    args: &ImputeArgs,
+    walk: &ResolvedWalk,
+    matrix: &CountMatrix<'_>,
+    library_size: Option<f64>,
+    global: &Global<'_>,
+) -> Result<CrossValidation, CliError> {
+    let params = CrossValidationParams { library_size, seed: args.seed, ..CrossValidationParams::default() };
+    let found = with_progress(global, "choosing the time", |progress| {
+        cross_validate(&walk.powers, matrix, params, progress).map_err(|e| in_file(&args.counts, &e))
+    })?;
+    if found.is_at_limit {
+        note(global, "the error still falls at the largest number of steps that was tried");
+    }
+    Ok(found)
 }
 
 fn check_files(args: &ImputeArgs) -> Result<(), CliError> {
