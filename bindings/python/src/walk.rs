@@ -28,6 +28,12 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
 type WeightArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
+/// Scattering coefficients, paths × n × channels, and the bands of each path.
+type Coefficients<'py> = (Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>);
+
+/// Offsets, indices and distances of neighbors.
+type NeighborArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
+
 /// Options of a walk from weights; `None` for a walk as given.
 #[derive(FromPyObject)]
 struct WalkChoices {
@@ -196,7 +202,7 @@ impl WalkData {
         scales: Vec<u32>,
         orders: Vec<u32>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>)> {
+    ) -> PyResult<Coefficients<'py>> {
         let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
         let signal = arrays::rows(&signal, "signal")?;
         let params = ScatteringParams { scales, orders, max_bytes: adwave_io::free_memory() };
@@ -306,7 +312,7 @@ fn nearest<'py>(
     points: PyReadonlyArray2<'_, f64>,
     k: usize,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<NeighborArrays<'py>> {
     let n_dimensions = points.shape()[1];
     let values = arrays::rows(&points, "points")?;
     let lists = run(py, usize::MAX, progress.as_ref(), |p| {
