@@ -7,6 +7,7 @@ mod recurrence;
 mod single;
 mod tiled_diffusion;
 mod tiles;
+mod wide_clenshaw;
 mod wide_recurrence;
 
 pub(crate) use block_recurrence::{
@@ -17,6 +18,7 @@ pub(crate) use product::{copied, try_apply};
 pub(crate) use recurrence::{Continuation, RowOutput, Sum, Weighing};
 pub(crate) use single::SingleWeights;
 pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
+pub(crate) use wide_clenshaw::{ClenshawTerm, wide_clenshaw};
 pub(crate) use wide_recurrence::WideRecurrence;
 
 /// Values of a signal, n_vertices × n_channels.
