@@ -110,8 +110,9 @@ fn filter_labels<'py>(
         .ok_or_else(|| value_error("labels: give one label for each vertex, at most 65536 different ones"))?;
     let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
     let layers = weighted_layers(py, &layers, schedule.n_levels(), &own.decomposer, own.shape.get())?;
+    let params = request.params()?;
     let filtered = run(py, n, progress.as_ref(), |p| {
-        own.request(signal, &schedule, request.accuracy, p).filter_labels(&labels, &layers)
+        own.request(signal, &schedule, &params, p).filter_labels(&labels, &layers)
     })?;
     Ok(arrays::matrix(py, filtered, 1)?.into_any())
 }
@@ -189,8 +190,9 @@ impl EditorData {
         let signal = own.signal(request.signal.as_ref())?;
         let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
         let fit = options::word("local_fit", &request.local_fit, options::LOCAL_FITS)?;
+        let params = request.params()?;
         let editor = run(py, n, progress.as_ref(), |p| {
-            own.request(signal, &schedule, request.accuracy, p).local_fit(fit).editor()
+            own.request(signal, &schedule, &params, p).local_fit(fit).editor()
         })?;
         Ok(Self { editor: Mutex::new(editor), n_channels: signal.n_channels, shape: own.shape.clone_ref(py) })
     }

@@ -7,7 +7,6 @@ use crate::options::{BandsOptions, CREASES, LOCAL_FITS, OUTLIERS, RESPONSES, WEI
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::bands::BandsParams;
 use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
 use adwave::features::{
     CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
@@ -77,12 +76,12 @@ fn saliency_map<'py>(
     let own = prepared.get();
     let is_geometry = request.signal.is_none() && !own.decomposer.geometry().points().is_empty();
     let signal = own.signal(request.signal.as_ref())?;
-    let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
+    let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let chosen = word("weighting", weighting, WEIGHTINGS)?;
     let (params, up, per_level) = (options.params(chosen)?, options.axis()?, options.per_level);
     let decomposer = &own.decomposer;
     let work = |p: Progress<'_>| {
-        let request = own.request(signal, &schedule, accuracy, p);
+        let request = own.request(signal, &schedule, &bands, p);
         let mut sides = "unsigned".to_owned();
         let mut along = None;
         if chosen.is_none() && is_geometry {
@@ -171,7 +170,7 @@ fn find_features<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = prepared.get();
     let signal = own.signal(request.signal.as_ref())?;
-    let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
+    let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let (params, descriptors) = (options.params(&threshold)?, options.descriptors);
     let decomposer = &own.decomposer;
     let is_shape_of_cloud = request.signal.is_none()
@@ -183,12 +182,12 @@ fn find_features<'py>(
                 points: decomposer.geometry().shape().points().unwrap_or_default(),
                 normals: own.normals.as_deref(),
                 schedule: &schedule,
-                bands: BandsParams::default().with_accuracy(accuracy),
+                bands,
             };
             let found = stage(cloud_features(decomposer, &coordinates, &params, p))?;
             (found.features, found.wavelets)
         } else {
-            let request = own.request(signal, &schedule, accuracy, p);
+            let request = own.request(signal, &schedule, &bands, p);
             let wavelets = match params.response {
                 Response::Channels => stage(request.wavelets())?,
                 _ => stage(request.norms())?,

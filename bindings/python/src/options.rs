@@ -1,7 +1,7 @@
 //! Options as they come from the Python classes, and their words as the enums of the crates.
 
 use crate::error::{self, value_error};
-use adwave::bands::{FWHM, Schedule};
+use adwave::bands::{BandsParams, FWHM, Precision, Schedule};
 use adwave::denoise::{Creases, Outliers};
 use adwave::features::Response;
 use adwave::filter::Preset;
@@ -38,6 +38,8 @@ pub(crate) const BORDERS: &[(&str, Borders)] =
 pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
 pub(crate) const LOCAL_FITS: &[(&str, LocalFit)] =
     &[("linear", LocalFit::Linear), ("constant", LocalFit::Constant)];
+const PRECISIONS: &[(&str, Precision)] =
+    &[("auto", Precision::Auto), ("single", Precision::Single), ("double", Precision::Double)];
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
 pub(crate) const OUTLIERS: &[(&str, Outliers)] = &[("keep", Outliers::Keep), ("pull", Outliers::Pull)];
@@ -175,6 +177,15 @@ pub(crate) struct BandsOptions<'py> {
     pub(crate) steps: Vec<f64>,
     pub(crate) accuracy: f64,
     pub(crate) local_fit: String,
+    pub(crate) precision: String,
+}
+
+impl BandsOptions<'_> {
+    /// Accuracy and number format.
+    pub(crate) fn params(&self) -> PyResult<BandsParams> {
+        let precision = word("precision", &self.precision, PRECISIONS)?;
+        Ok(BandsParams::default().with_accuracy(self.accuracy).with_precision(precision))
+    }
 }
 
 /// Levels: widths, dyadic levels with voices, or a number of dyadic levels.

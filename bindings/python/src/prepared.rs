@@ -7,7 +7,7 @@ use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOpti
 use crate::region::region_weights;
 use crate::shape::ShapeData;
 use crate::walk::WalkData;
-use adwave::bands::{BandsParams, DEFAULT_EXTENT, Schedule, Transform};
+use adwave::bands::{BandsParams, DEFAULT_EXTENT, Precision, Schedule, Transform};
 use adwave::positions::constrain_positions;
 use adwave::shape::{Shape, VertexRole, bounding_box};
 use adwave::{BandsRequest, Cancelled, Decomposer, LevelSpec, Progress};
@@ -61,11 +61,10 @@ impl Prepared {
         &'a self,
         signal: SignalValues<'a>,
         schedule: &'a Schedule,
-        accuracy: f64,
+        params: &BandsParams,
         progress: Progress<'a>,
     ) -> BandsRequest<'a> {
-        let params = BandsParams::default().with_accuracy(accuracy);
-        self.decomposer.request(signal.values, signal.n_channels, schedule).params(&params).progress(progress)
+        self.decomposer.request(signal.values, signal.n_channels, schedule).params(params).progress(progress)
     }
 }
 
@@ -238,14 +237,15 @@ impl Prepared {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
         let signal = self.signal(request.signal.as_ref())?;
-        let (schedule, accuracy) = (schedule(&request.steps)?, request.accuracy);
+        let (schedule, params) = (schedule(&request.steps)?, request.params()?);
         let n = self.decomposer.n_vertices();
-        let bands = run(py, n, progress.as_ref(), |p| self.request(signal, &schedule, accuracy, p).bands())?;
+        let bands = run(py, n, progress.as_ref(), |p| self.request(signal, &schedule, &params, p).bands())?;
         let info = PyDict::new(py);
         info.set_item("error_bound", bands.info.error_bound)?;
         info.set_item("degree", bands.info.degree)?;
         info.set_item("bytes", bands.info.bytes)?;
-        info.set_item("accuracy", accuracy)?;
+        info.set_item("accuracy", request.accuracy)?;
+        info.set_item("bits", if bands.info.precision == Precision::Single { 32 } else { 64 })?;
         Ok((arrays::levels(py, bands.into_vec(), n, signal.n_channels)?.into_any(), info))
     }
 
@@ -260,8 +260,9 @@ impl Prepared {
     ) -> PyResult<Bound<'py, PyAny>> {
         let signal = self.signal(request.signal.as_ref())?;
         let (schedule, n) = (schedule(&request.steps)?, self.decomposer.n_vertices());
+        let params = request.params()?;
         let (sum, _) = run(py, n, progress.as_ref(), |p| {
-            self.request(signal, &schedule, request.accuracy, p).weighted(&factors)
+            self.request(signal, &schedule, &params, p).weighted(&factors)
         })?;
         Ok(arrays::matrix(py, sum, signal.n_channels)?.into_any())
     }

@@ -72,6 +72,7 @@ by_kind!(
     adwave::filter::KeepVolumeError,
     adwave::positions::PositionsError,
     adwave_io::NamedSignalError,
+    adwave_io::ReadError,
     adwave_io::ShapeFileError,
     adwave_baselines::compare::CompareError,
     adwave_graph::GraphWalkError,

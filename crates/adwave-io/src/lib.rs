@@ -86,6 +86,7 @@ pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
 pub use formats::las::stream::{LasColumn, LasLayout, LasReader, LasWriter};
 #[cfg(feature = "graph")]
 pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
+pub use formats::npy::columns::{NpyColumns, NpyColumnsWriter};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
 pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
 pub use labels::{distinct_labels, labels_of_field};

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING, Any, Union
 
@@ -150,8 +150,9 @@ def split_signal(
     with report_progress(progress, "splitting") as report:
 
         def split(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
-            array, found = owner._data.bands(BandsRequest(values, request.steps, request.accuracy), report)
-            info.update({name: max(value, info.get(name, 0.0)) for name, value in found.items()})
+            array, found = owner._data.bands(replace(request, signal=values), report)
+            bits = min(found["bits"], info.get("bits", 64))
+            info.update({name: max(value, info.get(name, 0.0)) for name, value in found.items()}, bits=bits)
             return array
 
         array = decomposer._map_channels(request.signal, split)
@@ -199,7 +200,7 @@ class Bands(NDArrayOperatorsMixin):
     _request: BandsRequest
     _selection: Selection | None
     decomposer: Decomposer
-    #: Bound of the relative error, degree of the polynomials, bytes of memory, and for heat on a surface the number of
+    #: Bound of the relative error, degree of the polynomials, bytes of memory, bits of the numbers in products, and for heat on a surface the number of
     #: vertices whose masses were raised and the share of the area that this adds (see `Operator.with_exact_masses`).
     info: dict[str, float]
 
@@ -216,7 +217,7 @@ class Bands(NDArrayOperatorsMixin):
         bands = cls.__new__(cls)
         # A copy, since the caller may change the array later.
         signal = None if request.signal is None else np.array(request.signal)
-        bands._request = BandsRequest(signal, request.steps, request.accuracy)
+        bands._request = replace(request, signal=signal)
         bands._part_layout, bands._selection, bands.info = layout, selection, info
         bands._editors, bands._is_plain = None, None
         # The one shape whose vertices without a value are masked, if all channels have them in common.
@@ -410,7 +411,7 @@ class Bands(NDArrayOperatorsMixin):
         if self._editors is None:
             request = self._request
             self._editors = [
-                (_native.EditorData(owner._data, BandsRequest(part, request.steps, request.accuracy)), channels)
+                (_native.EditorData(owner._data, replace(request, signal=part)), channels)
                 for owner, part, channels in self.decomposer._channel_groups(request.signal)
             ]
         selection = self._selection

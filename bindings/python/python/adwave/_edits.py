@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
+from adwave._columns import channels_axis, map_columns
 from adwave._decomposer import (
     Bands,
     Decomposer,
@@ -40,7 +41,7 @@ from adwave._shape import Shape
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from adwave._part import PartOptions, SignalOptions, SmoothOptions
+    from adwave._part import PartOptions, PrecisionOptions, SignalOptions, SmoothOptions
 
 __all__ = ["DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"]
 
@@ -53,7 +54,7 @@ def decompose(
     operator: OperatorLike = None,
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
-    **options: Unpack[SignalOptions],
+    **options: Unpack[PrecisionOptions],
 ) -> Bands:
     """Split the positions of a shape, or a signal on it, into bands from fine to coarse.
 
@@ -80,7 +81,8 @@ def decompose(
     **options
         ``faces=`` of an array of points; ``mask=`` or ``only=``, the vertices that take part (the bands of the others are
         NaN); ``fwhm=[2, 4, 8]`` and ``steps=[1, 2.5, 8]``, short for `levels`; ``exact=True``, heat on a surface with the
-        masses of the mesh as they are (see `Operator.with_exact_masses`).
+        masses of the mesh as they are (see `Operator.with_exact_masses`); ``precision='single'`` for 16 and more channels
+        (by default where its error bound keeps to the accuracy).
 
     Returns
     -------
@@ -119,7 +121,8 @@ def decompose(
     signal = part.take_signal(default_signal(part.given, signal))
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options), levels)
     values, layout = decomposer._signal_values(signal)
-    request = BandsRequest(values, decomposer.schedule(levels), accuracy)
+    precision = options.get("precision") or "auto"
+    request = BandsRequest(values, decomposer.schedule(levels), accuracy, precision=precision)
     return split_signal(decomposer, request, layout, part.selection, progress)
 
 
@@ -235,7 +238,7 @@ def filter(
     local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
-    **options: Unpack[SignalOptions],
+    **options: Unpack[PrecisionOptions],
 ) -> Any: ...
 
 
@@ -252,7 +255,7 @@ def filter(
     local_fit: LocalFit = ...,
     accuracy: float = ...,
     progress: ProgressLike = ...,
-    **options: Unpack[SignalOptions],
+    **options: Unpack[PrecisionOptions],
 ) -> NDArray[np.float64]: ...
 
 
@@ -268,7 +271,7 @@ def filter(
     local_fit: LocalFit = "linear",
     accuracy: float = _native.ACCURACY,
     progress: ProgressLike = None,
-    **options: Unpack[SignalOptions],
+    **options: Unpack[PrecisionOptions],
 ) -> Any:
     """Change the bands of a shape, or of a signal on it: smooth, enhance, keep or drop, everywhere or in a region.
 
@@ -288,7 +291,9 @@ def filter(
         indices of vertices; everywhere by default.
     signal : str or array_like, optional
         What is changed: ``'coords'`` (the default), ``'x'``, ``'y'``, ``'z'``, a field of the shape, or numbers at the
-        vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there.
+        vertices, in the axes of `decompose`. Each channel is masked where it is NaN, and stays NaN there. An array of 16
+        and more channels that is mapped from a file (``np.load(path, mmap_mode="r")``) is read in groups of channels, and
+        the result is mapped from a temporary file.
     levels : int, Widths, Steps or Octaves, optional
         As in `decompose`; by default one level for each gain.
     operator : str or Operator, optional
@@ -304,8 +309,8 @@ def filter(
     progress : bool or callable, optional
         As in `decompose`.
     **options
-        ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=`` and ``steps=`` as in
-        `decompose`.
+        ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=``, ``steps=`` and, with
+        ``local_fit='constant'``, ``precision=`` as in `decompose`.
 
     Returns
     -------
@@ -328,6 +333,9 @@ def filter(
     part = read_part("filter", shape, options, _FILTER, gains)
     levels = levels_of(levels, options)
     named = default_signal(part.given, signal)
+    precision = options.get("precision") or "auto"
+    if precision != "auto" and (named is None or isinstance(named, str) or local_fit != "constant"):
+        raise ValueError("precision: it applies to signal= of numbers with local_fit='constant'; leave it out")
     _check_gains(gains, part.whole_shape.n_vertices)
     if constraints is not None:
         operator = _constrained_operator(part, constraints, named, operator)
@@ -341,14 +349,21 @@ def filter(
         return editor.apply(layers)
 
     if named is not None and not isinstance(named, str):
-        values, layout = decomposer._signal_values(part.take_signal(named))
         with report_progress(progress, "filtering") as report:
 
             def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
-                return edit(_native.EditorData(owner._data, BandsRequest(values, steps, accuracy, local_fit), report))
+                request = BandsRequest(values, steps, accuracy, local_fit, precision)
+                return edit(_native.EditorData(owner._data, request, report))
 
-            edited = decomposer._map_channels(values, filtered)
-        return part.spread(layout.arrange(edited), layout, named)
+            def edited(signal: SignalLike) -> tuple[NDArray[np.float64], Layout]:
+                values, layout = decomposer._signal_values(part.take_signal(signal))
+                return layout.arrange(decomposer._map_channels(values, filtered)), layout
+
+            axis = channels_axis(named, decomposer.n_vertices) if part.selection is None else None
+            if isinstance(named, np.memmap) and axis is not None:
+                return map_columns(named, axis, len(steps) + 4, lambda group: edited(group)[0])
+            found, layout = edited(named)
+        return part.spread(found, layout, named)
     settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy)
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 

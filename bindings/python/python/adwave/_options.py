@@ -345,12 +345,13 @@ class Constraints:
 
 @dataclass(frozen=True)
 class BandsRequest:
-    """A signal, the levels, the accuracy and the local fit of its bands, as the extension takes them."""
+    """A signal, the levels, the accuracy, the local fit and the number format of its bands, as the extension takes them."""
 
     signal: Union[NDArray[np.float64], None]
     steps: Sequence[float]
     accuracy: float
     local_fit: str = "constant"
+    precision: str = "auto"
 
 
 def _lengths(widths: Any) -> list[Length]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, TypedDict, Union
+from typing import Any, Literal, TypedDict, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,9 +57,23 @@ class SignalOptions(SmoothOptions, LevelOptions, total=False):
     """Options of all functions that split a signal into levels."""
 
 
+class PrecisionOptions(SignalOptions, total=False):
+    """Options of functions that split or filter signals of many channels.
+
+    Parameters
+    ----------
+    precision : {'auto', 'single', 'double'}
+        Number format for signals of 16 and more channels: single where its error bound keeps to the accuracy, always, or
+        never.
+    """
+
+    precision: Literal["auto", "single", "double"]
+
+
 _PART = ("faces", "mask", "only")
 _EXACT = (*_PART, "exact")
 _SIGNAL = (*_EXACT, "fwhm", "steps")
+_WITH_PRECISION = ("decompose", "filter")
 _MAX_CORNERS = 4
 
 
@@ -191,6 +205,7 @@ def read_part(
     """
     if options:
         wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
+        wanted += ("precision",) if function in _WITH_PRECISION else ()
         refuse_unknown(function, options, known, wanted)
     faces = options.get("faces")
     if faces is None and signal is not None:

@@ -24,6 +24,8 @@ pub(crate) enum EditedSignal {
     Points(Vec<[f64; 3]>),
     /// New values of a field, and the names of its columns if they come from a table.
     Field { field: Field, channel_names: Vec<String> },
+    /// Values that are in the file already.
+    Written,
 }
 
 impl<'a> ResultFile<'a> {
@@ -102,6 +104,7 @@ impl<'a> ResultFile<'a> {
     ) -> Result<(), CliError> {
         let alone = ValuesFile::choose_for_edited_signal(self.path, signal, &input.file);
         let field = match edited {
+            EditedSignal::Written => return Ok(()),
             EditedSignal::Points(points) => {
                 move_points(&mut input.file, points, normals, global)?;
                 let Some(_) = alone else { return write_shape(global, &input.file, self.path).map(|_| ()) };

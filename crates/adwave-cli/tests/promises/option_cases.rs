@@ -109,6 +109,7 @@ const CASES: &[OptionCase] = &[
     case("*", "--fwhm", "5%,10%,20%"),
     with(case("*", "--accuracy", "0.1"), "--steps 1.5,20,300"),
     case("tiles", "--accuracy", "0.1"),
+    with(case("filter", "--precision", "single"), "--signal heat"),
     with(case("info", "--accuracy", "0.1"), "--detail --steps 1.5,20,300"),
     case("info", "--detail", ""),
     case("info", "--error", "1%"),

@@ -136,6 +136,22 @@ impl Bands {
         self.coefficients.chunks_exact_mut(len).for_each(treat);
     }
 
+    /// Gradient `⟨W_f(j), ḡ⟩` of a function of `f + Σ_j (g_j − 1)·W_f(j)` with respect to the gains g_j, j = 1 … J, from its
+    /// gradient ḡ with respect to that signal (n_vertices × n_channels).
+    ///
+    /// # Errors
+    /// [`BandsError::WrongBuffer`] unless the gradient is as long as the signal.
+    pub fn gradient_of_gains(&self, gradient: &[f64]) -> Result<Vec<f64>, BandsError> {
+        super::check_buffer(gradient.len(), self.len())?;
+        let d = self.n_channels;
+        let product = |band: &[f64]| {
+            parallel::sum(self.n_vertices, |x| {
+                band[x * d..][..d].iter().zip(&gradient[x * d..]).map(|(w, g)| w * g).sum::<f64>()
+            })
+        };
+        Ok(self.wavelets().map(product).collect())
+    }
+
     /// Mean square `Σ_x μ(x)‖W_f(j,x)‖² / Σ_x μ(x)` of each band j = 1 … J for vertex weights μ ≥ 0 (for example
     /// areas), in squared units of the signal.
     ///

@@ -99,6 +99,22 @@ pub enum BandsError {
         /// Bound of the relative error of the band; infinite if the band nearly vanishes relative to W_f(1).
         reached: f64,
     },
+    /// Bands without an adjoint, and so without a gradient.
+    #[error(
+        "the bands have no gradient: {reason}; make the graph symmetric, or remove vertices without area"
+    )]
+    NoAdjoint {
+        /// The condition that does not hold.
+        reason: &'static str,
+    },
+    /// Single precision was asked for and does not apply.
+    #[error(
+        "single precision does not apply: {reason}; it needs 16 and more channels, a reversible operator and whole steps or heat; use double precision"
+    )]
+    NotSingle {
+        /// The condition that does not hold.
+        reason: &'static str,
+    },
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -5,7 +5,7 @@ use super::chebyshev::{PassPlan, Polynomials};
 use super::error::{check_buffer, check_signal};
 use super::series::{Growth, Series, TruncationBound};
 use super::transform::whole_steps_from_zero;
-use super::{BandsError, BandsParams, Schedule, Transform};
+use super::{BandsError, BandsParams, Precision, Schedule, Transform};
 use crate::Progress;
 use crate::sparse::{RowOutput, SignalView};
 
@@ -90,7 +90,13 @@ impl Transform {
         check_buffer(len, series.len() * signal.len())?;
         let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();
         let passes = &mut PassPlan::default();
-        let polynomials = Polynomials { series: &series, guard: &[], passes, output: RowOutput::Channels };
+        let polynomials = Polynomials {
+            series: &series,
+            guard: &[],
+            passes,
+            output: RowOutput::Channels,
+            precision: Precision::Double,
+        };
         let prepared = self.evaluator(progress)?;
         prepared.evaluate(SignalView { values: signal, n_channels }, polynomials, 1.0, outs, progress)?;
         Ok(())

@@ -26,7 +26,7 @@ pub use bands::Bands;
 pub use error::BandsError;
 pub(crate) use error::{check_buffer, check_factors, check_signal};
 pub use fixed_series::FixedSeries;
-pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY};
+pub use params::{BandsInfo, BandsParams, Engine, FINEST_ACCURACY, Precision};
 pub use powers::smooth;
 pub use schedule::{
     DEFAULT_EXTENT, FWHM, MAX_STEPS, MIN_STEPS, Schedule, ScheduleError, default_levels, levels_reaching,

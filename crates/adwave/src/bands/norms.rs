@@ -5,7 +5,7 @@ use super::error::check_signal;
 use super::real_series::LADDER;
 use super::series::Series;
 use super::wavelets::RowMeasure;
-use super::{BandsError, Engine, Schedule, Transform, Wavelets};
+use super::{BandsError, Engine, Precision, Schedule, Transform, Wavelets};
 use crate::pages::zeros;
 use crate::sparse::{RowOutput, SignalView};
 use crate::{Cancelled, Progress, parallel};
@@ -71,7 +71,13 @@ impl Transform {
             let mut levels: Vec<Vec<f64>> = range.clone().map(|_| zeros(mean.len())).collect();
             let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
             let output = RowOutput::Channels;
-            let polynomials = Polynomials { series: &series[range], guard: &[], passes, output };
+            let polynomials = Polynomials {
+                series: &series[range],
+                guard: &[],
+                passes,
+                output,
+                precision: Precision::Double,
+            };
             let (signal, accuracy) = (SignalView { values: mean, n_channels }, self.params().accuracy);
             let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
@@ -93,7 +99,7 @@ impl Transform {
             products: first.products + second.products,
             terms: first.terms + second.terms,
             error_bound: first.error_bound.max(second.error_bound),
-            missed: Vec::new(),
+            ..EvaluationInfo::default()
         };
         let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, n_channels));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
@@ -127,7 +133,8 @@ impl Transform {
         let mut levels: Vec<Vec<f64>> = series.iter().map(|_| zeros(n)).collect();
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
         let (passes, output) = (&mut PassPlan::default(), RowOutput::AlongNormals(normals));
-        let polynomials = Polynomials { series: &series, guard: &[], passes, output };
+        let polynomials =
+            Polynomials { series: &series, guard: &[], passes, output, precision: Precision::Double };
         let (signal, accuracy) = (SignalView { values: mean, n_channels: 3 }, self.params().accuracy);
         let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
         let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, 3));

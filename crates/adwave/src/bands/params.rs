@@ -1,9 +1,13 @@
 //! Parameters of the bands, and information about their computation.
 
 use super::BandsError;
+use crate::named_values;
 
 /// Smallest relative error of a band that double precision can guarantee.
 pub const FINEST_ACCURACY: f64 = 1e-13;
+
+/// Relative error that single precision hardly ever keeps to: a few steps of a graph with few neighbors.
+pub(super) const FINEST_SINGLE: f64 = 1e-7;
 
 /// Method of computing the bands. All methods agree within the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,6 +22,25 @@ pub enum Engine {
     /// operator; others use [`Powers`](Self::Powers).
     Chebyshev,
 }
+
+/// Number format in which a signal of 16 and more channels is multiplied with Φ₁. Signals of fewer channels, powers,
+/// fractional steps of a walk and very long diffusions always use double precision.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single precision if the bound of its error keeps to the accuracy, else double.
+    #[default]
+    Auto,
+    /// Single precision, whatever the accuracy; [`BandsInfo::error_bound`] tells what was reached.
+    Single,
+    /// Double precision.
+    Double,
+}
+
+named_values!(Precision, "precision", {
+    Auto => "auto", "single if its error bound keeps to the accuracy, else double";
+    Single => "single", "32 bits, with a bound of the error";
+    Double => "double", "64 bits";
+});
 
 /// Accuracy and memory limit for splitting a signal into bands.
 ///
@@ -34,13 +57,15 @@ pub struct BandsParams {
     pub accuracy: f64,
     /// Method, for tests and benchmarks.
     pub engine: Engine,
+    /// Number format of the vectors.
+    pub precision: Precision,
     /// Memory limit in bytes; a call that needs more is refused.
     pub max_bytes: Option<u64>,
 }
 
 impl Default for BandsParams {
     fn default() -> Self {
-        Self { accuracy: 1e-10, engine: Engine::Auto, max_bytes: None }
+        Self { accuracy: 1e-10, engine: Engine::Auto, precision: Precision::Auto, max_bytes: None }
     }
 }
 
@@ -55,6 +80,24 @@ impl BandsParams {
     #[must_use]
     pub fn with_engine(self, engine: Engine) -> Self {
         Self { engine, ..self }
+    }
+
+    /// Sets the number format of the vectors.
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
+    }
+
+    /// Number of channels that are best given to one call where there are many: those of a block, 64 where it may be in
+    /// single precision and 32 otherwise.
+    #[must_use]
+    pub fn channels_together(&self) -> usize {
+        let may_be_single = match self.precision {
+            Precision::Single => true,
+            Precision::Auto => self.accuracy >= FINEST_SINGLE,
+            Precision::Double => false,
+        };
+        if may_be_single { 64 } else { 32 }
     }
 
     /// Sets the memory limit in bytes.
@@ -87,14 +130,17 @@ impl BandsParams {
 pub struct BandsInfo {
     /// Method used, never [`Engine::Auto`].
     pub engine: Engine,
+    /// Number format of the vectors, never [`Precision::Auto`]. Sums over terms are kept in double precision.
+    pub precision: Precision,
     /// Highest power of Φ₁, or degree of a Chebyshev series, applied to W_f(1).
     pub degree: u64,
     /// Number of products with Φ₁ per block of up to four channels, summed over the blocks.
     pub products: u64,
     /// Number of terms added into the bands per block of up to four channels, summed over bands and blocks.
     pub terms: u64,
-    /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, apart from rounding; 0 for powers. It
-    /// exceeds the stated accuracy only if a band nearly vanishes relative to W_f(1).
+    /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, apart from rounding in double precision; 0
+    /// for powers. It includes rounding in single precision. It exceeds the stated accuracy only if a band nearly vanishes
+    /// relative to W_f(1), or if [`Precision::Single`] was asked for.
     pub error_bound: f64,
     /// Bytes of memory used beyond the signal and the bands, including prepared data.
     pub bytes: u64,
@@ -105,6 +151,7 @@ impl BandsInfo {
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             engine: self.engine,
+            precision: if self.precision == Precision::Single { self.precision } else { other.precision },
             degree: self.degree.max(other.degree),
             products: self.products + other.products,
             terms: self.terms + other.terms,

@@ -92,6 +92,8 @@ impl Transform {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
+        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of them.
+        let this = self.in_double();
         let evaluator = self.evaluator(progress)?;
         let mut smoothed = copied(signal, n_channels, progress)?;
         let mut rest_of_level = Vec::new();
@@ -112,7 +114,7 @@ impl Transform {
                 outs.push(&mut rest_of_level);
             }
             outs.extend(wavelets[levels].iter_mut().map(|w| &mut **w));
-            info.add(&self.escalate(evaluator, &smoothed, n_channels, series, &mut outs, progress)?);
+            info.add(&this.escalate(evaluator, &smoothed, n_channels, series, &mut outs, progress)?);
             if !is_last {
                 for out in &outs {
                     add(-1.0, out, &mut smoothed, n_channels);
@@ -137,6 +139,8 @@ impl Transform {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
+        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of them.
+        let this = self.in_double();
         let evaluator = self.evaluator(progress)?;
         let growth = evaluator.growth;
         let mut smoothed = copied(signal, n_channels, progress)?;
@@ -157,7 +161,7 @@ impl Transform {
             if !is_last {
                 outs.push(&mut removed);
             }
-            info.add(&self.escalate(evaluator, &smoothed, n_channels, series, &mut outs, progress)?);
+            info.add(&this.escalate(evaluator, &smoothed, n_channels, series, &mut outs, progress)?);
             add(1.0, &part, out, n_channels);
             if !is_last {
                 add(-1.0, &removed, &mut smoothed, n_channels);

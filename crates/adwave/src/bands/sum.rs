@@ -15,7 +15,9 @@ use crate::operator::Semigroup;
 use crate::pages::zeros;
 use crate::parallel;
 use crate::shape::VertexMap;
-use crate::sparse::try_apply;
+use crate::sparse::{
+    BlockPrecision, ClenshawTerm, SignalView, block_width, is_wide, try_apply, wide_clenshaw,
+};
 use crate::{Cancelled, Progress};
 
 /// Remainder of a series, relative to the sum of its terms, below which further terms are omitted.
@@ -89,6 +91,98 @@ impl Transform {
         Ok(sum)
     }
 
+    /// Gradient of a function of all bands with respect to the signal, n_vertices × n_channels, from its gradients with
+    /// respect to W_f(1) … W_f(J) and S_f(J) ((J + 1)·n_vertices·n_channels values, as in [`Bands`](super::Bands), in the
+    /// order of the shape). The inner product is the plain sum over vertices and channels.
+    ///
+    /// With the share `s(x) = π(x)/m(x)` of each of the m(x) vertices that are welded to x and the gradients ḡ_j, it is
+    /// `ḡ_{J+1} + s·Σ_j W_{h_j}(j)`, `h_j = (ḡ_j − ḡ_{J+1})/s`. All bands take one recurrence where
+    /// [`has_sum_of_bands`](Self::has_sum_of_bands) is true, else one for each level.
+    ///
+    /// # Errors
+    /// [`BandsError`] if the gradients have the wrong length or a value that is not finite, the operator is not reversible
+    /// or leaves vertices without area, or the call is cancelled.
+    ///
+    /// ```
+    /// use adwave::bands::Schedule;
+    /// use adwave::shape::{Graph, Shape};
+    /// use adwave::{Decomposer, Progress};
+    /// let pair = Decomposer::new(&Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?));
+    /// let map = pair.geometry().vertex_map();
+    /// // W_f(1) of the first vertex is (f_0 − f_1)/2.
+    /// let schedule = Schedule::dyadic(1)?;
+    /// let gradient =
+    ///     pair.transform().gradient_of_bands(map, &[1.0, 0.0, 0.0, 0.0], 1, &schedule, Progress::none())?;
+    /// assert!((gradient[0] - 0.5).abs() < 1e-12 && (gradient[1] + 0.5).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn gradient_of_bands(
+        &self,
+        vertex_map: &VertexMap,
+        gradients: &[f64],
+        n_channels: usize,
+        schedule: &Schedule,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, BandsError> {
+        let (n, n_levels) = (vertex_map.n_vertices(), schedule.n_levels());
+        let len = n * n_channels;
+        check_buffer(gradients.len(), (n_levels + 1) * len)?;
+        check_signal(gradients, (n_levels + 1) * n, n_channels)?;
+        let share = self.share_of_each_vertex(vertex_map)?;
+        let (finer, rest) = gradients.split_at(n_levels * len);
+        let mut scaled: Vec<f64> = zeros(finer.len());
+        for (scaled, gradient) in scaled.chunks_exact_mut(len).zip(finer.chunks_exact(len)) {
+            parallel::visit_rows(scaled, n_channels, super::bands::VERTICES_AT_A_TIME, |first, scaled| {
+                for (i, h) in (first * n_channels..).zip(scaled) {
+                    *h = (gradient[i] - rest[i]) / share[i / n_channels];
+                }
+            });
+        }
+        let sum = if self.has_sum_of_bands(schedule) {
+            self.sum_of_bands(vertex_map, &scaled, n_channels, schedule, progress)?
+        } else {
+            let mut sum: Vec<f64> = zeros(len);
+            for (level, signal) in scaled.chunks_exact(len).enumerate() {
+                let factors: Vec<f64> = (0..n_levels).map(|j| f64::from(u8::from(j == level))).collect();
+                let (band, _) =
+                    self.weighted(vertex_map, signal, n_channels, schedule, &factors, progress)?;
+                add(1.0, &band, &mut sum, n_channels);
+            }
+            sum
+        };
+        let mut gradient = rest.to_vec();
+        parallel::visit_rows(&mut gradient, n_channels, super::bands::VERTICES_AT_A_TIME, |first, rows| {
+            for (i, gradient) in (first * n_channels..).zip(rows) {
+                *gradient += share[i / n_channels] * sum[i];
+            }
+        });
+        Ok(gradient)
+    }
+
+    /// Share of each vertex in the stationary distribution.
+    fn share_of_each_vertex(&self, vertex_map: &VertexMap) -> Result<Vec<f64>, BandsError> {
+        let diffusion = self.diffusion();
+        if !diffusion.is_reversible() {
+            return Err(BandsError::NoAdjoint { reason: "the operator is not reversible" });
+        }
+        let stationary = diffusion.stationary();
+        let mut n_members = vec![0_u32; vertex_map.n_welded()];
+        for &x in vertex_map.as_slice() {
+            n_members[x as usize] += 1;
+        }
+        let is_alone = |x: usize| diffusion.row(x).0.is_empty();
+        if (0..stationary.len()).any(|x| stationary[x] <= 0.0 && !is_alone(x)) {
+            return Err(BandsError::NoAdjoint { reason: "the walk leaves vertices without area for ever" });
+        }
+        let share = |&x: &u32| {
+            // The bands of a vertex that is alone are 0, whatever its share, but for the difference from the mean of its
+            // members, which is self-adjoint for equal shares.
+            let whole = if is_alone(x as usize) { 1.0 } else { stationary[x as usize] };
+            whole / f64::from(n_members[x as usize])
+        };
+        Ok(vertex_map.as_slice().iter().map(share).collect())
+    }
+
     /// `(I − Φ₁)·Σ_k T_k(2Φ₁ − I) u_k` with `u_k = Σ_j series[j]_k·signals[j]`.
     fn clenshaw(
         &self,
@@ -99,6 +193,22 @@ impl Transform {
     ) -> Result<Vec<f64>, Cancelled> {
         let len = signals.first().map_or(0, Vec::len);
         let degrees: Vec<usize> = series.iter().map(|s| s.degree_within(REMAINDER * s.total, 0)).collect();
+        if is_wide(n_channels) {
+            let terms: Vec<ClenshawTerm<'_>> = (0..series.len())
+                .map(|j| ClenshawTerm {
+                    signal: SignalView { values: &signals[j], n_channels },
+                    coefficients: &series[j].coefficients[..=degrees[j]],
+                })
+                .collect();
+            let mut sum: Vec<f64> = zeros(len);
+            let mut at = 0;
+            while at < n_channels {
+                let width = block_width(n_channels, n_channels - at, BlockPrecision::Double);
+                wide_clenshaw(self.diffusion(), &terms, at..at + width, &mut sum, progress)?;
+                at += width;
+            }
+            return Ok(sum);
+        }
         let highest = degrees.iter().copied().max().unwrap_or(0);
         let (mut b1, mut b2, mut product): (Vec<f64>, Vec<f64>, Vec<f64>) =
             (zeros(len), zeros(len), zeros(len));
@@ -131,7 +241,8 @@ mod tests {
     use super::*;
     use crate::Decomposer;
     use crate::operator::{OperatorKind, OperatorParams};
-    use crate::shape::{Graph, Shape};
+    use crate::sample::Sample;
+    use crate::shape::{Graph, Mesh, PointCloud, Shape};
 
     /// Default relative accuracy of bands, with a margin.
     const ACCURATE: f64 = 1e-9;
@@ -162,6 +273,54 @@ mod tests {
                 assert!((found - expected).abs() <= ACCURATE * scale, "{kind:?}: {found} for {expected}");
             }
             assert!(scale > 0.1);
+        }
+    }
+
+    /// Values between −1 and 1.
+    fn noise(len: usize, seed: u32) -> Vec<f64> {
+        (0..len as u32)
+            .map(|i| f64::from(i.wrapping_mul(2_654_435_761) ^ seed) / 2_f64.powi(31) - 1.0)
+            .collect()
+    }
+
+    #[test]
+    fn the_gradient_is_the_adjoint_of_the_bands() {
+        let sphere = Sample::from_name("sphere", Some(60)).unwrap();
+        // Some vertices twice, so that they are welded.
+        let points = [&sphere.points[..], &sphere.points[..7]].concat();
+        let doubled = Shape::Cloud(PointCloud::new(points).unwrap());
+        let whole = Schedule::new(vec![1, 2, 7]).unwrap();
+        let fractional = Schedule::real(vec![0.5, 1.5, 7.0]).unwrap();
+        let sphere = Shape::Mesh(Mesh::new(sphere.points, sphere.faces).unwrap());
+        let cases = [
+            (&sphere, OperatorKind::Walk, &whole),
+            (&sphere, OperatorKind::Surface, &fractional),
+            (&sphere, OperatorKind::Walk, &fractional),
+            (&doubled, OperatorKind::Walk, &whole),
+        ];
+        for ((shape, kind, schedule), n_channels) in
+            cases.into_iter().flat_map(|case| [1, 2, 16, 37].map(|n_channels| (case, n_channels)))
+        {
+            let params = OperatorParams::default().with_kind(kind);
+            let decomposer = Decomposer::with_params(shape, &params, Progress::none()).unwrap();
+            let (map, transform) = (decomposer.geometry().vertex_map(), decomposer.transform());
+            let len = map.n_vertices() * n_channels;
+            let (signal, gradients) = (noise(len, 1), noise(4 * len, 77));
+            let bands = transform.bands(map, &signal, n_channels, schedule, Progress::none()).unwrap();
+            let gradient =
+                transform.gradient_of_bands(map, &gradients, n_channels, schedule, Progress::none()).unwrap();
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let (forward, backward) = (product(bands.as_slice(), &gradients), product(&signal, &gradient));
+            let size = product(&gradients, &gradients).sqrt() * product(&signal, &signal).sqrt();
+            assert!(
+                (forward - backward).abs() <= ACCURATE * size,
+                "{kind:?}, {n_channels} channels: {forward} and {backward}"
+            );
+            let of_gains = bands.gradient_of_gains(&gradients[..len]).unwrap();
+            for (level, found) in of_gains.into_iter().enumerate() {
+                let expected = product(bands.wavelet(level + 1), &gradients[..len]);
+                assert!((found - expected).abs() <= 1e-12 * size, "{found} for {expected}");
+            }
         }
     }
 

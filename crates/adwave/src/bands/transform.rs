@@ -4,12 +4,17 @@ use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
-use super::{BandsError, BandsInfo, BandsParams, Engine, Schedule, heat_series, plain_series};
+use super::{
+    BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series,
+};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
-use crate::sparse::{RowOutput, SignalView, apply, difference};
+use crate::sparse::{RowOutput, SignalView, apply, difference, is_wide};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
+
+/// Error bound beyond which single precision is refused although it was asked for: the largest accuracy of bands.
+const WORST_SINGLE: f64 = 0.1;
 
 /// A diffusion operator prepared to split signals into bands, in the analysis order (the order of its rows).
 ///
@@ -114,6 +119,7 @@ impl Transform {
         self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
+        self.check_precision(schedule, n_channels, progress)?;
         let outcome = if stages.len() > 1 {
             self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -154,6 +160,7 @@ impl Transform {
         self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
+        self.check_precision(schedule, n_channels, progress)?;
         let outcome = if stages.len() > 1 {
             self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -191,6 +198,38 @@ impl Transform {
         Ok(())
     }
 
+    /// Checks that single precision, if it is asked for, applies to a signal of `n_channels`.
+    fn check_precision(
+        &self,
+        schedule: &Schedule,
+        n_channels: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), BandsError> {
+        if self.params.precision != Precision::Single {
+            return Ok(());
+        }
+        let is_fractional = self.diffusion.semigroup() == Semigroup::Steps && schedule.first_real().is_some();
+        let reason = if !is_wide(n_channels) {
+            "the signal has fewer than 16 channels"
+        } else if self.engine != Engine::Chebyshev {
+            "the operator is not reversible, or is applied power by power"
+        } else if is_fractional {
+            "a level has a fractional number of steps"
+        } else if self.is_staged(schedule) {
+            "the diffusion is so long that it is cut into stages"
+        } else if self.evaluator(progress)?.single(progress)?.is_none() {
+            "an entry of the operator is negative or below 1e-38, or vertices without area lead to others"
+        } else {
+            return Ok(());
+        };
+        Err(BandsError::NotSingle { reason })
+    }
+
+    /// This operator with vectors in double precision.
+    pub(super) fn in_double(&self) -> Self {
+        Self { params: BandsParams { precision: Precision::Double, ..self.params }, ..self.clone() }
+    }
+
     /// Series of the band between two numbers of steps. For fractional powers it interpolates, with the remainder
     /// bounded as in `trefethen2013`, chapter 11.
     pub(super) fn band(&self, pair: &[f64], rung: InterpolationGrid, growth: Growth) -> Series {
@@ -224,6 +263,7 @@ impl Transform {
             let these = these.into_iter().collect::<Result<Vec<Series>, _>>()?;
             let is_guarded = these.iter().any(|s| s.rest.guarded > 0.0);
             let guard = if is_guarded { rung.guard() } else { Vec::new() };
+            let precision = if is_guarded { Precision::Double } else { self.params.precision };
             let mut wanted = missed.iter().map(|&(i, _)| i).peekable();
             let mut outs: Vec<&mut [f64]> = outs
                 .iter_mut()
@@ -233,9 +273,12 @@ impl Transform {
                 .collect();
             let passes = &mut PassPlan::default();
             let polynomials =
-                Polynomials { series: &these, guard: &guard, passes, output: RowOutput::Channels };
+                Polynomials { series: &these, guard: &guard, passes, output: RowOutput::Channels, precision };
             let signal = SignalView { values: signal, n_channels };
             let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
+            if precision == Precision::Single && outcome.error_bound > WORST_SINGLE {
+                return Err(BandsError::NotSingle { reason: "the bound of its error exceeds 0.1 of a band" });
+            }
             sum.add(&outcome);
             missed = outcome.missed.into_iter().map(|(at, reached)| (missed[at].0, reached)).collect();
             if missed.is_empty() {
@@ -275,8 +318,9 @@ impl Transform {
     }
 
     pub(super) fn info(&self, outcome: &EvaluationInfo, n_channels: usize) -> BandsInfo {
-        let &EvaluationInfo { degree, products, terms, error_bound, .. } = outcome;
+        let &EvaluationInfo { degree, products, terms, error_bound, single_products, .. } = outcome;
         BandsInfo {
+            precision: if single_products > 0 { Precision::Single } else { Precision::Double },
             engine: self.engine,
             degree,
             products,

@@ -364,6 +364,17 @@ impl<'a> BandsRequest<'a> {
     /// # Errors
     /// As for [`filter`](Self::filter).
     pub fn filter_layers(&self, layers: &[WeightedLayer]) -> Result<Vec<f64>, FilterError> {
+        Ok(self.filter_layers_with_info(layers)?.0)
+    }
+
+    /// [`filter_layers`](Self::filter_layers), and the cost and error bound of its bands.
+    ///
+    /// # Errors
+    /// As for [`filter`](Self::filter).
+    pub fn filter_layers_with_info(
+        &self,
+        layers: &[WeightedLayer],
+    ) -> Result<(Vec<f64>, BandsInfo), FilterError> {
         self.check(layers)?;
         let filled = self.filled()?;
         check_signal(&filled, self.decomposer.n_vertices(), self.n_channels)?;
@@ -372,8 +383,8 @@ impl<'a> BandsRequest<'a> {
         {
             // Γ − 1 = r·(g − 1): the weight is a factor of the sum over the bands, which is one polynomial of Φ₁.
             let factors: Vec<f64> = layer.gains.iter().map(|g| g - 1.0).collect();
-            let (change, _) = self.unmasked_weighted(&filled, &factors)?;
-            return Ok(self.add_weighted(&layer.weights, &change));
+            let (change, info) = self.unmasked_weighted(&filled, &factors)?;
+            return Ok((self.add_weighted(&layer.weights, &change), info));
         }
         let wavelets = self.unmasked_wavelets(&filled)?;
         let vertex_map = self.vertex_map();
@@ -385,7 +396,7 @@ impl<'a> BandsRequest<'a> {
             FilterInput { signal: self.signal, wavelets: &wavelets, mean: &mean, vertex_map, masked };
         let mut edited = vec![0.0; self.signal.len()];
         source.apply(&slots, &mut Vec::new(), &mut edited);
-        Ok(edited)
+        Ok((edited, wavelets.info.clone()))
     }
 
     fn check(&self, layers: &[WeightedLayer]) -> Result<(), FilterError> {

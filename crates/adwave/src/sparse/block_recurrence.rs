@@ -1,8 +1,9 @@
 //! The recurrence for a block of channels, in the form that suits their number.
 
 use super::SignalView;
-use super::kernel::MAX_LANES;
+use super::kernel::WideNumber;
 use super::recurrence::{Continuation, Recurrence, RowOutput, Sum};
+use super::single::SingleWeights;
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion};
 use super::wide_recurrence::{WIDE_FROM, WideRecurrence};
 use crate::operator::Diffusion;
@@ -10,7 +11,7 @@ use crate::{Cancelled, Progress};
 use std::ops::Range;
 
 /// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for a block of channels: up to four in tiles, or up to 32 row
-/// by row.
+/// by row, 64 in single precision.
 pub(crate) trait BlockRecurrence {
     /// Best number of steps per pass.
     fn steps_per_pass(&self) -> usize;
@@ -20,6 +21,12 @@ pub(crate) trait BlockRecurrence {
 
     /// Squared norm `Σ_x μ(x)|u(x)|²`.
     fn square(&self) -> f64;
+
+    /// Bound of the rounding error of `Σ_k coefficients[k]·T_k(Y)u` after the steps so far, relative to `‖u‖`, where it
+    /// exceeds that of double precision; else 0.
+    fn rounding(&self, _coefficients: &[f64]) -> f64 {
+        0.0
+    }
 
     /// True if any value of u is not 0.
     fn is_nonzero(&self) -> bool;
@@ -43,6 +50,8 @@ pub(crate) trait BlockRecurrence {
 pub(crate) struct WeightedOperator<'a> {
     pub(crate) diffusion: &'a Diffusion,
     pub(crate) weights: &'a [f64],
+    /// The operator in single precision, if the recurrence is to use it.
+    pub(crate) single: Option<&'a SingleWeights>,
 }
 
 /// Starts the recurrence at `T_0 u = u = (I − Φ₁)f` for some `channels` of a signal and `n_sums` sums with rows as in
@@ -65,7 +74,12 @@ pub(crate) fn start_recurrence<'a>(
     let SumOutputs { n_sums, rows } = outputs;
     if is_wide(n_channels) {
         assert!(matches!(rows, RowOutput::Channels), "components along normals need three channels");
-        return Ok(Box::new(WideRecurrence::new(operator, signal, channels, n_sums, progress)?));
+        return Ok(match operator.single {
+            Some(single) => {
+                Box::new(WideRecurrence::new_single(operator, single, signal, channels, progress)?)
+            }
+            None => Box::new(WideRecurrence::new(operator, signal, channels, n_sums, progress)?),
+        });
     }
     let tiled = Recurrence::new(tiled()?, operator.weights, values, n_channels, channels, progress)?;
     Ok(Box::new(tiled.with_kept(rows)))
@@ -83,13 +97,24 @@ pub(crate) fn is_wide(n_channels: usize) -> bool {
     n_channels >= WIDE_FROM
 }
 
-/// Blocks in which `n_channels` are processed.
-pub(crate) fn channel_blocks(n_channels: usize) -> impl Iterator<Item = Range<usize>> {
-    let most = if is_wide(n_channels) {
-        // Blocks of equal width: a last block of few channels would cost as much as a full one.
-        n_channels.div_ceil(n_channels.div_ceil(MAX_LANES)).next_multiple_of(8)
-    } else {
-        MAX_CHANNELS
+/// Number of channels that are processed together where `n_left` are left, `n_channels` in all.
+pub(crate) fn block_width(n_channels: usize, n_left: usize, precision: BlockPrecision) -> usize {
+    if !is_wide(n_channels) {
+        return MAX_CHANNELS.min(n_left);
+    }
+    let (most, line) = match precision {
+        BlockPrecision::Double => (f64::MAX_LANES, f64::PER_LINE),
+        BlockPrecision::Single => (f32::MAX_LANES, f32::PER_LINE),
     };
-    (0..n_channels).step_by(most).map(move |at| at..(at + most).min(n_channels))
+    // Blocks of equal width: a last block of few channels would cost as much as a full one.
+    n_left.div_ceil(n_left.div_ceil(most)).next_multiple_of(line).min(n_left)
+}
+
+/// Number format of the vectors of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BlockPrecision {
+    /// 64 bits.
+    Double,
+    /// 32 bits, with a bound of the rounding error.
+    Single,
 }

@@ -4,6 +4,7 @@ use crate::args::{
     LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
     regions_help,
 };
+use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
 use adwave::positions::{Borders, MoveDirection};
 use adwave::region::Region;
@@ -44,6 +45,9 @@ pub(crate) struct FilterArgs {
     pub(crate) as_labels: bool,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
+    /// Number format for signals of 16 and more channels
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Precision>(), default_value_t, help_heading = "Levels")]
+    pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) edit: EditArgs,
     #[command(flatten)]

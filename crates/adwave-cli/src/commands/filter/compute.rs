@@ -9,7 +9,7 @@ use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{SignalParts, build_operator, note_close_sheets, note_outsiders};
 use crate::resolve::region::{note_far_points, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
-use adwave::bands::{DEFAULT_EXTENT, Schedule};
+use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
 use adwave::filter::{Edit, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
@@ -25,10 +25,39 @@ pub(super) struct Filtered {
     pub(super) edited: EditedSignal,
     /// Difference to the signal before.
     pub(super) change: SignalChange,
+    /// Bands of a signal of many channels.
+    pub(super) accuracy: Option<BandsAccuracy>,
+}
+
+impl Filtered {
+    /// Takes the bands of a further group of channels into account.
+    pub(super) fn add_accuracy(&mut self, group: Option<BandsAccuracy>) {
+        if let Some(BandsAccuracy { precision, error_bound }) = group {
+            self.accuracy = Some(BandsAccuracy::with(self.accuracy, precision, error_bound));
+        }
+    }
+}
+
+/// Number format and error of the bands of all groups of channels.
+#[derive(Clone, Copy)]
+pub(super) struct BandsAccuracy {
+    pub(super) precision: Precision,
+    /// Largest bound of an error relative to a band.
+    pub(super) error_bound: f64,
+}
+
+impl BandsAccuracy {
+    /// Both together: single precision if either has it.
+    fn with(this: Option<Self>, precision: Precision, error_bound: f64) -> Self {
+        let other = Self { precision, error_bound };
+        let Some(this) = this else { return other };
+        let single = [this, other].into_iter().find(|a| a.precision == Precision::Single);
+        Self { error_bound: this.error_bound.max(error_bound), ..single.unwrap_or(other) }
+    }
 }
 
 /// Difference between two signals.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct SignalChange {
     /// Root mean square over the values that are known; 0 if there are none.
     pub(super) rms: f64,
@@ -36,6 +65,7 @@ pub(super) struct SignalChange {
     pub(super) max: f64,
     /// Number of values that differ.
     pub(super) n_changed: usize,
+    n_known: usize,
 }
 
 /// Filters the signal of a job.
@@ -53,28 +83,85 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         for layer in &job.layers {
             note_far_points(&layer.region, &decomposer, global)?;
         }
-        let values = parts.map(&job.signal.values, |part, values, n_channels| {
-            let signal = PartOfSignal { decomposer: &part.decomposer, values, n_channels };
-            if part.channels().first() == Some(&0) {
-                return edited_values(job, signal, &schedule, &layers, progress);
-            }
-            // Widths are other numbers of steps where other vertices are masked.
-            let own = job.levels.spec.resolve(&part.decomposer, DEFAULT_EXTENT)?.schedule;
-            let (own, layers) = levels_and_layers(job, own)?;
-            edited_values(job, signal, &own, &layers, progress)
-        })?;
+        let chosen = LevelsAndLayers { schedule: &schedule, layers: &layers };
+        let EditedGroup { values, accuracy } =
+            edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?;
         let change = SignalChange::new(&job.signal.values, &values);
         let edited = if job.signal_name == COORDS {
             EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
         } else {
             job.result.place_values(&job.input.file, &job.signal_name, &job.signal, values)
         };
-        Ok(Filtered { decomposer, schedule, layers, edited, change })
+        Ok(Filtered { decomposer, schedule, layers, edited, change, accuracy })
     })
 }
 
+/// Levels and layers of the part of a signal with its first channel.
+#[derive(Clone, Copy)]
+pub(super) struct LevelsAndLayers<'a> {
+    pub(super) schedule: &'a Schedule,
+    pub(super) layers: &'a [Layer],
+}
+
+/// New values of some channels.
+pub(super) struct EditedGroup {
+    pub(super) values: Vec<f64>,
+    pub(super) accuracy: Option<BandsAccuracy>,
+}
+
+/// The signal after the edit, part by part; `chosen` are the levels of the part with channel 0.
+pub(super) fn edited_parts(
+    job: &FilterJob<'_>,
+    parts: &SignalParts,
+    values: &[f64],
+    chosen: Option<LevelsAndLayers<'_>>,
+    global: &Global<'_>,
+    progress: Progress<'_>,
+) -> Result<EditedGroup, CliError> {
+    let mut accuracy = None;
+    let values = parts.map(values, |part, values, n_channels| {
+        let signal = PartOfSignal { decomposer: &part.decomposer, values, n_channels };
+        check_precision(job, signal, global)?;
+        let is_first = part.channels().first() == Some(&0);
+        let edited = if let Some(chosen) = chosen.filter(|_| is_first) {
+            edited_values(job, signal, chosen, progress)?
+        } else {
+            // Widths are other numbers of steps where other vertices are masked.
+            let own = job.levels.spec.resolve(&part.decomposer, DEFAULT_EXTENT)?.schedule;
+            let (schedule, layers) = levels_and_layers(job, own)?;
+            let own = LevelsAndLayers { schedule: &schedule, layers: &layers };
+            edited_values(job, signal, own, progress)?
+        };
+        if let Some(own) = edited.accuracy {
+            accuracy = Some(BandsAccuracy::with(accuracy, own.precision, own.error_bound));
+        }
+        Ok(edited.values)
+    })?;
+    Ok(EditedGroup { values, accuracy })
+}
+
+/// Refuses a number format that a linear fit, which takes one channel after another, would not use.
+fn check_precision(
+    job: &FilterJob<'_>,
+    signal: PartOfSignal<'_>,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    let fit = signal.decomposer.applied_local_fit(job.local_fit.unwrap_or(LocalFit::Constant));
+    if fit == LocalFit::Linear {
+        let applies = "applies to bands about a constant; add --local-fit constant, or leave it out";
+        return match global.given.refuse(&["--precision"], "") {
+            Err(_) => Err(CliError::Input(format!("--precision {applies}"))),
+            Ok(()) => Ok(()),
+        };
+    }
+    Ok(())
+}
+
 /// Levels and layers with those that keep the volume.
-fn levels_and_layers(job: &FilterJob<'_>, schedule: Schedule) -> Result<(Schedule, Vec<Layer>), CliError> {
+pub(super) fn levels_and_layers(
+    job: &FilterJob<'_>,
+    schedule: Schedule,
+) -> Result<(Schedule, Vec<Layer>), CliError> {
     match job.keep_volume {
         Some(how) => how.extend_levels(schedule, job.layers.clone()).map_err(with_offset_flag),
         None => Ok((schedule, job.layers.clone())),
@@ -91,7 +178,11 @@ struct PartOfSignal<'a> {
 }
 
 /// The schedule of the job's levels on its shape.
-fn schedule(job: &FilterJob<'_>, decomposer: &Decomposer, global: &Global<'_>) -> Result<Schedule, CliError> {
+pub(super) fn schedule(
+    job: &FilterJob<'_>,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Schedule, CliError> {
     let resolved = resolve_spec(&job.levels.spec, DEFAULT_EXTENT, decomposer, global);
     match resolved {
         Ok(levels) => Ok(levels.schedule),
@@ -118,10 +209,10 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
 fn edited_values(
     job: &FilterJob<'_>,
     signal: PartOfSignal<'_>,
-    schedule: &Schedule,
-    layers: &[Layer],
+    levels: LevelsAndLayers<'_>,
     progress: Progress<'_>,
-) -> Result<Vec<f64>, CliError> {
+) -> Result<EditedGroup, CliError> {
+    let LevelsAndLayers { schedule, layers } = levels;
     let PartOfSignal { decomposer, values, n_channels } = signal;
     let names = field_names(&job.input.file);
     let lookup = |name: &str| region_field(&job.input.file, decomposer, name);
@@ -133,39 +224,39 @@ fn edited_values(
         let edit = Edit::new(layers).with_fields(&lookup, &names);
         let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
         let request = decomposer.request(values, 1, schedule).params(&job.bands);
-        return Ok(request.progress(progress).filter_labels(labels, &layers)?);
+        let values = request.progress(progress).filter_labels(labels, &layers)?;
+        return Ok(EditedGroup { values, accuracy: None });
     }
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
+    if n_channels >= MANY_CHANNELS {
+        let edit = Edit::new(layers).with_fields(&lookup, &names);
+        let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
+        return edited_in_groups(signal, job.bands.channels_together(), progress, |signal| {
+            let request = request(job, signal, schedule, progress.quiet());
+            Ok(request.filter_layers_with_info(&layers)?)
+        });
+    }
     let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
-        if n_channels >= MANY_CHANNELS {
-            let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
-            return edited_in_groups(values, n_channels, progress, |values, n_channels| {
-                let signal = PartOfSignal { decomposer, values, n_channels };
-                Ok(request(job, signal, schedule, progress.quiet()).filter_layers(&layers)?)
-            });
-        }
         let mut editor =
             request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress).editor()?;
         editor.set_edit(&edit)?;
         Ok(editor.into_edited())
     };
-    match axis {
+    let values = match axis {
         Some(axis) => {
             let points = values.as_chunks().0;
             let heights: Vec<f64> = points.iter().map(|p: &[f64; 3]| p[axis]).collect();
-            Ok(with_axis(points, axis, &edited(&heights, 1)?).into_flattened())
+            with_axis(points, axis, &edited(&heights, 1)?).into_flattened()
         }
-        None => edited(values, n_channels),
-    }
+        None => edited(values, n_channels)?,
+    };
+    Ok(EditedGroup { values, accuracy: None })
 }
 
 /// Number of channels from which a signal is filtered in groups without an editor, whose bands would take several times
 /// the memory of the signal.
-const MANY_CHANNELS: usize = 16;
-
-/// Largest number of channels of a group.
-const CHANNELS_TOGETHER: usize = 32;
+pub(super) const MANY_CHANNELS: usize = 16;
 
 /// Request for the bands of a signal with the options of the job.
 fn request<'a>(
@@ -178,26 +269,29 @@ fn request<'a>(
     request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress)
 }
 
-/// Result of `edit(values, n_channels)` for groups of channels of nearly equal size.
+/// Results of `edit` for groups of at most `together` channels of nearly equal size.
 fn edited_in_groups(
-    values: &[f64],
-    n_channels: usize,
+    signal: PartOfSignal<'_>,
+    together: usize,
     progress: Progress<'_>,
-    edit: impl Fn(&[f64], usize) -> Result<Vec<f64>, CliError>,
-) -> Result<Vec<f64>, CliError> {
-    let most = n_channels.div_ceil(n_channels.div_ceil(CHANNELS_TOGETHER));
+    edit: impl Fn(PartOfSignal<'_>) -> Result<(Vec<f64>, BandsInfo), CliError>,
+) -> Result<EditedGroup, CliError> {
+    let PartOfSignal { decomposer, values, n_channels } = signal;
+    let most = n_channels.div_ceil(n_channels.div_ceil(together));
     let mut edited = vec![0.0; values.len()];
+    let mut accuracy = None;
     for at in (0..n_channels).step_by(most) {
         progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
         let width = most.min(n_channels - at);
         let group: Vec<f64> =
             values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
-        let group = edit(&group, width)?;
+        let (group, info) = edit(PartOfSignal { decomposer, values: &group, n_channels: width })?;
+        accuracy = Some(BandsAccuracy::with(accuracy, info.precision, info.error_bound));
         for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
             row[at..at + width].copy_from_slice(group);
         }
     }
-    Ok(edited)
+    Ok(EditedGroup { values: edited, accuracy })
 }
 
 /// New positions under the constraints on directions, borders and volume.
@@ -215,7 +309,19 @@ fn constrained_points(
 }
 
 impl SignalChange {
-    fn new(before: &[f64], after: &[f64]) -> Self {
+    /// The change of both of two parts of a signal.
+    pub(super) fn plus(self, other: Self) -> Self {
+        let n_known = self.n_known + other.n_known;
+        let square = |part: Self| part.rms * part.rms * part.n_known as f64;
+        let rms = match n_known {
+            0 => 0.0,
+            n => ((square(self) + square(other)) / n as f64).sqrt(),
+        };
+        let n_changed = self.n_changed + other.n_changed;
+        Self { rms, max: self.max.max(other.max), n_changed, n_known }
+    }
+
+    pub(super) fn new(before: &[f64], after: &[f64]) -> Self {
         let known = || before.iter().zip(after).filter(|(a, b)| !(a.is_nan() || b.is_nan()));
         let max = known().map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let n_changed = known().filter(|(a, b)| a != b).count();
@@ -228,6 +334,6 @@ impl SignalChange {
                 rms(&before, &after, 1)
             }
         };
-        Self { rms, max, n_changed }
+        Self { rms, max, n_changed, n_known }
     }
 }

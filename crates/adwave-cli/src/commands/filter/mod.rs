@@ -1,7 +1,8 @@
-//! `adwave filter`: change bands, and write the shape back. [`resolve`] turns flags and recipe into a job, [`compute`] runs it, and
-//! [`write`] writes the result and reports it.
+//! `adwave filter`: change bands, and write the shape back. [`resolve`] turns flags and recipe into a job, [`compute`] or, for an array
+//! of many channels, [`columns`] runs it, and [`write`] writes the result and reports it.
 
 mod args;
+mod columns;
 mod compute;
 mod resolve;
 mod write;
@@ -9,12 +10,16 @@ mod write;
 use crate::error::CliError;
 use crate::global::Global;
 pub(crate) use args::FilterArgs;
+use columns::compute_by_columns;
 use compute::compute;
 use resolve::resolve;
 use write::write;
 
 pub(crate) fn run(args: &FilterArgs, global: &Global<'_>) -> Result<(), CliError> {
     let job = resolve(args, global)?;
-    let result = compute(&job, global)?;
+    let result = match &job.columns {
+        Some(columns) => compute_by_columns(&job, columns, global)?,
+        None => compute(&job, global)?,
+    };
     write(job, result, global)
 }

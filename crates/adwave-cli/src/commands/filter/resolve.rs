@@ -2,23 +2,24 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
+use super::compute::MANY_CHANNELS;
 use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::note;
+use crate::output::{count, has_extension, note};
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
-use crate::resolve::signal::{COORDS, Signal, load_labels, load_signal, refuse_labels};
+use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::operator::{EndPoints, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
-use adwave_io::{MovedNormals, Recipe, read_recipe};
+use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
 
 /// A filter and what it is applied to.
@@ -26,7 +27,10 @@ pub(super) struct FilterJob<'a> {
     pub(super) input: Input,
     /// The name of the signal.
     pub(super) signal_name: String,
+    /// The signal, without values if they are read by columns.
     pub(super) signal: Signal,
+    /// The file of a signal of many channels, which are read and written a group at a time.
+    pub(super) columns: Option<NpyColumns>,
     pub(super) operator: OperatorParams,
     pub(super) levels: FilterLevels,
     pub(super) layers: Vec<Layer>,
@@ -68,7 +72,7 @@ pub(super) enum SavedLevels {
 /// The job that the flags and the recipe ask for.
 pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<FilterJob<'a>, CliError> {
     let result = ResultFile::new(&args.output)?;
-    let bands = check_levels(&args.levels)?;
+    let bands = check_levels(&args.levels)?.with_precision(args.precision);
     let edit = &args.edit;
     let recipe = edit.recipe.as_deref().map(|path| load_recipe(path, global)).transpose()?;
     let recipe = recipe.as_ref();
@@ -83,7 +87,20 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     for layer in &layers {
         region_in_shape(&layer.region, &input)?;
     }
-    let signal = load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?;
+    let columns = columns_of_signal(args, &input, &signal_name, result);
+    let signal = match &columns {
+        Some(columns) => {
+            global.inputs.add_signal(&signal_name, None);
+            let (n_channels, values) = (columns.n_channels(), SignalValues::Other(Vec::new()));
+            Signal { n_channels, values, channel_names: Vec::new() }
+        }
+        None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
+    };
+    if signal.n_channels < MANY_CHANNELS {
+        let has = count(signal.n_channels, "channel", "channels");
+        let applies = format!("applies to signals of 16 and more channels, and {signal_name} has {has}");
+        global.given.refuse(&["--precision"], &applies)?;
+    }
     let labels = if args.as_labels {
         Some(load_labels(&signal_name, &signal)?)
     } else {
@@ -107,6 +124,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         input,
         signal_name,
         signal,
+        columns,
         operator,
         levels,
         layers,
@@ -119,6 +137,28 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         result,
         save_recipe,
     })
+}
+
+/// The array that a signal of many channels is read from group by group, if the result is an array too and nothing needs
+/// the signal as a whole. Its errors are found by reading the signal as any other.
+fn columns_of_signal(
+    args: &FilterArgs,
+    input: &Input,
+    name: &str,
+    result: ResultFile<'_>,
+) -> Option<NpyColumns> {
+    let (path, output) = (Path::new(name), result.path());
+    let is_array = has_extension(path, &["npy"]) && has_extension(output, &["npy"]);
+    // A pipe or a device takes bytes in order.
+    let is_file = path.is_file() && (output.is_file() || !output.exists());
+    let is_plain = args.signal.texture.is_none() && !args.as_labels && !args.labels.as_numbers;
+    let is_of_shape = input.file.field(name).is_some() || input.file.file_rows().is_some();
+    if !is_array || !is_file || !is_plain || is_of_shape || input.mesh_of_cells.is_some() {
+        return None;
+    }
+    let columns = NpyColumns::open(path).ok().flatten()?;
+    let fits = columns.n_rows() == input.shape.n_vertices() && columns.n_channels() >= MANY_CHANNELS;
+    fits.then_some(columns)
 }
 
 /// The widths of levels, which the flags or a recipe give.

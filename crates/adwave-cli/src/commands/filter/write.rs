@@ -1,6 +1,6 @@
 //! The result of a filter as a file, as a recipe, and as a report.
 
-use super::compute::Filtered;
+use super::compute::{BandsAccuracy, Filtered};
 use super::resolve::{FilterJob, SavedLevels};
 use crate::commands::result_file::EditedSignal;
 use crate::error::CliError;
@@ -10,6 +10,7 @@ use crate::output::movement::Movement;
 use crate::output::{count, number, print, steps_json, write_file_with};
 use crate::resolve::signal::COORDS;
 use adwave::LevelSpec;
+use adwave::bands::Precision;
 use adwave::region::Length;
 use adwave_io::{Recipe, write_recipe};
 use serde_json::json;
@@ -18,7 +19,7 @@ use std::fmt::Write;
 /// Writes the result of a job and reports it.
 pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<'_>) -> Result<(), CliError> {
     let saved_levels = job.save_recipe.map(|saved| levels_to_save(&job, &filtered, saved.levels));
-    let Filtered { decomposer, schedule, layers, edited, change } = filtered;
+    let Filtered { decomposer, schedule, layers, edited, change, accuracy } = filtered;
     let (signal, output) = (job.signal_name, job.result.path().display().to_string());
     let n_vertices = job.input.shape.n_vertices();
     let sigma = schedule.sigma(decomposer.diffusion().step_length());
@@ -64,6 +65,12 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let (rms, max, rows) = (number(change.rms), number(change.max), job.input.row_words()[1]);
         let _ = writeln!(text, "{signal} changed by {rms} (rms over the {rows}), {max} at most");
         report["changed"] = json!({"rms": change.rms, "max": change.max});
+    }
+    if let Some(BandsAccuracy { precision, error_bound }) = accuracy {
+        if precision == Precision::Single {
+            let _ = writeln!(text, "single precision: bands are off by at most {}", number(error_bound));
+        }
+        report["bands"] = json!({"precision": precision.name(), "error_bound": error_bound});
     }
     job.result.write(&mut job.input, &signal, edited, job.normals, global)?;
     let _ = writeln!(text, "{output}");

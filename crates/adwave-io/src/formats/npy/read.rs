@@ -60,43 +60,69 @@ pub fn read_npy_bytes(bytes: &[u8]) -> Result<NpyArray, ReadError> {
     parse(bytes, Progress::none())
 }
 
-fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
-    let wrong = |at: usize, message: &str| ReadError::byte_error(at, message);
-    if !bytes.starts_with(b"\x93NUMPY") {
-        return Err(wrong(0, "the file is not a NumPy array; save it with numpy.save"));
+/// Bytes that hold every header of ordinary length: longer ones are described by the data types of structures.
+pub(super) const HEADER_BYTES: usize = 1 << 16;
+
+/// Shape, type and place of the numbers of an array.
+#[derive(Clone, Debug)]
+pub(super) struct NpyHeader {
+    /// Bytes before the numbers.
+    pub(super) start: usize,
+    pub(super) value_type: ValueType,
+    pub(super) order: ByteOrder,
+    pub(super) shape: Vec<usize>,
+    pub(super) n_values: usize,
+    /// True if the first index runs fastest.
+    pub(super) is_fortran: bool,
+}
+
+impl NpyHeader {
+    /// Parses the first bytes of a file of `n_bytes`.
+    pub(super) fn parse(bytes: &[u8], n_bytes: u64) -> Result<Self, ReadError> {
+        let wrong = |at: usize, message: &str| ReadError::byte_error(at, message);
+        if !bytes.starts_with(b"\x93NUMPY") {
+            return Err(wrong(0, "the file is not a NumPy array; save it with numpy.save"));
+        }
+        let (start, n): (usize, usize) = match (bytes.get(6), bytes.get(8..10), bytes.get(8..12)) {
+            (Some(1), Some(n), _) => (10, usize::from(u16::from_le_bytes([n[0], n[1]]))),
+            (Some(2 | 3), _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize),
+            _ => return Err(wrong(6, "the version of the NumPy array must be 1, 2 or 3")),
+        };
+        let text = bytes.get(start..start.saturating_add(n)).map(String::from_utf8_lossy);
+        let Some(text) = text else {
+            return Err(wrong(bytes.len(), "the header is truncated; get the whole file"));
+        };
+        let (value_type, order) = value_type(&text).ok_or_else(|| {
+            wrong(start, "the array must have integers or floats of 1 to 8 bytes; convert it with astype")
+        })?;
+        let shape =
+            shape(&text).ok_or_else(|| wrong(start, "the header has no shape; save the array again"))?;
+        let body = n_bytes.saturating_sub((start + n) as u64);
+        let product = shape.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
+        let needed = product.and_then(|p| p.checked_mul(value_type.n_bytes()));
+        let (Some(n_values), Some(_)) = (product, needed.filter(|&needed| needed as u64 <= body)) else {
+            return Err(ReadError::Truncated {
+                end: n_bytes,
+                needed: ((start + n) as u64).saturating_add(needed.unwrap_or(usize::MAX) as u64),
+                element: "array".into(),
+                row: body / value_type.n_bytes() as u64,
+            });
+        };
+        let is_fortran = text.contains("'fortran_order': True") && shape.len() > 1;
+        Ok(Self { start: start + n, value_type, order, shape, n_values, is_fortran })
     }
-    let (start, n): (usize, usize) = match (bytes.get(6), bytes.get(8..10), bytes.get(8..12)) {
-        (Some(1), Some(n), _) => (10, usize::from(u16::from_le_bytes([n[0], n[1]]))),
-        (Some(2 | 3), _, Some(n)) => (12, u32::from_le_bytes([n[0], n[1], n[2], n[3]]) as usize),
-        _ => return Err(wrong(6, "the version of the NumPy array must be 1, 2 or 3")),
-    };
-    let text = bytes.get(start..start.saturating_add(n)).map(String::from_utf8_lossy);
-    let Some(text) = text else {
-        return Err(wrong(bytes.len(), "the header is truncated; get the whole file"));
-    };
-    let (value_type, order) = value_type(&text).ok_or_else(|| {
-        wrong(start, "the array must have integers or floats of 1 to 8 bytes; convert it with astype")
-    })?;
-    let shape = shape(&text).ok_or_else(|| wrong(start, "the header has no shape; save the array again"))?;
-    let body = &bytes[start + n..];
-    let product = shape.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
-    let needed = product.and_then(|p| p.checked_mul(value_type.n_bytes()));
-    let (Some(product), Some(needed)) = (product, needed.filter(|&needed| needed <= body.len())) else {
-        return Err(ReadError::Truncated {
-            end: bytes.len() as u64,
-            needed: ((start + n) as u64).saturating_add(needed.unwrap_or(usize::MAX) as u64),
-            element: "array".into(),
-            row: (body.len() / value_type.n_bytes()) as u64,
-        });
-    };
+}
+
+fn parse(bytes: &[u8], progress: Progress<'_>) -> Result<NpyArray, ReadError> {
+    let header = NpyHeader::parse(bytes, bytes.len() as u64)?;
+    let NpyHeader { start, value_type, order, shape, n_values, is_fortran } = header;
+    let body = &bytes[start..];
     let mut values = value_type.empty();
     let width = value_type.n_bytes();
-    let is_fortran = text.contains("'fortran_order': True") && shape.len() > 1;
     let place = |i: usize| if is_fortran { fortran_position(i, &shape) } else { i };
-    with_values!(&mut values, v => extend(v, product, progress, |i| {
+    with_values!(&mut values, v => extend(v, n_values, progress, |i| {
         Number::from_bytes(&body[place(i) * width..], order)
     }))?;
-    debug_assert!(needed <= body.len());
     Ok(NpyArray { shape, values })
 }
 

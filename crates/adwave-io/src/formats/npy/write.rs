@@ -111,17 +111,19 @@ fn write_array(
         let (name, found) = (name.to_string(), values.len() as u64);
         return Err(WriteError::ArrayShape { name, found, shape: shape.to_vec() });
     }
+    out.write_all(&header(&values.descr(), shape))?;
+    Ok(values.write(out)?)
+}
+
+/// The bytes before the numbers of an array of the given shape, last index fastest.
+pub(super) fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let lengths: String = shape.iter().map(|n| format!("{n}, ")).collect();
     let lengths = if shape.len() == 1 { lengths.trim_end() } else { lengths.trim_end_matches([',', ' ']) };
-    let mut header =
-        format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({lengths}), }}", values.descr());
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({lengths}), }}");
     // Magic, version and length take ten bytes; the numbers begin at a multiple of 64.
     header.extend(std::iter::repeat_n(' ', (64 - (10 + header.len() + 1) % 64) % 64));
     header.push('\n');
-    out.write_all(b"\x93NUMPY\x01\x00")?;
-    out.write_all(&(header.len() as u16).to_le_bytes())?;
-    out.write_all(header.as_bytes())?;
-    Ok(values.write(out)?)
+    [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat()
 }
 
 /// Writes a `.npy` of one array of the given shape, last index fastest.

@@ -15,7 +15,7 @@ mod tests;
 mod wide;
 
 pub(crate) use rows::{RowProduct, apply_rows};
-pub(crate) use wide::{MAX_LANES, WideProduct, WideRows, WideTerms, combine_wide, multiply_wide};
+pub(crate) use wide::{GROUP, WideNumber, WideProduct, WideRows, WideTerms};
 
 use super::tiles::{DegreeRun, Index, TileView};
 use combine::{combine_all, combine_along};

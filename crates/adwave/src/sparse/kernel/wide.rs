@@ -1,42 +1,154 @@
-//! Loops over rows of many channels: 8 to 32 lanes, one after another in memory, so that an entry of the operator reads
-//! whole cache lines and its weight is loaded once for all of them.
+//! Loops over rows of many channels, in double or single precision: 8 to 64 lanes, one after another in memory, so that
+//! an entry of the operator reads whole cache lines and its weight is loaded once for all of them.
 
 use super::{FUSED, InstructionSet, fma};
-
-/// Largest number of channels of a block.
-pub(crate) const MAX_LANES: usize = 32;
+use std::ops::Range;
 
 /// Number of entries by which rows are prefetched: neighbors are scattered over memory, which no hardware prefetcher
 /// follows.
 const AHEAD: usize = 8;
 
+/// Number of entries whose products are summed before they are added to a row in single precision, so that rounding grows
+/// with this number plus the number of groups instead of the number of entries.
+pub(crate) const GROUP: usize = 8;
+
+/// Number format of the vectors of a wide block.
+pub(crate) trait WideNumber: Copy + Default + Send + Sync + 'static {
+    /// Largest number of channels of a block.
+    const MAX_LANES: usize;
+    /// Number of values of a cache line.
+    const PER_LINE: usize;
+    /// True if the entries of a row are summed in groups of [`GROUP`].
+    const IS_GROUPED: bool;
+
+    /// The product `a·scale`, rounded; the scale is a power of 2, and 1 in double precision.
+    fn rounded(a: f64, scale: f64) -> Self;
+
+    fn to_f64(self) -> f64;
+
+    fn times(self, factor: Self) -> Self;
+
+    fn plus(self, other: Self) -> Self;
+
+    fn minus(self, other: Self) -> Self;
+
+    /// The sum `self·b + c`, rounded once if `FMA`.
+    fn times_plus<const FMA: bool>(self, b: Self, c: Self) -> Self;
+
+    /// Computes the rows from `first` on, as many as `out` has, for `lanes` channels.
+    fn multiply(
+        target: InstructionSet,
+        lanes: usize,
+        rows: WideRows<'_, Self>,
+        product: WideProduct<'_, Self>,
+        first: usize,
+        out: &mut [Self],
+    );
+
+    /// Adds terms to the rows of a sum; returns `Σ_x μ(x)|sum(x)|²`.
+    fn combine(target: InstructionSet, lanes: usize, terms: WideTerms<'_, Self>, out: &mut [f64]) -> f64;
+}
+
+/// Implements [`WideNumber`] for a primitive type and its numbers of lanes.
+macro_rules! wide_number {
+    ($type:ident, $per_line:literal, $is_grouped:literal, |$a:ident, $scale:ident| $rounded:expr, [$($lanes:literal),*]) => {
+        impl WideNumber for $type {
+            const MAX_LANES: usize = 4 * $per_line;
+            const PER_LINE: usize = $per_line;
+            const IS_GROUPED: bool = $is_grouped;
+
+            #[inline(always)]
+            fn rounded($a: f64, $scale: f64) -> Self {
+                $rounded
+            }
+
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+
+            #[inline(always)]
+            fn times(self, factor: Self) -> Self {
+                self * factor
+            }
+
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                self + other
+            }
+
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                self - other
+            }
+
+            #[inline(always)]
+            fn times_plus<const FMA: bool>(self, b: Self, c: Self) -> Self {
+                if FMA { self.mul_add(b, c) } else { self * b + c }
+            }
+
+            fn multiply(
+                target: InstructionSet,
+                lanes: usize,
+                rows: WideRows<'_, Self>,
+                product: WideProduct<'_, Self>,
+                first: usize,
+                out: &mut [Self],
+            ) {
+                match lanes {
+                    $($lanes => multiply::<Self, $lanes>(target, rows, product, first, out),)*
+                    _ => unreachable!("a block has no {lanes} lanes"),
+                }
+            }
+
+            fn combine(
+                target: InstructionSet,
+                lanes: usize,
+                terms: WideTerms<'_, Self>,
+                out: &mut [f64],
+            ) -> f64 {
+                match lanes {
+                    $($lanes => combine::<Self, $lanes>(target, terms, out),)*
+                    _ => unreachable!("a block has no {lanes} lanes"),
+                }
+            }
+        }
+    };
+}
+
+wide_number!(f64, 8, false, |a, _scale| a, [8, 16, 24, 32]);
+wide_number!(f32, 16, true, |a, scale| (a * scale) as f32, [16, 32, 48, 64]);
+
 /// Rows of Φ₁ without its diagonal.
 #[derive(Clone, Copy)]
-pub(crate) struct WideRows<'a> {
+pub(crate) struct WideRows<'a, T> {
     /// Start of each row, and the end of the last.
     pub(crate) offsets: &'a [usize],
     pub(crate) columns: &'a [u32],
-    pub(crate) weights: &'a [f64],
+    /// Entries in the format of the vectors.
+    pub(crate) weights: &'a [T],
+    /// Entries in double precision, for the first difference.
+    pub(crate) exact_weights: &'a [f64],
     /// True if every row of Φ₁ has the diagonal ½, or no entries at all.
     pub(crate) is_lazy: bool,
 }
 
 /// Product of some consecutive rows of Φ₁ with a block.
 #[derive(Clone, Copy)]
-pub(crate) enum WideProduct<'a> {
-    /// `u = (I − Φ₁)f` of the values f of all vertices.
-    Difference { signal: &'a [f64] },
+pub(crate) enum WideProduct<'a, T> {
+    /// `scale·u = scale·(I − Φ₁)f` of the values f of all vertices, computed in double precision.
+    Difference { signal: &'a [f64], scale: f64 },
     /// `T_{k+1} = scale·(Φ₁ − ½)T_k − T_{k−1}`, where the rows of the output hold `T_{k−1}` unless it is given.
-    Step { before: Option<&'a [f64]>, now: &'a [f64], scale: f64 },
+    Step { before: Option<&'a [T]>, now: &'a [T], scale: f64 },
 }
 
 /// Terms of some rows that are added to a sum.
 #[derive(Clone, Copy)]
-pub(crate) struct WideTerms<'a> {
+pub(crate) struct WideTerms<'a, T> {
     /// One coefficient per vector.
     pub(crate) coefficients: &'a [f64],
     /// The rows of each vector, rows × lanes.
-    pub(crate) vectors: &'a [&'a [f64]],
+    pub(crate) vectors: &'a [&'a [T]],
     /// Weight μ of each row.
     pub(crate) weights: &'a [f64],
     /// True if the sum starts here.
@@ -47,39 +159,30 @@ pub(crate) struct WideTerms<'a> {
     pub(crate) stride: usize,
 }
 
-/// Adds terms to the rows of a sum; returns `Σ_x μ(x)|sum(x)|²`.
-pub(crate) fn combine_wide(
+fn combine<T: WideNumber, const L: usize>(
     target: InstructionSet,
-    lanes: usize,
-    terms: WideTerms<'_>,
+    terms: WideTerms<'_, T>,
     out: &mut [f64],
 ) -> f64 {
-    match lanes {
-        8 => combine::<8>(target, terms, out),
-        16 => combine::<16>(target, terms, out),
-        24 => combine::<24>(target, terms, out),
-        32 => combine::<32>(target, terms, out),
-        _ => unreachable!("a block has 8, 16, 24 or 32 lanes, not {lanes}"),
-    }
-}
-
-fn combine<const L: usize>(target: InstructionSet, terms: WideTerms<'_>, out: &mut [f64]) -> f64 {
     match target {
-        InstructionSet::Portable => combine_rows::<L, FUSED>(terms, out),
+        InstructionSet::Portable => combine_rows::<T, L, FUSED>(terms, out),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor; AVX-512 implies them.
-        InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe { combine_avx2::<L>(terms, out) },
+        InstructionSet::Avx2 | InstructionSet::Avx512 => unsafe { combine_avx2::<T, L>(terms, out) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn combine_avx2<const L: usize>(terms: WideTerms<'_>, out: &mut [f64]) -> f64 {
-    combine_rows::<L, true>(terms, out)
+fn combine_avx2<T: WideNumber, const L: usize>(terms: WideTerms<'_, T>, out: &mut [f64]) -> f64 {
+    combine_rows::<T, L, true>(terms, out)
 }
 
 #[inline(always)]
-fn combine_rows<const L: usize, const FMA: bool>(terms: WideTerms<'_>, out: &mut [f64]) -> f64 {
+fn combine_rows<T: WideNumber, const L: usize, const FMA: bool>(
+    terms: WideTerms<'_, T>,
+    out: &mut [f64],
+) -> f64 {
     let WideTerms { coefficients, vectors, weights, is_new, at, width, stride } = terms;
     let mut square = 0.0;
     for (r, out) in out.chunks_exact_mut(stride).enumerate() {
@@ -94,7 +197,7 @@ fn combine_rows<const L: usize, const FMA: bool>(terms: WideTerms<'_>, out: &mut
         for (&a, vector) in coefficients.iter().zip(vectors) {
             let v = &vector.as_chunks::<L>().0[r];
             for c in 0..L {
-                sum[c] = fma::<FMA>(a, v[c], sum[c]);
+                sum[c] = fma::<FMA>(a, v[c].to_f64(), sum[c]);
             }
         }
         match out.first_chunk_mut::<L>() {
@@ -110,84 +213,77 @@ fn combine_rows<const L: usize, const FMA: bool>(terms: WideTerms<'_>, out: &mut
     square
 }
 
-/// Computes the rows from `first` on, as many as `out` has, for `lanes` channels.
-pub(crate) fn multiply_wide(
+fn multiply<T: WideNumber, const L: usize>(
     target: InstructionSet,
-    lanes: usize,
-    rows: WideRows<'_>,
-    product: WideProduct<'_>,
+    rows: WideRows<'_, T>,
+    product: WideProduct<'_, T>,
     first: usize,
-    out: &mut [f64],
-) {
-    match lanes {
-        8 => multiply::<8>(target, rows, product, first, out),
-        16 => multiply::<16>(target, rows, product, first, out),
-        24 => multiply::<24>(target, rows, product, first, out),
-        32 => multiply::<32>(target, rows, product, first, out),
-        _ => unreachable!("a block has 8, 16, 24 or 32 lanes, not {lanes}"),
-    }
-}
-
-fn multiply<const L: usize>(
-    target: InstructionSet,
-    rows: WideRows<'_>,
-    product: WideProduct<'_>,
-    first: usize,
-    out: &mut [f64],
+    out: &mut [T],
 ) {
     match target {
-        InstructionSet::Portable => body::<L, FUSED>(rows, product, first, out),
+        InstructionSet::Portable => body::<T, L, FUSED>(rows, product, first, out),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
-        InstructionSet::Avx2 => unsafe { avx2::<L>(rows, product, first, out) },
+        InstructionSet::Avx2 => unsafe { avx2::<T, L>(rows, product, first, out) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
-        InstructionSet::Avx512 => unsafe { avx512::<L>(rows, product, first, out) },
+        InstructionSet::Avx512 => unsafe { avx512::<T, L>(rows, product, first, out) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<const L: usize>(rows: WideRows<'_>, product: WideProduct<'_>, first: usize, out: &mut [f64]) {
-    body::<L, true>(rows, product, first, out);
+fn avx2<T: WideNumber, const L: usize>(
+    rows: WideRows<'_, T>,
+    product: WideProduct<'_, T>,
+    first: usize,
+    out: &mut [T],
+) {
+    body::<T, L, true>(rows, product, first, out);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<const L: usize>(rows: WideRows<'_>, product: WideProduct<'_>, first: usize, out: &mut [f64]) {
-    body::<L, true>(rows, product, first, out);
+fn avx512<T: WideNumber, const L: usize>(
+    rows: WideRows<'_, T>,
+    product: WideProduct<'_, T>,
+    first: usize,
+    out: &mut [T],
+) {
+    body::<T, L, true>(rows, product, first, out);
 }
 
 #[inline(always)]
-fn body<const L: usize, const FMA: bool>(
-    rows: WideRows<'_>,
-    product: WideProduct<'_>,
+fn body<T: WideNumber, const L: usize, const FMA: bool>(
+    rows: WideRows<'_, T>,
+    product: WideProduct<'_, T>,
     first: usize,
-    out: &mut [f64],
+    out: &mut [T],
 ) {
     let out = out.as_chunks_mut::<L>().0;
     match product {
-        WideProduct::Difference { signal } => {
-            difference::<L, FMA>(rows, signal.as_chunks::<L>().0, first, out);
+        WideProduct::Difference { signal, scale } => {
+            difference::<T, L, FMA>(rows, signal.as_chunks::<L>().0, scale, first, out);
         }
         WideProduct::Step { before, now, scale } => {
             let before = before.map(|before| before.as_chunks::<L>().0);
-            let input = StepInput { before, now: now.as_chunks::<L>().0, scale };
+            let input = StepInput { before, now: now.as_chunks::<L>().0, scale: T::rounded(scale, 1.0) };
             if rows.is_lazy {
-                step::<L, FMA, true>(rows, input, first, out);
+                step::<T, L, FMA, true>(rows, input, first, out);
             } else {
-                step::<L, FMA, false>(rows, input, first, out);
+                step::<T, L, FMA, false>(rows, input, first, out);
             }
         }
     }
 }
 
 #[inline(always)]
-fn difference<const L: usize, const FMA: bool>(
-    rows: WideRows<'_>,
+fn difference<T: WideNumber, const L: usize, const FMA: bool>(
+    rows: WideRows<'_, T>,
     signal: &[[f64; L]],
+    scale: f64,
     first: usize,
-    out: &mut [[f64; L]],
+    out: &mut [[T; L]],
 ) {
     for (x, out) in (first..).zip(out) {
         let range = rows.offsets[x]..rows.offsets[x + 1];
@@ -195,68 +291,95 @@ fn difference<const L: usize, const FMA: bool>(
         let mut sum = [0.0; L];
         for e in range {
             fetch_ahead(rows.columns, signal, e + AHEAD);
-            let (there, w) = (&signal[rows.columns[e] as usize], rows.weights[e]);
+            let (there, w) = (&signal[rows.columns[e] as usize], rows.exact_weights[e]);
             for c in 0..L {
                 sum[c] = fma::<FMA>(w, here[c] - there[c], sum[c]);
             }
         }
-        *out = sum;
+        for (out, v) in out.iter_mut().zip(sum) {
+            *out = T::rounded(v, scale);
+        }
     }
 }
 
 /// `T_{k−1}`, unless the output holds it, and `T_k`.
 #[derive(Clone, Copy)]
-struct StepInput<'a, const L: usize> {
-    before: Option<&'a [[f64; L]]>,
-    now: &'a [[f64; L]],
-    scale: f64,
+struct StepInput<'a, T, const L: usize> {
+    before: Option<&'a [[T; L]]>,
+    now: &'a [[T; L]],
+    scale: T,
 }
 
 #[inline(always)]
-fn step<const L: usize, const FMA: bool, const LAZY: bool>(
-    rows: WideRows<'_>,
-    input: StepInput<'_, L>,
+fn step<T: WideNumber, const L: usize, const FMA: bool, const LAZY: bool>(
+    rows: WideRows<'_, T>,
+    input: StepInput<'_, T, L>,
     first: usize,
-    out: &mut [[f64; L]],
+    out: &mut [[T; L]],
 ) {
     let StepInput { before, now, scale } = input;
+    let [minus_quarter, half] = [-0.25, 0.5].map(|v| T::rounded(v, 1.0));
     for (x, out) in (first..).zip(out) {
         let range = rows.offsets[x]..rows.offsets[x + 1];
         let mut sum = before.map_or(*out, |before| before[x]);
         for v in &mut sum {
-            *v *= -0.25;
+            *v = v.times(minus_quarter);
         }
-        let here = if LAZY { [0.0; L] } else { now[x] };
+        let here = if LAZY { [T::default(); L] } else { now[x] };
         if !LAZY {
             for c in 0..L {
-                sum[c] = fma::<FMA>(0.5, here[c], sum[c]);
+                sum[c] = half.times_plus::<FMA>(here[c], sum[c]);
             }
         }
-        for e in range {
-            fetch_ahead(rows.columns, now, e + AHEAD);
-            let (there, w) = (&now[rows.columns[e] as usize], rows.weights[e]);
-            for c in 0..L {
-                let moved = if LAZY { there[c] } else { there[c] - here[c] };
-                sum[c] = fma::<FMA>(w, moved, sum[c]);
+        if T::IS_GROUPED {
+            let mut start = range.start;
+            while start < range.end {
+                let end = (start + GROUP).min(range.end);
+                let mut part = [T::default(); L];
+                add_entries::<T, L, FMA, LAZY>(rows, start..end, now, &here, &mut part);
+                for c in 0..L {
+                    sum[c] = sum[c].plus(part[c]);
+                }
+                start = end;
             }
+        } else {
+            add_entries::<T, L, FMA, LAZY>(rows, range, now, &here, &mut sum);
         }
         for (out, v) in out.iter_mut().zip(sum) {
-            *out = scale * v;
+            *out = scale.times(v);
+        }
+    }
+}
+
+/// Adds the products of some entries of a row.
+#[inline(always)]
+fn add_entries<T: WideNumber, const L: usize, const FMA: bool, const LAZY: bool>(
+    rows: WideRows<'_, T>,
+    entries: Range<usize>,
+    now: &[[T; L]],
+    here: &[T; L],
+    sum: &mut [T; L],
+) {
+    for e in entries {
+        fetch_ahead(rows.columns, now, e + AHEAD);
+        let (there, w) = (&now[rows.columns[e] as usize], rows.weights[e]);
+        for c in 0..L {
+            let moved = if LAZY { there[c] } else { there[c].minus(here[c]) };
+            sum[c] = w.times_plus::<FMA>(moved, sum[c]);
         }
     }
 }
 
 /// Prefetches the row of an entry, if there is such an entry.
 #[inline(always)]
-fn fetch_ahead<const L: usize>(columns: &[u32], x: &[[f64; L]], e: usize) {
+fn fetch_ahead<T: WideNumber, const L: usize>(columns: &[u32], x: &[[T; L]], e: usize) {
     #[cfg(target_arch = "x86_64")]
     if let Some(row) = columns.get(e).and_then(|&column| x.get(column as usize)) {
-        for line in row.as_chunks::<8>().0 {
-            let start: *const [f64; 8] = line;
+        for line in row.chunks_exact(T::PER_LINE) {
             // SAFETY: the instruction is a hint; it neither reads nor writes for the program, whatever the address.
             unsafe {
                 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-                _mm_prefetch::<_MM_HINT_T0>(start.cast());
+                _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast());
             }
         }
     }

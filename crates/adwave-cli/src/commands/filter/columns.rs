@@ -1,0 +1,89 @@
+//! The filtered signal of an array of many channels, which is read and written a group of columns at a time.
+
+use super::compute::{
+    EditedGroup, Filtered, LevelsAndLayers, SignalChange, edited_parts, levels_and_layers, schedule,
+};
+use super::resolve::FilterJob;
+use crate::commands::result_file::EditedSignal;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::progress::with_progress;
+use crate::resolve::operator::{SignalParts, build_operator, note_outsiders};
+use crate::resolve::region::note_far_points;
+use crate::resolve::signal::{Signal, SignalValues};
+use adwave::{Decomposer, Progress};
+use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError};
+use std::path::Path;
+
+/// Bytes of the values of a group; as many hold the result.
+const GROUP_BYTES: usize = 256 << 20;
+
+/// Number of channels of a group is a multiple of this, so that no block of the products is narrow.
+const GROUP_OF: usize = 64;
+
+/// Filters the signal of a job from one file into another.
+pub(super) fn compute_by_columns(
+    job: &FilterJob<'_>,
+    columns: &NpyColumns,
+    global: &Global<'_>,
+) -> Result<Filtered, CliError> {
+    with_progress(global, "filtering", |progress| {
+        let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
+        note_outsiders(decomposer.geometry(), &job.input, global);
+        let write = |path: &Path| write_groups(job, columns, &decomposer, path, global, progress);
+        global.files.write_with(job.result.path(), write)
+    })
+}
+
+/// Filters group after group into the file at `path`.
+fn write_groups(
+    job: &FilterJob<'_>,
+    columns: &NpyColumns,
+    decomposer: &Decomposer,
+    path: &Path,
+    global: &Global<'_>,
+    progress: Progress<'_>,
+) -> Result<Filtered, CliError> {
+    let (n_rows, n_channels) = (columns.n_rows(), columns.n_channels());
+    let together =
+        (GROUP_BYTES / (8 * n_rows.max(1)) / GROUP_OF * GROUP_OF).clamp(GROUP_OF, n_channels.max(GROUP_OF));
+    // Errors name the file that the staged one will replace.
+    let failed = |error: WriteError| CliError::from(error.about_file(job.result.path()));
+    let mut writer = NpyColumnsWriter::begin(path, n_rows, n_channels).map_err(failed)?;
+    let mut filtered: Option<Filtered> = None;
+    for at in (0..n_channels).step_by(together) {
+        progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
+        let channels = at..(at + together).min(n_channels);
+        let values = SignalValues::Other(columns.read(channels.clone(), progress.quiet())?);
+        let signal = Signal { n_channels: channels.len(), values, channel_names: Vec::new() };
+        let name = if channels.len() < n_channels {
+            format!("{}, channels {} to {}", job.signal_name, at + 1, channels.end)
+        } else {
+            job.signal_name.clone()
+        };
+        let parts = SignalParts::new(decomposer, &signal, &name, global)?;
+        let group = if filtered.is_some() {
+            edited_parts(job, &parts, &signal.values, None, global, progress.quiet())?
+        } else {
+            let decomposer = parts.first().decomposer.clone();
+            let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
+            for layer in &job.layers {
+                note_far_points(&layer.region, &decomposer, global)?;
+            }
+            let chosen = Some(LevelsAndLayers { schedule: &schedule, layers: &layers });
+            let group = edited_parts(job, &parts, &signal.values, chosen, global, progress.quiet())?;
+            let (edited, change) = (EditedSignal::Written, SignalChange::default());
+            filtered = Some(Filtered { decomposer, schedule, layers, edited, change, accuracy: None });
+            group
+        };
+        let EditedGroup { values, accuracy } = group;
+        writer.write(at, &values, progress.quiet()).map_err(failed)?;
+        if let Some(filtered) = &mut filtered {
+            filtered.change = filtered.change.plus(SignalChange::new(&signal.values, &values));
+            filtered.add_accuracy(accuracy);
+        }
+    }
+    progress.step(n_channels as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
+    writer.finish(progress.quiet()).map_err(failed)?;
+    Ok(filtered.expect("an array of many channels has a group"))
+}
