@@ -108,7 +108,7 @@ fn balanced_distribution(
         let mut read = first;
         while let Some(&x) = members.get(read) {
             read += 1;
-            if read % ROWS_AT_A_TIME == 0 {
+            if read.is_multiple_of(ROWS_AT_A_TIME) {
                 progress.check()?;
             }
             let (columns, values) = walk.row(x as usize);
