@@ -97,6 +97,7 @@ impl LiftedWavelets {
         let n = order.len();
         let masses = usable_masses(masses, n, "areas of the vertices")?;
         let mut fine: Vec<f64> = order.iter().map(|&v| masses[v as usize]).collect();
+        let mut products = SparseRows::from_diagonal(&fine);
         let mut norms = vec![0.0; n];
         let mut levels = vec![0_u32; n];
         let mut steps = Vec::new();
@@ -104,16 +105,17 @@ impl LiftedWavelets {
             progress.check()?;
             let StepRule { n_coarse, prediction, supports, even } = rule;
             let synthesis = Synthesis { even: even.as_ref(), prediction: &prediction, n_coarse };
-            let Update { rows, masses, norms: found } = synthesis.update(&supports, &fine, progress)?;
+            let Update { rows, masses, products: coarse_products, norms: found } =
+                synthesis.update(&supports, &fine, &products, progress)?;
             for (&v, norm) in order[n_coarse..].iter().zip(found) {
                 norms[v as usize] = norm;
                 levels[v as usize] = step;
             }
             steps.push(LiftingStep { n_coarse, n_fine: fine.len(), prediction, update: rows, even });
-            fine = masses;
+            (fine, products) = (masses, coarse_products);
         }
-        for (&v, mass) in order.iter().zip(&fine) {
-            norms[v as usize] = mass.max(0.0).sqrt();
+        for (k, &v) in order[..fine.len()].iter().enumerate() {
+            norms[v as usize] = products.diagonal(k).max(0.0).sqrt();
             levels[v as usize] = steps.len() as u32 + 1;
         }
         Ok(Self { family, order, steps, masses, levels, norms })
@@ -158,8 +160,8 @@ impl LiftedWavelets {
         &self.levels
     }
 
-    /// Norm of the function of each coefficient, with masses of its level: a coefficient times its norm is the error that
-    /// remains without it, if all were orthogonal.
+    /// Norm of the function of each coefficient: a coefficient times its norm is the error that remains without it, if all were
+    /// orthogonal.
     pub fn norms(&self) -> &[f64] {
         &self.norms
     }

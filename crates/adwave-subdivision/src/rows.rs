@@ -6,6 +6,9 @@ use rayon::prelude::*;
 /// Number of rows up to which the calling thread works alone, and number that a thread takes at a time.
 const AT_A_TIME: usize = 4096;
 
+/// Number of rows of a sparse product that a thread computes at a time.
+const PRODUCT_ROWS: usize = 2048;
+
 /// Sparse rows with their entries in the order of the columns.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SparseRows {
@@ -67,6 +70,83 @@ impl SparseRows {
             }
         }
         Self { offsets, columns, values }
+    }
+
+    /// The identity with the given diagonal.
+    pub(crate) fn from_diagonal(values: &[f64]) -> Self {
+        let n = values.len() as u32;
+        Self { offsets: (0..=n).collect(), columns: (0..n).collect(), values: values.to_vec() }
+    }
+
+    /// Entry on the diagonal of a row.
+    pub(crate) fn diagonal(&self, i: usize) -> f64 {
+        let (columns, values) = self.row(i);
+        columns.binary_search(&(i as u32)).map_or(0.0, |k| values[k])
+    }
+
+    /// Product with rows of `n_columns` columns.
+    pub(crate) fn product(
+        &self,
+        other: &Self,
+        n_columns: usize,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let chunk = |chunk: usize| -> Result<Self, Cancelled> {
+            progress.check()?;
+            let (mut sums, mut is_used, mut used) = (vec![0.0; n_columns], vec![false; n_columns], Vec::new());
+            let mut out = Self::new();
+            for i in chunk * PRODUCT_ROWS..((chunk + 1) * PRODUCT_ROWS).min(self.n_rows()) {
+                let (columns, values) = self.row(i);
+                for (&k, value) in columns.iter().zip(values) {
+                    let (inner, weights) = other.row(k as usize);
+                    for (&j, weight) in inner.iter().zip(weights) {
+                        if !std::mem::replace(&mut is_used[j as usize], true) {
+                            used.push(j);
+                        }
+                        sums[j as usize] += value * weight;
+                    }
+                }
+                used.sort_unstable();
+                for j in used.drain(..) {
+                    out.columns.push(j);
+                    out.values.push(std::mem::take(&mut sums[j as usize]));
+                    is_used[j as usize] = false;
+                }
+                out.offsets.push(out.columns.len() as u32);
+            }
+            Ok(out)
+        };
+        let n_chunks = self.n_rows().div_ceil(PRODUCT_ROWS);
+        let parts: Result<Vec<Self>, Cancelled> = if n_chunks <= 1 {
+            (0..n_chunks).map(chunk).collect()
+        } else {
+            (0..n_chunks).into_par_iter().map(chunk).collect()
+        };
+        let mut all = Self::new();
+        for part in parts? {
+            let first = all.columns.len() as u32;
+            all.offsets.extend(part.offsets[1..].iter().map(|end| first + end));
+            all.columns.extend(part.columns);
+            all.values.extend(part.values);
+        }
+        Ok(all)
+    }
+
+    /// These rows of a symmetric matrix without entries below a share of the root of both diagonal entries.
+    pub(crate) fn without_small(&self, share: f64) -> Self {
+        let roots: Vec<f64> = (0..self.n_rows()).map(|i| self.diagonal(i).max(0.0).sqrt()).collect();
+        let mut rows = Self::new();
+        for i in 0..self.n_rows() {
+            let (columns, values) = self.row(i);
+            for (&column, &value) in columns.iter().zip(values) {
+                if column as usize == i || value.abs() > share * roots[i] * roots[column as usize] {
+                    rows.columns.push(column);
+                    rows.values.push(value);
+                }
+            }
+            rows.offsets.push(rows.columns.len() as u32);
+        }
+        rows
     }
 
     /// Adds `sign` times the product with `source` to `target`, both with `d` channels.

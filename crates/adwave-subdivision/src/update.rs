@@ -3,11 +3,14 @@
 //!
 //! A step has the synthesis `f = S·c` at d = 0, where the rows of S at midpoints are the prediction. The wavelet of midpoint i is
 //! `ψ_i = δ_i − Σ_k u_k φ_k` over the coarse vertices k of its support, with φ_k the columns of S. The masses of the coarse
-//! vertices are the integrals of the φ_k, `m_c = Sᵀ m_f`. With G = Sᵀ M S the weights solve
+//! vertices are the integrals of the φ_k, `m_c = Sᵀ m_f`, and their inner products on the mesh are `G = Sᵀ M S`, where M are those
+//! of the finer level, at first the masses of the mesh. The weights solve
 //!
 //! ```text
 //! G u = Sᵀ M δ_i − μ m_c,     Σ_k u_k m_c(k) = m_f(i)
 //! ```
+//!
+//! Inner products below a share of their norms are left out: this changes the weights a little, but not the integral.
 
 use crate::even_solve::EvenRule;
 use crate::rows::{Entry, SparseRows};
@@ -16,6 +19,9 @@ use rayon::prelude::*;
 
 /// Number of midpoints that a thread takes at a time.
 const AT_A_TIME: usize = 1024;
+
+/// Inner products of two functions below this share of the product of their norms are left out.
+const DROP: f64 = 1e-4;
 
 /// Share of the diagonal that is added to it, so that the smallest supports can be solved.
 const RIDGE: f64 = 1e-12;
@@ -33,7 +39,9 @@ pub(crate) struct Update {
     pub(crate) rows: SparseRows,
     /// Masses of the coarse vertices.
     pub(crate) masses: Vec<f64>,
-    /// Norms of the wavelets of the midpoints.
+    /// Inner products of the coarse scaling functions on the mesh.
+    pub(crate) products: SparseRows,
+    /// Norms of the wavelets of the midpoints on the mesh.
     pub(crate) norms: Vec<f64>,
 }
 
@@ -63,11 +71,12 @@ impl Synthesis<'_> {
         rows
     }
 
-    /// Least squares on the support of each midpoint, for masses of the finer level.
+    /// Least squares on the support of each midpoint, for masses and inner products of the finer level.
     pub(crate) fn update(
         &self,
         supports: &SparseRows,
         fine_masses: &[f64],
+        fine_products: &SparseRows,
         progress: Progress<'_>,
     ) -> Result<Update, Cancelled> {
         let rows = self.rows();
@@ -78,12 +87,21 @@ impl Synthesis<'_> {
             let (fine, weights) = columns.row(k);
             *mass = fine.iter().zip(weights).map(|(&x, s)| fine_masses[x as usize] * s).sum();
         }
+        let mixed = columns.product(fine_products, fine_masses.len(), progress)?;
+        let products = mixed.product(&rows, self.n_coarse, progress)?.without_small(DROP);
+        let by_midpoint = mixed.transpose(fine_masses.len());
         let n = self.prediction.n_rows();
+        let gram = GramMatrices { products: &products, by_fine: &by_midpoint, masses: &masses };
         let chunk = |chunk: usize| -> Result<Vec<Solved>, Cancelled> {
             progress.check()?;
-            let mut system = LocalSystem::new(&rows, &columns, fine_masses, &masses);
+            let mut system = LocalSystem::new(&gram);
             let range = chunk * AT_A_TIME..((chunk + 1) * AT_A_TIME).min(n);
-            Ok(range.map(|i| system.solve(self.n_coarse + i, supports.row(i).0)).collect())
+            let solved = range.map(|i| {
+                let x = self.n_coarse + i;
+                let fine = FineFunction { index: x, mass: fine_masses[x], square: fine_products.diagonal(x) };
+                system.solve(&fine, supports.row(i).0)
+            });
+            Ok(solved.collect())
         };
         let n_chunks = n.div_ceil(AT_A_TIME);
         let solved: Result<Vec<Vec<Solved>>, Cancelled> = if n_chunks <= 1 {
@@ -91,16 +109,31 @@ impl Synthesis<'_> {
         } else {
             (0..n_chunks).into_par_iter().map(chunk).collect()
         };
-        let (mut by_midpoint, mut norms, mut entries) = (SparseRows::new(), Vec::with_capacity(n), Vec::new());
+        let (mut weights, mut norms, mut entries) = (SparseRows::new(), Vec::with_capacity(n), Vec::new());
         for (i, one) in solved?.into_iter().flatten().enumerate() {
             let row = supports.row(i).0.iter().zip(one.weights);
             entries.extend(row.map(|(&column, value)| Entry { column, value }));
-            by_midpoint.push_row(&mut entries);
+            weights.push_row(&mut entries);
             norms.push(one.norm);
         }
         progress.check()?;
-        Ok(Update { rows: by_midpoint.transpose(self.n_coarse), masses, norms })
+        Ok(Update { rows: weights.transpose(self.n_coarse), masses, products, norms })
     }
+}
+
+/// Inner products of coarse functions with each other and with fine ones, and the integrals of the coarse ones.
+struct GramMatrices<'a> {
+    products: &'a SparseRows,
+    /// By fine function, one column for each coarse one.
+    by_fine: &'a SparseRows,
+    masses: &'a [f64],
+}
+
+/// A scaling function of the finer level with its integral and the square of its norm.
+struct FineFunction {
+    index: usize,
+    mass: f64,
+    square: f64,
 }
 
 /// Weights of one midpoint, and the norm of its wavelet.
@@ -111,62 +144,54 @@ struct Solved {
 
 /// Least squares of one midpoint after another, with memory that is used again.
 struct LocalSystem<'a> {
-    rows: &'a SparseRows,
-    columns: &'a SparseRows,
-    fine_masses: &'a [f64],
-    masses: &'a [f64],
+    gram: &'a GramMatrices<'a>,
     /// Place of a coarse vertex in the support at hand, or `usize::MAX`.
     places: Vec<usize>,
-    gram: Vec<f64>,
+    /// Inner products on the support at hand, and their Cholesky factor.
+    products: Vec<f64>,
     factor: Vec<f64>,
 }
 
 impl<'a> LocalSystem<'a> {
-    fn new(
-        rows: &'a SparseRows,
-        columns: &'a SparseRows,
-        fine_masses: &'a [f64],
-        masses: &'a [f64],
-    ) -> Self {
-        let places = vec![usize::MAX; masses.len()];
-        Self { rows, columns, fine_masses, masses, places, gram: Vec::new(), factor: Vec::new() }
+    fn new(gram: &'a GramMatrices<'a>) -> Self {
+        let places = vec![usize::MAX; gram.masses.len()];
+        Self { gram, places, products: Vec::new(), factor: Vec::new() }
     }
 
-    /// Weights of the fine vertex `x` on its support.
-    fn solve(&mut self, x: usize, support: &[u32]) -> Solved {
+    /// Weights of a fine function on its support.
+    fn solve(&mut self, fine: &FineFunction, support: &[u32]) -> Solved {
         let size = support.len();
         for (place, &k) in support.iter().enumerate() {
             self.places[k as usize] = place;
         }
-        self.gram.clear();
-        self.gram.resize(size * size, 0.0);
-        let mut right = vec![0.0; size];
+        self.products.clear();
+        self.products.resize(size * size, 0.0);
         for (place, &k) in support.iter().enumerate() {
-            let (fine, weights) = self.columns.row(k as usize);
-            for (&y, weight) in fine.iter().zip(weights) {
-                let scaled = weight * self.fine_masses[y as usize];
-                if y as usize == x {
-                    right[place] = scaled;
+            let (others, values) = self.gram.products.row(k as usize);
+            for (&other, value) in others.iter().zip(values) {
+                let other = self.places[other as usize];
+                if other != usize::MAX {
+                    self.products[place * size + other] = *value;
                 }
-                let (others, values) = self.rows.row(y as usize);
-                for (&other, value) in others.iter().zip(values) {
-                    let other = self.places[other as usize];
-                    if other != usize::MAX {
-                        self.gram[place * size + other] += scaled * value;
-                    }
-                }
+            }
+        }
+        let mut right = vec![0.0; size];
+        let (coarse, values) = self.gram.by_fine.row(fine.index);
+        for (&k, value) in coarse.iter().zip(values) {
+            let place = self.places[k as usize];
+            if place != usize::MAX {
+                right[place] = *value;
             }
         }
         for &k in support {
             self.places[k as usize] = usize::MAX;
         }
-        let own: Vec<f64> = support.iter().map(|&k| self.masses[k as usize]).collect();
-        let mass = self.fine_masses[x];
-        let weights = self.constrained(&right, &own, mass);
-        let mut square = mass;
+        let own: Vec<f64> = support.iter().map(|&k| self.gram.masses[k as usize]).collect();
+        let weights = self.constrained(&right, &own, fine.mass);
+        let mut square = fine.square;
         for (i, u) in weights.iter().enumerate() {
-            let product: f64 = self.gram[i * size..][..size].iter().zip(&weights).map(|(g, w)| g * w).sum();
-            square += u * (product - 2.0 * right[i]);
+            let row = self.products[i * size..][..size].iter().zip(&weights);
+            square += u * (row.map(|(g, w)| g * w).sum::<f64>() - 2.0 * right[i]);
         }
         Solved { weights, norm: square.max(0.0).sqrt() }
     }
@@ -197,8 +222,8 @@ impl<'a> LocalSystem<'a> {
     /// Cholesky's factorization of the Gram matrix; false if it is not positive.
     fn factorize(&mut self, size: usize) -> bool {
         self.factor.clear();
-        self.factor.extend_from_slice(&self.gram);
-        let ridge = RIDGE * (0..size).map(|i| self.gram[i * size + i]).fold(0.0, f64::max);
+        self.factor.extend_from_slice(&self.products);
+        let ridge = RIDGE * (0..size).map(|i| self.products[i * size + i]).fold(0.0, f64::max);
         for i in 0..size {
             for j in 0..=i {
                 let mut sum = self.factor[i * size + j];
