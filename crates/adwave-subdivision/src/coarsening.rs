@@ -50,7 +50,14 @@ impl<'a> ParitySearch<'a> {
     pub(crate) fn new(topology: &'a Topology, progress: Progress<'a>) -> Self {
         let n = topology.n_vertices;
         let parity = vec![Parity::Unknown; n];
-        Self { topology, parity, parents: vec![[NONE; 2]; n], queue: Vec::new(), reached: Vec::new(), progress }
+        Self {
+            topology,
+            parity,
+            parents: vec![[NONE; 2]; n],
+            queue: Vec::new(),
+            reached: Vec::new(),
+            progress,
+        }
     }
 
     /// Finds the coarse vertices of the part of `first`, of which `irregular` cannot be a midpoint; the reason if there is no

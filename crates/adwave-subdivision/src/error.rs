@@ -29,7 +29,9 @@ pub enum Obstacle {
         vertex: u32,
     },
     /// The coarse mesh would not be a manifold mesh of triangles.
-    #[error("the coarser mesh at vertex {vertex} would have an edge of more than two faces, or a face without area")]
+    #[error(
+        "the coarser mesh at vertex {vertex} would have an edge of more than two faces, or a face without area"
+    )]
     Degenerate {
         /// Vertex of the mesh.
         vertex: u32,
@@ -85,7 +87,9 @@ pub enum SubdivisionError {
         n_faces: usize,
     },
     /// The faces at a vertex form more than one fan.
-    #[error("the faces at vertex {vertex} touch only in this vertex; subdivision levels need one fan of faces per vertex")]
+    #[error(
+        "the faces at vertex {vertex} touch only in this vertex; subdivision levels need one fan of faces per vertex"
+    )]
     Pinched {
         /// The vertex.
         vertex: u32,
@@ -134,6 +138,17 @@ pub enum SubdivisionError {
         element: usize,
         /// The value.
         value: f64,
+    },
+    /// Copies of one vertex have different values.
+    #[error(
+        "vertices {first} and {vertex} lie at one position and have different values, and a hierarchy has one vertex there; make \
+         the values equal first"
+    )]
+    Seam {
+        /// The copy.
+        vertex: u32,
+        /// The first vertex at that position.
+        first: u32,
     },
     /// The share of coefficients is outside [0, 1].
     #[error("the share of coefficients must be in 0..=1, got {0:?}")]

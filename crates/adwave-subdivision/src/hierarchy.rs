@@ -128,6 +128,8 @@ impl Hierarchy {
             return Err(SubdivisionError::NoFaces);
         }
         let mut topology = Topology::new(n_vertices, triangles.to_vec(), progress)?;
+        // Coarser levels have the fans of this one.
+        topology.check_fans(progress)?;
         let mut parts = Parts::new(&topology, progress)?;
         // The vertex of the mesh of each vertex of the present level.
         let mut names: Vec<u32> = (0..n_vertices as u32).collect();
@@ -153,7 +155,7 @@ impl Hierarchy {
             parts.infos[parts.of_vertex[v as usize] as usize].n_coarsest += 1;
         }
         progress.check()?;
-        Ok(number_levels(finer, topology, names, parts.infos))
+        Ok(number_levels(finer, topology, &names, parts.infos))
     }
 
     /// [`new`](Self::new) for the triangles of a mesh.
@@ -310,8 +312,7 @@ fn coarsen(
             }
             Err(
                 SubdivisionError::RepeatedCorner { vertex, .. }
-                | SubdivisionError::ManyFaces { a: vertex, .. }
-                | SubdivisionError::Pinched { vertex },
+                | SubdivisionError::ManyFaces { a: vertex, .. },
             ) => name(vertex),
             Err(error) => return Err(error),
         };
@@ -339,7 +340,7 @@ impl Obstacle {
 fn number_levels(
     finer: Vec<SearchLevel>,
     coarsest: Topology,
-    names: Vec<u32>,
+    names: &[u32],
     parts: Vec<SubdivisionPart>,
 ) -> Hierarchy {
     // Place of each vertex of the level at hand; the vertices of the coarsest level come first in their order.
@@ -368,7 +369,7 @@ fn number_levels(
     for (v, &place) in (0..).zip(&places) {
         order[place as usize] = v;
     }
-    debug_assert_eq!(order[..names.len()], names);
+    debug_assert_eq!(&order[..names.len()], names);
     let topology = coarser.renumbered(&places);
     levels.push(HierarchyLevel {
         topology,

@@ -82,7 +82,8 @@ impl LiftedWavelets {
         for (place, &v) in (0..).zip(&order) {
             places[v as usize] = place;
         }
-        let rules = rounds.into_iter().zip(n_coarse).map(|(round, n_coarse)| round.into_rule(&places, n_coarse));
+        let rules =
+            rounds.into_iter().zip(n_coarse).map(|(round, n_coarse)| round.into_rule(&places, n_coarse));
         Self::from_rules(Family::Irregular, order, rules, masses, progress)
     }
 }
@@ -223,7 +224,8 @@ impl<'a> DynamicMesh<'a> {
             let share = if total > 0.0 { lengths[1] / total } else { 0.5 };
             let weight = |k: usize, value: f64| Entry { column: fan.ring[ends[k]], value };
             let nearer = usize::from(lengths[1] < lengths[0]);
-            let target = [nearer, 1 - nearer].map(|k| ends[k]).into_iter().find(|&k| self.may_merge(fan, k))?;
+            let target =
+                [nearer, 1 - nearer].map(|k| ends[k]).into_iter().find(|&k| self.may_merge(fan, k))?;
             (target, vec![weight(0, share), weight(1, 1.0 - share)])
         };
         self.merge(v, fan.ring[target]);

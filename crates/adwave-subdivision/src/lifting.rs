@@ -10,11 +10,15 @@ use adwave::{Cancelled, Progress};
 /// Share of the mean mass that every vertex has at least, so that each update exists.
 const LEAST_MASS: f64 = 1e-9;
 
+/// Rings of the parents that the update of a Loop wavelet may change; with one ring the condition of the basis is five times as
+/// large.
+const LOOP_RINGS: usize = 2;
+
 /// Wavelets of a mesh, prepared for many fields.
 ///
 /// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices, for
 /// [`Family::Loop`] those from which subdivision makes the values of f there. P is the subdivision rule. U has the least
-/// squares solution on the rings of the parents of each midpoint (see the module `update`), so that every wavelet has
+/// squares solution on the rings of the parents of each midpoint, for Loop on two rings (see the module `update`), so that every wavelet has
 /// integral 0: the mean of a field stays on all levels.
 ///
 /// Each vertex has one coefficient: a detail of the level at which it is a midpoint, or a value on the coarsest level.
@@ -80,7 +84,7 @@ impl LiftedWavelets {
                 Family::Loop => stencils::loop_midpoints(level),
                 _ => stencils::butterfly(level),
             },
-            supports: stencils::parent_rings(level),
+            supports: stencils::parent_rings(level, if family == Family::Loop { LOOP_RINGS } else { 1 }),
             even: (family == Family::Loop).then(|| EvenRule::new(stencils::loop_neighbors(level))),
         });
         Self::from_rules(family, hierarchy.order.clone(), rules, masses, progress)

@@ -81,7 +81,10 @@ fn greatest_square(columns: &[f64], n: usize, progress: Progress<'_>) -> Result<
         for (column, v) in columns.chunks_exact(n).zip(&x) {
             product.iter_mut().zip(column).for_each(|(p, c)| *p += c * v / length);
         }
-        x = columns.chunks_exact(n).map(|column| column.iter().zip(&product).map(|(c, p)| c * p).sum()).collect();
+        x = columns
+            .chunks_exact(n)
+            .map(|column| column.iter().zip(&product).map(|(c, p)| c * p).sum())
+            .collect();
         let square: f64 = product.iter().map(|p| p * p).sum();
         if (square - last).abs() <= ACCURACY * square {
             return Ok(square);

@@ -93,7 +93,8 @@ impl SparseRows {
     ) -> Result<Self, Cancelled> {
         let chunk = |chunk: usize| -> Result<Self, Cancelled> {
             progress.check()?;
-            let (mut sums, mut is_used, mut used) = (vec![0.0; n_columns], vec![false; n_columns], Vec::new());
+            let (mut sums, mut is_used, mut used) =
+                (vec![0.0; n_columns], vec![false; n_columns], Vec::new());
             let mut out = Self::new();
             for i in chunk * PRODUCT_ROWS..((chunk + 1) * PRODUCT_ROWS).min(self.n_rows()) {
                 let (columns, values) = self.row(i);

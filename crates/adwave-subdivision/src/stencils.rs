@@ -139,10 +139,7 @@ fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut V
 }
 
 /// Rows of the midpoints in their order, each from a half-edge of the coarse mesh.
-fn midpoint_rows(
-    level: &HierarchyLevel,
-    push: impl Fn(&Topology, u32, &mut Vec<Entry>),
-) -> SparseRows {
+fn midpoint_rows(level: &HierarchyLevel, push: impl Fn(&Topology, u32, &mut Vec<Entry>)) -> SparseRows {
     let topology = &level.topology;
     let mut half_edges = vec![NONE; level.parents.len()];
     for (h, &midpoint) in (0..).zip(&level.midpoint_of) {
@@ -160,17 +157,25 @@ fn midpoint_rows(
     rows
 }
 
-/// Coarse vertices in the rings of the parents of each midpoint, with the parents: the support of its update.
-pub(crate) fn parent_rings(level: &HierarchyLevel) -> SparseRows {
+/// Coarse vertices within `n_rings` edges of a parent of each midpoint: the support of its update.
+pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> SparseRows {
     let topology = &level.topology;
     let mut rows = SparseRows::new();
-    let mut entries = Vec::new();
+    let (mut entries, mut support) = (Vec::new(), Vec::new());
     for pair in &level.parents {
-        for &parent in pair {
-            entries.push(Entry { column: parent, value: 0.0 });
-            let ring = topology.ring(parent);
-            entries.extend(ring.map(|spoke| Entry { column: spoke.neighbor, value: 0.0 }));
+        support.clear();
+        support.extend(*pair);
+        let mut first = 0;
+        for _ in 0..n_rings {
+            let end = support.len();
+            for k in first..end {
+                let around = topology.ring(support[k]).map(|spoke| spoke.neighbor);
+                let new: Vec<u32> = around.filter(|w| !support.contains(w)).collect();
+                support.extend(new);
+            }
+            first = end;
         }
+        entries.extend(support.iter().map(|&column| Entry { column, value: 0.0 }));
         rows.push_row(&mut entries);
     }
     rows

@@ -65,7 +65,6 @@ impl Topology {
         let twins = match_half_edges(&triangles, &counts, progress)?;
         let mut topology = Self { n_vertices, triangles, twins, starts: vec![NONE; n_vertices], n_faces_at };
         topology.find_starts();
-        topology.check_fans(progress)?;
         Ok(topology)
     }
 
@@ -85,9 +84,9 @@ impl Topology {
     }
 
     /// Refuses vertices whose faces form more than one fan.
-    fn check_fans(&self, progress: Progress<'_>) -> Result<(), SubdivisionError> {
+    pub(crate) fn check_fans(&self, progress: Progress<'_>) -> Result<(), SubdivisionError> {
         for v in 0..self.n_vertices as u32 {
-            if v as usize % AT_A_TIME == 0 {
+            if (v as usize).is_multiple_of(AT_A_TIME) {
                 progress.check()?;
             }
             let n_faces = self.n_faces_at[v as usize] as usize;

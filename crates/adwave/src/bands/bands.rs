@@ -193,15 +193,16 @@ impl Bands {
         let weight = |x: usize| if total > 0.0 { weights[x] / total } else { 1.0 / expected as f64 };
         let mean: Vec<f64> = (0..d)
             .map(|c| {
-                let term = |x: usize| if weight(x) == 0.0 { 0.0 } else { weight(x) * self.coarsest()[x * d + c] };
+                let term =
+                    |x: usize| if weight(x) == 0.0 { 0.0 } else { weight(x) * self.coarsest()[x * d + c] };
                 parallel::sum(expected, term)
             })
             .collect();
         // S_f(j) less the mean, from coarse to fine. Masked vertices have weight 0 and NaN in the bands.
-        let mut scaling: Vec<f64> = self.coarsest().iter().enumerate().map(|(i, s)| s - mean[i % d]).collect();
+        let mut scaling: Vec<f64> =
+            self.coarsest().iter().enumerate().map(|(i, s)| s - mean[i % d]).collect();
         let square = |x: usize, row: &[f64]| weight(x) * row.iter().map(|s| s * s).sum::<f64>();
-        let coarsest =
-            |x: usize| if weight(x) == 0.0 { 0.0 } else { square(x, &scaling[x * d..][..d]) };
+        let coarsest = |x: usize| if weight(x) == 0.0 { 0.0 } else { square(x, &scaling[x * d..][..d]) };
         let mut shares = vec![0.0; self.n_levels() + 1];
         shares[self.n_levels()] = parallel::sum(expected, coarsest);
         for (share, band) in shares[..self.n_levels()].iter_mut().zip(self.wavelets()).rev() {
