@@ -40,6 +40,10 @@ from adwave._register import SimplifyResult as SimplifyResult
 from adwave._register import distances as distances
 from adwave._register import match as match
 from adwave._register import simplify as simplify
+from adwave._hierarchy import Coefficients as Coefficients
+from adwave._hierarchy import Hierarchy as Hierarchy
+from adwave._hierarchy import hierarchy as hierarchy
+from adwave._hierarchy import subdivide as subdivide
 from adwave._recipe import Recipe as Recipe
 from adwave._recipe import read_recipe as read_recipe
 from adwave._info import Info as Info
@@ -63,6 +67,7 @@ __all__ = [
     "Bands",
     "Camera",
     "ChangedShape",
+    "Coefficients",
     "ColorScale",
     "Constraints",
     "Decomposer",
@@ -70,6 +75,7 @@ __all__ = [
     "Distances",
     "FeatureOptions",
     "Features",
+    "Hierarchy",
     "Info",
     "InternalError",
     "Layer",
@@ -98,6 +104,7 @@ __all__ = [
     "filter_labels",
     "gaze_scores",
     "graph",
+    "hierarchy",
     "info",
     "match",
     "memory_needed",
@@ -116,6 +123,7 @@ __all__ = [
     "simplify",
     "smooth",
     "studio",
+    "subdivide",
     "threads",
 ]
 __version__: str
