@@ -287,9 +287,7 @@ impl WaveletData {
         let found = run(py, values.len(), None, |p| match (is_down, level) {
             (_, 0) => Ok::<_, StageError>(values.to_vec()),
             (true, _) => stage(wavelets.coarse_field(&stage(self.welded.gather(values, d))?, d, level, p)),
-            (false, _) => {
-                Ok(self.welded.scatter(&stage(wavelets.fine_field(values, d, level, p))?, d))
-            }
+            (false, _) => Ok(self.welded.scatter(&stage(wavelets.fine_field(values, d, level, p))?, d)),
         })?;
         Ok(arrays::matrix(py, found, d)?.into_any())
     }

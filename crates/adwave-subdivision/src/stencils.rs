@@ -65,20 +65,26 @@ pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> SparseRows {
 /// If both ends are regular: 1/2 for the ends, 1/8 for the opposite corners, −1/16 for the corners of the four faces beyond. A
 /// corner that is missing beyond a border is the reflection of the corner opposite it. At an irregular end inside the surface
 /// the weights are those of its ring, and the mean of both if both ends are irregular. On a border: 9/16 for the ends and −1/16
-/// for the next vertices along it.
+/// for the next vertices along it; beyond an end without four neighbors, a corner, stands the reflection of the other end.
 pub(crate) fn butterfly(level: &HierarchyLevel) -> SparseRows {
     midpoint_rows(level, |topology, half_edge, entries| {
         let ends = topology.ends(half_edge);
         if topology.twins[half_edge as usize] == NONE {
             for end in ends {
                 entries.push(Entry { column: end, value: 0.5625 });
+                let other = if end == ends[0] { ends[1] } else { ends[0] };
                 let along = |spoke: &crate::topology::Spoke| {
-                    topology.twins[spoke.half_edge as usize] == NONE && !ends.contains(&spoke.neighbor)
+                    topology.twins[spoke.half_edge as usize] == NONE && spoke.neighbor != other
                 };
                 match topology.ring(end).find(along) {
-                    Some(spoke) => entries.push(Entry { column: spoke.neighbor, value: -0.0625 }),
-                    // A border of three edges: the next vertex along it is the same from both ends.
-                    None => entries.push(Entry { column: end, value: -0.0625 }),
+                    Some(spoke) if topology.n_neighbors(end) == 4 => {
+                        entries.push(Entry { column: spoke.neighbor, value: -0.0625 });
+                    }
+                    // At a corner the border goes on straight.
+                    _ => entries.extend([
+                        Entry { column: end, value: -0.125 },
+                        Entry { column: other, value: 0.0625 },
+                    ]),
                 }
             }
             return;

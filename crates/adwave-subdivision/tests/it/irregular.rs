@@ -17,7 +17,7 @@ fn wavelets(mesh: &TestMesh) -> LiftedWavelets {
 
 /// A mesh with an edge of three faces, a vertex where two fans touch, a repeated face, a face without area and a lone vertex.
 fn broken() -> TestMesh {
-    let mut mesh = sample("creature", 800);
+    let mut mesh = sample("creature", 2000);
     let [a, b, c] = mesh.triangles[10];
     mesh.points.extend([[5.0, 5.0, 5.0], [6.0, 5.0, 5.0], [9.0; 3]]);
     let n = mesh.points.len() as u32;
@@ -63,15 +63,15 @@ fn constants_have_no_details_and_linear_fields_none_inside_a_plane() {
     let constant = analyze(&vec![3.0; mesh.points.len()]);
     let rows = constant.levels.iter().zip(&constant.values);
     assert!(rows.clone().all(|(level, c)| !is_detail(*level) || c.abs() < 1e-13));
-    // Mean values are exact for linear fields in the plane, straight borders for those along them.
+    // Mean values are exact for linear fields in the plane, and straight borders for those along them; corners are not straight.
     let linear = analyze(&mesh.points.iter().map(|p| p[0] - 0.5 * p[1]).collect::<Vec<_>>());
-    let finest = linear.levels.iter().zip(&linear.values).filter(|(level, _)| **level == 1);
-    assert!(finest.clone().count() > 100);
-    assert!(
-        finest.clone().all(|(_, c)| c.abs() < 1e-12),
-        "{:?}",
-        finest.map(|(_, c)| c.abs()).fold(0.0, f64::max)
-    );
+    let corners = [0, 24, 25 * 24, 25 * 25 - 1];
+    let finest: Vec<f64> = (0..mesh.points.len())
+        .filter(|v| linear.levels[*v] == 1 && !corners.contains(v))
+        .map(|v| linear.values[v].abs())
+        .collect();
+    assert!(finest.len() > 100);
+    assert!(finest.iter().all(|c| *c < 1e-12), "{:e}", finest.iter().fold(0.0_f64, |m, c| m.max(*c)));
 }
 
 #[test]
