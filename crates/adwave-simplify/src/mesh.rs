@@ -188,7 +188,7 @@ pub fn measure_coarse_mesh(
     triangles: &[[u32; 3]],
     progress: Progress<'_>,
 ) -> Result<SimplifiedMesh, SimplifyError> {
-    let appearance = Appearance { labels: None, values: None };
+    let appearance = Appearance::default();
     let job = SimplifyJob::new(mesh, appearance, Border::default(), progress)?;
     let n_before = job.wedges.n_vertices(&job.wedges.triangles);
     let vertex_map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);

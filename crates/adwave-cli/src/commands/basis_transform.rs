@@ -11,7 +11,7 @@ use crate::output::{write_file_with, write_shape};
 use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
-use adwave::shape::{Mesh, MeshArea, Shape, mesh_areas};
+use adwave::shape::{MeshArea, Shape, mesh_areas};
 use adwave::{Cancelled, Progress};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues};
 use adwave_subdivision::{

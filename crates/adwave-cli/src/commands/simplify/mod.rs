@@ -177,7 +177,7 @@ fn coarse_level(
     level: usize,
     global: &Global<'_>,
 ) -> Result<Simplified, CliError> {
-    global.given.refuse(&["--keep-border"], "applies to --error, --vertices and --ratio")?;
+    global.given.refuse(&["--keep-border", "--weights"], "applies to --error, --vertices and --ratio")?;
     let name_error = |error: SubdivisionError| match error {
         SubdivisionError::Cancelled(_) => CliError::Cancelled,
         other => CliError::Input(format!("{}: {other}", input.name)),
