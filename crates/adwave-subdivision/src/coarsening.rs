@@ -113,7 +113,9 @@ impl<'a> ParitySearch<'a> {
     /// Makes the neighbors of a coarse vertex midpoints, and what lies straight across them coarse.
     fn visit_coarse(&mut self, v: u32) -> Result<(), Obstacle> {
         let topology = self.topology;
+        let mut n_spokes = 0;
         for spoke in topology.ring(v) {
+            n_spokes += 1;
             let (w, is_border) = (spoke.neighbor, topology.is_border(spoke.neighbor));
             let n_neighbors = topology.n_neighbors(w);
             if n_neighbors != if is_border { 4 } else { 6 } {
@@ -133,6 +135,10 @@ impl<'a> ParitySearch<'a> {
             let Some(across) = topology.opposite(spoke.half_edge, w) else {
                 return Err(Obstacle::Border { vertex: w });
             };
+            // Two fans of three faces lead back to the vertex.
+            if across == v {
+                return Err(Obstacle::Pinched { vertex: w });
+            }
             self.parents[w as usize] = [v, across];
             match self.parity[across as usize] {
                 Parity::Midpoint => return Err(Obstacle::Parity { vertex: across }),
@@ -142,6 +148,9 @@ impl<'a> ParitySearch<'a> {
                     self.queue.push(across);
                 }
             }
+        }
+        if n_spokes != topology.n_neighbors(v) {
+            return Err(Obstacle::Pinched { vertex: v });
         }
         Ok(())
     }

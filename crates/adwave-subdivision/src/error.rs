@@ -36,6 +36,12 @@ pub enum Obstacle {
         /// Vertex of the mesh.
         vertex: u32,
     },
+    /// The faces at a vertex form more than one fan.
+    #[error("the faces at vertex {vertex} touch only in this vertex")]
+    Pinched {
+        /// Vertex of the mesh.
+        vertex: u32,
+    },
     /// The part has no faces.
     #[error("vertex {vertex} belongs to no face")]
     NoFaces {
@@ -85,14 +91,6 @@ pub enum SubdivisionError {
         b: u32,
         /// Number of faces.
         n_faces: usize,
-    },
-    /// The faces at a vertex form more than one fan.
-    #[error(
-        "the faces at vertex {vertex} touch only in this vertex; subdivision levels need one fan of faces per vertex"
-    )]
-    Pinched {
-        /// The vertex.
-        vertex: u32,
     },
     /// The mesh has no faces.
     #[error("subdivision levels need a mesh with faces, and there are none")]

@@ -6,6 +6,9 @@ use crate::{Obstacle, SubdivisionError};
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons};
 
+/// Number of faces between two checks for cancellation.
+const AT_A_TIME: usize = 1 << 16;
+
 /// Greatest number of levels: 4¹⁶ faces are more than indices can number.
 const MAX_LEVELS: usize = 16;
 
@@ -72,37 +75,48 @@ struct Parts {
 }
 
 impl Parts {
+    /// Parts by union of the corners of each face; the root of each is its first vertex.
     fn new(topology: &Topology, progress: Progress<'_>) -> Result<Self, SubdivisionError> {
-        let mut of_vertex = vec![NONE; topology.n_vertices];
-        let (mut infos, mut active, mut queue) = (Vec::new(), Vec::new(), Vec::new());
-        for first in 0..topology.n_vertices as u32 {
-            if of_vertex[first as usize] != NONE {
-                continue;
-            }
+        let mut parents: Vec<u32> = (0..topology.n_vertices as u32).collect();
+        for faces in topology.triangles.chunks(AT_A_TIME) {
             progress.check()?;
-            let part = infos.len() as u32;
-            of_vertex[first as usize] = part;
-            queue.push(first);
-            let mut n_vertices = 0;
-            while let Some(v) = queue.pop() {
-                n_vertices += 1;
-                if n_vertices % 4096 == 0 {
-                    progress.check()?;
-                }
-                for spoke in topology.ring(v) {
-                    let slot = &mut of_vertex[spoke.neighbor as usize];
-                    if *slot == NONE {
-                        *slot = part;
-                        queue.push(spoke.neighbor);
-                    }
+            for t in faces {
+                let mut first = find_root(&mut parents, t[0]);
+                for &v in &t[1..] {
+                    let other = find_root(&mut parents, v);
+                    let (low, high) = (first.min(other), first.max(other));
+                    parents[high as usize] = low;
+                    first = low;
                 }
             }
-            let obstacle = Obstacle::NoFaces { vertex: first };
-            active.push(topology.starts[first as usize] != NONE);
-            infos.push(SubdivisionPart { first, n_vertices, n_coarsest: n_vertices, n_levels: 0, obstacle });
+        }
+        let (mut of_vertex, mut infos, mut active) =
+            (vec![NONE; topology.n_vertices], Vec::new(), Vec::new());
+        for v in 0..topology.n_vertices as u32 {
+            let first = find_root(&mut parents, v);
+            if first == v {
+                of_vertex[v as usize] = infos.len() as u32;
+                active.push(topology.starts[v as usize] != NONE);
+                let obstacle = Obstacle::NoFaces { vertex: v };
+                infos.push(SubdivisionPart { first, n_vertices: 0, n_coarsest: 0, n_levels: 0, obstacle });
+            } else {
+                of_vertex[v as usize] = of_vertex[first as usize];
+            }
+            infos[of_vertex[v as usize] as usize].n_vertices += 1;
         }
         Ok(Self { of_vertex, infos, active })
     }
+}
+
+/// First vertex of the part that a vertex belongs to so far.
+fn find_root(parents: &mut [u32], v: u32) -> u32 {
+    let mut at = v;
+    while parents[at as usize] != at {
+        let next = parents[at as usize];
+        parents[at as usize] = parents[next as usize];
+        at = next;
+    }
+    at
 }
 
 /// A level during the search, with a numbering of its own.
@@ -128,8 +142,6 @@ impl Hierarchy {
             return Err(SubdivisionError::NoFaces);
         }
         let mut topology = Topology::new(n_vertices, triangles.to_vec(), progress)?;
-        // Coarser levels have the fans of this one.
-        topology.check_fans(progress)?;
         let mut parts = Parts::new(&topology, progress)?;
         // The vertex of the mesh of each vertex of the present level.
         let mut names: Vec<u32> = (0..n_vertices as u32).collect();
@@ -147,9 +159,6 @@ impl Hierarchy {
             let part = parts.infos.iter().max_by_key(|part| part.n_vertices);
             let obstacle = part.map_or(Obstacle::NoFaces { vertex: 0 }, |part| part.obstacle);
             return Err(SubdivisionError::NoLevels { obstacle });
-        }
-        for part in &mut parts.infos {
-            part.n_coarsest = 0;
         }
         for &v in &names {
             parts.infos[parts.of_vertex[v as usize] as usize].n_coarsest += 1;
@@ -331,6 +340,7 @@ impl Obstacle {
             Self::Parity { vertex } => Self::Parity { vertex: name(vertex) },
             Self::Border { vertex } => Self::Border { vertex: name(vertex) },
             Self::Degenerate { vertex } => Self::Degenerate { vertex: name(vertex) },
+            Self::Pinched { vertex } => Self::Pinched { vertex: name(vertex) },
             Self::NoFaces { vertex } => Self::NoFaces { vertex: name(vertex) },
         }
     }

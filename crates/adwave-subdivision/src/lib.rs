@@ -14,7 +14,7 @@
 //! | `stencils` | rules of linear, butterfly and Loop subdivision |
 //! | `even_solve` | the inverse of the rule that Loop subdivision has for coarse vertices |
 //! | `update` | the update of each wavelet by least squares |
-//! | `lifting` | steps, analysis and synthesis |
+//! | `lifting`, `prediction` | steps, analysis and synthesis |
 //! | `irregular` | levels of any mesh |
 //! | `haar` | wavelets on faces |
 //! | `coefficients` | the largest coefficients |
@@ -29,6 +29,7 @@ mod haar;
 mod hierarchy;
 mod irregular;
 mod lifting;
+mod prediction;
 mod refine;
 mod riesz;
 mod rows;

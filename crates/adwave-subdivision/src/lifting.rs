@@ -1,6 +1,7 @@
 //! Wavelets by lifting (`sweldens1998`): prediction of midpoints, update of coarse vertices.
 
 use crate::even_solve::EvenRule;
+use crate::prediction::Prediction;
 use crate::rows::SparseRows;
 use crate::stencils;
 use crate::update::{Synthesis, Update};
@@ -42,7 +43,7 @@ pub struct LiftedWavelets {
 pub(crate) struct LiftingStep {
     n_coarse: usize,
     n_fine: usize,
-    prediction: SparseRows,
+    prediction: Prediction,
     update: SparseRows,
     even: Option<EvenRule>,
 }
@@ -115,6 +116,7 @@ impl LiftedWavelets {
                 norms[v as usize] = norm;
                 levels[v as usize] = step;
             }
+            let prediction = Prediction::new(&prediction);
             steps.push(LiftingStep { n_coarse, n_fine: fine.len(), prediction, update: rows, even });
             (fine, products) = (masses, coarse_products);
         }

@@ -69,32 +69,19 @@ impl Topology {
     }
 
     fn find_starts(&mut self) {
-        for (f, t) in self.triangles.iter().enumerate() {
-            for k in 0..3 {
-                let h = 3 * f + k;
-                for v in [t[k], t[(k + 1) % 3]] {
-                    let start = &mut self.starts[v as usize];
-                    let is_border = self.twins[h] == NONE;
-                    if *start == NONE || (is_border && self.twins[*start as usize] != NONE) {
-                        *start = h as u32;
-                    }
+        for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
+            let start = &mut self.starts[v as usize];
+            if *start == NONE {
+                *start = h;
+            }
+        }
+        for (h, twin) in (0..).zip(&self.twins) {
+            if *twin == NONE {
+                for v in self.ends(h) {
+                    self.starts[v as usize] = h;
                 }
             }
         }
-    }
-
-    /// Refuses vertices whose faces form more than one fan.
-    pub(crate) fn check_fans(&self, progress: Progress<'_>) -> Result<(), SubdivisionError> {
-        for v in 0..self.n_vertices as u32 {
-            if (v as usize).is_multiple_of(AT_A_TIME) {
-                progress.check()?;
-            }
-            let n_faces = self.n_faces_at[v as usize] as usize;
-            if n_faces > 0 && self.ring(v).count() != n_faces + usize::from(self.is_border(v)) {
-                return Err(SubdivisionError::Pinched { vertex: v });
-            }
-        }
-        Ok(())
     }
 
     /// Ends of a half-edge.

@@ -68,7 +68,7 @@ fn surfaces_that_are_no_manifold_are_refused() {
     let mut other = tetrahedron().cut(1);
     pinched.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
     pinched.points.append(&mut other.points);
-    assert!(matches!(refused(&pinched), SubdivisionError::Pinched { .. }));
+    assert!(matches!(refused(&pinched), SubdivisionError::NoLevels { obstacle: Obstacle::Pinched { .. } }));
     let mut twice = tetrahedron().cut(1);
     twice.triangles[2] = [1, 1, 4];
     assert_eq!(refused(&twice), SubdivisionError::RepeatedCorner { face: 2, vertex: 1 });
