@@ -151,6 +151,18 @@ pub enum SubdivisionError {
     /// The share of coefficients is outside [0, 1].
     #[error("the share of coefficients must be in 0..=1, got {0:?}")]
     Share(f64),
+    /// A coarse vertex has too many neighbors.
+    #[error(
+        "wavelets need coarse vertices of at most {most} neighbors, and vertex {vertex} has {n_neighbors}"
+    )]
+    Crowded {
+        /// Vertex of the mesh.
+        vertex: u32,
+        /// Its number of neighbors on a coarser level.
+        n_neighbors: usize,
+        /// Greatest number allowed.
+        most: usize,
+    },
     /// A family cannot be used for what was asked.
     #[error("family '{family}' {reason}")]
     Family {

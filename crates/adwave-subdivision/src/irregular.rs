@@ -20,6 +20,9 @@ const LEAST_PROGRESS: usize = 50;
 /// Number of neighbors above which a vertex is not removed on this level.
 const MAX_NEIGHBORS: usize = 16;
 
+/// Number of faces of a vertex above which no other merges with it.
+const MAX_TARGET_FACES: usize = 64;
+
 /// Greatest angle between two neighbors of a vertex that is removed, after scaling.
 const MAX_ANGLE: f64 = 0.97 * PI;
 
@@ -286,6 +289,9 @@ impl<'a> DynamicMesh<'a> {
     /// (`dey1999`), and no triangle appears twice.
     fn may_merge(&self, fan: &Fan, target: usize) -> bool {
         let (u, n) = (fan.ring[target], fan.ring.len());
+        if self.faces_at[u as usize].len() > MAX_TARGET_FACES {
+            return false;
+        }
         let is_beside = |k: usize| {
             let distance = k.abs_diff(target);
             distance == 1 || (fan.is_closed && distance == n - 1)

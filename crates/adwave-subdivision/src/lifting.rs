@@ -15,6 +15,9 @@ const LEAST_MASS: f64 = 1e-9;
 /// large.
 const LOOP_RINGS: usize = 2;
 
+/// Greatest number of neighbors of a coarse vertex: the products of their functions are as many as its square.
+const MAX_NEIGHBORS: usize = 1000;
+
 /// Wavelets of a mesh, prepared for many fields.
 ///
 /// A step from fine to coarse is `d = f_odd − P·c`, `c += U·d`, where c are the values at the coarse vertices, for
@@ -77,6 +80,14 @@ impl LiftedWavelets {
                 _ => "needs no hierarchy; use LiftedWavelets::on_any_mesh",
             };
             return Err(SubdivisionError::Family { family: family.name(), reason });
+        }
+        for level in &hierarchy.levels[1..] {
+            let n_neighbors = |v: &u32| level.topology.n_neighbors(*v);
+            let most = (0..level.topology.n_vertices as u32).max_by_key(n_neighbors).unwrap_or(0);
+            if n_neighbors(&most) > MAX_NEIGHBORS {
+                let (vertex, n_neighbors) = (hierarchy.order[most as usize], n_neighbors(&most));
+                return Err(SubdivisionError::Crowded { vertex, n_neighbors, most: MAX_NEIGHBORS });
+            }
         }
         let rules = hierarchy.levels[1..].iter().map(|level| StepRule {
             n_coarse: level.topology.n_vertices,

@@ -5,6 +5,10 @@ use crate::rows::{Entry, SparseRows};
 use crate::topology::{NONE, Topology};
 use std::f64::consts::TAU;
 
+/// Number of neighbors beyond which a vertex is treated as a regular one by butterfly subdivision, and gives no ring to updates:
+/// each of its edges would have as many weights as the vertex has neighbors.
+const MAX_RING: usize = 32;
+
 /// Weights of the coarse vertices in each midpoint for linear subdivision: one half for each end of the edge.
 pub(crate) fn linear(level: &HierarchyLevel) -> SparseRows {
     let mut rows = SparseRows::new();
@@ -89,7 +93,10 @@ pub(crate) fn butterfly(level: &HierarchyLevel) -> SparseRows {
             }
             return;
         }
-        let is_irregular = |v: u32| !topology.is_border(v) && topology.n_neighbors(v) != 6;
+        let is_irregular = |v: u32| {
+            let n = topology.n_neighbors(v);
+            !topology.is_border(v) && n != 6 && n <= MAX_RING
+        };
         let n_irregular = ends.iter().filter(|&&end| is_irregular(end)).count();
         if n_irregular == 0 {
             push_regular(topology, half_edge, entries);
@@ -175,6 +182,9 @@ pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> SparseRows
         for _ in 0..n_rings {
             let end = support.len();
             for k in first..end {
+                if topology.n_neighbors(support[k]) > MAX_RING {
+                    continue;
+                }
                 let around = topology.ring(support[k]).map(|spoke| spoke.neighbor);
                 let new: Vec<u32> = around.filter(|w| !support.contains(w)).collect();
                 support.extend(new);
