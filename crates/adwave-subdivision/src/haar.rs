@@ -116,11 +116,15 @@ impl HaarWavelets {
         check_field(values, self.n_faces(), n_channels, "values of the faces")?;
         let mut field = values.to_vec();
         for (row, area) in field.chunks_exact_mut(n_channels).zip(&self.areas) {
-            row.iter_mut().for_each(|value| *value *= area.sqrt());
+            for value in row {
+                *value *= area.sqrt();
+            }
         }
         for siblings in &self.steps {
             progress.check()?;
-            siblings.iter().for_each(|four| four.reflect(&mut field, n_channels));
+            for four in siblings {
+                four.reflect(&mut field, n_channels);
+            }
         }
         let norms = vec![1.0; self.n_faces()];
         Ok(Coefficients { n_channels, values: field, levels: self.levels.clone(), norms })
@@ -140,10 +144,14 @@ impl HaarWavelets {
         let mut field = coefficients.to_vec();
         for siblings in self.steps.iter().rev() {
             progress.check()?;
-            siblings.iter().for_each(|four| four.reflect(&mut field, n_channels));
+            for four in siblings {
+                four.reflect(&mut field, n_channels);
+            }
         }
         for (row, area) in field.chunks_exact_mut(n_channels).zip(&self.areas) {
-            row.iter_mut().for_each(|value| *value /= area.sqrt());
+            for value in row {
+                *value /= area.sqrt();
+            }
         }
         Ok(field)
     }

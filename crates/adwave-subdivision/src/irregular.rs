@@ -143,7 +143,9 @@ impl<'a> DynamicMesh<'a> {
         let proper: Vec<[u32; 3]> =
             triangles.iter().copied().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
         for (f, t) in (0..).zip(&proper) {
-            t.iter().for_each(|&v| faces_at[v as usize].push(f));
+            for &v in t {
+                faces_at[v as usize].push(f);
+            }
         }
         let (is_gone, is_removed) = (vec![false; proper.len()], vec![false; points.len()]);
         Self { points, triangles: proper, faces_at, is_gone, is_removed }
@@ -258,7 +260,9 @@ impl<'a> DynamicMesh<'a> {
             })
             .collect();
         let scale = TAU / angles.iter().sum::<f64>();
-        angles.iter_mut().for_each(|angle| *angle *= scale);
+        for angle in &mut angles {
+            *angle *= scale;
+        }
         if angles.iter().any(|&angle| angle > MAX_ANGLE) {
             return None;
         }

@@ -55,7 +55,9 @@ impl LiftedWavelets {
                 *entry = value * root;
             }
             norms[i] = column.iter().map(|x| x * x).sum::<f64>().sqrt();
-            column.iter_mut().for_each(|entry| *entry /= norms[i]);
+            for entry in column {
+                *entry /= norms[i];
+            }
             for (entry, value) in analysis[i * n..(i + 1) * n].iter_mut().zip(coefficients) {
                 *entry = value / roots[i];
             }

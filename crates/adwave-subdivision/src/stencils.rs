@@ -106,7 +106,9 @@ pub(crate) fn butterfly(level: &HierarchyLevel) -> SparseRows {
             push_irregular(topology, half_edge, end, entries);
         }
         if n_irregular == 2 {
-            entries.iter_mut().for_each(|entry| entry.value *= 0.5);
+            for entry in entries {
+                entry.value *= 0.5;
+            }
         }
     })
 }
