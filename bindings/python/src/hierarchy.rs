@@ -138,7 +138,7 @@ impl WaveletData {
             let wavelets = match hierarchy {
                 None => {
                     let points = at_welded(mesh.points());
-                    Wavelets::Vertices(stage(LiftedWavelets::on_any_mesh(
+                    Wavelets::Vertices(stage(LiftedWavelets::new_irregular(
                         &points,
                         &welded.triangles,
                         &areas,

@@ -194,7 +194,7 @@ fn fsaverage(folder: &Path) -> Outcome<()> {
             let synthesize = |c: &[f64]| Ok(wavelets.synthesize(c, 1, NONE())?);
             println!("| {family} | {:.3?}", kept_errors(field, &areas, &coefficients, &synthesize)?);
         }
-        let irregular = LiftedWavelets::on_any_mesh(&surface.points, &surface.triangles, &areas, NONE())?;
+        let irregular = LiftedWavelets::new_irregular(&surface.points, &surface.triangles, &areas, NONE())?;
         let coefficients = irregular.analyze(field, 1, NONE())?;
         let synthesize = |c: &[f64]| Ok(irregular.synthesize(c, 1, NONE())?);
         let errors = kept_errors(field, &areas, &coefficients, &synthesize)?;
@@ -280,7 +280,7 @@ fn any_mesh(path: &Path) -> Outcome<()> {
     let surface = Surface::read(path)?;
     let areas = surface.areas();
     let start = Instant::now();
-    let wavelets = LiftedWavelets::on_any_mesh(&surface.points, &surface.triangles, &areas, NONE())?;
+    let wavelets = LiftedWavelets::new_irregular(&surface.points, &surface.triangles, &areas, NONE())?;
     let prepared = start.elapsed().as_secs_f64();
     let field = surface.points.as_flattened();
     let coefficients = wavelets.analyze(field, 3, NONE())?;

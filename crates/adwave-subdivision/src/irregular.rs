@@ -40,7 +40,7 @@ impl LiftedWavelets {
     /// # Errors
     /// [`SubdivisionError`] for positions or masses that do not fit, for a mesh of which no vertex can be removed, and on
     /// cancellation.
-    pub fn on_any_mesh(
+    pub fn new_irregular(
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
         masses: &[f64],

@@ -3,7 +3,7 @@
 //! A mesh that was made by cutting triangles into four has exact coarser levels, which [`Hierarchy`] finds whatever the order of
 //! its vertices and faces. [`LiftedWavelets`] split a field at its vertices into as many coefficients as it has values, with
 //! one of the families of [`Family`]; [`HaarWavelets`] do so for a field at its faces. A mesh without levels gets them by
-//! [`LiftedWavelets::on_any_mesh`].
+//! [`LiftedWavelets::new_irregular`].
 //!
 //! | module | content |
 //! |---|---|

@@ -77,7 +77,7 @@ impl LiftedWavelets {
         if matches!(family, Family::Haar | Family::Irregular) {
             let reason = match family {
                 Family::Haar => "has one value per face; use HaarWavelets",
-                _ => "needs no hierarchy; use LiftedWavelets::on_any_mesh",
+                _ => "needs no hierarchy; use LiftedWavelets::new_irregular",
             };
             return Err(SubdivisionError::Family { family: family.name(), reason });
         }

@@ -38,7 +38,7 @@ pub(super) fn compare(
         }
         Err(error @ SubdivisionError::Cancelled(_)) => return Err(error.into()),
         Err(_) => {
-            let wavelets = LiftedWavelets::on_any_mesh(&points, &welded.triangles, &areas, progress)?;
+            let wavelets = LiftedWavelets::new_irregular(&points, &welded.triangles, &areas, progress)?;
             (wavelets, "levels of removed vertices, since the mesh has none of subdivision")
         }
     };

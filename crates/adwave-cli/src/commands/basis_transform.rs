@@ -25,7 +25,7 @@ const LEVEL_OPTIONS: [&str; 8] =
     ["--levels", "--voices", "--steps", "--accuracy", "--lengths", "--fwhm", "--weld", "--no-weld"];
 
 /// Wavelets of a mesh, on vertices or on faces.
-enum Basis {
+enum MeshWavelets {
     Vertices(LiftedWavelets),
     Faces(HaarWavelets),
 }
@@ -35,7 +35,7 @@ struct BasisJob {
     family: Family,
     input: Input,
     welded: WeldedMesh,
-    basis: Basis,
+    basis: MeshWavelets,
     /// Number of vertices or faces on each level, from fine to coarse.
     sizes: Vec<usize>,
     /// Values of the welded vertices or of the faces.
@@ -124,23 +124,23 @@ fn prepare(
     progress.check().map_err(|Cancelled| CliError::Cancelled)?;
     let (basis, sizes, values) = match family {
         Family::Irregular => {
-            let wavelets = LiftedWavelets::on_any_mesh(&points, &welded.triangles, &areas, progress)
+            let wavelets = LiftedWavelets::new_irregular(&points, &welded.triangles, &areas, progress)
                 .map_err(name_error)?;
             let sizes = (0..=wavelets.n_levels()).map(|level| wavelets.n_vertices_at(level)).collect();
-            (Basis::Vertices(wavelets), sizes, values)
+            (MeshWavelets::Vertices(wavelets), sizes, values)
         }
         Family::Haar => {
             let hierarchy = Hierarchy::new(n, &welded.triangles, progress).map_err(name_error)?;
             let wavelets =
                 HaarWavelets::new(&hierarchy, &face_areas(&points, &welded.triangles)).map_err(name_error)?;
             let sizes = (0..=hierarchy.n_levels()).map(|level| hierarchy.n_faces(level)).collect();
-            (Basis::Faces(wavelets), sizes, means_of_corners(&values, d, &welded.triangles))
+            (MeshWavelets::Faces(wavelets), sizes, means_of_corners(&values, d, &welded.triangles))
         }
         _ => {
             let hierarchy = Hierarchy::new(n, &welded.triangles, progress).map_err(name_error)?;
             let wavelets = LiftedWavelets::new(&hierarchy, family, &areas, progress).map_err(name_error)?;
             let sizes = (0..=hierarchy.n_levels()).map(|level| hierarchy.n_vertices(level)).collect();
-            (Basis::Vertices(wavelets), sizes, values)
+            (MeshWavelets::Vertices(wavelets), sizes, values)
         }
     };
     Ok(BasisJob { family, welded, basis, sizes, values, n_channels: d, input })
@@ -165,22 +165,24 @@ fn means_of_corners(values: &[f64], d: usize, triangles: &[[u32; 3]]) -> Vec<f64
 impl BasisJob {
     fn analyze(&self, progress: Progress<'_>) -> Result<Coefficients, CliError> {
         Ok(match &self.basis {
-            Basis::Vertices(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
-            Basis::Faces(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
+            MeshWavelets::Vertices(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
+            MeshWavelets::Faces(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
         })
     }
 
     fn synthesize(&self, coefficients: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, CliError> {
         Ok(match &self.basis {
-            Basis::Vertices(wavelets) => wavelets.synthesize(coefficients, self.n_channels, progress)?,
-            Basis::Faces(wavelets) => wavelets.synthesize(coefficients, self.n_channels, progress)?,
+            MeshWavelets::Vertices(wavelets) => {
+                wavelets.synthesize(coefficients, self.n_channels, progress)?
+            }
+            MeshWavelets::Faces(wavelets) => wavelets.synthesize(coefficients, self.n_channels, progress)?,
         })
     }
 
     fn masses(&self) -> &[f64] {
         match &self.basis {
-            Basis::Vertices(wavelets) => wavelets.masses(),
-            Basis::Faces(wavelets) => wavelets.areas(),
+            MeshWavelets::Vertices(wavelets) => wavelets.masses(),
+            MeshWavelets::Faces(wavelets) => wavelets.areas(),
         }
     }
 
@@ -201,8 +203,8 @@ impl BasisJob {
     /// Values of welded vertices as rows of the mesh; values of faces as they are.
     fn in_mesh_rows(&self, values: &[f64], d: usize) -> Vec<f64> {
         match self.basis {
-            Basis::Vertices(_) => self.welded.scatter(values, d),
-            Basis::Faces(_) => values.to_vec(),
+            MeshWavelets::Vertices(_) => self.welded.scatter(values, d),
+            MeshWavelets::Faces(_) => values.to_vec(),
         }
     }
 }
@@ -258,7 +260,7 @@ fn write_coefficients(
     let values = job.in_mesh_rows(&coefficients.values, d);
     let levels: Vec<f64> = coefficients.levels.iter().map(|&level| f64::from(level)).collect();
     let (levels, norms) = (job.in_mesh_rows(&levels, 1), job.in_mesh_rows(&coefficients.norms, 1));
-    let on_faces = matches!(job.basis, Basis::Faces(_));
+    let on_faces = matches!(job.basis, MeshWavelets::Faces(_));
     let path = args.output.as_path();
     if let OutputKind::Npz = kind {
         let file = &job.input.file;
@@ -322,7 +324,7 @@ fn report(
         counts[level as usize] += 1;
     }
     let [one, many] =
-        if let Basis::Faces(_) = job.basis { ["face", "faces"] } else { ["vertex", "vertices"] };
+        if let MeshWavelets::Faces(_) = job.basis { ["face", "faces"] } else { ["vertex", "vertices"] };
     let mut text = format!(
         "{}: {}, {} of {name}\n{} levels of the family {}, {} → {}\n\n",
         job.input.name,
@@ -346,7 +348,7 @@ fn report(
             number(100.0 * error)
         );
     }
-    if let Basis::Faces(_) = job.basis {
+    if let MeshWavelets::Faces(_) = job.basis {
         text += "\nvalues of the faces: means of their corners\n";
     }
     text += &format!("{}", args.output.display());

@@ -173,7 +173,9 @@ fn vertices_of_many_neighbors_cost_no_more_than_they_are_allowed_to() {
     let crowded = fan(20_000).cut(1);
     let error = LiftedWavelets::new(&crowded.hierarchy(), Family::Loop, &areas(&crowded), none).unwrap_err();
     assert_eq!(error, SubdivisionError::Crowded { vertex: 0, n_neighbors: 20_000, most: 1000 });
-    assert!(LiftedWavelets::on_any_mesh(&crowded.points, &crowded.triangles, &areas(&crowded), none).is_ok());
+    assert!(
+        LiftedWavelets::new_irregular(&crowded.points, &crowded.triangles, &areas(&crowded), none).is_ok()
+    );
 }
 
 #[test]
@@ -190,6 +192,6 @@ fn every_call_can_be_cancelled() {
         assert!(cancelled(wavelets.synthesize(&masses, 1, stopped).unwrap_err()));
     }
     assert!(cancelled(
-        LiftedWavelets::on_any_mesh(&mesh.points, &mesh.triangles, &masses, stopped).unwrap_err()
+        LiftedWavelets::new_irregular(&mesh.points, &mesh.triangles, &masses, stopped).unwrap_err()
     ));
 }

@@ -12,7 +12,7 @@ fn sample(name: &str, n_vertices: usize) -> TestMesh {
 }
 
 fn wavelets(mesh: &TestMesh) -> LiftedWavelets {
-    LiftedWavelets::on_any_mesh(&mesh.points, &mesh.triangles, &areas(mesh), Progress::none()).unwrap()
+    LiftedWavelets::new_irregular(&mesh.points, &mesh.triangles, &areas(mesh), Progress::none()).unwrap()
 }
 
 /// A mesh with an edge of three faces, a vertex where two fans touch, a repeated face, a face without area and a lone vertex.
@@ -26,7 +26,7 @@ fn broken() -> TestMesh {
 }
 
 #[test]
-fn synthesis_is_the_inverse_and_the_mean_stays_on_any_mesh() {
+fn synthesis_is_the_inverse_and_the_mean_stays_new_irregular() {
     let meshes = [
         sample("creature", 3000),
         sample("bracket", 2000),
@@ -86,7 +86,7 @@ fn levels_thin_out_by_a_share_and_keep_a_coarse_mesh() {
 #[test]
 fn meshes_that_cannot_be_thinned_are_refused() {
     let refused = |mesh: &TestMesh| {
-        LiftedWavelets::on_any_mesh(
+        LiftedWavelets::new_irregular(
             &mesh.points,
             &mesh.triangles,
             &vec![1.0; mesh.points.len()],
