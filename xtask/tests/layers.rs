@@ -13,12 +13,13 @@ fn crates_depend_only_on_those_below_them() {
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
     let layer = |name: &str| match name {
         "adwave" | "adwave-test-data" => Some(0),
-        "adwave-io" | "adwave-graph" | "adwave-baselines" | "adwave-register" | "adwave-render"
-        | "adwave-simplify" => Some(1),
-        "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(2),
-        "adwave-studio" => Some(3),
-        "adwave-cli" => Some(4),
-        "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(5),
+        "adwave-graph" | "adwave-io" | "adwave-register" | "adwave-render" | "adwave-simplify"
+        | "adwave-subdivision" => Some(1),
+        "adwave-baselines" => Some(2),
+        "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(3),
+        "adwave-studio" => Some(4),
+        "adwave-cli" => Some(5),
+        "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(6),
         _ => None,
     };
     let packages = metadata["packages"].as_array().unwrap();

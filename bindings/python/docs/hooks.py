@@ -26,6 +26,7 @@ REFERENCE = {
     "_measures": "Saliency and features",
     "_repeatability": "Repeatability",
     "_register": "Match, measure distances, simplify",
+    "_hierarchy": "Levels of subdivision",
     "_info": "Facts, regions, signals, presets",
     "_recipe": "Recipes",
     "_picture": "Pictures",

@@ -14,6 +14,7 @@ mod command;
 mod edit;
 mod error;
 mod frames;
+mod hierarchy;
 mod measures;
 mod operator;
 mod options;
@@ -48,6 +49,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     register::add(module)?;
     baselines::add(module)?;
     frames::add(module)?;
+    hierarchy::add(module)?;
     repeatability::add(module)?;
     studio::add(module)?;
     walk::add(module)

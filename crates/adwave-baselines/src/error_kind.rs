@@ -119,7 +119,9 @@ impl ClassifiedError for CompareError {
             | Self::Saliency(_)
             | Self::Features(_)
             | Self::Channels(_)
-            | Self::NotCoordinates => ErrorKind::Input,
+            | Self::NotCoordinates
+            | Self::NotMesh => ErrorKind::Input,
+            Self::Subdivision(error) => error.kind(),
             Self::Harmonics(error) => error.kind(),
             Self::Lee(error) => error.kind(),
             Self::FeatureMap(error) => error.kind(),

@@ -81,6 +81,7 @@ by_kind!(
     adwave_report::reproduce::ModelError,
     adwave_report::reproduce::ReproduceError,
     adwave_simplify::SimplifyError,
+    adwave_subdivision::SubdivisionError,
 );
 
 impl From<adwave::bands::BandsError> for CliError {

@@ -44,7 +44,8 @@ pub use cloud::{CloudTarget, ThinnedCloud, simplify_cloud};
 pub use deviation::{Deviation, OneSided};
 pub use error::SimplifyError;
 pub use mesh::{
-    Border, MeshParams, MeshTarget, SimplifiedMesh, Why, simplify_mesh, simplify_mesh_with_appearance,
+    Border, MeshParams, MeshTarget, SimplifiedMesh, Why, measure_coarse_mesh, simplify_mesh,
+    simplify_mesh_with_appearance,
 };
 pub use resample::resample_mesh;
 pub use wedges::Parts;

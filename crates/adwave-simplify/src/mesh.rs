@@ -11,7 +11,7 @@ use crate::provenance;
 use crate::surface::TriangleSurface;
 use crate::wedges::{Parts, Wedges, rotate_to_smallest};
 use crate::{Deviation, OneSided, SimplifyError};
-use adwave::shape::Mesh;
+use adwave::shape::{Mesh, VertexMap, WeldMode};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -176,6 +176,36 @@ pub fn simplify_mesh_with_appearance(
         }
     };
     job.finish(mesh, candidate, why, n_before)
+}
+
+/// Measures a mesh of some vertices of the original and other triangles, such as a level of a hierarchy, as the result of a
+/// simplification. `triangles` are vertices of the original; vertices at equal positions count as one.
+///
+/// # Errors
+/// Returns a [`SimplifyError`] if neither mesh has a face of positive area, and on cancellation.
+pub fn measure_coarse_mesh(
+    mesh: &Mesh,
+    triangles: &[[u32; 3]],
+    progress: Progress<'_>,
+) -> Result<SimplifiedMesh, SimplifyError> {
+    let appearance = Appearance::default();
+    let job = SimplifyJob::new(mesh, appearance, Border::default(), progress)?;
+    let n_before = job.wedges.n_vertices(&job.wedges.triangles);
+    let vertex_map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);
+    let mut wedge_at = vec![u32::MAX; vertex_map.n_welded()];
+    for (wedge, &vertex) in (0..).zip(&job.wedges.vertex) {
+        wedge_at[vertex_map.welded(vertex as usize)] = wedge;
+    }
+    let wedge = |vertex: u32| wedge_at[vertex_map.welded(vertex as usize)];
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(wedge)).collect();
+    // A vertex that only degenerate faces of the original have is on no surface.
+    let is_known = triangles.as_flattened().iter().all(|&wedge| wedge != u32::MAX);
+    if !is_known || TriangleSurface::new(&job.wedges.points, &triangles).is_none() {
+        return Err(SimplifyError::NoSurface);
+    }
+    let origins = vec![0; triangles.len()];
+    let candidate = Candidate { triangles, origins, deviation: None };
+    job.finish(mesh, candidate, Why::Reached, n_before)
 }
 
 impl MeshTarget {

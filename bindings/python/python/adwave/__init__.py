@@ -24,6 +24,7 @@ filter_labels(shape, labels, gains)         change labels by their shares
 saliency(shape, f), features(shape, f)      map where it stands out; find such places
 match(a, b), distances(a, b)                find the motion between two scans; measure their distance
 simplify(shape, ratio=0.1)                  remove vertices, with a measured error
+hierarchy(shape)                            levels of a subdivided mesh, and wavelets on them
 render(shape, f), report(shape, "a.html")   draw it; write a page about it
 info(shape), signal(shape, name)            facts; signals such as curvatures
 region(shape, "ball:vertex=3,radius=5%")    weights of a region
@@ -60,6 +61,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     ),
     "_repeatability": ("ChangedShape", "Repeatability", "Trials", "repeatability"),
     "_register": ("Distances", "MatchResult", "SimplifyResult", "distances", "match", "simplify"),
+    "_hierarchy": ("Coefficients", "Hierarchy", "hierarchy", "subdivide"),
     "_recipe": ("Recipe", "read_recipe"),
     "_walk": ("ScatteringResult", "Walk", "from_edge_index", "neighbors", "points", "scattering", "walk"),
     "_impute": ("Imputation", "impute"),

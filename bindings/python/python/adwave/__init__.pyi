@@ -40,6 +40,10 @@ from adwave._register import SimplifyResult as SimplifyResult
 from adwave._register import distances as distances
 from adwave._register import match as match
 from adwave._register import simplify as simplify
+from adwave._hierarchy import Coefficients as Coefficients
+from adwave._hierarchy import Hierarchy as Hierarchy
+from adwave._hierarchy import hierarchy as hierarchy
+from adwave._hierarchy import subdivide as subdivide
 from adwave._recipe import Recipe as Recipe
 from adwave._recipe import read_recipe as read_recipe
 from adwave._walk import ScatteringResult as ScatteringResult
@@ -72,6 +76,7 @@ __all__ = [
     "Bands",
     "Camera",
     "ChangedShape",
+    "Coefficients",
     "ColorScale",
     "Constraints",
     "Decomposer",
@@ -79,6 +84,7 @@ __all__ = [
     "Distances",
     "FeatureOptions",
     "Features",
+    "Hierarchy",
     "Imputation",
     "Info",
     "InternalError",
@@ -111,6 +117,7 @@ __all__ = [
     "from_edge_index",
     "gaze_scores",
     "graph",
+    "hierarchy",
     "impute",
     "info",
     "match",
@@ -133,6 +140,7 @@ __all__ = [
     "simplify",
     "smooth",
     "studio",
+    "subdivide",
     "threads",
     "walk",
 ]

@@ -353,6 +353,28 @@ class Bands(NDArrayOperatorsMixin):
         array = self._array if np.isfinite(self._array[-1]).all() else np.nan_to_num(self._array)
         return np.einsum("jxc,jxc,x->j", array, array, a)
 
+    def shares(self) -> NDArray[np.float64]:
+        """Shares of the bands and of S_f(J) in the variance of the signal, (J + 1,): they sum to 1; 0 for a constant.
+
+        The share of band j is ``(‖S_f(j−1)‖² − ‖S_f(j)‖²)/‖f‖²``, less the mean, by the stationary distribution of the
+        operator. It is not negative for bands about the local mean.
+        """
+        share = self.decomposer._data.welding()[1]
+        weights = share
+        if self._selection is not None:
+            weights = np.zeros(self._layout.n_vertices)
+            weights[self._selection.rows] = share
+        array = self._array if np.isfinite(self._array[-1]).all() else np.nan_to_num(self._array)
+        weights = np.where(np.isfinite(self._array[-1]).all(axis=-1), weights, 0.0)
+        scaling = np.cumsum(array[::-1], axis=0)[::-1]
+        mean = np.einsum("xc,x->c", array[-1], weights) / max(float(weights.sum()), np.finfo(float).tiny)
+        scaling = scaling - mean
+        squares = np.einsum("jxc,jxc,x->j", scaling, scaling, weights)
+        sums = scaling[:-1] + scaling[1:]
+        parts = np.append(np.einsum("jxc,jxc,x->j", array[:-1], sums, weights), squares[-1])
+        variance = float(parts.sum())
+        return parts / variance if variance > 0.0 else np.zeros_like(parts)
+
     def apply(
         self, gains: GainsLike, where: Where = None, *, out: NDArray[np.float64] | None = None
     ) -> NDArray[np.float64]:

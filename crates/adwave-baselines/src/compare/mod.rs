@@ -7,6 +7,7 @@ mod multiscale;
 mod normal_filter;
 mod sgwt;
 mod shared;
+mod subdivision;
 mod taubin;
 
 use crate::feature_map::FeatureMapError;
@@ -22,6 +23,7 @@ use adwave::features::FeatureError;
 use adwave::saliency::SaliencyError;
 use adwave::shape::Shape;
 use adwave::{Decomposer, Progress, named_values};
+use adwave_subdivision::SubdivisionError;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -49,6 +51,8 @@ pub enum Method {
     Bilateral,
     /// Denoising of a mesh's coordinates by guided normal filtering.
     Guided,
+    /// Wavelets by lifting on the levels of subdivision of a mesh, or on levels of any mesh.
+    Subdivision,
 }
 
 named_values!(Method, "method", {
@@ -61,6 +65,7 @@ named_values!(Method, "method", {
     Taubin => "taubin", "Windowed sinc";
     Bilateral => "bilateral", "Bilateral normal filtering";
     Guided => "guided", "Guided normal filtering";
+    Subdivision => "subdivision", "Wavelets by lifting";
 });
 
 /// Reasons for which a comparison cannot be made.
@@ -90,6 +95,11 @@ pub enum CompareError {
     Saliency(#[from] SaliencyError),
     #[error(transparent)]
     Features(#[from] FeatureError),
+    #[error(transparent)]
+    Subdivision(#[from] SubdivisionError),
+    /// The task needs a mesh.
+    #[error("wavelets by lifting need a mesh of triangles; give one, or read the shape with --as mesh")]
+    NotMesh,
     /// The task needs a signal with one channel.
     #[error("critical points need a signal with one channel, got {0} channels")]
     Channels(usize),
@@ -183,6 +193,7 @@ pub fn compare(
         Method::Bilateral | Method::Guided => {
             normal_filter::compare(input, &bands, seconds, method, progress)
         }
+        Method::Subdivision => subdivision::compare(input, &bands, seconds, progress),
     }
 }
 
@@ -242,6 +253,15 @@ mod tests {
             assert_eq!(value(&denoised, "faces rotated"), 0.0, "{method:?}");
             assert!(value(&denoised, "rms change") < moved, "less than a low-pass of six levels: {method:?}");
         }
+        let lifted = with(Method::Subdivision, coords, 3);
+        assert!(value(&lifted, "largest error") < 1e-12);
+        let kept = lifted.rows.iter().find(|r| r.quantity.starts_with("error with a tenth")).unwrap();
+        assert!(
+            kept.other.unwrap() < 0.5 * kept.adwave.unwrap(),
+            "a basis keeps more than a frame: {kept:?}"
+        );
+        let moved = lifted.rows.iter().find(|r| r.quantity.starts_with("energy of a bump")).unwrap();
+        assert!(moved.adwave.unwrap() < moved.other.unwrap(), "bands depend less on the place: {moved:?}");
         let critical = with(Method::FeatureMap, &heights, 1);
         assert_eq!(value(&critical, "sum of indices"), 0.0, "a torus");
     }

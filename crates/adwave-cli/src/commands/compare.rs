@@ -28,6 +28,7 @@ Methods:
   sgwt         spectral graph wavelets of the same diffusion operator, as many bands, with reconstruction
   bilateral    denoising of a mesh by bilateral normal filtering with its own defaults; adwave drops four levels
   guided       denoising of a mesh by guided normal filtering; adwave drops four levels
+  subdivision  wavelets by lifting on levels of the mesh: compaction, and dependence on the place
   dw, bdw      diffusion wavelets and biorthogonal ones (up to 6000 vertices), with reconstruction
 
 The results are DIR/adwave.ply and DIR/METHOD.ply, the table is DIR/comparison.json.
@@ -135,7 +136,7 @@ fn write(
 ) -> Result<(), CliError> {
     let mut file = clone_for_output(&input.file, path);
     for outcome in outcomes {
-        let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse");
+        let is_shape = field == COORDS && matches!(outcome.name.as_str(), "smoothed" | "coarse" | "kept");
         if is_shape && !file.points().is_empty() {
             let points = outcome.values.as_chunks().0.to_vec();
             move_points(&mut file, points, MovedNormals::Follow, global)?;

@@ -2,6 +2,7 @@
 
 mod analysis;
 pub(crate) mod basis;
+mod basis_transform;
 pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod demo;

@@ -1,6 +1,6 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{LabelArgs, LevelArgs, ShapeArgs, SignalArgs};
+use crate::args::{LabelArgs, LevelArgs, ShapeArgs, SignalArgs, number as parse_number, parse_named};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -20,6 +20,7 @@ use crate::resolve::walk::with_given_walk;
 use adwave::Decomposer;
 use adwave::bands::{Bands, BandsParams, Schedule};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues, Format};
+use adwave_subdivision::Family;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -35,7 +36,10 @@ Examples:
   adwave transform bunny.obj -o bands.npz --levels 8
   adwave transform brain.ply -o bands.vtp --signal thickness
   adwave transform pial.gii.gz -o bands.func.gii --signal thick.gii.gz --fwhm 4,8,16
-  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity")]
+  adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity
+  adwave transform white.gii.gz -o coefficients.npz --basis butterfly --signal thick.gii.gz --keep 0.1
+
+With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level; as fields of a shape, --inverse reads them back.")]
 pub(crate) struct TransformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
@@ -51,6 +55,16 @@ pub(crate) struct TransformArgs {
     pub(crate) labels: LabelArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
+    /// Coefficients of wavelets by lifting instead of bands: as many as the signal has values. All families but irregular need a
+    /// mesh that was made by cutting triangles into four
+    #[arg(long, value_name = "FAMILY", value_parser = parse_named::<Family>(), help_heading = "Basis")]
+    pub(crate) basis: Option<Family>,
+    /// Share of the coefficients that stay, those that contribute most; the others become 0
+    #[arg(long, value_name = "R", value_parser = parse_number, allow_negative_numbers = true, help_heading = "Basis")]
+    pub(crate) keep: Option<f64>,
+    /// Take the signal as coefficients, and write the field that they stand for
+    #[arg(long, help_heading = "Basis")]
+    pub(crate) inverse: bool,
 }
 
 /// Kind of the file of bands.
@@ -81,6 +95,10 @@ struct TransformSeconds {
 }
 
 pub(crate) fn run(args: &TransformArgs, global: &Global<'_>) -> Result<(), CliError> {
+    if let Some(family) = args.basis {
+        return super::basis_transform::run(args, family, global);
+    }
+    global.given.refuse(&["--keep", "--inverse"], "applies to coefficients (--basis)")?;
     let mut watch = Stopwatch::start();
     let (job, read) = resolve(args, &mut watch, global)?;
     let prepare = watch.lap();

@@ -7,7 +7,9 @@ use common::{json, refused};
 #[test]
 fn every_method_writes_both_shapes_and_a_table() {
     let folder = tempfile::tempdir().unwrap();
-    for method in ["mht", "lee", "feature-map", "sgwt", "dw", "bdw", "taubin", "bilateral", "guided"] {
+    for method in
+        ["mht", "lee", "feature-map", "sgwt", "dw", "bdw", "taubin", "bilateral", "guided", "subdivision"]
+    {
         let line = format!("compare sample:torus --vertices 400 --levels 6 --with {method} -o {method}");
         let report = json(folder.path(), &line);
         assert_eq!(report["with"], method);
@@ -23,6 +25,7 @@ fn what_a_method_cannot_do_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     for (method, flags, named) in [
         ("lee", "--as cloud", "mesh"),
+        ("subdivision", "--as cloud", "mesh"),
         ("bilateral", "--as cloud", "mesh"),
         ("guided", "--field normals", "coordinates"),
         ("feature-map", "--field normals", "one channel"),

@@ -27,6 +27,7 @@ mod simplify;
 mod slopes;
 mod strays;
 mod studio;
+mod subdivision;
 mod tiles;
 mod tiles_in_memory;
 mod two_shapes;

@@ -1,6 +1,7 @@
 //! Small files of every kind, made so that most options make a difference on them.
 
 use adwave::sample::{NoiseSigma, Sample};
+use adwave::shape::Polygons;
 use adwave_io::{ArrayValues, Field, FieldValues, Format, ShapeFile, write_npy, write_path};
 use std::fmt::Write as _;
 use std::fs;
@@ -29,6 +30,7 @@ fn write_fixtures(folder: &Path) {
         save(&mesh(seed), &at(name));
     }
     save(&closed(), &at("closed.ply"));
+    save(&levels(), &at("levels.ply"));
     save(&creature(1), &at("creature.ply"));
     save(&creature(2), &at("creature2.ply"));
     save(&cloud(1), &at("cloud.ply"));
@@ -171,6 +173,23 @@ fn closed() -> ShapeFile {
     let mut ball = Sample::from_name("torus", Some(500)).unwrap();
     ball.add_noise(NoiseSigma::MeanEdge(0.1), 3).unwrap();
     let mut file = ShapeFile::from_mesh(ball.points, ball.faces);
+    add_fields(&mut file);
+    file
+}
+
+/// A tetrahedron, cut three times.
+fn levels() -> ShapeFile {
+    let mut points = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    for _ in 0..3 {
+        let finer = adwave_subdivision::subdivide(points.len(), &triangles);
+        for [a, b] in finer.parents {
+            let (p, q): ([f64; 3], [f64; 3]) = (points[a as usize], points[b as usize]);
+            points.push([0, 1, 2].map(|k| 0.6 * (p[k] + q[k])));
+        }
+        triangles = finer.triangles;
+    }
+    let mut file = ShapeFile::from_mesh(points, Polygons::from_triangles(&triangles));
     add_fields(&mut file);
     file
 }

@@ -150,7 +150,12 @@ const CASES: &[OptionCase] = &[
     case("denoise", "--strength", "2"),
     case("denoise", "--creases", "none"),
     case("denoise", "--noise-sigma", "0.03"),
+    // transform
+    case("transform", "--basis", "irregular"),
+    with(case("transform", "--keep", "0.1"), "--basis irregular"),
+    with(case("transform", "--inverse", ""), "--basis irregular"),
     // simplify
+    in_file(with(case("simplify", "--level", "1"), "!--ratio"), "levels.ply"),
     with(case("simplify", "--error", "2%"), "!--ratio"),
     with(case("simplify", "--vertices", "100"), "!--ratio"),
     case("simplify", "--ratio", "0.7"),

@@ -27,6 +27,9 @@ pub struct BandSummary {
     pub max: f64,
     /// Mean square of W_j divided by the variance of the signal; NaN for a constant signal.
     pub energy_share: f64,
+    /// Share of W_j in the variance of the signal ([`Bands::shares`](adwave::bands::Bands::shares)); all and that of the rest
+    /// sum to 1. NaN for a constant signal.
+    pub variance_share: f64,
     /// Mean square of W_j divided by the sum over all bands; NaN for a constant signal.
     pub detail_share: f64,
     /// Loss when the bands 1 … j are dropped: the largest ‖f − S_j‖ of a vertex, in units of the signal.
@@ -76,6 +79,8 @@ struct BandEnergies {
     rest: f64,
     /// Mean square of each band.
     bands: Vec<f64>,
+    /// Shares of the bands and of the rest in the variance of the signal.
+    shares: Vec<f64>,
 }
 
 impl BandEnergies {
@@ -86,6 +91,7 @@ impl BandEnergies {
             total: variance(subject.values),
             rest: variance(bands.coarsest()),
             bands: bands.energy(&areas).expect("one area per vertex"),
+            shares: bands.shares(&subject.decomposer.stationary()).expect("one weight per vertex"),
         }
     }
 }
@@ -134,6 +140,7 @@ fn summaries(subject: &Subject<'_>, energies: &BandEnergies) -> Vec<BandSummary>
                 rms: energy.sqrt(),
                 max: max.sqrt(),
                 energy_share: share(energy, energies.total),
+                variance_share: if constant { f64::NAN } else { energies.shares[level - 1] },
                 detail_share: share(energy, all),
                 greatest_loss: losses[level - 1].greatest,
                 rms_loss: losses[level - 1].rms,
@@ -147,7 +154,8 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
     let mut table = Table::new(
         "bands.csv",
         "The bands, fine to coarse. The energy of the signal is its variance; the energy of a band is the mean square of W_j. \
-         Neighboring bands overlap, so that the shares of the signal's energy do not add up to 100 %.",
+         Neighboring bands overlap, so that the shares of the signal's energy do not add up to 100 %. The shares of its variance \
+         do: what ‖S_j‖² loses from level to level, by the stationary distribution of the operator.",
         &[
             "level j",
             "steps n_j",
@@ -156,6 +164,7 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
             &format!("rms of W_j, {unit}"),
             &format!("largest |W_j|, {unit}"),
             "% of the signal's energy",
+            "% of the signal's variance",
             "% of all bands' energy",
         ],
     );
@@ -166,10 +175,12 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
         numbers(&|b| b.rms),
         numbers(&|b| b.max),
         numbers(&|b| 100.0 * b.energy_share),
+        numbers(&|b| 100.0 * b.variance_share),
         numbers(&|b| 100.0 * b.detail_share),
     ];
     for (k, band) in bands.iter().enumerate() {
-        let [sigma, percent, rms, max, energy, detail] = columns.each_ref().map(|cells| cells[k].clone());
+        let [sigma, percent, rms, max, energy, variance, detail] =
+            columns.each_ref().map(|cells| cells[k].clone());
         table.push([
             band.level.to_string(),
             format_steps(band.steps),
@@ -178,14 +189,17 @@ fn table(subject: &Subject<'_>, bands: &[BandSummary], energies: &BandEnergies) 
             rms,
             max,
             energy,
+            variance,
             detail,
         ]);
     }
     let constant = bands.iter().all(|b| b.energy_share.is_nan());
     let rest = if constant { NONE.to_owned() } else { digits(100.0 * energies.rest / energies.total) };
+    let rest_share = energies.shares.last().filter(|_| !constant);
+    let variance = rest_share.map_or(NONE.to_owned(), |share| digits(100.0 * share));
     let none = || NONE.to_owned();
     let name = format!("rest S_{}", bands.len());
-    table.push([name, none(), none(), none(), digits(energies.rest.sqrt()), none(), rest, none()]);
+    table.push([name, none(), none(), none(), digits(energies.rest.sqrt()), none(), rest, variance, none()]);
     table.drop_empty_columns()
 }
 

@@ -177,6 +177,63 @@ impl Bands {
             .collect();
         Ok(energy)
     }
+
+    /// Shares of W_f(1), …, W_f(J), S_f(J) in the variance of the signal, J + 1 numbers that sum to 1:
+    /// `(‖S_f(j−1)‖² − ‖S_f(j)‖²)/‖f‖² = ⟨W_f(j), S_f(j−1) + S_f(j)⟩/‖f‖²` and `‖S_f(J)‖²/‖f‖²`, all less the mean of
+    /// the signal, for vertex weights μ ≥ 0.
+    ///
+    /// Unlike [`energy`](Self::energy), which counts what neighboring bands have in common twice or not at all, they
+    /// are a partition. With the weights of [`Decomposer::stationary`](crate::Decomposer::stationary) no share is
+    /// negative if the operator is reversible and the bands are about the local mean; with other weights, and with
+    /// bands about a local fit, small negative shares are possible. All shares of a constant signal are 0.
+    ///
+    /// ```
+    /// use adwave::bands::Schedule;
+    /// use adwave::shape::{Graph, Shape};
+    /// use adwave::Decomposer;
+    /// let path = Decomposer::new(&Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?));
+    /// let bands = path.decompose(&[1.0, 5.0, 3.0], 1, &Schedule::dyadic(2)?)?;
+    /// let shares = bands.shares(&path.stationary())?;
+    /// assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12 && shares.iter().all(|share| *share >= 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`BandsError::WrongNumber`] unless there is one weight per vertex.
+    pub fn shares(&self, weights: &[f64]) -> Result<Vec<f64>, BandsError> {
+        let (n_given, expected, d) = (weights.len(), self.n_vertices, self.n_channels);
+        if n_given != expected {
+            return Err(BandsError::WrongNumber { what: "weights of the vertices", n_given, expected });
+        }
+        let total = parallel::sum(expected, |x| weights[x]);
+        let weight = |x: usize| if total > 0.0 { weights[x] / total } else { 1.0 / expected as f64 };
+        let mean: Vec<f64> = (0..d)
+            .map(|c| {
+                let term =
+                    |x: usize| if weight(x) == 0.0 { 0.0 } else { weight(x) * self.coarsest()[x * d + c] };
+                parallel::sum(expected, term)
+            })
+            .collect();
+        // S_f(j) less the mean, from coarse to fine. Masked vertices have weight 0 and NaN in the bands.
+        let mut scaling: Vec<f64> =
+            self.coarsest().iter().enumerate().map(|(i, s)| s - mean[i % d]).collect();
+        let square = |x: usize, row: &[f64]| weight(x) * row.iter().map(|s| s * s).sum::<f64>();
+        let coarsest = |x: usize| if weight(x) == 0.0 { 0.0 } else { square(x, &scaling[x * d..][..d]) };
+        let mut shares = vec![0.0; self.n_levels() + 1];
+        shares[self.n_levels()] = parallel::sum(expected, coarsest);
+        for (share, band) in shares[..self.n_levels()].iter_mut().zip(self.wavelets()).rev() {
+            let product = |x: usize| {
+                let (band, coarse) = (&band[x * d..][..d], &scaling[x * d..][..d]);
+                let terms = band.iter().zip(coarse).map(|(w, s)| w * (s + (s + w)));
+                if weight(x) == 0.0 { 0.0 } else { weight(x) * terms.sum::<f64>() }
+            };
+            *share = parallel::sum(expected, product);
+            add(&mut scaling, band, d);
+        }
+        let variance: f64 = shares.iter().sum();
+        let scale = if variance > 0.0 { 1.0 / variance } else { 0.0 };
+        Ok(shares.into_iter().map(|share| share * scale).collect())
+    }
 }
 
 /// Computes `sum += band`.

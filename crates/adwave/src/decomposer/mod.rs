@@ -345,11 +345,23 @@ impl Decomposer {
     /// Area of each vertex of the shape in squared model units, on a curve its length in model units; welded vertices
     /// share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
+        self.share_among_copies(&self.areas)
+    }
+
+    /// Stationary distribution π of the diffusion operator at each vertex of the shape, with sum 1; welded vertices
+    /// share theirs equally. Smoothing keeps the mean of a signal with these weights
+    /// ([`Diffusion::stationary`]).
+    pub fn stationary(&self) -> Vec<f64> {
+        self.share_among_copies(self.diffusion().stationary())
+    }
+
+    /// Weights of welded vertices, divided among the vertices of the shape.
+    fn share_among_copies(&self, weights: &[f64]) -> Vec<f64> {
         let mut shares = vec![0_u32; self.geometry.n_vertices()];
         for &x in self.geometry.vertex_map().as_slice() {
             shares[x as usize] += 1;
         }
-        let share: Vec<f64> = self.areas.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
+        let share: Vec<f64> = weights.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
         self.geometry.vertex_map().scatter(&share, 1)
     }
 

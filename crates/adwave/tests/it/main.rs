@@ -13,6 +13,7 @@ mod engine;
 mod examples;
 mod face_fields;
 mod filters;
+mod frame;
 mod given_normals;
 mod laws;
 mod local_fit;

@@ -18,6 +18,8 @@ use std::fmt::Write;
 /// Loss of detail by level, and the answer to an error that was asked for.
 pub(super) struct Detail {
     losses: Vec<DetailLoss>,
+    /// Shares of the bands and of the rest in the variance of the coordinates.
+    shares: Vec<f64>,
     diagonal: f64,
     question: Option<ErrorQuestion>,
 }
@@ -62,7 +64,8 @@ pub(super) fn measure(
         decomposer.request(points.as_flattened(), 3, schedule).params(params).progress(progress).bands()
     })?;
     let losses = detail_loss(&bands, &decomposer.areas());
-    Ok(Detail { losses, diagonal: decomposer.extent(), question: None })
+    let shares = bands.shares(&decomposer.stationary())?;
+    Ok(Detail { losses, shares, diagonal: decomposer.extent(), question: None })
 }
 
 /// A length as it is typed.
@@ -136,8 +139,16 @@ impl Detail {
         let mut text =
             "\nLoss if everything finer than S_j is dropped, |f − S_j| over the vertices:\n\n".to_owned();
         text += &table(
-            ["bands dropped", "sigma", "greatest", "% of diagonal", "rms by area", "% of diagonal"],
-            self.losses.iter().map(|loss| {
+            [
+                "bands dropped",
+                "sigma",
+                "greatest",
+                "% of diagonal",
+                "rms by area",
+                "% of diagonal",
+                "% of variance in W_j",
+            ],
+            self.losses.iter().zip(&self.shares).map(|(loss, share)| {
                 [
                     dropped_bands(loss.level),
                     number(loss.sigma),
@@ -145,9 +156,18 @@ impl Detail {
                     percent(loss.greatest),
                     number(loss.rms),
                     percent(loss.rms),
+                    number(100.0 * share),
                 ]
             }),
         );
+        if let Some(rest) = self.shares.last() {
+            let _ = writeln!(
+                text,
+                "\n{} % of the variance are left in S_{}",
+                number(100.0 * rest),
+                self.losses.len()
+            );
+        }
         if let Some(question) = &self.question {
             text += "\n";
             for (name, measure) in MEASURES {
@@ -188,8 +208,10 @@ impl Detail {
         let levels: Vec<Value> = self
             .losses
             .iter()
-            .map(|loss| {
+            .zip(&self.shares)
+            .map(|(loss, share)| {
                 json!({
+                    "share": share,
                     "level": loss.level, "sigma": loss.sigma,
                     "greatest": loss.greatest, "greatest_percent": percent(loss.greatest),
                     "rms": loss.rms, "rms_percent": percent(loss.rms),
@@ -208,7 +230,7 @@ impl Detail {
             };
             json!({"error": error, "greatest": answer(MEASURES[0].1), "rms": answer(MEASURES[1].1)})
         });
-        json!({"levels": levels, "within": within})
+        json!({"levels": levels, "rest_share": self.shares.last(), "within": within})
     }
 }
 

@@ -8,6 +8,7 @@ use crate::args::to_path;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::health::{health_json, kind_name};
+use crate::output::progress::with_progress;
 use crate::output::provenance::{provenance_json, provenance_text};
 use crate::output::{
     bounds_json, bounds_text, count, fwhm_json, fwhm_text, given_normals_json, number, percent_of, print,
@@ -20,6 +21,7 @@ use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Field, Format, GraphChanges, LengthUnit, ReadError, cloud_levels};
+use adwave_subdivision::{Hierarchy, SubdivisionError};
 pub(crate) use args::InfoArgs;
 use detail::Detail;
 use health::{health_lines, health_notes};
@@ -35,6 +37,8 @@ struct ShapeFacts {
     /// Levels of a file that has an octree; the error if the file's are damaged, which its points do not need.
     octree: Option<Result<CloudLevels, ReadError>>,
     detail: Option<Detail>,
+    /// Levels of subdivision, if the mesh has any.
+    hierarchy: Option<Hierarchy>,
 }
 
 pub(crate) fn run(args: &InfoArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -61,7 +65,51 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
         None
     };
     let octree = octree(&input, global);
-    Ok(ShapeFacts { input, decomposer, health, levels, octree, detail })
+    let hierarchy = find_hierarchy(&input, &decomposer, global)?;
+    Ok(ShapeFacts { input, decomposer, health, levels, octree, detail, hierarchy })
+}
+
+/// The levels of subdivision of a mesh of triangles.
+fn find_hierarchy(
+    input: &Input,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<Option<Hierarchy>, CliError> {
+    let Shape::Mesh(mesh) = &input.shape else { return Ok(None) };
+    if mesh.faces().iter().any(|face| face.len() != 3) {
+        return Ok(None);
+    }
+    let geometry = decomposer.geometry();
+    let found = with_progress(global, "finding levels", |progress| {
+        Hierarchy::new(geometry.n_vertices(), geometry.triangles(), progress)
+    });
+    match found {
+        Ok(hierarchy) => Ok(Some(hierarchy)),
+        Err(SubdivisionError::Cancelled(_)) => Err(CliError::Cancelled),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Number of levels of subdivision, and of the vertices on the finest and on the coarsest.
+fn hierarchy_text(hierarchy: &Hierarchy) -> String {
+    let n_levels = hierarchy.n_levels();
+    let mut text = format!(
+        "{}, {} → {} vertices",
+        count(n_levels, "level", "levels"),
+        hierarchy.n_vertices(0),
+        hierarchy.n_vertices(n_levels)
+    );
+    let parts = hierarchy.parts();
+    let n_fewer = parts.iter().filter(|part| part.n_levels < n_levels).count();
+    if n_fewer > 0 {
+        let fewer = if n_fewer == 1 {
+            "1 has fewer levels".to_owned()
+        } else {
+            format!("{n_fewer} have fewer levels")
+        };
+        text += &format!("; of {} parts {fewer}", parts.len());
+    }
+    text
 }
 
 impl ShapeFacts {
@@ -102,6 +150,9 @@ impl ShapeFacts {
         }
         if let Some(curve) = CurveFacts::new(decomposer) {
             text += &curve.text();
+        }
+        if let Some(hierarchy) = &self.hierarchy {
+            let _ = writeln!(text, "  subdivision   {}", hierarchy_text(hierarchy));
         }
         health_notes(&mut text, health);
         if self.graph_changes().is_some_and(|changes| changes.n_asymmetric > 0) {
@@ -172,6 +223,13 @@ impl ShapeFacts {
             "asymmetric_pairs": self.graph_changes().map(|changes| changes.n_asymmetric),
             "health": health_json(health),
             "curve": CurveFacts::new(decomposer).map(|curve| curve.json()),
+            "subdivision": self.hierarchy.as_ref().map(|hierarchy| json!({
+                "levels": hierarchy.n_levels(),
+                "vertices": (0..=hierarchy.n_levels()).map(|k| hierarchy.n_vertices(k)).collect::<Vec<_>>(),
+                "parts": hierarchy.parts().iter().map(|part| json!({
+                    "vertices": part.n_vertices, "coarsest": part.n_coarsest, "levels": part.n_levels,
+                })).collect::<Vec<_>>(),
+            })),
             "diffusion": diffusion_json(decomposer),
             "levels": self.levels.schedule.n_levels(),
             "levels_reason": self.levels.reason,

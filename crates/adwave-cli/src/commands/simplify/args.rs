@@ -1,13 +1,16 @@
 //! The arguments of `adwave simplify`.
 
-use crate::args::{CloudPartArgs, SelectionArgs, ShapeKindArg, count, file_name, length, number};
+use crate::args::{
+    CloudPartArgs, SelectionArgs, ShapeKindArg, count, count_from_one, file_name, length, number,
+};
 use adwave::region::Length;
 use clap::{ArgGroup, Args};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(
-    group(ArgGroup::new("target").required(true).args(["error", "vertices", "ratio"])),
+    group(ArgGroup::new("target").required(true).args(["error", "vertices", "ratio", "level"])),
     after_help = "\
 Edges of a mesh are collapsed; points of a cloud are dropped so that the rest are evenly spaced. Both keep a subset of the
 vertices with all of their fields. A mesh keeps its parts, holes and handles, the places of its materials and texture
@@ -19,6 +22,7 @@ Examples:
   adwave simplify part.stl -o part-small.stl --error 0.05
   adwave simplify bunny.ply -o bunny-5k.ply --vertices 5000
   adwave simplify salient.ply -o small.ply --vertices 5000 --weights saliency     a field of 'adwave saliency'
+  adwave simplify fsaverage5.gii -o fsaverage4.gii --level 1
   adwave simplify scan.laz -o thin.laz --error 0.25
   adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2     all other points stay"
 )]
@@ -53,6 +57,9 @@ pub(crate) struct SimplifyArgs {
     /// multiplies the squared distance by which collapses are ordered
     #[arg(long, value_name = "SIGNAL")]
     pub(crate) weights: Option<String>,
+    /// Mesh made by cutting triangles into four: the mesh before K cuts, by its vertices (see 'adwave info')
+    #[arg(long, value_name = "K", value_parser = count_from_one, help_heading = "Target")]
+    pub(crate) level: Option<NonZeroUsize>,
     /// Mesh: keep all vertices on borders
     #[arg(long)]
     pub(crate) keep_border: bool,

@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
-use crate::output::{check_writable, note, number, output_format, percent_of, print, write_shape};
+use crate::output::{check_writable, count, note, number, output_format, percent_of, print, write_shape};
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{GivenLength, Input, ShapeSource, load_source};
 use crate::resolve::signal::load_signal;
@@ -14,8 +14,9 @@ use adwave::shape::{Mesh, PointCloud, Shape};
 use adwave_io::{ShapeFile, Subset};
 use adwave_simplify::{
     Appearance, AppearanceValues, Border, CloudTarget, Deviation, MeshParams, MeshTarget, SimplifiedMesh,
-    SimplifyError, Why, simplify_cloud, simplify_mesh_with_appearance,
+    SimplifyError, Why, measure_coarse_mesh, simplify_cloud, simplify_mesh_with_appearance,
 };
+use adwave_subdivision::{Hierarchy, SubdivisionError, WeldedMesh};
 pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -99,6 +100,9 @@ fn simplify_mesh_file(
     mesh: &Mesh,
     global: &Global<'_>,
 ) -> Result<Simplified, CliError> {
+    if let Some(level) = args.level {
+        return coarse_level(input, mesh, level.get(), global);
+    }
     let target = match (args.error, args.vertices, args.ratio) {
         (Some(error), ..) => MeshTarget::Error(error.to_model_units(input.shape.extent())),
         (_, Some(n), _) => MeshTarget::Vertices(n),
@@ -166,6 +170,58 @@ fn load_weights(
     Ok(Some(signal.values.to_vec()))
 }
 
+/// A coarser level of a mesh that was made by cutting triangles into four.
+fn coarse_level(
+    input: &Input,
+    mesh: &Mesh,
+    level: usize,
+    global: &Global<'_>,
+) -> Result<Simplified, CliError> {
+    global.given.refuse(&["--keep-border", "--weights"], "applies to --error, --vertices and --ratio")?;
+    let name_error = |error: SubdivisionError| match error {
+        SubdivisionError::Cancelled(_) => CliError::Cancelled,
+        other => CliError::Input(format!("{}: {other}", input.name)),
+    };
+    let (triangles, n_levels) = with_progress(global, "finding levels", |progress| {
+        let welded = WeldedMesh::new(mesh)?;
+        let hierarchy = Hierarchy::new(welded.vertices.len(), &welded.triangles, progress)?;
+        let names = hierarchy.vertices(level)?;
+        let name = |v: u32| welded.vertices[names[v as usize] as usize];
+        let triangles: Vec<[u32; 3]> = hierarchy.triangles(level)?.iter().map(|t| t.map(name)).collect();
+        Ok((triangles, hierarchy.n_levels()))
+    })
+    .map_err(name_error)?;
+    let measured =
+        with_progress(global, "measuring", |progress| measure_coarse_mesh(mesh, &triangles, progress))
+            .map_err(|error| self::name_error(input, error))?;
+    let file = input.file.subset_with_left_out(&Subset {
+        vertices: &measured.kept,
+        triangles: &measured.triangles,
+        faces: &measured.faces,
+        corners: &measured.corners,
+    })?;
+    let (before, after) = (mesh.faces().len(), measured.triangles.len());
+    let lines = vec![
+        format!("faces      {before} → {after}"),
+        format!("level      {level} of {}", count(n_levels, "level of subdivision", "levels of subdivision")),
+    ];
+    Ok(Simplified {
+        details: json!({
+            "faces": {"before": before, "after": after},
+            "level": level,
+            "levels": n_levels,
+            "vertices_welded": measured.n_vertices_before,
+            "triangles_left_out": measured.n_left_out,
+            "reached": true,
+        }),
+        file,
+        deviation: measured.deviation,
+        is_changed: true,
+        n_vertices: measured.kept.len(),
+        lines,
+    })
+}
+
 /// Line on a target that was not reached: what was asked for, what was reached, and why.
 fn shortfall(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String> {
     let n = simplified.n_vertices_before;
@@ -206,6 +262,7 @@ fn simplify_cloud_file(
             "--keep-border applies to meshes, and a cloud has no border; leave it out".to_owned(),
         ));
     }
+    global.given.refuse(&["--level"], &format!("applies to meshes, and {} is a cloud", input.name))?;
     let target = match (args.error, args.vertices, args.ratio) {
         (Some(error), ..) => CloudTarget::Spacing(error.to_model_units(input.shape.extent())),
         (_, Some(n), _) => CloudTarget::Points(n),

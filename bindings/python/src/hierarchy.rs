@@ -1,0 +1,294 @@
+//! Levels of a mesh, and wavelets on them.
+
+use crate::arrays;
+use crate::call::run;
+use crate::error::{StageError, stage, value_error};
+use crate::shape::ShapeData;
+use adwave::shape::{Mesh, MeshArea, Shape, mesh_areas};
+use adwave_subdivision::{Coefficients, Family, HaarWavelets, Hierarchy, LiftedWavelets, WeldedMesh};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<HierarchyData>()?;
+    module.add_class::<WaveletData>()
+}
+
+/// A mesh of a shape, with vertices at equal positions taken as one.
+fn welded_mesh(shape: &Shape) -> PyResult<&Mesh> {
+    match shape {
+        Shape::Mesh(mesh) => Ok(mesh),
+        Shape::Cloud(_) | Shape::Graph(_) => {
+            Err(value_error("a hierarchy needs a mesh of triangles; give faces, as in (points, faces)"))
+        }
+    }
+}
+
+/// Levels of subdivision of a mesh.
+#[pyclass(frozen, module = "adwave._native")]
+pub(crate) struct HierarchyData {
+    hierarchy: Hierarchy,
+    welded: WeldedMesh,
+}
+
+#[pymethods]
+impl HierarchyData {
+    #[new]
+    #[pyo3(signature = (shape, progress=None))]
+    fn new(py: Python<'_>, shape: &Bound<'_, ShapeData>, progress: Option<Py<PyAny>>) -> PyResult<Self> {
+        let mesh = welded_mesh(shape.get().shape(py)?)?;
+        run(py, mesh.points().len(), progress.as_ref(), |p| {
+            let welded = stage(WeldedMesh::new(mesh))?;
+            let hierarchy = stage(Hierarchy::new(welded.vertices.len(), &welded.triangles, p))?;
+            Ok::<_, StageError>(Self { hierarchy, welded })
+        })
+    }
+
+    /// Number of vertices of each level, of the mesh first.
+    fn sizes(&self) -> Vec<usize> {
+        let n_levels = self.hierarchy.n_levels();
+        let coarser = (1..=n_levels).map(|level| self.hierarchy.n_vertices(level));
+        std::iter::once(self.welded.of_vertex.len()).chain(coarser).collect()
+    }
+
+    /// Vertex of the mesh at each vertex of a level.
+    fn vertices<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
+        let vertices = match level {
+            0 => (0..self.welded.of_vertex.len() as u32).collect(),
+            _ => {
+                let found = self.hierarchy.vertices(level).map_err(|e| value_error(e.to_string()))?;
+                found.into_iter().map(|v| self.welded.vertices[v as usize]).collect()
+            }
+        };
+        Ok(arrays::vector(py, vertices).into_any())
+    }
+
+    /// Faces of a level as its vertices.
+    fn faces<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
+        let triangles = self.hierarchy.triangles(level).map_err(|e| value_error(e.to_string()))?;
+        let of_mesh = |v: u32| if level == 0 { self.welded.vertices[v as usize] } else { v };
+        let corners = triangles.into_iter().flat_map(|t| t.map(of_mesh)).collect();
+        Ok(arrays::matrix(py, corners, 3)?.into_any())
+    }
+
+    /// Parents of each vertex of a level, as vertices of the next one.
+    fn parents<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
+        let parents = self.hierarchy.parents(level).map_err(|e| value_error(e.to_string()))?;
+        let parents: Vec<u32> = match level {
+            0 => self.welded.of_vertex.iter().flat_map(|&v| parents[v as usize]).collect(),
+            _ => parents.into_flattened(),
+        };
+        Ok(arrays::matrix(py, parents, 2)?.into_any())
+    }
+
+    /// Number of levels and of vertices of each connected part.
+    fn parts(&self) -> Vec<[usize; 2]> {
+        self.hierarchy.parts().iter().map(|part| [part.n_levels, part.n_vertices]).collect()
+    }
+}
+
+/// Wavelets of one family.
+enum Wavelets {
+    Vertices(LiftedWavelets),
+    Faces(HaarWavelets),
+}
+
+/// Wavelets on a mesh, prepared for many fields.
+#[pyclass(frozen, module = "adwave._native")]
+pub(crate) struct WaveletData {
+    wavelets: Wavelets,
+    welded: WeldedMesh,
+}
+
+#[pymethods]
+impl WaveletData {
+    /// `areas` are positions of another surface with the same faces, or nothing for the positions of the shape; `hierarchy` is
+    /// needed by all families but the irregular one.
+    #[new]
+    #[pyo3(signature = (shape, family, hierarchy=None, surface=None, progress=None))]
+    fn new(
+        py: Python<'_>,
+        shape: &Bound<'_, ShapeData>,
+        family: &str,
+        hierarchy: Option<&Bound<'_, HierarchyData>>,
+        surface: Option<PyReadonlyArray2<'_, f64>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let family: Family = family.parse().map_err(|e: adwave::UnknownName| value_error(e.to_string()))?;
+        let mesh = welded_mesh(shape.get().shape(py)?)?;
+        let surface = match &surface {
+            Some(points) if points.shape()[0] != mesh.points().len() => {
+                return Err(value_error(format!(
+                    "areas must be a surface of {} vertices, got {}",
+                    mesh.points().len(),
+                    points.shape()[0]
+                )));
+            }
+            Some(points) => arrays::points(points, "areas")?,
+            None => mesh.points(),
+        };
+        let hierarchy = hierarchy.map(|found| &found.get().hierarchy);
+        run(py, mesh.points().len(), progress.as_ref(), |p| {
+            let welded = stage(WeldedMesh::new(mesh))?;
+            let at_welded = |points: &[[f64; 3]]| -> Vec<[f64; 3]> {
+                welded.vertices.iter().map(|&v| points[v as usize]).collect()
+            };
+            let areas_of = at_welded(surface);
+            let areas = mesh_areas(&areas_of, &welded.triangles, MeshArea::Barycentric);
+            let wavelets = match hierarchy {
+                None => {
+                    let points = at_welded(mesh.points());
+                    Wavelets::Vertices(stage(LiftedWavelets::new_irregular(
+                        &points,
+                        &welded.triangles,
+                        &areas,
+                        p,
+                    ))?)
+                }
+                Some(hierarchy) if family == Family::Haar => {
+                    let area = |t: &[u32; 3]| -> f64 {
+                        let corners = t.map(|v| areas_of[v as usize]);
+                        mesh_areas(&corners, &[[0, 1, 2]], MeshArea::Barycentric).iter().sum()
+                    };
+                    let areas: Vec<f64> = welded.triangles.iter().map(area).collect();
+                    Wavelets::Faces(stage(HaarWavelets::new(hierarchy, &areas))?)
+                }
+                Some(hierarchy) => {
+                    Wavelets::Vertices(stage(LiftedWavelets::new(hierarchy, family, &areas, p))?)
+                }
+            };
+            Ok::<_, StageError>(Self { wavelets, welded })
+        })
+    }
+
+    /// Number of vertices of each level, of the mesh first; of faces for wavelets on faces.
+    fn sizes(&self) -> Vec<usize> {
+        match &self.wavelets {
+            Wavelets::Faces(wavelets) => vec![wavelets.n_faces()],
+            Wavelets::Vertices(wavelets) => {
+                let coarser = (1..=wavelets.n_levels()).map(|level| wavelets.n_vertices_at(level));
+                std::iter::once(self.welded.of_vertex.len()).chain(coarser).collect()
+            }
+        }
+    }
+
+    /// Vertices of the mesh at a level of wavelets on any mesh.
+    fn vertices<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
+        let Wavelets::Vertices(wavelets) = &self.wavelets else {
+            return Err(value_error("wavelets on faces have no vertices"));
+        };
+        if level > wavelets.n_levels() {
+            return Err(value_error(format!("level must be in 0..={}, got {level}", wavelets.n_levels())));
+        }
+        let vertices = match level {
+            0 => (0..self.welded.of_vertex.len() as u32).collect(),
+            _ => {
+                let order = &wavelets.order()[..wavelets.n_vertices_at(level)];
+                order.iter().map(|&v| self.welded.vertices[v as usize]).collect()
+            }
+        };
+        Ok(arrays::vector(py, vertices).into_any())
+    }
+
+    /// Coefficients of a field, and level and norm of each row.
+    #[pyo3(signature = (field, progress=None))]
+    fn analyze<'py>(
+        &self,
+        py: Python<'py>,
+        field: PyReadonlyArray2<'py, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let d = field.shape()[1];
+        let values = arrays::rows(&field, "field")?;
+        let Coefficients { values, levels, norms, .. } =
+            run(py, values.len(), progress.as_ref(), |p| match &self.wavelets {
+                Wavelets::Vertices(wavelets) => {
+                    let found = stage(wavelets.analyze(&stage(self.welded.gather(values, d))?, d, p))?;
+                    let levels = self.welded.of_vertex.iter().map(|&v| found.levels[v as usize]).collect();
+                    Ok::<_, StageError>(Coefficients {
+                        n_channels: d,
+                        values: self.welded.scatter(&found.values, d),
+                        levels,
+                        norms: self.welded.scatter(&found.norms, 1),
+                    })
+                }
+                Wavelets::Faces(wavelets) => stage(wavelets.analyze(values, d, p)),
+            })?;
+        Ok((
+            arrays::matrix(py, values, d)?.into_any(),
+            arrays::vector(py, levels).into_any(),
+            arrays::vector(py, norms).into_any(),
+        ))
+    }
+
+    /// The coefficients of which only the largest share stays.
+    fn keep<'py>(
+        &self,
+        py: Python<'py>,
+        coefficients: PyReadonlyArray2<'py, f64>,
+        share: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let d = coefficients.shape()[1];
+        let values = arrays::rows(&coefficients, "coefficients")?;
+        let kept = run(py, values.len(), None, |_| match &self.wavelets {
+            Wavelets::Vertices(wavelets) => {
+                let all = Coefficients {
+                    n_channels: d,
+                    values: stage(self.welded.gather(values, d))?,
+                    levels: wavelets.levels().to_vec(),
+                    norms: wavelets.norms().to_vec(),
+                };
+                Ok::<_, StageError>(self.welded.scatter(&stage(all.keep(share))?.values, d))
+            }
+            Wavelets::Faces(wavelets) => {
+                let n = wavelets.n_faces();
+                let (values, levels, norms) = (values.to_vec(), vec![1; n], vec![1.0; n]);
+                Ok(stage(Coefficients { n_channels: d, values, levels, norms }.keep(share))?.values)
+            }
+        })?;
+        Ok(arrays::matrix(py, kept, d)?.into_any())
+    }
+
+    /// Field of coefficients.
+    #[pyo3(signature = (coefficients, progress=None))]
+    fn synthesize<'py>(
+        &self,
+        py: Python<'py>,
+        coefficients: PyReadonlyArray2<'py, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let d = coefficients.shape()[1];
+        let values = arrays::rows(&coefficients, "coefficients")?;
+        let field = run(py, values.len(), progress.as_ref(), |p| match &self.wavelets {
+            Wavelets::Vertices(wavelets) => {
+                let found = stage(wavelets.synthesize(&stage(self.welded.gather(values, d))?, d, p))?;
+                Ok::<_, StageError>(self.welded.scatter(&found, d))
+            }
+            Wavelets::Faces(wavelets) => stage(wavelets.synthesize(values, d, p)),
+        })?;
+        Ok(arrays::matrix(py, field, d)?.into_any())
+    }
+
+    /// Field on a coarser level with the same mean (`down`), or on the mesh from one on a coarser level (`up`).
+    #[pyo3(signature = (field, level, direction))]
+    fn resample<'py>(
+        &self,
+        py: Python<'py>,
+        field: PyReadonlyArray2<'py, f64>,
+        level: usize,
+        direction: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let is_down = crate::options::word("direction", direction, &[("down", true), ("up", false)])?;
+        let Wavelets::Vertices(wavelets) = &self.wavelets else {
+            return Err(value_error("family 'haar' has one value per face; down and up are for vertices"));
+        };
+        let d = field.shape()[1];
+        let values = arrays::rows(&field, "field")?;
+        let found = run(py, values.len(), None, |p| match (is_down, level) {
+            (_, 0) => Ok::<_, StageError>(values.to_vec()),
+            (true, _) => stage(wavelets.coarse_field(&stage(self.welded.gather(values, d))?, d, level, p)),
+            (false, _) => Ok(self.welded.scatter(&stage(wavelets.fine_field(values, d, level, p))?, d)),
+        })?;
+        Ok(arrays::matrix(py, found, d)?.into_any())
+    }
+}

@@ -1,0 +1,189 @@
+//! One step to a coarser level: coarse vertices, midpoints with their parents, and the coarse faces.
+//!
+//! Subdivision leaves marks: a midpoint of an edge inside the surface has six neighbors, of which two opposite ones are the
+//! ends of its edge, and a midpoint on a border has four, of which the two along the border are. So any other vertex is a
+//! coarse one, the neighbors of a coarse vertex are midpoints, and straight across a midpoint lies a coarse vertex. From
+//! one coarse vertex these rules reach every vertex of its part in O(n), or contradict each other. If a part has no
+//! irregular vertex, its first vertex and the neighbors of this one are tried in turn.
+
+use crate::topology::{NONE, Topology};
+use crate::{Obstacle, SubdivisionError};
+use adwave::Progress;
+
+/// Number of vertices between two checks for cancellation.
+const AT_A_TIME: usize = 1 << 12;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Parity {
+    Unknown,
+    Coarse,
+    Midpoint,
+}
+
+/// A step to a coarser level, in the numbering of the finer one.
+pub(crate) struct Coarsening {
+    /// Vertices that stay, increasing.
+    pub(crate) coarse: Vec<u32>,
+    /// Midpoints, increasing.
+    pub(crate) midpoints: Vec<u32>,
+    /// Ends of the coarse edge of each midpoint, as vertices of the finer level.
+    pub(crate) parents: Vec<[u32; 2]>,
+    /// Corners of each coarse face, as vertices of the finer level.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Midpoint of each half-edge of the coarse faces as a vertex of the finer level; [`NONE`] in a part that stays.
+    pub(crate) midpoint_of: Vec<u32>,
+    /// Faces of the finer level in each coarse face: the central one, then those at its corners; or one, then [`NONE`].
+    pub(crate) children: Vec<[u32; 4]>,
+}
+
+/// Search for the coarse vertices of one level.
+pub(crate) struct ParitySearch<'a> {
+    topology: &'a Topology,
+    parity: Vec<Parity>,
+    parents: Vec<[u32; 2]>,
+    queue: Vec<u32>,
+    reached: Vec<u32>,
+    progress: Progress<'a>,
+}
+
+impl<'a> ParitySearch<'a> {
+    pub(crate) fn new(topology: &'a Topology, progress: Progress<'a>) -> Self {
+        let n = topology.n_vertices;
+        let parity = vec![Parity::Unknown; n];
+        Self {
+            topology,
+            parity,
+            parents: vec![[NONE; 2]; n],
+            queue: Vec::new(),
+            reached: Vec::new(),
+            progress,
+        }
+    }
+
+    /// Finds the coarse vertices of the part of `first`, of which `irregular` cannot be a midpoint; the reason if there is no
+    /// coarser level.
+    pub(crate) fn search_part(
+        &mut self,
+        first: u32,
+        irregular: Option<u32>,
+    ) -> Result<Option<Obstacle>, SubdivisionError> {
+        if let Some(seed) = irregular {
+            return self.flood(seed);
+        }
+        let mut seeds = vec![first];
+        seeds.extend(self.topology.ring(first).map(|spoke| spoke.neighbor));
+        let mut obstacle = None;
+        for seed in seeds {
+            match self.flood(seed)? {
+                None => return Ok(None),
+                Some(found) => obstacle = obstacle.or(Some(found)),
+            }
+        }
+        Ok(obstacle)
+    }
+
+    /// Spreads the rules from one coarse vertex over its part; takes everything back if they contradict each other.
+    fn flood(&mut self, seed: u32) -> Result<Option<Obstacle>, SubdivisionError> {
+        self.queue.clear();
+        self.reached.clear();
+        self.set(seed, Parity::Coarse);
+        self.queue.push(seed);
+        let mut n_done = 0;
+        while let Some(v) = self.queue.pop() {
+            n_done += 1;
+            if n_done % AT_A_TIME == 0 {
+                self.progress.check()?;
+            }
+            if let Err(obstacle) = self.visit_coarse(v) {
+                for &w in &self.reached {
+                    self.parity[w as usize] = Parity::Unknown;
+                    self.parents[w as usize] = [NONE; 2];
+                }
+                return Ok(Some(obstacle));
+            }
+        }
+        Ok(None)
+    }
+
+    fn set(&mut self, v: u32, parity: Parity) {
+        self.parity[v as usize] = parity;
+        self.reached.push(v);
+    }
+
+    /// Makes the neighbors of a coarse vertex midpoints, and what lies straight across them coarse.
+    fn visit_coarse(&mut self, v: u32) -> Result<(), Obstacle> {
+        let topology = self.topology;
+        let mut n_spokes = 0;
+        for spoke in topology.ring(v) {
+            n_spokes += 1;
+            let (w, is_border) = (spoke.neighbor, topology.is_border(spoke.neighbor));
+            let n_neighbors = topology.n_neighbors(w);
+            if n_neighbors != if is_border { 4 } else { 6 } {
+                return Err(Obstacle::Valence { vertex: w, n_neighbors });
+            }
+            if is_border != (topology.twins[spoke.half_edge as usize] == NONE) {
+                return Err(Obstacle::Border { vertex: w });
+            }
+            match self.parity[w as usize] {
+                Parity::Coarse => return Err(Obstacle::Parity { vertex: w }),
+                Parity::Midpoint if !self.parents[w as usize].contains(&v) => {
+                    return Err(Obstacle::Parity { vertex: w });
+                }
+                Parity::Midpoint => continue,
+                Parity::Unknown => self.set(w, Parity::Midpoint),
+            }
+            let Some(across) = topology.opposite(spoke.half_edge, w) else {
+                return Err(Obstacle::Border { vertex: w });
+            };
+            // Two fans of three faces lead back to the vertex.
+            if across == v {
+                return Err(Obstacle::Pinched { vertex: w });
+            }
+            self.parents[w as usize] = [v, across];
+            match self.parity[across as usize] {
+                Parity::Midpoint => return Err(Obstacle::Parity { vertex: across }),
+                Parity::Coarse => {}
+                Parity::Unknown => {
+                    self.set(across, Parity::Coarse);
+                    self.queue.push(across);
+                }
+            }
+        }
+        if n_spokes != topology.n_neighbors(v) {
+            return Err(Obstacle::Pinched { vertex: v });
+        }
+        Ok(())
+    }
+
+    /// The coarse mesh. Vertices that no search has reached stay.
+    pub(crate) fn finish(self) -> Coarsening {
+        let topology = self.topology;
+        let is_midpoint = |v: u32| self.parity[v as usize] == Parity::Midpoint;
+        let (midpoints, coarse): (Vec<u32>, Vec<u32>) =
+            (0..topology.n_vertices as u32).partition(|&v| is_midpoint(v));
+        let mut found = Coarsening {
+            parents: midpoints.iter().map(|&w| self.parents[w as usize]).collect(),
+            coarse,
+            midpoints,
+            triangles: Vec::with_capacity(topology.triangles.len() / 4),
+            midpoint_of: Vec::with_capacity(topology.triangles.len()),
+            children: Vec::with_capacity(topology.triangles.len() / 4),
+        };
+        for (f, &t) in topology.triangles.iter().enumerate() {
+            if t.iter().all(|&v| is_midpoint(v)) {
+                // Beyond each edge of a central face lies the face at a corner.
+                let twin = |k: usize| topology.twins[3 * f + k];
+                let corners = [twin(2), twin(0), twin(1)];
+                found.triangles.push(corners.map(|h| topology.apex(h)));
+                found.midpoint_of.extend(t);
+                let [a, b, c] = corners.map(|h| h / 3);
+                found.children.push([f as u32, a, b, c]);
+            } else if !t.iter().any(|&v| is_midpoint(v)) {
+                found.triangles.push(t);
+                found.midpoint_of.extend([NONE; 3]);
+                found.children.push([f as u32, NONE, NONE, NONE]);
+            }
+        }
+        found
+    }
+}

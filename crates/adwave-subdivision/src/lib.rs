@@ -1,0 +1,49 @@
+//! Subdivision hierarchies of meshes, and wavelets by lifting.
+//!
+//! A mesh that was made by cutting triangles into four has exact coarser levels, which [`Hierarchy`] finds whatever the order of
+//! its vertices and faces. [`LiftedWavelets`] split a field at its vertices into as many coefficients as it has values, with
+//! one of the families of [`Family`]; [`HaarWavelets`] do so for a field at its faces. A mesh without levels gets them by
+//! [`LiftedWavelets::new_irregular`].
+//!
+//! | module | content |
+//! |---|---|
+//! | `topology` | the other side of each edge, and walks around vertices |
+//! | `coarsening` | coarse vertices and midpoints of one level |
+//! | `hierarchy` | all levels, with an order of the vertices in which every level comes first |
+//! | `refine`, `weld` | subdivision of triangles; vertices at equal positions |
+//! | `stencils` | rules of linear, butterfly and Loop subdivision |
+//! | `even_solve` | the inverse of the rule that Loop subdivision has for coarse vertices |
+//! | `update` | the update of each wavelet by least squares |
+//! | `lifting`, `prediction` | steps, analysis and synthesis |
+//! | `irregular` | levels of any mesh |
+//! | `haar` | wavelets on faces |
+//! | `coefficients` | the largest coefficients |
+//! | `riesz` | stability, measured |
+
+mod coarsening;
+mod coefficients;
+mod error;
+mod even_solve;
+mod family;
+mod haar;
+mod hierarchy;
+mod irregular;
+mod lifting;
+mod prediction;
+mod refine;
+mod riesz;
+mod rows;
+mod stencils;
+mod topology;
+mod update;
+mod weld;
+
+pub use coefficients::Coefficients;
+pub use error::{Obstacle, SubdivisionError};
+pub use family::Family;
+pub use haar::HaarWavelets;
+pub use hierarchy::{Hierarchy, SubdivisionPart, triangles_of};
+pub use lifting::LiftedWavelets;
+pub use refine::{SubdividedMesh, subdivide};
+pub use riesz::RieszBounds;
+pub use weld::WeldedMesh;

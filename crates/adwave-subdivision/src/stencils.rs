@@ -1,0 +1,200 @@
+//! Subdivision rules: weights of the coarse vertices in a midpoint, and of a Loop vertex in itself and its neighbors.
+
+use crate::hierarchy::HierarchyLevel;
+use crate::rows::{Entry, SparseRows};
+use crate::topology::{NONE, Topology};
+use std::f64::consts::TAU;
+
+/// Number of neighbors beyond which a vertex is treated as a regular one by butterfly subdivision, and gives no ring to updates:
+/// each of its edges would have as many weights as the vertex has neighbors.
+const MAX_RING: usize = 32;
+
+/// Weights of the coarse vertices in each midpoint for linear subdivision: one half for each end of the edge.
+pub(crate) fn linear(level: &HierarchyLevel) -> SparseRows {
+    let mut rows = SparseRows::new();
+    let mut entries = Vec::new();
+    for pair in &level.parents {
+        entries.extend(pair.map(|column| Entry { column, value: 0.5 }));
+        rows.push_row(&mut entries);
+    }
+    rows
+}
+
+/// Weights of the coarse vertices in each midpoint for Loop subdivision (`loop1987`): 3/8 for the ends of the edge and 1/8 for
+/// the corners opposite it; on a border one half for each end.
+pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> SparseRows {
+    midpoint_rows(level, |topology, half_edge, entries| {
+        let ends = topology.ends(half_edge);
+        let Some(across) = topology.apex_across(half_edge) else {
+            entries.extend(ends.map(|column| Entry { column, value: 0.5 }));
+            return;
+        };
+        entries.extend(ends.map(|column| Entry { column, value: 0.375 }));
+        let apexes = [topology.apex(half_edge), across];
+        entries.extend(apexes.map(|column| Entry { column, value: 0.125 }));
+    })
+}
+
+/// Weights of the coarse vertices in each coarse vertex after Loop subdivision, without that of the vertex, which is 1 less
+/// their sum. Vertices of parts that stay have none.
+///
+/// Inside: β = (5/8 − (3/8 + cos(2π/n)/4)²)/n for each of the n neighbors (`loop1987`); on a border 1/8 for each neighbor along
+/// it.
+pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> SparseRows {
+    let topology = &level.topology;
+    let mut is_active = vec![false; topology.n_vertices];
+    for pair in &level.parents {
+        is_active[pair[0] as usize] = true;
+        is_active[pair[1] as usize] = true;
+    }
+    let mut rows = SparseRows::new();
+    let mut entries = Vec::new();
+    for v in 0..topology.n_vertices as u32 {
+        if is_active[v as usize] {
+            let is_border = topology.is_border(v);
+            let n = topology.n_neighbors(v) as f64;
+            let inner = 0.375 + 0.25 * (TAU / n).cos();
+            let value = if is_border { 0.125 } else { (0.625 - inner * inner) / n };
+            let along = |half_edge: u32| topology.twins[half_edge as usize] == NONE;
+            let ring = topology.ring(v).filter(|spoke| !is_border || along(spoke.half_edge));
+            entries.extend(ring.map(|spoke| Entry { column: spoke.neighbor, value }));
+        }
+        rows.push_row(&mut entries);
+    }
+    rows
+}
+
+/// Weights of the coarse vertices in each midpoint for modified butterfly subdivision (`zorin1996`).
+///
+/// If both ends are regular: 1/2 for the ends, 1/8 for the opposite corners, −1/16 for the corners of the four faces beyond. A
+/// corner that is missing beyond a border is the reflection of the corner opposite it. At an irregular end inside the surface
+/// the weights are those of its ring, and the mean of both if both ends are irregular. On a border: 9/16 for the ends and −1/16
+/// for the next vertices along it; beyond an end without four neighbors, a corner, stands the reflection of the other end.
+pub(crate) fn butterfly(level: &HierarchyLevel) -> SparseRows {
+    midpoint_rows(level, |topology, half_edge, entries| {
+        let ends = topology.ends(half_edge);
+        if topology.twins[half_edge as usize] == NONE {
+            for end in ends {
+                entries.push(Entry { column: end, value: 0.5625 });
+                let other = if end == ends[0] { ends[1] } else { ends[0] };
+                let along = |spoke: &crate::topology::Spoke| {
+                    topology.twins[spoke.half_edge as usize] == NONE && spoke.neighbor != other
+                };
+                match topology.ring(end).find(along) {
+                    Some(spoke) if topology.n_neighbors(end) == 4 => {
+                        entries.push(Entry { column: spoke.neighbor, value: -0.0625 });
+                    }
+                    // At a corner the border goes on straight.
+                    _ => entries.extend([
+                        Entry { column: end, value: -0.125 },
+                        Entry { column: other, value: 0.0625 },
+                    ]),
+                }
+            }
+            return;
+        }
+        let is_irregular = |v: u32| {
+            let n = topology.n_neighbors(v);
+            !topology.is_border(v) && n != 6 && n <= MAX_RING
+        };
+        let n_irregular = ends.iter().filter(|&&end| is_irregular(end)).count();
+        if n_irregular == 0 {
+            push_regular(topology, half_edge, entries);
+            return;
+        }
+        for end in ends.into_iter().filter(|&end| is_irregular(end)) {
+            push_irregular(topology, half_edge, end, entries);
+        }
+        if n_irregular == 2 {
+            for entry in entries {
+                entry.value *= 0.5;
+            }
+        }
+    })
+}
+
+/// The eight weights of the butterfly (`dyn1990`).
+fn push_regular(topology: &Topology, half_edge: u32, entries: &mut Vec<Entry>) {
+    let ends = topology.ends(half_edge);
+    entries.extend(ends.map(|column| Entry { column, value: 0.5 }));
+    for side in [half_edge, topology.twins[half_edge as usize]] {
+        let apex = topology.apex(side);
+        entries.push(Entry { column: apex, value: 0.125 });
+        for end in ends {
+            let other = if end == ends[0] { ends[1] } else { ends[0] };
+            let wing = topology.turn(side, end).half_edge;
+            match topology.apex_across(wing) {
+                Some(column) => entries.push(Entry { column, value: -0.0625 }),
+                None => entries.extend([
+                    Entry { column: end, value: -0.0625 },
+                    Entry { column: apex, value: -0.0625 },
+                    Entry { column: other, value: 0.0625 },
+                ]),
+            }
+        }
+    }
+}
+
+/// The weights of the ring of an irregular end.
+fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut Vec<Entry>) {
+    let n = topology.n_neighbors(end);
+    entries.push(Entry { column: end, value: 0.75 });
+    for (j, spoke) in topology.ring_from(end, half_edge).enumerate() {
+        let angle = TAU * j as f64 / n as f64;
+        let value = match (n, j) {
+            (3, 0) => 5.0 / 12.0,
+            (3, _) => -1.0 / 12.0,
+            (4, 0) => 0.375,
+            (4, 2) => -0.125,
+            (4, _) => 0.0,
+            _ => (0.25 + angle.cos() + 0.5 * (2.0 * angle).cos()) / n as f64,
+        };
+        entries.push(Entry { column: spoke.neighbor, value });
+    }
+}
+
+/// Rows of the midpoints in their order, each from a half-edge of the coarse mesh.
+fn midpoint_rows(level: &HierarchyLevel, push: impl Fn(&Topology, u32, &mut Vec<Entry>)) -> SparseRows {
+    let topology = &level.topology;
+    let mut half_edges = vec![NONE; level.parents.len()];
+    for (h, &midpoint) in (0..).zip(&level.midpoint_of) {
+        if midpoint != NONE {
+            let slot = &mut half_edges[midpoint as usize - topology.n_vertices];
+            *slot = h.min(*slot);
+        }
+    }
+    let mut rows = SparseRows::new();
+    let mut entries = Vec::new();
+    for half_edge in half_edges {
+        push(topology, half_edge, &mut entries);
+        rows.push_row(&mut entries);
+    }
+    rows
+}
+
+/// Coarse vertices within `n_rings` edges of a parent of each midpoint: the support of its update.
+pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> SparseRows {
+    let topology = &level.topology;
+    let mut rows = SparseRows::new();
+    let (mut entries, mut support) = (Vec::new(), Vec::new());
+    for pair in &level.parents {
+        support.clear();
+        support.extend(*pair);
+        let mut first = 0;
+        for _ in 0..n_rings {
+            let end = support.len();
+            for k in first..end {
+                if topology.n_neighbors(support[k]) > MAX_RING {
+                    continue;
+                }
+                let around = topology.ring(support[k]).map(|spoke| spoke.neighbor);
+                let new: Vec<u32> = around.filter(|w| !support.contains(w)).collect();
+                support.extend(new);
+            }
+            first = end;
+        }
+        entries.extend(support.iter().map(|&column| Entry { column, value: 0.0 }));
+        rows.push_row(&mut entries);
+    }
+    rows
+}

@@ -1,0 +1,80 @@
+//! Vertices at equal positions taken as one.
+
+use crate::{SubdivisionError, triangles_of};
+use adwave::shape::Mesh;
+
+/// Triangles of a mesh whose vertices at equal positions are one: files split vertices along the seams of a texture, and no
+/// seam may cut a hierarchy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WeldedMesh {
+    /// Welded vertex of each vertex of the mesh.
+    pub of_vertex: Vec<u32>,
+    /// First vertex of the mesh at each welded vertex, increasing.
+    pub vertices: Vec<u32>,
+    /// The triangles, as welded vertices.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl WeldedMesh {
+    /// Welds the vertices of a mesh of triangles. O(n log n).
+    ///
+    /// # Errors
+    /// [`SubdivisionError::NotTriangle`] if a face has more or fewer than three corners.
+    ///
+    /// ```
+    /// use adwave::shape::{Mesh, Polygons};
+    /// let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0; 3]];
+    /// let mesh = Mesh::new(points, Polygons::from_triangles(&[[3, 1, 2]]))?;
+    /// let welded = adwave_subdivision::WeldedMesh::new(&mesh)?;
+    /// assert_eq!((welded.vertices, welded.triangles), (vec![0, 1, 2], vec![[0, 1, 2]]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(mesh: &Mesh) -> Result<Self, SubdivisionError> {
+        let triangles = triangles_of(mesh.faces())?;
+        // Adding 0 makes −0 equal to 0.
+        let key = |v: u32| mesh.points()[v as usize].map(|x| (x + 0.0).to_bits());
+        let n = mesh.points().len() as u32;
+        let mut sorted: Vec<u32> = (0..n).collect();
+        sorted.sort_unstable_by_key(|&v| (key(v), v));
+        let mut firsts = vec![0; n as usize];
+        for copies in sorted.chunk_by(|&a, &b| key(a) == key(b)) {
+            for &v in copies {
+                firsts[v as usize] = copies[0];
+            }
+        }
+        let vertices: Vec<u32> = (0..n).filter(|&v| firsts[v as usize] == v).collect();
+        let mut places = vec![0; n as usize];
+        for (place, &v) in (0..).zip(&vertices) {
+            places[v as usize] = place;
+        }
+        let of_vertex: Vec<u32> = firsts.into_iter().map(|v| places[v as usize]).collect();
+        let triangles = triangles.iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
+        Ok(Self { of_vertex, vertices, triangles })
+    }
+
+    /// Positions of the welded vertices.
+    pub fn points(&self, mesh: &Mesh) -> Vec<[f64; 3]> {
+        self.vertices.iter().map(|&v| mesh.points()[v as usize]).collect()
+    }
+
+    /// Values of the welded vertices, of `n_channels` values per vertex of the mesh.
+    ///
+    /// # Errors
+    /// [`SubdivisionError::Seam`] if the values of two copies of a vertex differ: a hierarchy could not give them back.
+    pub fn gather(&self, values: &[f64], n_channels: usize) -> Result<Vec<f64>, SubdivisionError> {
+        let row = |v: usize| &values[v * n_channels..][..n_channels];
+        for (v, &welded) in self.of_vertex.iter().enumerate() {
+            let first = self.vertices[welded as usize];
+            if row(v) != row(first as usize) && !row(v).iter().any(|x| x.is_nan()) {
+                return Err(SubdivisionError::Seam { vertex: v as u32, first });
+            }
+        }
+        Ok(self.vertices.iter().flat_map(|&v| row(v as usize).iter().copied()).collect())
+    }
+
+    /// Values of all vertices of the mesh, from those of the welded vertices.
+    pub fn scatter(&self, values: &[f64], n_channels: usize) -> Vec<f64> {
+        let row = |v: u32| values[v as usize * n_channels..][..n_channels].iter().copied();
+        self.of_vertex.iter().flat_map(|&v| row(v)).collect()
+    }
+}
