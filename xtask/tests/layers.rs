@@ -15,7 +15,7 @@ fn crates_depend_only_on_those_below_them() {
         "adwave" | "adwave-test-data" => Some(0),
         "adwave-io" | "adwave-graph" | "adwave-baselines" | "adwave-register" | "adwave-render"
         | "adwave-simplify" => Some(1),
-        "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(2),
+        "adwave-deform" | "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(2),
         "adwave-studio" => Some(3),
         "adwave-cli" => Some(4),
         "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(5),
