@@ -10,6 +10,7 @@ const SOURCES: [&str; 5] = [
     "crates/adwave/src",
     "crates/adwave-graph/src",
     "crates/adwave-baselines/src",
+    "crates/adwave-deform/src",
     "crates/adwave-register/src",
     "crates/adwave-simplify/src",
 ];

@@ -16,7 +16,7 @@ fn crates_depend_only_on_those_below_them() {
         "adwave-graph" | "adwave-io" | "adwave-register" | "adwave-render" | "adwave-simplify"
         | "adwave-subdivision" => Some(1),
         "adwave-baselines" => Some(2),
-        "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(3),
+        "adwave-deform" | "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(3),
         "adwave-studio" => Some(4),
         "adwave-cli" => Some(5),
         "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(6),

@@ -25,6 +25,7 @@ REFERENCE = {
     "_options": "Levels, operator, constraints",
     "_measures": "Saliency and features",
     "_repeatability": "Repeatability",
+    "_deform": "Bend, transfer, morph, clone",
     "_register": "Match, measure distances, simplify",
     "_hierarchy": "Levels of subdivision",
     "_info": "Facts, regions, signals, presets",

@@ -11,6 +11,7 @@ mod arrays;
 mod baselines;
 mod call;
 mod command;
+mod deform;
 mod edit;
 mod error;
 mod frames;
@@ -42,6 +43,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(call::requested_threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::set_threads, module)?)?;
     command::add(module)?;
+    deform::add(module)?;
     edit::add(module)?;
     measures::add(module)?;
     operator::add(module)?;

@@ -440,3 +440,24 @@ def test_blender_installs_the_zip(tmp_path: Path, with_adwave: bool) -> None:
     said = "True False" if with_adwave else "False True"
     assert said in done.stdout, done.stdout + done.stderr
     assert with_adwave or "-m pip install adwave" in done.stdout
+
+
+def test_the_detail_goes_back_onto_a_sculpted_base() -> None:
+    mesh = creature().data
+    before = points(mesh)
+    bpy.ops.adwave.split(levels=5)
+    refused(bpy.ops.adwave.rebase, "preset Base")
+    bpy.ops.adwave.gains(preset="base")
+    # Unchanged, the base gives the shape back, up to the single precision of what Blender stores.
+    base = points(mesh)
+    assert bpy.ops.adwave.rebase() == {"FINISHED"}
+    assert np.abs(points(mesh) - before).max() < 1e-5
+    assert [band.gain for band in mesh.adwave.bands] == [1.0] * 5
+    bpy.ops.adwave.gains(preset="base")
+    bent = (base + [0.3, 0, 0] * base[:, 1:2] ** 2).astype(np.float32)
+    own.put_points(mesh, bent.ravel())
+    bpy.ops.adwave.rebase()
+    wanted = aw.decompose(single(SHAPE), levels=5).with_base(bent.astype(float))
+    assert np.abs(points(mesh) - wanted).max() < 1e-4
+    bpy.ops.adwave.gains(preset="reset")
+    assert np.abs(points(mesh) - wanted).max() < 1e-4

@@ -5,6 +5,7 @@ use crate::commands::{
     basis::BasisArgs,
     compare::CompareArgs,
     convert::ConvertArgs,
+    deform::DeformArgs,
     demo::DemoArgs,
     denoise::DenoiseArgs,
     diff::DiffArgs,
@@ -15,6 +16,8 @@ use crate::commands::{
     impute::ImputeArgs,
     info::InfoArgs,
     matching::MatchArgs,
+    morph::MorphArgs,
+    rebase::RebaseArgs,
     region::RegionArgs,
     render::RenderArgs,
     report::ReportArgs,
@@ -26,6 +29,7 @@ use crate::commands::{
     simplify::SimplifyArgs,
     studio::StudioArgs,
     tiles::{TileArgs, TilesArgs},
+    transfer::TransferArgs,
     transform::TransformArgs,
 };
 use clap::error::{ContextKind, ContextValue};
@@ -68,10 +72,14 @@ pub(crate) fn command() -> clap::Command {
 }
 
 /// Words that people try as a command or an option, each with the command that does it.
-const SYNONYMS: [(&[&str], &str); 10] = [
+const SYNONYMS: [(&[&str], &str); 11] = [
     (&["export", "save", "transcode"], "adwave convert SHAPE -o OUT"),
     (&["smooth", "laplacian", "taubin", "suppress"], "adwave filter SHAPE -o OUT --preset smooth"),
     (&["sharpen", "enhance"], "adwave filter SHAPE -o OUT --preset enhance"),
+    (
+        &["bend", "pose", "arap", "grab", "warp"],
+        "adwave deform SHAPE -o OUT --fix REGION --move REGION --by x,y,z",
+    ),
     (&["decimate", "reduce", "lod", "remesh"], "adwave simplify SHAPE -o OUT --error 0.1%"),
     (
         &["align", "register", "registration", "icp"],
@@ -118,6 +126,14 @@ pub(crate) enum Command {
     Denoise(DenoiseArgs),
     /// Reduce the number of vertices, and measure the distance to the original
     Simplify(SimplifyArgs),
+    /// Bend a shape by handles while its detail rides along
+    Deform(DeformArgs),
+    /// Put the detail of a shape onto its base that was edited elsewhere, or write the base
+    Rebase(RebaseArgs),
+    /// Carry the detail of a shape onto another mesh or cloud of the same surface
+    Transfer(TransferArgs),
+    /// Blend two shapes with the same faces, band by band
+    Morph(MorphArgs),
     /// Map where a signal stands out, over all levels
     Saliency(SaliencyArgs),
     /// Find features: places where a level stands out, each with its size

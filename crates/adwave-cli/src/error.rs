@@ -76,6 +76,7 @@ by_kind!(
     adwave_io::ShapeFileError,
     adwave_baselines::compare::CompareError,
     adwave_graph::GraphWalkError,
+    adwave_deform::DeformError,
     adwave_render::RenderError,
     adwave_report::demo::DemoError,
     adwave_report::reproduce::ModelError,

@@ -23,6 +23,8 @@ denoise(shape, f)                           remove noise whose amount is estimat
 filter_labels(shape, labels, gains)         change labels by their shares
 saliency(shape, f), features(shape, f)      map where it stands out; find such places
 match(a, b), distances(a, b)                find the motion between two scans; measure their distance
+shape.deformer(fixed, handles)              bend a shape by handles while its detail rides along
+transfer(a, onto=b), morph(a, b, 0.5)       carry detail onto another mesh; blend by bands
 simplify(shape, ratio=0.1)                  remove vertices, with a measured error
 hierarchy(shape)                            levels of a subdivided mesh, and wavelets on them
 render(shape, f), report(shape, "a.html")   draw it; write a page about it
@@ -49,6 +51,7 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
     "_decomposer": ("Bands", "Decomposer", "Layer"),
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
+    "_deform": ("CloneResult", "Deformer", "morph", "transfer"),
     "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"),
     "_measures": (
         "FeatureOptions",

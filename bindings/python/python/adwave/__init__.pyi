@@ -17,6 +17,10 @@ from adwave._options import Octaves as Octaves
 from adwave._options import Operator as Operator
 from adwave._options import Steps as Steps
 from adwave._options import Widths as Widths
+from adwave._deform import CloneResult as CloneResult
+from adwave._deform import Deformer as Deformer
+from adwave._deform import morph as morph
+from adwave._deform import transfer as transfer
 from adwave._edits import DenoiseResult as DenoiseResult
 from adwave._edits import decompose as decompose
 from adwave._edits import denoise as denoise
@@ -77,9 +81,11 @@ __all__ = [
     "Camera",
     "ChangedShape",
     "Coefficients",
+    "CloneResult",
     "ColorScale",
     "Constraints",
     "Decomposer",
+    "Deformer",
     "DenoiseResult",
     "Distances",
     "FeatureOptions",
@@ -122,6 +128,7 @@ __all__ = [
     "info",
     "match",
     "memory_needed",
+    "morph",
     "neighbors",
     "points",
     "preset_gains",
@@ -142,6 +149,7 @@ __all__ = [
     "studio",
     "subdivide",
     "threads",
+    "transfer",
     "walk",
 ]
 __version__: str

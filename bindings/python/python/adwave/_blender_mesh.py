@@ -129,6 +129,12 @@ class Split:
         points[self._negative[points[self._negative] == 0]] = -0.0
         return points
 
+    def with_base(self, base: Singles) -> Singles:
+        """Points with the detail of the original on another base, 3·n numbers."""
+        if self._graph:
+            raise ValueError("the mesh has edges alone; putting detail back needs faces")
+        return self.bands.with_base(base.reshape(-1, 3).astype(float)).astype(np.float32).ravel()
+
     def _constrain(self, edited: Floats, along: str, border: str, volume: str) -> Floats:
         constraints = Constraints(along=None if along == "auto" else along, border=border, volume=volume)  # type: ignore[arg-type]
         return self._decomposer._data.constrain_positions(edited, constraints)

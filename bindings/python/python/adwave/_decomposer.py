@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
     from xarray import DataArray
 
+    from adwave._deform import CloneResult, Deformer
     from adwave._options import LevelOptions
 
 Where = Union[str, ArrayLike, None]
@@ -128,6 +129,36 @@ class Decomposer(PreparedShape):
         values, layout = owner._signal_values(signal)
         request = BandsRequest(values, owner.schedule(levels), accuracy)
         return split_signal(owner, request, layout, None, progress)
+
+
+    def deformer(
+        self,
+        fixed: Where,
+        handles: Sequence[str | ArrayLike],
+        *,
+        levels: LevelsLike = None,
+        stiffness: float | str | None = None,
+        progress: ProgressLike = None,
+    ) -> Deformer:
+        """Bind the shape to handles; see `Deformer`.
+
+        Parameters
+        ----------
+        fixed : str or array_like or None
+            What stays: a region in its text form, a flag or weight for each vertex, or the indices of vertices. ``None`` if
+            nothing does.
+        handles : sequence
+            Regions that are moved, each given like `fixed`.
+        levels : int, Widths, Steps or Octaves, optional
+            The base is the last level; by default one of 4.5 % of the diagonal.
+        stiffness : float or str, optional
+            Bending length, in model units or as a share of the diagonal; 0.75 times the width of the base by default.
+        progress : bool or callable, optional
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+        """
+        from adwave._deform import Deformer
+
+        return Deformer(self, handles, fixed=fixed, levels=levels, stiffness=stiffness, progress=progress)
 
 
 @dataclass(frozen=True)
@@ -331,6 +362,104 @@ class Bands(NDArrayOperatorsMixin):
     def reconstruct(self) -> NDArray[np.float64]:
         """The signal, as the sum of all bands (eq. 15)."""
         return self.array.sum(axis=0)
+
+    def with_base(self, points: ArrayLike, *, progress: ProgressLike = None) -> NDArray[np.float64]:
+        """The shape on another base: an edited copy of ``scaling(J)``, from any program that keeps the vertices.
+
+        ``f' = S' + R (f - S_J)``, where R turns each vertex's neighborhood from S_J to the new base S'. The unchanged base
+        gives the shape, and the S_J of another pose with the same faces poses it.
+
+        Parameters
+        ----------
+        points : (n, 3) array_like
+            The new base, in the order of the shape.
+        progress : bool or callable, optional
+            ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
+
+        Returns
+        -------
+        (n, 3) array
+            New positions of the shape.
+
+        Raises
+        ------
+        ValueError
+            If these are no bands of the coordinates, or the base has another number or order of vertices, is mirrored or
+            has collapsed.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> shape = aw.sample("creature", vertices=2000)
+        >>> bands = aw.decompose(shape, levels=6)
+        >>> base = bands.scaling(6)
+        >>> bent = bands.with_base(base + [0.1, 0, 0] * base[:, 1:2] ** 2)
+        >>> bent.shape
+        (2024, 3)
+        """
+        base = np.ascontiguousarray(points, dtype=np.float64)
+        self._check_coordinates("with_base")
+        if base.ndim != 2:
+            raise ValueError(f"points must be (n, 3), got shape {base.shape}")
+        with report_progress(progress, "splitting") as report:
+            return _native.with_base(self.decomposer._data, list(self._request.steps), base, report)
+
+    def clone_detail(
+        self,
+        source: int,
+        target: int,
+        radius: float | str,
+        *,
+        angle: float = 0.0,
+        levels: tuple[int, int] | None = None,
+    ) -> CloneResult:
+        """Clone detail from one place to another: a clone stamp.
+
+        Around both vertices the base S_J is unrolled onto a plane (the discrete exponential map, `schmidt2006`). At equal
+        places of the two maps the target takes the detail of the source, turned from frame to frame, and fades into its own
+        detail from half the radius on.
+
+        Parameters
+        ----------
+        source, target : int
+            Vertices in the middle of both places.
+        radius : float or str
+            Distance at which the clone has faded out, in model units or as a share of the diagonal.
+        angle : float
+            Turn about the normal in radians, counterclockwise seen from outside.
+        levels : (int, int), optional
+            First and last level that is cloned, counted from 1; all by default.
+
+        Returns
+        -------
+        CloneResult
+            The new points, the numbers of vertices that changed and that found no source, and the distortion of the maps.
+
+        Raises
+        ------
+        ValueError
+            If these are no bands of the coordinates, or an argument is out of range.
+
+        Examples
+        --------
+        >>> import adwave as aw
+        >>> bands = aw.decompose(aw.sample("creature", vertices=2000), levels=5)
+        >>> bands.clone_detail(0, 0, "10%").distortion >= 1
+        True
+        """
+        from adwave._deform import CloneOptions, CloneResult
+
+        self._check_coordinates("clone_detail")
+        first, last = (1, self.n_levels) if levels is None else levels
+        options = CloneOptions(source, target, radius, angle, first, last)
+        return CloneResult(*_native.clone_detail(self.decomposer._data, list(self._request.steps), options))
+
+    def _check_coordinates(self, name: str) -> None:
+        """Refuses bands of another signal than the coordinates of the whole shape."""
+        own = self.decomposer.shape
+        is_own = self._selection is None and self._layout.shape == (own.n_vertices, 3) and own.kind != "graph"
+        if not is_own or not np.allclose(self.array.sum(axis=0), own.points, atol=1e-6 * float(np.ptp(own.points))):
+            raise ValueError(f"{name} needs bands of the coordinates of a whole mesh or cloud, aw.decompose(shape)")
 
     def energy(self, weights: ArrayLike | None = None) -> NDArray[np.float64]:
         """``Σ_x a(x)·‖W_f(j,x)‖²`` of each band and of S_f(J), (J + 1,); vertices without a value count nothing.

@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from adwave import _adapt, _native
 from adwave._notebook import shape_html
 from adwave._progress import ProgressLike, report_progress
+
+if TYPE_CHECKING:
+    from adwave._deform import Deformer
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
@@ -311,6 +314,31 @@ class Shape:
         for name, values in fields.items():
             shape = shape.with_field(name, values)
         return shape
+
+    def deformer(
+        self,
+        fixed: object,
+        handles: Sequence[object],
+        *,
+        levels: object = None,
+        stiffness: float | str | None = None,
+    ) -> Deformer:
+        """Bind the shape to handles; see `Deformer`.
+
+        Parameters
+        ----------
+        fixed : str or array_like or None
+            What stays: a region in its text form, a flag or weight for each vertex, or the indices of vertices.
+        handles : sequence
+            Regions that are moved, each given like `fixed`.
+        levels : int, Widths, Steps or Octaves, optional
+            The base is the last level; by default one of 4.5 % of the diagonal.
+        stiffness : float or str, optional
+            Bending length, in model units or as a share of the diagonal; 0.75 times the width of the base by default.
+        """
+        from adwave._decomposer import Decomposer
+
+        return Decomposer(self).deformer(fixed, handles, levels=levels, stiffness=stiffness)  # type: ignore[arg-type]
 
     def select(
         self, only: Conditions | None = None, *, mask: ArrayLike | Path | None = None, invert_mask: bool = False

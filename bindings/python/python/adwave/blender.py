@@ -159,12 +159,14 @@ class AdwaveGains(_OnMesh):
             ("reset", "Reset", "All gains 1: the original points"),
             ("smooth", "Smooth", "All bands away but the last, which is doubled: limbs and volume stay"),
             ("enhance", "Enhance", "Details stronger"),
+            ("base", "Base", "All gains 0: the base without its detail, to be sculpted or posed"),
         ],
     )
 
     def _do(self, context: Any, mesh: Any, report: Report) -> None:
         bands = mesh.adwave.bands
-        gains = [1.0] * len(bands) if self.preset == "reset" else adwave.preset_gains(self.preset, len(bands))
+        level = {"reset": 1.0, "base": 0.0}.get(self.preset)
+        gains = adwave.preset_gains(self.preset, len(bands)) if level is None else [level] * len(bands)
         before = [band.gain for band in bands]
         with together():
             for band, gain in zip(bands, gains, strict=True):
@@ -175,6 +177,35 @@ class AdwaveGains(_OnMesh):
                 for band, gain in zip(bands, before, strict=True):
                     band.gain = gain
                 raise
+
+
+class AdwaveRebase(_OnMesh):
+    """Put the original's detail onto the sculpted base. Set the preset Base, sculpt or pose it, and press this"""
+
+    bl_idname = "adwave.rebase"
+    bl_label = "Put Detail Back"
+    needs_split = True
+
+    def _do(self, context: Any, mesh: Any, report: Report) -> None:
+        refuse(mesh)
+        state = mesh.adwave
+        if own.connections(mesh) != state.connections:
+            raise ValueError("the mesh has other faces than when it was split; sculpt without adding or removing any")
+        if any(band.gain != 0 for band in state.bands):
+            raise ValueError("the detail is still there; set the preset Base, sculpt, and put the detail back then")
+        split = splits.get(mesh.session_uid)
+        original = own.points_of(mesh, own.ORIGINAL)
+        if split is None:
+            split = own.Split(mesh, original, state.split_levels, report)
+        points = split.with_base(own.points_of(mesh))
+        # The result is the new original, with all of its detail.
+        fresh = own.Split(mesh, points, state.split_levels, report)
+        own.put_field(mesh, own.ORIGINAL, "FLOAT_VECTOR", "vector", points)
+        splits[mesh.session_uid] = fresh
+        with together():
+            for band, sigma in zip(state.bands, fresh.bands.sigma, strict=False):
+                band.gain, band.sigma = 1.0, sigma
+        write(mesh, points)
 
 
 class AdwaveApply(_OnMesh):
@@ -296,8 +327,9 @@ class VIEW3D_PT_adwave(bpy.types.Panel):
                 width = bpy.utils.units.to_string(units.system, "LENGTH", size, precision=4)
                 column.prop(band, "gain", text=f"{j}  ({width})", slider=True)
             row = column.row(align=True)
-            for preset, name in (("reset", "Reset"), ("smooth", "Smooth"), ("enhance", "Enhance")):
+            for preset, name in (("reset", "Reset"), ("smooth", "Smooth"), ("enhance", "Enhance"), ("base", "Base")):
                 row.operator("adwave.gains", text=name).preset = preset
+            column.operator("adwave.rebase", icon="MOD_MULTIRES")
         if state.message:
             # A label has one line, and letters are about 7 wide.
             for k, line in enumerate(textwrap.wrap(state.message, max(20, context.region.width // 7))):
@@ -329,6 +361,7 @@ _CLASSES = (
     AdwaveState,
     AdwaveSplit,
     AdwaveGains,
+    AdwaveRebase,
     AdwaveApply,
     AdwaveCancel,
     AdwaveDenoise,

@@ -1,6 +1,7 @@
 //! Flags that several commands share, each defined once. Those of one command stand with it.
 
 mod analysis;
+mod base_width;
 mod cloud_part;
 mod file_name;
 mod given_length;
@@ -18,6 +19,7 @@ mod signal;
 mod walk;
 
 pub(crate) use analysis::{BorderMaskArgs, DetectArgs, MapArgs};
+pub(crate) use base_width::BaseWidthArgs;
 pub(crate) use cloud_part::CloudPartArgs;
 pub(crate) use file_name::{file_name, shown_text, to_path};
 pub(crate) use given_length::GivenLength;

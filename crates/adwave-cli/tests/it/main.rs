@@ -6,6 +6,7 @@ mod commands;
 mod common;
 mod compare;
 mod curves;
+mod deform;
 mod field_files;
 mod graphs;
 mod hostile;

@@ -139,13 +139,18 @@ fn write_named_files(folder: &Path) {
         "model.glb",
         "surface.vtu",
         "map.ply",
+        "cat.ply",
+        "low.obj",
+        "calm.obj",
+        "base.obj",
+        "bent.obj",
     ];
     let model = creature(2000, 1.0, 1);
     for name in names {
         save(&model, name);
     }
     let other = creature(2000, 1.0, 2);
-    for name in ["after.obj", "after.ply", "b.ply", "scans/1.ply"] {
+    for name in ["after.obj", "after.ply", "b.ply", "smile.obj", "scans/1.ply"] {
         fs::create_dir_all(at(name).parent().unwrap()).unwrap();
         save(&other, name);
     }

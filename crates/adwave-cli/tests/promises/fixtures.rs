@@ -56,6 +56,7 @@ fn write_fixtures(folder: &Path) {
     }
     fs::write(at("recipe.toml"), "levels = 3\n[[layer]]\ngains = [0.5, 0.0, 1.0]\n").unwrap();
     fs::write(at("balls.csv"), "vertex,x,y,z,sigma\n1,0,0,1,0.3\n2,1,0,0,0.2\n").unwrap();
+    fs::write(at("shift.txt"), "1 0 0 0.2\n0 1 0 0\n0 0 1 0.1\n0 0 0 1\n").unwrap();
     let n = mesh(1).n_vertices();
     let mask: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", u8::from(k % 5 != 0)));
     fs::write(at("mask.csv"), format!("inside\n{mask}")).unwrap();

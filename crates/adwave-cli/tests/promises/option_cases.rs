@@ -3,13 +3,20 @@
 use crate::harness::split_words;
 
 /// Shortest useful lines of each command. `{in}` and `{other}` stand for shapes; all results go below `out/`.
-const BASES: [(&str, &[&str]); 28] = [
+const BASES: [(&str, &[&str]); 32] = [
     ("info", &["info {in}"]),
     ("transform", &["transform {in} -o out/r.ply"]),
     ("filter", &["filter {in} -o out/r.ply --gains 0,0.5,1", "filter {in} -o out/r.ply --preset smooth"]),
     ("region", &["region {in} -o out/r.ply --region ball:vertex=31,radius=40%"]),
     ("denoise", &["denoise {in} -o out/r.ply"]),
     ("simplify", &["simplify {in} -o out/r.ply --ratio 0.5"]),
+    (
+        "deform",
+        &["deform {in} -o out/r.ply --fix ball:vertex=31,radius=30% --move vertices:indices=2 --by 0.1,0,0"],
+    ),
+    ("rebase", &["rebase {in} --base {in} -o out/r.ply", "rebase {in} --write-base out/r.ply"]),
+    ("transfer", &["transfer {in} --from {other} -o out/r.ply"]),
+    ("morph", &["morph {in} {other} -o out/r.ply --share 0.5"]),
     ("saliency", &["saliency {in} -o out/r.ply"]),
     ("features", &["features {in} -o out/r.csv --theta 0.5"]),
     ("match", &["match {in} {other} -o out/r.csv"]),
@@ -162,6 +169,22 @@ const CASES: &[OptionCase] = &[
     case("simplify", "--keep-border", ""),
     case("simplify", "--weights", "mean-curvature"),
     in_file(with(case("simplify", "--allow-degrees", ""), "--error 2 !--ratio"), "scan2.las"),
+    // deform, rebase, transfer and morph
+    case("deform", "--fix", "ball:vertex=31,radius=20%"),
+    case("deform", "--move", "vertices:indices=3"),
+    case("deform", "--by", "0,0.1,0"),
+    with(case("deform", "--to", "0,0,1"), "!--by"),
+    with(case("deform", "--turn", "z,30,0,0,1"), "!--by"),
+    with(case("deform", "--matrix", "shift.txt"), "!--by"),
+    case("deform", "--stiffness", "20%"),
+    case("*", "--width", "10%"),
+    with(case("rebase", "--write-base", "out/base.ply"), "!--base !--output"),
+    case("rebase", "--base", "mesh2.ply"),
+    case("transfer", "--from", "creature.ply"),
+    case("transfer", "--region", "ball:vertex=31,radius=30%"),
+    case("morph", "--share", "2"),
+    case("morph", "--band-shares", "0,1"),
+    with(case("morph", "--levels", "2"), "--band-shares 0,1"),
     // Maps and features.
     case("*", "--mask-border", "1"),
     case("*", "--skip", "1"),

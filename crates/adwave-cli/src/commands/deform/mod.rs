@@ -1,0 +1,150 @@
+//! `adwave deform`: a shape bent by handles.
+
+mod args;
+mod motion;
+
+use super::moved_shape::MovedShape;
+use crate::error::CliError;
+use crate::global::Global;
+use crate::output::progress::with_progress;
+use crate::output::{check_writable, count, note, number, output_format, percent_of};
+use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::region::{note_far_points, region_weights, union_of_regions};
+use crate::resolve::shape::{GivenLength, Input, load_shape};
+use adwave::operator::OperatorTask;
+use adwave::region::Region;
+use adwave::{Decomposer, Progress};
+use adwave_deform::{DeformInfo, DeformParams, DeformRegions, Deformer};
+pub(crate) use args::DeformArgs;
+use motion::MotionText;
+use serde_json::json;
+use std::fmt::Write;
+
+pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError> {
+    args.width.check()?;
+    output_format(&args.output)?;
+    check_writable(&args.output)?;
+    let motions: Vec<&MotionText> =
+        args.by.iter().chain(&args.to).chain(&args.turn).chain(&args.matrix).collect();
+    if motions.len() != args.handles.len() {
+        return Err(CliError::Input(format!(
+            "each --move needs one motion (--by, --to, --turn or --matrix), got {} for {}",
+            count(motions.len(), "motion", "motions"),
+            count(args.handles.len(), "handle", "handles")
+        )));
+    }
+    let input = load_shape(&args.shape, global)?;
+    let stiffness = args.stiffness.map(|length| GivenLength { option: "--stiffness", length });
+    input.check_lengths(&[args.width.given_lengths(), stiffness.into_iter().collect()].concat())?;
+    let decomposer =
+        prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
+    let schedule = args.width.resolve(&decomposer)?;
+    let regions = with_progress(global, "measuring", |progress| {
+        resolve_regions(args, &input, &decomposer, global, progress)
+    })?;
+    let params =
+        DeformParams { stiffness: args.stiffness.map(|length| length.to_model_units(decomposer.extent())) };
+    let bind = |progress: Progress<'_>| Deformer::bind(&decomposer, &schedule, &regions, &params, progress);
+    let mut deformer = with_progress(global, "binding", bind)?;
+    let rest = input.shape.points().unwrap_or_default();
+    for (k, (motion, handle)) in motions.iter().zip(&regions.handles).enumerate() {
+        deformer.set(k + 1, motion.resolve(center(rest, handle))?)?;
+    }
+    let info = with_progress(global, "bending", |progress| deformer.solve(progress))?;
+    note_parts(&deformer, &info, global);
+    let (text, report) = describe(&input, &decomposer, &deformer, &info);
+    let points = deformer.points();
+    MovedShape { input, decomposer: &decomposer, points, text, report }.write(&args.output, global)
+}
+
+/// Mean position of some vertices.
+fn center(points: &[[f64; 3]], vertices: &[u32]) -> [f64; 3] {
+    let share = 1.0 / vertices.len().max(1) as f64;
+    let sum = |c: usize| vertices.iter().map(|&v| share * points[v as usize][c]).sum();
+    [sum(0), sum(1), sum(2)]
+}
+
+/// Vertices of the regions: those with a weight above 0.
+fn resolve_regions(
+    args: &DeformArgs,
+    input: &Input,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+    progress: Progress<'_>,
+) -> Result<DeformRegions, CliError> {
+    let vertices = |region: &Region| -> Result<Vec<u32>, CliError> {
+        let weights = region_weights(region, input, decomposer, progress)?;
+        note_far_points(region, decomposer, global)?;
+        Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
+    };
+    let fixed = if args.fix.is_empty() { Vec::new() } else { vertices(&union_of_regions(&args.fix))? };
+    if fixed.is_empty() && !args.fix.is_empty() {
+        return Err(CliError::Input("--fix holds no vertex; enlarge the region".to_owned()));
+    }
+    let handles = args.handles.iter().map(vertices).collect::<Result<_, _>>()?;
+    Ok(DeformRegions { fixed, handles })
+}
+
+/// Prints notes on parts without a handle, on a free shape, and on a solve that did not end.
+fn note_parts(deformer: &Deformer, info: &DeformInfo, global: &Global<'_>) {
+    let bound = deformer.info();
+    if bound.n_following_parts > 0 {
+        let parts = count(bound.n_following_parts, "part has", "parts have");
+        let vertices = count(bound.n_following_vertices, "vertex", "vertices");
+        note(global, &format!("{parts} no handle ({vertices}); they follow the nearest part that has one"));
+    }
+    if bound.is_free {
+        let text = if deformer.regions().handles.len() == 1 {
+            "nothing is fixed, so the whole shape makes the motion of its handle (--fix REGION)"
+        } else {
+            "nothing is fixed; the handles alone say where the shape goes (--fix REGION)"
+        };
+        note(global, text);
+    }
+    if !info.is_converged {
+        note(
+            global,
+            "the bend had not come to rest; give the handles a smaller motion, or a greater --stiffness",
+        );
+    }
+}
+
+/// Lines and numbers about the bend.
+fn describe(
+    input: &Input,
+    decomposer: &Decomposer,
+    deformer: &Deformer,
+    info: &DeformInfo,
+) -> (String, serde_json::Value) {
+    let (bound, regions) = (deformer.info(), deformer.regions());
+    let moved: usize = regions.handles.iter().map(Vec::len).sum();
+    let mut text = format!(
+        "{}: {} fixed, {} in {}\n",
+        input.name,
+        count(regions.fixed.len(), "vertex", "vertices"),
+        count(moved, "vertex", "vertices"),
+        count(regions.handles.len(), "handle", "handles"),
+    );
+    let _ = writeln!(
+        text,
+        "base of σ {}, {} % of the diagonal, moved by {}; bending length {}; {}",
+        number(bound.sigma),
+        percent_of(bound.sigma, decomposer.extent()),
+        count(bound.n_nodes, "node", "nodes"),
+        number(bound.stiffness),
+        count(info.n_steps, "step", "steps"),
+    );
+    let report = json!({
+        "sigma": bound.sigma,
+        "nodes": bound.n_nodes,
+        "stiffness": bound.stiffness,
+        "fixed": regions.fixed.len(),
+        "handles": regions.handles.iter().map(Vec::len).collect::<Vec<_>>(),
+        "following_parts": bound.n_following_parts,
+        "following_vertices": bound.n_following_vertices,
+        "steps": info.n_steps,
+        "energy": info.energy_after,
+        "converged": info.is_converged,
+    });
+    (text, report)
+}

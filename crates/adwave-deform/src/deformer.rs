@@ -1,0 +1,522 @@
+//! Deformation by handles with detail kept.
+
+use crate::coarse_base::{BlendRow, CoarseBase, ROWS_AT_A_TIME};
+use crate::front::NOBODY;
+use crate::newton::{EarlierSteps, NodeSolver, NodeState, StepLimits};
+use crate::node_energy::NodeEnergy;
+use crate::regions::{BoundRows, DeformRegions};
+use crate::rotation::{IDENTITY, Matrix, NO_TURN, compose, image, normalized, to_matrix, turn_change};
+use crate::{DeformError, HandleMotion};
+use adwave::bands::Schedule;
+use adwave::vector::{Vector, add_scaled, subtract};
+use adwave::{Decomposer, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Products with the Hessian in a step while a handle is dragged.
+const DRAG_PRODUCTS: usize = 12;
+
+/// Products with the Hessian in a step of a solve.
+const SOLVE_PRODUCTS: usize = 60;
+
+/// Steps of a solve at most; three to ten are usual.
+const MAX_STEPS: usize = 40;
+
+/// Relative decrease of the energy below which a solve ends.
+const CONVERGED: f64 = 1e-7;
+
+/// Energy below which a shape counts as moved rigidly.
+const RIGID_ENERGY: f64 = 1e-24;
+
+/// Parameters of a deformation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeformParams {
+    /// Bending length in model units: rotations vary over at least about this length. The distance of the nodes if
+    /// `None`; 0 lets thin shapes wrinkle.
+    pub stiffness: Option<f64>,
+}
+
+/// Result of a step or a solve.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeformInfo {
+    /// Number of Newton steps.
+    pub n_steps: usize,
+    /// Number of products with the Hessian.
+    pub n_products: usize,
+    /// Energy before the first step, without unit; the rest shape has 0.
+    pub energy_before: f64,
+    /// Energy after the last step.
+    pub energy_after: f64,
+    /// True if the energy no longer falls.
+    pub is_converged: bool,
+}
+
+/// Facts about a bound deformation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BindInfo {
+    /// Number of nodes.
+    pub n_nodes: usize,
+    /// Number of samples of the coarse shape over which the energy is summed.
+    pub n_samples: usize,
+    /// Width σ_J of the coarse shape in model units.
+    pub sigma: f64,
+    /// Distance of the nodes in model units.
+    pub spacing: f64,
+    /// Bending length in model units.
+    pub stiffness: f64,
+    /// Number of connected parts without a region, which follow the nearest part that has one.
+    pub n_following_parts: usize,
+    /// Vertices of those parts.
+    pub n_following_vertices: usize,
+    /// True if nothing is held: the shape then follows its handles as a whole.
+    pub is_free: bool,
+}
+
+/// A shape bound to handles, whose coarse shape bends while all finer detail rides along in turning frames.
+///
+/// `f′ = S_J′ + R (f − S_J)`: the coarse shape S_J moves by affine maps of nodes, blended over it, such that it
+/// stretches and bends as little as possible (`sorkine2007`, `sumner2007`); R blends the rotations of the nodes. Handles
+/// follow their motions exactly. A step costs the same on any number of vertices; [`points`](Self::points) costs O(n). The
+/// example `survey` bends the four shapes of `botsch2008`.
+///
+/// ```
+/// use adwave::{Decomposer, Progress, bands::Schedule, sample::Sample, shape::{Mesh, Shape}};
+/// use adwave_deform::{DeformParams, DeformRegions, Deformer, HandleMotion};
+/// let sample = Sample::from_name("sphere", Some(2000))?;
+/// let shape = Shape::Mesh(Mesh::new(sample.points.clone(), sample.faces)?);
+/// let below = |z: f64| (0..).zip(&sample.points).filter(|(_, p)| z * p[2] > 0.8).map(|(v, _)| v).collect();
+/// let regions = DeformRegions { fixed: below(-1.0), handles: vec![below(1.0)] };
+/// let decomposer = Decomposer::new(&shape);
+/// let (schedule, params) = (Schedule::dyadic(6)?, DeformParams::default());
+/// let mut deformer = Deformer::bind(&decomposer, &schedule, &regions, &params, Progress::none())?;
+/// deformer.set(1, HandleMotion::from_translation([0.0, 0.0, 0.5]))?;
+/// deformer.solve(Progress::none())?;
+/// let top = regions.handles[0][0] as usize;
+/// assert!((deformer.points()[top][2] - sample.points[top][2] - 0.5).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Deformer {
+    decomposer: Decomposer,
+    base: Arc<CoarseBase>,
+    regions: DeformRegions,
+    bound: BoundRows,
+    stiffness: f64,
+    energy: NodeEnergy,
+    solver: NodeSolver,
+    /// Motion of each region in units of the nodes, the fixed part first if there is one.
+    motions: Vec<HandleMotion>,
+    has_fixed: bool,
+    state: NodeState,
+    earlier: EarlierSteps,
+    is_at_rest: bool,
+}
+
+/// Displacement and rotation of a column.
+#[derive(Clone, Copy)]
+struct ColumnMotion {
+    /// `L − I`.
+    linear: Matrix,
+    /// Displacement of the origin.
+    offset: Vector,
+    turn: [f64; 4],
+    /// Difference between the linear part of a handle and its rotation; `None` if it is a rotation.
+    stretch: Option<Matrix>,
+}
+
+impl Deformer {
+    /// Binds a shape to its regions. O(n log n); a shape of 500 000 vertices takes about two seconds.
+    ///
+    /// # Errors
+    /// [`DeformError`] if the shape has no positions, a region is empty or two overlap, the stiffness is no length, or
+    /// the call is cancelled.
+    pub fn bind(
+        decomposer: &Decomposer,
+        schedule: &Schedule,
+        regions: &DeformRegions,
+        params: &DeformParams,
+        progress: Progress<'_>,
+    ) -> Result<Self, DeformError> {
+        if let Some(stiffness) = params.stiffness.filter(|l| !(l.is_finite() && *l >= 0.0)) {
+            return Err(DeformError::BadStiffness(stiffness));
+        }
+        let base = Arc::new(CoarseBase::new(decomposer, schedule, progress)?);
+        Self::with_base(decomposer.clone(), base, regions, params.stiffness, progress)
+    }
+
+    /// Binds the same shape to other regions; the nodes stay.
+    ///
+    /// # Errors
+    /// As for [`bind`](Self::bind).
+    pub fn rebind(&self, regions: &DeformRegions, progress: Progress<'_>) -> Result<Self, DeformError> {
+        let stiffness = Some(self.stiffness * self.base.unit);
+        Self::with_base(self.decomposer.clone(), Arc::clone(&self.base), regions, stiffness, progress)
+    }
+
+    fn with_base(
+        decomposer: Decomposer,
+        base: Arc<CoarseBase>,
+        regions: &DeformRegions,
+        stiffness: Option<f64>,
+        progress: Progress<'_>,
+    ) -> Result<Self, DeformError> {
+        let stiffness = stiffness.map_or(1.0, |length| length / base.unit);
+        let bound = BoundRows::new(&decomposer, &base, regions, progress)?;
+        let energy = NodeEnergy::new(&base, &bound, stiffness * stiffness, progress)?;
+        let is_point: Vec<bool> = bound.regions.iter().map(|region| region.is_point).collect();
+        let solver = NodeSolver::new(&energy, base.nodes.len(), &is_point)?;
+        let has_fixed = !regions.fixed.is_empty();
+        let motions = vec![HandleMotion::default(); bound.regions.len()];
+        let rest = |c: &Vector| [IDENTITY[0], IDENTITY[1], IDENTITY[2], *c];
+        let state = NodeState {
+            maps: energy.centers.iter().map(rest).collect(),
+            turns: vec![NO_TURN; energy.n_columns()],
+        };
+        let regions = regions.clone();
+        Ok(Self {
+            decomposer,
+            base,
+            regions,
+            bound,
+            stiffness,
+            energy,
+            solver,
+            motions,
+            has_fixed,
+            state,
+            earlier: EarlierSteps::default(),
+            is_at_rest: true,
+        })
+    }
+
+    /// Facts about the nodes and the parts.
+    pub fn info(&self) -> BindInfo {
+        BindInfo {
+            n_nodes: self.base.nodes.len(),
+            n_samples: self.base.samples.len(),
+            sigma: self.base.sigma,
+            spacing: self.base.unit,
+            stiffness: self.stiffness * self.base.unit,
+            n_following_parts: self.bound.followers.len(),
+            n_following_vertices: self.bound.followers.iter().map(|part| part.n_vertices).sum(),
+            is_free: !self.has_fixed,
+        }
+    }
+
+    /// Regions that the shape is bound to.
+    pub fn regions(&self) -> &DeformRegions {
+        &self.regions
+    }
+
+    /// Sets the motion of handle `handle` (from 1), from the rest shape. [`step`](Self::step) or
+    /// [`solve`](Self::solve) lets the shape follow.
+    ///
+    /// # Errors
+    /// [`DeformError::NoSuchHandle`]; [`DeformError::BadMotion`] if the motion leads too far to be computed.
+    pub fn set(&mut self, handle: usize, motion: HandleMotion) -> Result<(), DeformError> {
+        let n_handles = self.regions.handles.len();
+        if handle == 0 || handle > n_handles {
+            return Err(DeformError::NoSuchHandle { handle, n_handles });
+        }
+        let motion = motion.in_unit(self.base.unit);
+        if let Some(&value) = motion.translation().iter().find(|c| !c.is_finite() || c.abs() > 1e60) {
+            return Err(DeformError::BadMotion(value));
+        }
+        self.motions[handle - 1 + usize::from(self.has_fixed)] = motion;
+        Ok(())
+    }
+
+    /// Motion that all regions have in common: that of the fixed part, or of the first handle's rotation.
+    fn common_motion(&self) -> HandleMotion {
+        let first = self.motions[0];
+        if self.has_fixed || first.is_rigid() {
+            return first;
+        }
+        let (center, rotation) = (self.bound.regions[0].center, to_matrix(&first.rotation()));
+        let (moved, turned) = (first.apply(&center), image(&rotation, &center));
+        HandleMotion::new(rotation, subtract(&moved, &turned)).unwrap_or_default()
+    }
+
+    /// Sets the regions' columns to their motions relative to the common one. Returns false if nothing moves.
+    fn pull_handles(&mut self) -> bool {
+        let common = self.common_motion();
+        let n_nodes = self.base.nodes.len();
+        let is_common = self.motions.iter().all(|motion| *motion == common);
+        if is_common {
+            let rest = |c: &Vector| [IDENTITY[0], IDENTITY[1], IDENTITY[2], *c];
+            self.state.maps = self.energy.centers.iter().map(rest).collect();
+            self.state.turns = vec![NO_TURN; self.energy.n_columns()];
+            return false;
+        }
+        for (k, motion) in self.motions.iter().enumerate() {
+            let column = n_nodes + k;
+            let center = self.energy.centers[column];
+            let is_rest = *motion == common;
+            let relative = if is_rest { HandleMotion::default() } else { motion.relative_to(&common) };
+            if self.bound.regions[k].is_point {
+                let shift = self.shift_of_point(k, &relative);
+                self.state.maps[column][3] = add_scaled(&center, 1.0, &shift);
+                continue;
+            }
+            let moved = if is_rest { center } else { relative.apply(&center) };
+            let l = relative.linear();
+            let images = [0, 1, 2].map(|c| [l[0][c], l[1][c], l[2][c]]);
+            self.state.maps[column] = [images[0], images[1], images[2], moved];
+            let turn = if is_rest { NO_TURN } else { relative.rotation() };
+            let before = &self.state.turns[column];
+            let cosine: f64 = turn.iter().zip(before).map(|(a, b)| a * b).sum();
+            self.state.turns[column] = if cosine < 0.0 { turn.map(|c| -c) } else { turn };
+        }
+        true
+    }
+
+    /// Displacement of the single point of a region by a motion.
+    fn shift_of_point(&self, region: usize, motion: &HandleMotion) -> Vector {
+        let vertex = self.bound.regions[region].vertices[0] as usize;
+        let p = self.decomposer.geometry().points()[vertex].map(|c| c / self.base.unit);
+        subtract(&motion.apply(&p), &p)
+    }
+
+    /// One truncated Newton step from the present state, for use while a handle is dragged.
+    ///
+    /// # Errors
+    /// [`DeformError::Cancelled`] if the call is cancelled; the state is then that before the step.
+    pub fn step(&mut self, progress: Progress<'_>) -> Result<DeformInfo, DeformError> {
+        if !self.pull_handles() {
+            self.is_at_rest = true;
+            return Ok(DeformInfo { is_converged: true, ..DeformInfo::default() });
+        }
+        self.is_at_rest = false;
+        self.solver.fit_maps(&self.energy, &mut self.state);
+        let limits = StepLimits { max_products: DRAG_PRODUCTS, progress };
+        let step = self.solver.step(&self.energy, &mut self.state, &mut self.earlier, limits)?;
+        Ok(DeformInfo {
+            n_steps: 1,
+            n_products: step.n_products,
+            energy_before: step.before,
+            energy_after: step.after,
+            is_converged: step.before - step.after <= CONVERGED * step.before,
+        })
+    }
+
+    /// Newton steps until the energy no longer falls: from the present state while handles are dragged, from rotations
+    /// spread over the shape otherwise, whichever has less energy.
+    ///
+    /// # Errors
+    /// As for [`step`](Self::step).
+    pub fn solve(&mut self, progress: Progress<'_>) -> Result<DeformInfo, DeformError> {
+        if !self.pull_handles() {
+            self.is_at_rest = true;
+            return Ok(DeformInfo { is_converged: true, ..DeformInfo::default() });
+        }
+        let mut fresh = self.state.clone();
+        self.solver.harmonic_start(&self.energy, &mut fresh);
+        let value = |state: &NodeState| {
+            let rotations: Vec<Matrix> = state.turns.iter().map(to_matrix).collect();
+            self.energy.value(&state.maps, &rotations)
+        };
+        let mut state = fresh;
+        if !self.is_at_rest {
+            let mut present = self.state.clone();
+            self.solver.fit_maps(&self.energy, &mut present);
+            if value(&present) < value(&state) {
+                state = present;
+            }
+        }
+        let mut info = DeformInfo { energy_before: value(&state), ..DeformInfo::default() };
+        info.energy_after = info.energy_before;
+        while info.n_steps < MAX_STEPS && info.energy_after > RIGID_ENERGY {
+            progress.step(info.n_steps as u64, MAX_STEPS as u64)?;
+            let limits = StepLimits { max_products: SOLVE_PRODUCTS, progress };
+            let step = self.solver.step(&self.energy, &mut state, &mut self.earlier, limits)?;
+            info.n_steps += 1;
+            info.n_products += step.n_products;
+            info.energy_after = step.after;
+            if step.before - step.after <= CONVERGED * step.before {
+                info.is_converged = true;
+                break;
+            }
+        }
+        info.is_converged |= info.energy_after <= RIGID_ENERGY;
+        self.state = state;
+        self.is_at_rest = false;
+        Ok(info)
+    }
+
+    /// Motions of all columns: nodes, regions, and parts that follow.
+    fn column_motions(&self) -> Vec<ColumnMotion> {
+        let mut motions: Vec<ColumnMotion> = (0..self.energy.n_columns())
+            .map(|k| {
+                let (map, c) = (&self.state.maps[k], &self.energy.centers[k]);
+                let linear: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| map[j][i] - IDENTITY[i][j]));
+                let turned = image(&linear, c);
+                let offset = [0, 1, 2].map(|i| map[3][i] - c[i] - turned[i]);
+                ColumnMotion { linear, offset, turn: self.state.turns[k], stretch: None }
+            })
+            .collect();
+        let n_nodes = self.base.nodes.len();
+        for (k, region) in self.bound.regions.iter().enumerate() {
+            let motion = &mut motions[n_nodes + k];
+            if region.is_point {
+                // The detail of a point turns, and the point itself goes where it was sent.
+                let vertex = region.vertices[0] as usize;
+                let p = self.decomposer.geometry().points()[vertex].map(|c| c / self.base.unit);
+                let change = turn_change(&motion.turn, &subtract(&p, &self.base.points[vertex]));
+                motion.offset = subtract(&motion.offset, &change);
+            } else if !self.motions[k].is_rigid() {
+                let r = to_matrix(&motion.turn);
+                let difference = |i: usize, j: usize| motion.linear[i][j] + IDENTITY[i][j] - r[i][j];
+                motion.stretch = Some([0, 1, 2].map(|i| [0, 1, 2].map(|j| difference(i, j))));
+            }
+        }
+        self.with_followers(motions)
+    }
+
+    /// Adds the rigid motions of parts that follow a vertex of another part.
+    fn with_followers(&self, mut motions: Vec<ColumnMotion>) -> Vec<ColumnMotion> {
+        for part in &self.bound.followers {
+            let x = part.anchor as usize;
+            let (shift, turn) = blend(&motions, self.bound.rows.row(x), &self.base.points[x]);
+            let matrix = to_matrix(&turn);
+            let linear: Matrix = [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[i][j] - IDENTITY[i][j]));
+            let turned = image(&linear, &self.base.points[x]);
+            let offset = subtract(&shift, &turned);
+            motions.push(ColumnMotion { linear, offset, turn, stretch: None });
+        }
+        motions
+    }
+
+    /// Positions of the deformed shape, in its order and in model units.
+    pub fn points(&self) -> Vec<[f64; 3]> {
+        let mut points = vec![[0.0; 3]; self.decomposer.n_vertices()];
+        self.points_into(&mut points);
+        points
+    }
+
+    /// [`points`](Self::points) into a buffer. O(n), by all threads.
+    ///
+    /// # Panics
+    /// Unless the buffer has a place for each vertex.
+    pub fn points_into(&self, points: &mut [[f64; 3]]) {
+        let rest = self.decomposer.geometry().shape().points().unwrap_or_default();
+        self.carried_into(rest, points);
+    }
+
+    /// Positions of other values of the same shape, such as those of an edit of its bands, carried along: `S_J′ + R (f −
+    /// S_J)` for these positions f. Pose and edit are so independent of each other.
+    ///
+    /// # Panics
+    /// Unless there is a position and a place for each vertex.
+    pub fn carried_into(&self, rest: &[[f64; 3]], points: &mut [[f64; 3]]) {
+        let n = self.decomposer.n_vertices();
+        assert!(rest.len() == n && points.len() == n, "a position for each vertex");
+        let welded = self.decomposer.geometry().vertex_map().as_slice();
+        let (motions, common) = (self.column_motions(), self.common_in_model_units());
+        let has_stretch = motions.iter().any(|motion| motion.stretch.is_some());
+        let extras = self.exact_regions();
+        let unit = self.base.unit;
+        points.par_chunks_mut(ROWS_AT_A_TIME).enumerate().for_each(|(chunk, points)| {
+            let first = chunk * ROWS_AT_A_TIME;
+            for (v, point) in (first..).zip(points) {
+                let x = welded[v] as usize;
+                let p = &rest[v];
+                *point = *p;
+                if self.is_at_rest || !self.base.takes_part[x] {
+                    if let (Some(exact), false) = (self.exact_motion(x), self.is_at_rest) {
+                        *point = exact.apply(p);
+                        continue;
+                    }
+                } else if let Some(Some(exact)) = extras.get(self.bound.region_of[x] as usize) {
+                    *point = exact.apply(p);
+                    continue;
+                } else {
+                    let row = self.bound.rows.row(x);
+                    let base = &self.base.points[x];
+                    let (shift, turn) = blend(&motions, row, base);
+                    let detail = [0, 1, 2].map(|c| p[c] - unit * base[c]);
+                    let mut change = turn_change(&turn, &detail);
+                    if has_stretch {
+                        add_stretch(&motions, row, &detail, &mut change);
+                    }
+                    *point = [0, 1, 2].map(|c| p[c] + (unit * shift[c] + change[c]));
+                }
+                if let Some(common) = &common {
+                    *point = common.apply(point);
+                }
+            }
+        });
+    }
+
+    /// The common motion in model units; `None` if it is none.
+    fn common_in_model_units(&self) -> Option<HandleMotion> {
+        let common = self.common_motion();
+        (common != HandleMotion::default()).then(|| common.in_unit(1.0 / self.base.unit))
+    }
+
+    /// Motion of each region that is not the common one, in model units: what its vertices follow exactly.
+    fn exact_regions(&self) -> Vec<Option<HandleMotion>> {
+        let common = self.common_motion();
+        let exact = |motion: &HandleMotion| (*motion != common).then(|| motion.in_unit(1.0 / self.base.unit));
+        self.motions.iter().map(exact).collect()
+    }
+
+    /// Motion of the region of a vertex without neighbors.
+    fn exact_motion(&self, x: usize) -> Option<HandleMotion> {
+        let region = self.bound.region_of[x];
+        (region != NOBODY).then(|| self.motions[region as usize].in_unit(1.0 / self.base.unit))
+    }
+
+    /// Rotation of the frame of each vertex, as a unit quaternion `w, x, y, z`, in the order of the shape.
+    pub fn rotations(&self) -> Vec<[f64; 4]> {
+        let (motions, common) = (self.column_motions(), self.common_motion().rotation());
+        let has_common = self.common_motion() != HandleMotion::default();
+        let at = |x: usize| {
+            let (_, turn) = blend(&motions, self.bound.rows.row(x), &self.base.points[x]);
+            if has_common { normalized(&compose(&common, &turn)) } else { turn }
+        };
+        let welded: Vec<[f64; 4]> = (0..self.base.points.len()).into_par_iter().map(at).collect();
+        self.decomposer.geometry().vertex_map().scatter(welded.as_flattened(), 4).as_chunks().0.to_vec()
+    }
+
+    /// Energy of the present state, without unit; 0 at rest.
+    pub fn energy(&self) -> f64 {
+        let rotations: Vec<Matrix> = self.state.turns.iter().map(to_matrix).collect();
+        self.energy.value(&self.state.maps, &rotations)
+    }
+}
+
+/// Adds what handles that are not rigid do to a detail.
+fn add_stretch(motions: &[ColumnMotion], row: BlendRow<'_>, detail: &Vector, change: &mut Vector) {
+    for (&k, &w) in row.columns.iter().zip(row.weights) {
+        if let Some(stretch) = &motions[k as usize].stretch {
+            *change = add_scaled(change, w, &image(stretch, detail));
+        }
+    }
+}
+
+/// Displacement at a place of the base and rotation of its frame: the columns' blended by the weights of the row.
+#[inline]
+fn blend(motions: &[ColumnMotion], row: BlendRow<'_>, place: &Vector) -> (Vector, [f64; 4]) {
+    let BlendRow { columns, weights } = row;
+    let mut linear = [[0.0; 3]; 3];
+    let (mut offset, mut turn) = ([0.0; 3], [0.0; 4]);
+    let reference = columns.first().map_or(NO_TURN, |&k| motions[k as usize].turn);
+    for (&k, &w) in columns.iter().zip(weights) {
+        let motion = &motions[k as usize];
+        for (sum, row) in linear.iter_mut().zip(&motion.linear) {
+            for c in 0..3 {
+                sum[c] += w * row[c];
+            }
+        }
+        for (sum, c) in offset.iter_mut().zip(&motion.offset) {
+            *sum += w * c;
+        }
+        let q = &motion.turn;
+        let cosine = q[0] * reference[0] + q[1] * reference[1] + q[2] * reference[2] + q[3] * reference[3];
+        let signed = if cosine < 0.0 { -w } else { w };
+        for (sum, c) in turn.iter_mut().zip(q) {
+            *sum += signed * c;
+        }
+    }
+    let moved = image(&linear, place);
+    ([0, 1, 2].map(|c| moved[c] + offset[c]), normalized(&turn))
+}

@@ -1,0 +1,170 @@
+//! Fronts over the edges of a graph whose vertices have positions.
+
+use adwave::shape::Adjacency;
+use adwave::vector::{Vector, norm, subtract};
+use adwave::{Cancelled, Progress};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Number of vertices between two checks for cancellation.
+const AT_A_TIME: usize = 1 << 14;
+
+/// Place that no front has reached.
+pub(crate) const NOBODY: u32 = u32::MAX;
+
+/// Edges between numbered places in space.
+#[derive(Clone, Copy)]
+pub(crate) struct PlacedGraph<'a> {
+    pub(crate) neighbors: &'a Adjacency,
+    pub(crate) points: &'a [Vector],
+}
+
+/// Nearest source of each place, by paths along edges, and the distance from it; [`NOBODY`] and ∞ beyond the reach.
+pub(crate) struct Reached {
+    pub(crate) owner: Vec<u32>,
+    pub(crate) distance: Vec<f64>,
+}
+
+/// Sources at distances of at least a radius, so that each place is within the radius of one, and the source of each.
+pub(crate) struct Cover {
+    pub(crate) sources: Vec<u32>,
+    /// Number of the nearest source in `sources`; [`NOBODY`] outside.
+    pub(crate) owner: Vec<u32>,
+}
+
+/// Distance of a front: by the path, or straight from the origin of the path.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum FrontLength {
+    Path,
+    Straight,
+}
+
+impl PlacedGraph<'_> {
+    pub(crate) fn length(&self, x: usize, y: usize) -> f64 {
+        norm(&subtract(&self.points[x], &self.points[y]))
+    }
+
+    /// Advances a front from `x` up to `radius`; a place keeps the owner that is nearer. `advance` visits the improved.
+    fn advance(&self, reached: &mut Reached, start: &[(u32, u32)], radius: f64, measure: FrontLength) {
+        let mut heap = BinaryHeap::new();
+        for &(x, owner) in start {
+            (reached.owner[x as usize], reached.distance[x as usize]) = (owner, 0.0);
+            heap.push(Reverse((0_u64, x, x)));
+        }
+        // Distances are not negative, so that their bits are in their order.
+        while let Some(Reverse((bits, x, origin))) = heap.pop() {
+            let (d, x) = (f64::from_bits(bits), x as usize);
+            if d > reached.distance[x] {
+                continue;
+            }
+            let owner = reached.owner[x];
+            for &y in self.neighbors.row(x) {
+                let far = match measure {
+                    FrontLength::Path => d + self.length(x, y as usize),
+                    FrontLength::Straight => self.length(origin as usize, y as usize),
+                };
+                if far <= radius && far < reached.distance[y as usize] {
+                    (reached.owner[y as usize], reached.distance[y as usize]) = (owner, far);
+                    heap.push(Reverse((far.to_bits(), y, origin)));
+                }
+            }
+        }
+    }
+
+    /// Nearest of the flagged places within `radius`, as fronts see it.
+    pub(crate) fn nearest(&self, sources: &[u32], radius: f64, measure: FrontLength) -> Reached {
+        let n = self.points.len();
+        let mut reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        let start: Vec<(u32, u32)> = sources.iter().map(|&x| (x, x)).collect();
+        self.advance(&mut reached, &start, radius, measure);
+        reached
+    }
+
+    /// Greedy cover in the order of the places.
+    pub(crate) fn cover(
+        &self,
+        takes_part: impl Fn(usize) -> bool,
+        radius: f64,
+        progress: Progress<'_>,
+    ) -> Result<Cover, Cancelled> {
+        let n = self.points.len();
+        let mut reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        let mut sources = Vec::new();
+        for x in 0..n {
+            if x.is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+            if reached.owner[x] != NOBODY || !takes_part(x) {
+                continue;
+            }
+            let number = sources.len() as u32;
+            sources.push(x as u32);
+            self.advance(&mut reached, &[(x as u32, number)], radius, FrontLength::Path);
+        }
+        Ok(Cover { sources, owner: reached.owner })
+    }
+}
+
+/// A front from one place after another over the same graph, which costs only what each covers.
+pub(crate) struct RepeatedFront<'a> {
+    graph: PlacedGraph<'a>,
+    reached: Reached,
+}
+
+impl<'a> RepeatedFront<'a> {
+    pub(crate) fn new(graph: PlacedGraph<'a>) -> Self {
+        let n = graph.points.len();
+        let reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        Self { graph, reached }
+    }
+
+    /// Places within `radius` of `x` and their distances, ascending by place.
+    pub(crate) fn run(&mut self, x: u32, radius: f64) -> Vec<(u32, f64)> {
+        let (mut found, mut heap) = (Vec::new(), BinaryHeap::new());
+        self.reached.distance[x as usize] = 0.0;
+        heap.push(Reverse((0_u64, x)));
+        while let Some(Reverse((bits, x))) = heap.pop() {
+            let d = f64::from_bits(bits);
+            if d > self.reached.distance[x as usize] {
+                continue;
+            }
+            found.push((x, d));
+            for &y in self.graph.neighbors.row(x as usize) {
+                let far = d + self.graph.length(x as usize, y as usize);
+                if far <= radius && far < self.reached.distance[y as usize] {
+                    self.reached.distance[y as usize] = far;
+                    heap.push(Reverse((far.to_bits(), y)));
+                }
+            }
+        }
+        found.sort_unstable_by_key(|(x, _)| *x);
+        found.dedup_by_key(|(x, _)| *x);
+        for (x, _) in &found {
+            self.reached.distance[*x as usize] = f64::INFINITY;
+        }
+        found
+    }
+}
+
+/// Number of the connected part of each place, in the order of their first places.
+pub(crate) fn connected_parts(neighbors: &Adjacency) -> Vec<u32> {
+    let n = neighbors.n_rows();
+    let (mut part, mut n_parts, mut stack) = (vec![NOBODY; n], 0, Vec::new());
+    for x in 0..n {
+        if part[x] != NOBODY {
+            continue;
+        }
+        part[x] = n_parts;
+        stack.push(x as u32);
+        while let Some(x) = stack.pop() {
+            for &y in neighbors.row(x as usize) {
+                if part[y as usize] == NOBODY {
+                    part[y as usize] = n_parts;
+                    stack.push(y);
+                }
+            }
+        }
+        n_parts += 1;
+    }
+    part
+}

@@ -1,0 +1,50 @@
+//! Deformation of shapes with their detail kept, and detail that moves to another base.
+//!
+//! | task | start reading at |
+//! |---|---|
+//! | bend a shape by handles | [`Deformer`] |
+//! | put detail onto a base that was edited elsewhere | [`with_base`], [`base_points`] |
+//! | carry detail onto another mesh of the surface | [`transfer`](fn@transfer) |
+//! | clone detail from place to place | [`transplant`](fn@transplant) |
+//! | blend two shapes with the same faces, band by band | [`morph`](fn@morph) |
+//!
+//! | module | content |
+//! |---|---|
+//! | `rotation` | quaternions, nearest rotations |
+//! | `handle_motion` | affine motions of handles |
+//! | `front` | covers and distances along edges |
+//! | `coarse_base` | the coarse shape S_J, its samples and nodes |
+//! | `regions` | held and moved regions, ramps, parts without a handle |
+//! | `node_energy` | the energy as sums that do not depend on the number of vertices |
+//! | `newton`, `skyline` | truncated Newton steps, and the factorization that they use |
+//! | `deformer` | the bound deformation |
+//! | `frames`, `surface_frames` | rotations between bases, normals of a base |
+//! | `carried_detail`, `transfer`, `transplant`, `morph` | detail on other bases |
+
+mod carried_detail;
+mod coarse_base;
+mod deformer;
+mod error;
+mod frames;
+mod front;
+mod handle_motion;
+mod morph;
+mod newton;
+mod node_energy;
+mod regions;
+mod rotation;
+mod skyline;
+mod surface_frames;
+mod transfer;
+mod transplant;
+
+pub use carried_detail::{base_points, with_base};
+pub use coarse_base::default_base;
+pub use deformer::{BindInfo, DeformInfo, DeformParams, Deformer};
+pub use error::DeformError;
+pub use frames::{Turn, nearest_turn};
+pub use handle_motion::HandleMotion;
+pub use morph::morph;
+pub use regions::DeformRegions;
+pub use transfer::{Transferred, transfer, transfer_decomposer};
+pub use transplant::{Transplant, Transplanted, transplant};
