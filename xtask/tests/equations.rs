@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-const SOURCES: [&str; 5] = [
+const SOURCES: [&str; 7] = [
     "crates/adwave/src",
     "crates/adwave-graph/src",
     "crates/adwave-baselines/src",
     "crates/adwave-deform/src",
     "crates/adwave-register/src",
     "crates/adwave-simplify/src",
+    "crates/adwave-subdivision/src",
 ];
 
 /// Every file of the method and of the baselines, as lines.

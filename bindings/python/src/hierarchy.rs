@@ -53,12 +53,11 @@ impl HierarchyData {
 
     /// Vertex of the mesh at each vertex of a level.
     fn vertices<'py>(&self, py: Python<'py>, level: usize) -> PyResult<Bound<'py, PyAny>> {
-        let vertices = match level {
-            0 => (0..self.welded.of_vertex.len() as u32).collect(),
-            _ => {
-                let found = self.hierarchy.vertices(level).map_err(|e| value_error(e.to_string()))?;
-                found.into_iter().map(|v| self.welded.vertices[v as usize]).collect()
-            }
+        let vertices = if level == 0 {
+            (0..self.welded.of_vertex.len() as u32).collect()
+        } else {
+            let found = self.hierarchy.vertices(level).map_err(|e| value_error(e.to_string()))?;
+            found.into_iter().map(|v| self.welded.vertices[v as usize]).collect()
         };
         Ok(arrays::vector(py, vertices).into_any())
     }
@@ -180,12 +179,11 @@ impl WaveletData {
         if level > wavelets.n_levels() {
             return Err(value_error(format!("level must be in 0..={}, got {level}", wavelets.n_levels())));
         }
-        let vertices = match level {
-            0 => (0..self.welded.of_vertex.len() as u32).collect(),
-            _ => {
-                let order = &wavelets.order()[..wavelets.n_vertices_at(level)];
-                order.iter().map(|&v| self.welded.vertices[v as usize]).collect()
-            }
+        let vertices = if level == 0 {
+            (0..self.welded.of_vertex.len() as u32).collect()
+        } else {
+            let order = &wavelets.order()[..wavelets.n_vertices_at(level)];
+            order.iter().map(|&v| self.welded.vertices[v as usize]).collect()
         };
         Ok(arrays::vector(py, vertices).into_any())
     }

@@ -30,7 +30,7 @@ fn a_shape_bends_by_its_handles() {
     sample(path);
     let handle = "half-space:point=0 0.7 0,normal=0 1 0,falloff=0";
     let line = |motion: &str| {
-        let mut line = words("deform a.ply -o b.ply --json").to_vec();
+        let mut line = words("deform a.ply -o b.ply --json");
         line.extend(["--fix".into(), FEET.into(), "--move".into(), handle.into()]);
         line.extend(words(motion));
         line

@@ -11,8 +11,8 @@ use std::path::Path;
 
 /// Writes an octahedron cut `n_levels` times, on the sphere, as `ball.obj`, with a field in `bump.csv`.
 fn write_ball(folder: &Path, n_levels: usize) -> usize {
-    let mut points: Vec<[f64; 3]> = (0..6)
-        .map(|k| [0, 1, 2].map(|c| if c == k / 2 { 1.0 - 2.0 * (k % 2) as f64 } else { 0.0 }))
+    let mut points: Vec<[f64; 3]> = (0..6_u8)
+        .map(|k| [0, 1, 2].map(|c| if c == k / 2 { 1.0 - 2.0 * f64::from(k % 2) } else { 0.0 }))
         .collect();
     let mut triangles =
         vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];

@@ -4,9 +4,7 @@ use super::chebyshev::{ChebyshevEvaluator, EvaluationInfo, PassPlan, Polynomials
 use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
-use super::{
-    BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series,
-};
+use super::{BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series};
 use crate::operator::{Diffusion, Semigroup};
 use crate::parallel;
 use crate::sparse::{RowOutput, SignalView, apply, difference, is_wide};
