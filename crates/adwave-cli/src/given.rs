@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Options that name a file or folder for a result.
-const OUTPUTS: [&str; 6] =
-    ["--output", "--moved", "--picture", "--save-recipe", "--markdown", "--write-base"];
+const OUTPUTS: [&str; 7] =
+    ["--output", "--moved", "--picture", "--save-recipe", "--markdown", "--write-base", "--curve"];
 
 /// Commands whose result is a shape that `-o -` writes to the standard output.
 const PIPED: [&str; 5] = ["filter", "denoise", "simplify", "convert", "sample"];

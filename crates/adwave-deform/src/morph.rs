@@ -36,7 +36,7 @@ pub fn morph(
         )));
     }
     if let Some(share) = shares.iter().find(|share| !share.is_finite() || share.abs() > 1e6) {
-        return Err(DeformError::BadShare(format!("shares of a morph must be finite, got {share}")));
+        return Err(DeformError::BadShare(format!("shares of a morph must be in -1e6..=1e6, got {share:?}")));
     }
     let (bands, base) = shares.split_at(n_levels);
     let t = base[0];

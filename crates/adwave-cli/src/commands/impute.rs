@@ -1,6 +1,6 @@
 //! `adwave impute`: counts averaged over similar cells.
 
-use crate::args::{WalkArgs, seed as parse_seed};
+use crate::args::{WalkArgs, count as parse_count, seed as parse_seed};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -44,7 +44,7 @@ pub(crate) struct ImputeArgs {
     #[arg(long, value_name = "T", default_value = "auto")]
     pub(crate) time: String,
     /// Genes of the result, columns counted from 0 [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_parser = parse_count, value_delimiter = ',', allow_negative_numbers = true)]
     pub(crate) genes: Option<Vec<usize>>,
     /// Multiply the counts of each cell so that they sum to this number, or to the median
     #[arg(long, value_name = "SIZE")]

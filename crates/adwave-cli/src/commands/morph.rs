@@ -47,7 +47,10 @@ pub(crate) fn run(args: &MorphArgs, global: &Global<'_>) -> Result<(), CliError>
     output_format(&args.output)?;
     check_writable(&args.output)?;
     let input = load_shape(&args.shape, global)?;
-    let other = load_source(&ShapeSource::new(&args.other), global)?;
+    // Both lose the same points, so that they stay alike.
+    let (part, selection) = (args.shape.part.to_part(), Some(&args.shape.selection));
+    let source = ShapeSource { kind: args.shape.kind, part, selection, ..ShapeSource::new(&args.other) };
+    let other = load_source(&source, global)?;
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let (a, b) = (prepare(global, &input, &operator)?, prepare(global, &other, &operator)?);
     let schedule = match args.levels {

@@ -4,7 +4,7 @@ use super::result_file::{EditedSignal, ResultFile};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::movement::Movement;
-use crate::output::print;
+use crate::output::{count, print};
 use crate::resolve::shape::Input;
 use crate::resolve::signal::COORDS;
 use adwave::Decomposer;
@@ -30,6 +30,7 @@ impl MovedShape<'_> {
         let movement =
             Movement::measure(self.decomposer.geometry(), &self.points)?.in_file_rows(&self.input.file);
         let (mut text, mut report) = (self.text, self.report);
+        let _ = writeln!(text, "{}", count(self.input.shape.n_vertices(), "vertex", "vertices"));
         movement.describe(&mut text);
         movement.add_to(&mut report);
         report["shape"] = json!(self.input.name);

@@ -1,5 +1,6 @@
 //! Every command in the documents and in the help runs as it is written, in a folder of small files of the names that they use.
 
+use crate::fixtures::levels;
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
 use crate::wording::wording_faults;
 use adwave::sample::{NoiseSigma, Sample};
@@ -256,6 +257,10 @@ fn write_cortex(folder: &Path, brain: &ShapeFile) {
     for name in ["thick.gii.gz", "thickness.gii", "sulc.gii.gz", "curv_left.gii.gz"] {
         adwave_io::write_gifti_fields(&at(name), &[field("value", 1)], structure).unwrap();
     }
+    let cut = levels();
+    write_path(&cut, &at("fsaverage5.gii"), None).unwrap();
+    let sulc = Field::new("value", 1, FieldValues::F64((0..cut.n_vertices()).map(|k| k as f64).collect()));
+    adwave_io::write_gifti_fields(&at("sulc5.gii"), &[sulc], structure).unwrap();
     adwave_io::write_gifti_fields(&at("bold.func.gii"), &[field("bold", 3)], structure).unwrap();
     adwave_io::write_cifti_fields(
         &at("rest.dtseries.nii"),

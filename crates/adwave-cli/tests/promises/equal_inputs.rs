@@ -6,7 +6,8 @@ use crate::option_cases::{base_lines, with_words};
 use serde_json::Value;
 
 /// Keys whose null says that there is none of the thing.
-const NULL_KEYS: [&str; 6] = ["alignment", "motion", "apart_sigmas", "share", "fwhm", "output"];
+const NULL_KEYS: [&str; 8] =
+    ["alignment", "motion", "apart_sigmas", "share", "fwhm", "output", "area", "volume"];
 
 /// Words that change how two shapes are compared.
 const VARIANTS: [&str; 6] =

@@ -179,7 +179,7 @@ fn closed() -> ShapeFile {
 }
 
 /// A tetrahedron, cut three times.
-fn levels() -> ShapeFile {
+pub(crate) fn levels() -> ShapeFile {
     let mut points = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let mut triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
     for _ in 0..3 {

@@ -9,12 +9,17 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Options that name a file or folder to read.
-const INPUT_PATHS: [(&str, &str); 5] = [
+const INPUT_PATHS: [(&str, &str); 10] = [
     ("*", "--texture"),
     ("filter", "--recipe"),
     ("render", "--features"),
     ("reproduce", "--models"),
     ("*", "--work"),
+    ("*", "--graph"),
+    ("*", "--walk"),
+    ("*", "--points"),
+    ("scatter", "--field"),
+    ("scatter", "--batch"),
 ];
 
 /// Options of a command that name a result: those of a path that are no input.
