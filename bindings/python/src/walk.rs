@@ -29,7 +29,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 type WeightArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
 /// Scattering coefficients, paths × n × channels, and the bands of each path.
-type Coefficients<'py> = (Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>);
+type ScatteredValues<'py> = (Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>);
 
 /// Offsets, indices and distances of neighbors.
 type NeighborArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
@@ -202,7 +202,7 @@ impl WalkData {
         scales: Vec<u32>,
         orders: Vec<u32>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Coefficients<'py>> {
+    ) -> PyResult<ScatteredValues<'py>> {
         let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
         let signal = arrays::rows(&signal, "signal")?;
         let params = ScatteringParams { scales, orders, max_bytes: adwave_io::free_memory() };

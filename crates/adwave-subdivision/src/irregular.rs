@@ -4,6 +4,8 @@
 //! lengths and with its angles scaled to a full turn (`duchamp1997`). It merges with the neighbor that gives the best
 //! triangles there. Vertices are tried in the order of their areas, so that all regions thin out together. A vertex on
 //! a border is predicted from its two neighbors along it; vertices at which the surface is no manifold stay.
+//!
+//! Another pyramid for the same purpose is that of `guskov1999`.
 
 use crate::lifting::{StepRule, check_field};
 use crate::rows::{Entry, SparseRows};

@@ -1,11 +1,11 @@
 //! `adwave morph`: two shapes with the same faces, blended band by band.
 
 use super::moved_shape::MovedShape;
-use crate::args::{ShapeArgs, count, file_name, number};
+use crate::args::{ShapeArgs, count as parse_count, file_name, number};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
-use crate::output::{check_writable, output_format};
+use crate::output::{check_writable, count, output_format};
 use crate::resolve::operator::{operator_for_task, prepare};
 use crate::resolve::shape::{ShapeSource, load_shape, load_source};
 use adwave::bands::Schedule;
@@ -39,7 +39,7 @@ pub(crate) struct MorphArgs {
     #[arg(long, value_name = "T,T,…", value_parser = number, value_delimiter = ',', allow_negative_numbers = true)]
     pub(crate) band_shares: Option<Vec<f64>>,
     /// Number of levels [default: as by 'adwave filter']
-    #[arg(long, short = 'j', value_name = "J", value_parser = count, allow_negative_numbers = true)]
+    #[arg(long, short = 'j', value_name = "J", value_parser = parse_count, allow_negative_numbers = true)]
     pub(crate) levels: Option<usize>,
 }
 
@@ -61,14 +61,15 @@ pub(crate) fn run(args: &MorphArgs, global: &Global<'_>) -> Result<(), CliError>
     let given = args.band_shares.as_deref().unwrap_or_default();
     if given.len() > n_levels {
         return Err(CliError::Input(format!(
-            "--band-shares has {} numbers, but there are {n_levels} bands; give at most that many",
+            "--band-shares must have at most {}, one per band, got {}",
+            count(n_levels, "number", "numbers"),
             given.len()
         )));
     }
     let shares: Vec<f64> = (0..=n_levels).map(|j| given.get(j).copied().unwrap_or(args.share)).collect();
     let points = with_progress(global, "splitting", |progress| morph(&a, &b, &schedule, &shares, progress))?;
-    let text =
-        format!("{} → {}: {n_levels} levels, share {} of the base\n", input.name, other.name, args.share);
+    let levels = count(n_levels, "level", "levels");
+    let text = format!("{} → {}: {levels}, share {} of the base\n", input.name, other.name, args.share);
     let report = json!({"other": other.name, "shares": shares});
     MovedShape { input, decomposer: &a, points, text, report }.write(&args.output, global)
 }

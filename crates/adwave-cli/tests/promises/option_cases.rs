@@ -184,7 +184,7 @@ const CASES: &[OptionCase] = &[
     case("transfer", "--region", "ball:vertex=31,radius=30%"),
     case("morph", "--share", "2"),
     case("morph", "--band-shares", "0,1"),
-    with(case("morph", "--levels", "1"), "--band-shares 0,1"),
+    with(case("morph", "--levels", "1"), "--band-shares 0"),
     // Maps and features.
     case("*", "--mask-border", "1"),
     case("*", "--skip", "1"),

@@ -1,0 +1,80 @@
+"""Levels of subdivision and lifted wavelets."""
+
+from __future__ import annotations
+
+import adwave as aw
+import numpy as np
+import pytest
+
+TETRAHEDRON = aw.Shape(
+    [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
+)
+SIZES = (514, 130, 34, 10, 4)
+
+
+def ball() -> aw.Shape:
+    """A tetrahedron cut four times, in another order of vertices and faces."""
+    fine = aw.subdivide(TETRAHEDRON, 4)
+    rng = np.random.default_rng(7)
+    order = rng.permutation(fine.n_vertices)
+    faces = np.argsort(order)[np.array(fine.faces)]
+    return aw.Shape(np.array(fine.points)[order], rng.permutation(faces))
+
+
+def test_levels_are_found_in_any_order():
+    shape = ball()
+    h = aw.hierarchy(shape)
+    assert h.levels == 4 and h.sizes == SIZES
+    assert [p.shape for p in h.parents] == [(n, 2) for n in SIZES[:-1]]
+    corners = np.array(h.shape(4).points)
+    assert {tuple(p) for p in corners} == {tuple(p) for p in np.array(TETRAHEDRON.points)}
+    points = np.array(shape.points)
+    for level in range(h.levels):
+        vertices, coarser = h.vertices(level), h.vertices(level + 1)
+        middle = points[coarser[h.parents[level]]].mean(axis=1)
+        assert np.abs(middle - points[vertices]).max() < 1e-12
+
+
+@pytest.mark.parametrize("family", ["butterfly", "linear", "loop", "irregular"])
+def test_fields_come_back_and_keep_their_mean(family):
+    shape = ball()
+    h = aw.hierarchy(shape, kind="irregular" if family == "irregular" else "subdivision")
+    field = np.sin(np.array(shape.points) @ [1.0, 2.0, 0.5])
+    c = h.analyze(field, family=family)
+    assert c.array.shape == field.shape and len(c.levels) == len(field)
+    assert np.abs(c.synthesize() - field).max() < 1e-12
+    constant = h.analyze(np.full(len(field), 3.0), family=family)
+    assert np.abs(constant.array[constant.levels <= h.levels]).max() < 1e-12
+    few = c.keep(0.2).synthesize()
+    assert np.sqrt(np.mean((few - field) ** 2)) < 0.15 * field.std()
+    both = np.stack([field, 2 * field], axis=1)
+    assert np.abs(h.analyze(both, family=family).array[:, 1] - 2 * c.array).max() < 1e-12
+
+
+def test_a_field_goes_down_and_up():
+    h = aw.hierarchy(ball())
+    field = np.array(h.shape(0).points)[:, 2]
+    coarse = h.down(field, 2)
+    assert coarse.shape == (SIZES[2],)
+    assert h.up(coarse, 2).shape == field.shape
+    assert np.abs(h.down(np.ones(SIZES[0]), 3) - 1).max() < 1e-12
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(ValueError, match="subdivision"):
+        aw.hierarchy(aw.sample("creature", vertices=500))
+    h = aw.hierarchy(ball())
+    with pytest.raises(ValueError, match="0 to 1|0..=1"):
+        h.analyze(np.ones(SIZES[0])).keep(2.0)
+    with pytest.raises(ValueError):
+        h.down(np.ones(SIZES[0] - 1))
+    with pytest.raises(ValueError):
+        h.shape(9)
+
+
+def test_shares_of_bands_sum_to_one():
+    shape = aw.sample("creature", vertices=1500)
+    bands = aw.decompose(shape, levels=5)
+    shares = bands.shares()
+    assert shares.shape == (6,) and shares.min() >= 0
+    assert abs(shares.sum() - 1) < 1e-12
