@@ -40,7 +40,11 @@ def test_a_base_edited_elsewhere_takes_the_detail() -> None:
     assert np.allclose(bands.with_base(base), SHAPE.points, atol=1e-12)
     turned = bands.with_base(base @ TURN[:3, :3].T + TURN[:3, 3])
     assert np.allclose(turned, SHAPE.points @ TURN[:3, :3].T + TURN[:3, 3], atol=1e-12)
-    for wrong, text in ((base[1:], "must have the"), (base[::-1], "another order"), (base * [1, -1, 1], "mirrored")):
+    for wrong, text in (
+        (base[1:], "must have the"),
+        (base[::-1], "another order|mirrored"),
+        (base * [1, -1, 1], "mirrored"),
+    ):
         with pytest.raises(ValueError, match=text):
             bands.with_base(wrong)
     with pytest.raises(ValueError, match="bands of the coordinates"):
@@ -49,9 +53,10 @@ def test_a_base_edited_elsewhere_takes_the_detail() -> None:
 
 def test_detail_moves_between_shapes_and_places() -> None:
     smooth = aw.smooth(SHAPE, steps=16)
-    back = aw.transfer(SHAPE, onto=smooth, width="4%")
-    error = np.linalg.norm(back.points - SHAPE.points, axis=1).mean()
-    assert error < 0.3 * np.linalg.norm(smooth.points - SHAPE.points, axis=1).mean()
+    coarse = aw.simplify(SHAPE, ratio=0.5).shape
+    back = aw.transfer(SHAPE, onto=coarse, width="4%")
+    assert np.linalg.norm(back.points - coarse.points, axis=1).max() > 1e-3
+    assert np.abs(aw.distances(back, SHAPE).values).mean() < 1e-4
     kept = aw.transfer(SHAPE, onto=smooth, where=np.zeros(SHAPE.n_vertices))
     assert np.array_equal(kept.points, smooth.points)
     assert np.allclose(aw.morph(SHAPE, smooth, 0.0).points, SHAPE.points, atol=1e-12)

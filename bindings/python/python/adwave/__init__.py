@@ -51,7 +51,8 @@ _EXPORTS: dict[str, tuple[str, ...]] = {
     "_shape": ("Shape", "as_shape", "graph", "read", "read_bytes", "sample"),
     "_decomposer": ("Bands", "Decomposer", "Layer"),
     "_options": ("Constraints", "Octaves", "Operator", "Steps", "Widths"),
-    "_deform": ("CloneResult", "Deformer", "morph", "transfer"),
+    "_deform": ("CloneResult", "Deformer"),
+    "_detail": ("morph", "transfer"),
     "_edits": ("DenoiseResult", "decompose", "denoise", "filter", "filter_labels", "smooth"),
     "_measures": (
         "FeatureOptions",

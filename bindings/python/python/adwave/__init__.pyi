@@ -19,8 +19,8 @@ from adwave._options import Steps as Steps
 from adwave._options import Widths as Widths
 from adwave._deform import CloneResult as CloneResult
 from adwave._deform import Deformer as Deformer
-from adwave._deform import morph as morph
-from adwave._deform import transfer as transfer
+from adwave._detail import morph as morph
+from adwave._detail import transfer as transfer
 from adwave._edits import DenoiseResult as DenoiseResult
 from adwave._edits import decompose as decompose
 from adwave._edits import denoise as denoise
@@ -80,8 +80,8 @@ __all__ = [
     "Bands",
     "Camera",
     "ChangedShape",
-    "Coefficients",
     "CloneResult",
+    "Coefficients",
     "ColorScale",
     "Constraints",
     "Decomposer",

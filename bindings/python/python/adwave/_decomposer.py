@@ -12,6 +12,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from adwave import _native
+from adwave._deform import CloneOptions, CloneResult, Deformer
 from adwave._diffusion import PreparedShape
 from adwave._layout import Layout, vertex_weights
 from adwave._native import FWHM
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
     from xarray import DataArray
 
-    from adwave._deform import CloneResult, Deformer
     from adwave._options import LevelOptions
 
 Where = Union[str, ArrayLike, None]
@@ -130,7 +130,6 @@ class Decomposer(PreparedShape):
         request = BandsRequest(values, owner.schedule(levels), accuracy)
         return split_signal(owner, request, layout, None, progress)
 
-
     def deformer(
         self,
         fixed: Where,
@@ -156,8 +155,6 @@ class Decomposer(PreparedShape):
         progress : bool or callable, optional
             ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
         """
-        from adwave._deform import Deformer
-
         return Deformer(self, handles, fixed=fixed, levels=levels, stiffness=stiffness, progress=progress)
 
 
@@ -447,8 +444,6 @@ class Bands(NDArrayOperatorsMixin):
         >>> bands.clone_detail(0, 0, "10%").distortion >= 1
         True
         """
-        from adwave._deform import CloneOptions, CloneResult
-
         self._check_coordinates("clone_detail")
         first, last = (1, self.n_levels) if levels is None else levels
         options = CloneOptions(source, target, radius, angle, first, last)

@@ -1,31 +1,22 @@
-"""`Deformer`, a shape bent by handles with its detail kept; detail carried onto other shapes."""
+"""`Deformer`, a shape bent by handles with its detail kept."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, Union
+from typing import Any, NamedTuple, Protocol, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._decomposer import prepare_decomposer
 from adwave._layout import vertex_weights
-from adwave._options import Length, LevelsLike, OperatorLike
-from adwave._part import read_part
+from adwave._options import Length, LevelsLike
 from adwave._progress import ProgressLike, report_progress
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
-    from adwave._decomposer import Decomposer, Where
-    from adwave._part import PartOptions
 
 RegionLike = Union[str, ArrayLike]
 """A region in its text form, a flag or weight for each vertex, or the indices of vertices."""
 
-_TRANSFER = ("onto", "where", "width", "progress")
 _SIZE = 4
 
 
@@ -50,13 +41,25 @@ class CloneOptions:
     last_level: int
 
 
-def _vertices(decomposer: Decomposer, region: RegionLike | None, name: str) -> list[int]:
+class BoundShape(Protocol):
+    """What a `Deformer` asks of a `Decomposer`."""
+
+    @property
+    def _data(self) -> _native.Prepared: ...
+    @property
+    def n_vertices(self) -> int: ...
+    def for_levels(self, levels: LevelsLike) -> BoundShape: ...
+    def schedule(self, levels: LevelsLike) -> list[float]: ...
+    def region(self, region: Any) -> NDArray[np.float64]: ...
+
+
+def _vertices(decomposer: BoundShape, region: RegionLike | None, name: str) -> list[int]:
     """Vertices of a region: those with a weight above 0."""
     if region is None:
         return []
     if isinstance(region, str):
         return np.flatnonzero(decomposer.region(region) > 0).tolist()
-    return np.flatnonzero(vertex_weights(region, decomposer.shape.n_vertices, name) > 0).tolist()
+    return np.flatnonzero(vertex_weights(region, decomposer.n_vertices, name) > 0).tolist()
 
 
 class Deformer:
@@ -89,7 +92,7 @@ class Deformer:
 
     def __init__(
         self,
-        decomposer: Decomposer,
+        decomposer: BoundShape,
         handles: Sequence[RegionLike],
         *,
         fixed: RegionLike | None = None,
@@ -191,131 +194,16 @@ class CloneResult(NamedTuple):
         Number of vertices for which the source has no detail, as beyond a border.
     distortion : float
         Largest stretch of the target's neighborhood against its map: 1 where it is flat, more on a tip.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> bands = aw.decompose(aw.sample("creature", vertices=2000), levels=5)
+    >>> bands.clone_detail(0, 900, "10%").n_changed > 0
+    True
     """
 
     points: NDArray[np.float64]
     n_changed: int
     n_without_source: int
     distortion: float
-
-
-def transfer(
-    shape: object,
-    *,
-    onto: object,
-    where: Where = None,
-    width: Length = "2%",
-    progress: ProgressLike = None,
-    **options: Unpack[PartOptions],
-) -> Any:
-    """Carry the detail of a shape onto another mesh or cloud of the same surface, in the same place.
-
-    Both are smoothed by heat to the same width. Each vertex of `onto` keeps its place on its own smooth base and takes the
-    detail of `shape` at the nearest place there, turned between the normals.
-
-    Parameters
-    ----------
-    shape : shape_like
-        Shape whose detail is taken; see `Shape`.
-    onto : shape_like
-        Shape that takes the detail.
-    where : str or (n,) array_like, optional
-        A region of `onto`, or a weight for each of its vertices; everywhere by default.
-    width : float or str
-        Width σ below which detail is taken, in model units or as a share of the diagonal of `onto`.
-    progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
-    **options
-        ``faces=``, and ``mask=`` or ``only=`` of `shape`.
-
-    Returns
-    -------
-    object like `onto`
-        With new positions. Vertices farther than the width from the smooth `shape` keep their own.
-
-    Raises
-    ------
-    ValueError
-        If a shape has no positions or the width is no length.
-
-    Examples
-    --------
-    >>> import adwave as aw
-    >>> fine = aw.sample("creature", vertices=4000)
-    >>> coarse = aw.simplify(aw.smooth(fine, steps=16), ratio=0.8).shape
-    >>> detailed = aw.transfer(fine, onto=coarse)
-    >>> detailed.n_vertices == coarse.n_vertices
-    True
-    """
-    source = read_part("transfer", shape, options, _TRANSFER)
-    target = read_part("transfer", onto, {}, _TRANSFER)
-    own = target.shape
-    first = prepare_decomposer(source.shape, "surface")
-    second = prepare_decomposer(own, "surface")
-    weights = None
-    if where is not None:
-        weights = second.region(where) if isinstance(where, str) else vertex_weights(where, own.n_vertices)
-    with report_progress(progress, "splitting") as report:
-        points, _, _, _ = _native.transfer(first._data, second._data, width, weights, report)
-    return target.moved(own._with_positions(points))
-
-
-def morph(
-    a: object,
-    b: object,
-    t: float,
-    *,
-    by_band: Sequence[float] | None = None,
-    levels: LevelsLike = None,
-    operator: OperatorLike = None,
-    progress: ProgressLike = None,
-) -> Any:
-    """Blend two shapes with the same vertices and faces, band by band.
-
-    Bases are blended along straight lines, and detail turns from both to the blend.
-
-    Parameters
-    ----------
-    a, b : shape_like
-        The shapes at ``t = 0`` and ``t = 1``; see `Shape`.
-    t : float
-        Share of `b` in the base, and in all bands without one in `by_band`. Shares beyond [0, 1] exaggerate.
-    by_band : sequence of float, optional
-        Shares of `b` in the bands, from the finest on.
-    levels : int, Widths, Steps or Octaves, optional
-        By default until a level is 2 % of the diagonal wide.
-    operator : str or Operator, optional
-        How positions are smoothed; see `Decomposer`.
-    progress : bool or callable, optional
-        ``True`` for a bar (by tqdm, if installed), or a function of (done, total).
-
-    Returns
-    -------
-    object like `a`
-        With new positions.
-
-    Raises
-    ------
-    ValueError
-        If vertices or faces differ, or a share is not finite.
-
-    Examples
-    --------
-    >>> import adwave as aw
-    >>> a = aw.sample("creature", vertices=2000)
-    >>> b = aw.smooth(a, steps=16)
-    >>> rough_b = aw.morph(a, b, 1.0, by_band=[0, 0], levels=4)
-    >>> rough_b.n_vertices == a.n_vertices
-    True
-    """
-    part = read_part("morph", a, {}, ())
-    first = prepare_decomposer(part.shape, operator, levels)
-    second = prepare_decomposer(read_part("morph", b, {}, ()).shape, operator, levels)
-    steps = first.schedule(levels)
-    given = [] if by_band is None else [float(share) for share in by_band]
-    if len(given) > len(steps):
-        raise ValueError(f"by_band must have at most {len(steps)} shares, one per band, got {len(given)}")
-    shares = [*given, *[float(t)] * (len(steps) + 1 - len(given))]
-    with report_progress(progress, "splitting") as report:
-        points = _native.morph(first._data, second._data, steps, shares, report)
-    return part.moved(part.shape._with_positions(points))

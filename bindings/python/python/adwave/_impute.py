@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._walk import Walk, points, walk as make_walk
+from adwave._walk import Walk, points
+from adwave._walk import walk as make_walk
 
 #: Genes that are processed together.
 BLOCK = 256
@@ -69,7 +70,7 @@ class Imputation:
 
 
 def impute(
-    X: Any,  # noqa: N803
+    X: Any,
     walk: Walk | None = None,
     *,
     t: float | Literal["auto"] = "auto",
@@ -122,7 +123,11 @@ def impute(
         walk, is_own_graph = _default_walk(X, counts, notes)
     n, n_genes = counts.shape
     if n != walk.n_nodes:
-        hint = "; it has a column per node, so it seems to be genes × cells: transpose it" if n_genes == walk.n_nodes else ""
+        hint = (
+            "; it has a column per node, so it seems to be genes × cells: transpose it"
+            if n_genes == walk.n_nodes
+            else ""
+        )
         raise ValueError(f"X must have one row for each of {walk.n_nodes} nodes, got shape {counts.shape}{hint}")
     chosen = _columns(genes, names, n_genes)
     size = None
@@ -140,9 +145,7 @@ def impute(
         molecules = _sparse(counts)
         # A graph of all molecules knows those that are held back, and the least error would be found too early.
         judge = _walk_of_train(molecules, int(seed)) if is_own_graph else walk
-        steps, found, _, is_at_limit = judge._data.cross_validate(
-            molecules, _Split(SHARE, size, int(seed), MOST_STEPS)
-        )
+        steps, found, _, is_at_limit = judge._data.cross_validate(molecules, _Split(SHARE, size, int(seed), MOST_STEPS))
         errors = np.array(found)
         t = float(steps)
         if is_at_limit:
@@ -155,7 +158,7 @@ def impute(
     return Imputation(values, float(t), errors, chosen, walk, tuple(notes))
 
 
-def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:  # noqa: N803
+def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
     """Counts, and the names of the genes if there are any."""
     is_annotated = all(hasattr(X, name) for name in ("X", "layers", "obsm", "var_names"))
     if not is_annotated:
@@ -182,7 +185,7 @@ def _walk_of_train(counts: _Counts, seed: int) -> Walk:
     return points(principal_components(rows, N_COMPONENTS))
 
 
-def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:  # noqa: N803
+def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
     """The walk of an AnnData's neighbors, or that of the counts, and whether it is the latter."""
     pairs, coordinates = getattr(X, "obsp", {}), getattr(X, "obsm", {})
     if "connectivities" in pairs:
@@ -222,7 +225,7 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     centered = factory(rows.shape, matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
     start = np.ones(min(rows.shape))
     left, sizes, _ = svds(centered, k=n_components, v0=start)
-    return np.ascontiguousarray((left * sizes)[:, ::-1])
+    return np.ascontiguousarray((left * sizes)[:, ::-1])  # type: ignore[operator]
 
 
 def _columns(genes: Any, names: list[str] | None, n_genes: int) -> NDArray[np.int64]:

@@ -14,10 +14,12 @@ _Csr = tuple[NDArray[Any], NDArray[np.int32], NDArray[np.int32]]
 __all__ = [
     "ACCURACY",
     "ChangeData",
+    "DeformerData",
     "EXTENT",
     "EditorData",
     "FWHM",
     "FrameData",
+    "HierarchyData",
     "InternalError",
     "MultiscaleData",
     "Prepared",
@@ -25,10 +27,13 @@ __all__ = [
     "ShapeData",
     "THETA",
     "WalkData",
+    "WaveletData",
     "__version__",
     "apply_bands",
+    "base_steps",
     "basis_matrices",
     "check_region",
+    "clone_detail",
     "color_map_names",
     "denoise_points",
     "denoise_values",
@@ -45,6 +50,7 @@ __all__ = [
     "labels_of_signal",
     "lee",
     "match_shapes",
+    "morph",
     "nearest",
     "neighbor_weights",
     "pool_graphs",
@@ -61,6 +67,8 @@ __all__ = [
     "studio",
     "taubin",
     "threads",
+    "transfer",
+    "with_base",
 ]
 __version__: str
 ACCURACY: float
@@ -275,9 +283,7 @@ class WaveletData:
     ) -> WaveletData: ...
     def sizes(self) -> list[int]: ...
     def vertices(self, level: int) -> NDArray[np.uint32]: ...
-    def analyze(
-        self, field: _Floats, progress: _Report = None
-    ) -> tuple[_Floats, NDArray[np.uint32], _Floats]: ...
+    def analyze(self, field: _Floats, progress: _Report = None) -> tuple[_Floats, NDArray[np.uint32], _Floats]: ...
     def keep(self, coefficients: _Floats, share: float) -> _Floats: ...
     def synthesize(self, coefficients: _Floats, progress: _Report = None) -> _Floats: ...
     def resample(self, field: _Floats, level: int, direction: str) -> _Floats: ...

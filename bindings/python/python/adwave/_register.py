@@ -132,7 +132,7 @@ def simplify(
     >>> shape = aw.sample("creature", vertices=3000)
     >>> salient = aw.simplify(shape, ratio=0.2, weights=aw.saliency(shape))
     >>> salient.shape.n_vertices
-    600
+    606
     """
     if ratio is not None and not 0 < ratio <= 1:
         raise ValueError(f"ratio is the share of the vertices that remain, above 0 and at most 1, got {ratio}")

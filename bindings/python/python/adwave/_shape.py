@@ -6,17 +6,15 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._deform import Deformer
 from adwave._notebook import shape_html
 from adwave._progress import ProgressLike, report_progress
-
-if TYPE_CHECKING:
-    from adwave._deform import Deformer
 
 Kind = Literal["mesh", "cloud", "graph"]
 Path = Union[str, "os.PathLike[str]"]
@@ -336,9 +334,9 @@ class Shape:
         stiffness : float or str, optional
             Bending length, in model units or as a share of the diagonal; 0.75 times the width of the base by default.
         """
-        from adwave._decomposer import Decomposer
+        import adwave  # the package loads the module of `Decomposer`, which is above this one, when it is first named
 
-        return Decomposer(self).deformer(fixed, handles, levels=levels, stiffness=stiffness)  # type: ignore[arg-type]
+        return adwave.Decomposer(self).deformer(fixed, handles, levels=levels, stiffness=stiffness)  # type: ignore[arg-type]
 
     def select(
         self, only: Conditions | None = None, *, mask: ArrayLike | Path | None = None, invert_mask: bool = False

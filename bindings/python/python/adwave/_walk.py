@@ -234,7 +234,7 @@ def walk(
 
 
 def points(
-    X: ArrayLike,  # noqa: N803
+    X: ArrayLike,
     *,
     neighbors: int = 15,
     kernel: Kernel = "adaptive",
