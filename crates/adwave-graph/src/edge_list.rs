@@ -1,6 +1,7 @@
 //! Large edge lists, read as a stream.
 
 use crate::GraphWalkError;
+use crate::lines::Lines;
 use adwave::Progress;
 use adwave::rows::CompressedRows;
 use std::io::BufRead;
@@ -37,28 +38,20 @@ pub struct EdgeList {
 /// # Ok::<(), adwave_graph::GraphWalkError>(())
 /// ```
 pub fn read_edges(
-    mut lines: impl BufRead,
+    lines: impl BufRead,
     n_nodes: usize,
     progress: Progress<'_>,
 ) -> Result<EdgeList, GraphWalkError> {
     let (mut pairs, mut weights): (Vec<[u32; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
-    let (mut text, mut line) = (Vec::new(), 0);
-    let mut largest = 0;
+    let (mut lines, mut largest) = (Lines::new(lines), 0);
     loop {
-        text.clear();
-        let n_bytes = lines.read_until(b'\n', &mut text).map_err(|error| GraphWalkError::BadLine {
-            line: line + 1,
-            problem: format!("it cannot be read: {error}"),
-        })?;
-        if n_bytes == 0 {
-            break;
-        }
-        line += 1;
-        if line % LINES_AT_A_TIME == 0 {
+        let line = lines.number + 1;
+        if line.is_multiple_of(LINES_AT_A_TIME) {
             progress.check()?;
         }
         let wrong = |problem: String| GraphWalkError::BadLine { line, problem };
-        let Some((pair, weight)) = parse(&text).map_err(wrong)? else { continue };
+        let Some(text) = lines.next().map_err(wrong)? else { break };
+        let Some((pair, weight)) = parse(text).map_err(wrong)? else { continue };
         largest = largest.max(pair[0]).max(pair[1]);
         if weight != 1.0 && weights.is_empty() {
             weights.resize(pairs.len(), 1.0);
@@ -70,18 +63,19 @@ pub fn read_edges(
     }
     let n_named = if pairs.is_empty() { 0 } else { largest as usize + 1 };
     // Nodes without edges take no bytes in the file, but memory in every later computation.
-    let limit = (1_000_000 + 64 * pairs.len() as u64).max(n_nodes as u64);
+    let limit = most_numbered(pairs.len()).max(n_nodes as u64);
     if n_named as u64 > limit {
-        return Err(GraphWalkError::TooLarge {
-            needed: n_named as u64,
-            limit,
-            advice: "the numbers of the nodes leave large gaps: number them from 0 without gaps",
-        });
+        return Err(GraphWalkError::Gaps { largest, n_edges: pairs.len() as u64 });
     }
     let n_edges = pairs.len() as u64;
     let rows = both_directions(n_nodes.max(n_named), pairs, &weights, progress)?;
     let n_repeated = n_edges - count_pairs(&rows);
     Ok(EdgeList { weights: rows, n_edges, n_repeated })
+}
+
+/// Largest number of rows or columns for a number of entries: empty ones take no bytes in a file, but memory here.
+pub(crate) fn most_numbered(n_entries: usize) -> u64 {
+    1_000_000 + 64 * n_entries as u64
 }
 
 /// Number of different edges of a symmetric matrix: entries on and right of the diagonal.
@@ -93,37 +87,39 @@ fn count_pairs(rows: &CompressedRows<f64>) -> u64 {
     (0..rows.n_rows()).map(|x| pairs(x) as u64).sum()
 }
 
-/// The edge of a line; `None` for a comment or an empty line.
+/// The first characters of a word, for a message.
+fn shorten(word: &[u8]) -> String {
+    String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned()
+}
+
+/// The edge of a line without blanks at its ends; `None` for a comment or an empty line.
 fn parse(text: &[u8]) -> Result<Option<([u32; 2], f64)>, String> {
-    let text = text.trim_ascii();
     if text.is_empty() || text[0] == b'#' || text[0] == b'%' {
         return Ok(None);
     }
     let mut words =
         text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
     let mut node = || -> Result<u32, String> {
-        let word = words.next().ok_or("a line has two nodes, `0 1`")?;
-        let shown = || String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+        let word = words.next().ok_or("it must have two nodes, such as `0 1`")?;
         let mut number = 0_u64;
         for &byte in word {
             if !byte.is_ascii_digit() {
-                return Err(format!("`{}` is no number of a node, 0, 1, 2, …", shown()));
+                return Err(format!("a node must be a whole number of at least 0, got `{}`", shorten(word)));
             }
             number = (10 * number).saturating_add(u64::from(byte - b'0')).min(1 << 40);
         }
         if number > LARGEST {
-            Err(format!("node `{}` is larger than {LARGEST}", shown()))
+            Err(format!("a node must be at most {LARGEST}, got `{}`", shorten(word)))
         } else {
             Ok(number as u32)
         }
     };
     let pair = [node()?, node()?];
     let Some(word) = words.next() else { return Ok(Some((pair, 1.0))) };
-    let shown = String::from_utf8_lossy(&word[..word.len().min(20)]);
-    let weight: Option<f64> = shown.parse().ok();
+    let weight: Option<f64> = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
     match weight {
         Some(weight) if weight.is_finite() && weight >= 0.0 => Ok(Some((pair, weight))),
-        _ => Err(format!("the weight `{shown}` must be a number of at least 0")),
+        _ => Err(format!("a weight must be a finite number of at least 0, got `{}`", shorten(word))),
     }
 }
 
@@ -196,6 +192,10 @@ mod tests {
         assert_eq!(list.weights.row(1), ([0, 2].as_slice(), [2.0, 0.25].as_slice()));
         assert_eq!(list.weights.row(2), ([1, 2].as_slice(), [0.25, 3.0].as_slice()));
         assert_eq!(read("").unwrap().weights.n_rows(), 0);
+        for weight in ["1.2345678901234567e-05", "0.00000000000000000000000012345e20"] {
+            let list = read(&format!("0 1 {weight}\n")).unwrap();
+            assert_eq!(list.weights.get(0, 1), weight.parse().unwrap());
+        }
         assert_eq!(read_edges(&b"0 1"[..], 5, Progress::none()).unwrap().weights.n_rows(), 5);
     }
 
@@ -203,10 +203,11 @@ mod tests {
     fn lines_that_are_no_edges_are_named() {
         let cases =
             ["0 1\n2", "0 1\n-1 2", "0 1\na b", "0 1\n1 2 -3", "0 1\n1 2 nan", "0 1\n1 99999999999999999999"];
-        for text in cases {
+        let endless = "1".repeat(1 << 17);
+        for text in cases.into_iter().chain([&format!("0 1\n{endless}") as &str]) {
             let error = read(text).unwrap_err().to_string();
             assert!(error.starts_with("line 2"), "{error}");
         }
-        assert!(matches!(read("0 4000000000"), Err(GraphWalkError::TooLarge { .. })));
+        assert!(matches!(read("0 4000000000"), Err(GraphWalkError::Gaps { .. })));
     }
 }

@@ -130,7 +130,7 @@ pub enum GraphWalkError {
     },
     /// A value is no count, for cross-validation.
     #[error(
-        "value {channel} of node {node} is {value}, and cross-validation splits counts: give whole numbers of at least 0 (raw counts), or a number of steps"
+        "value {channel} of node {node} is {value:?}, and cross-validation splits counts: give whole numbers of at least 0 (raw counts), or a number of steps"
     )]
     NotCount {
         /// The node.
@@ -153,7 +153,7 @@ pub enum GraphWalkError {
         value: f64,
     },
     /// The number of steps is out of range.
-    #[error("the number of steps must be between 0 and {most}, got {steps}")]
+    #[error("the number of steps must be between 0 and {most}, got {steps:?}")]
     BadSteps {
         /// The number of steps.
         steps: f64,
@@ -195,7 +195,7 @@ pub enum GraphWalkError {
         n_nodes: usize,
     },
     /// A line of an edge list that is no edge.
-    #[error("line {line} of the edge list is no edge: {problem}")]
+    #[error("line {line} of the list of edges: {problem}")]
     BadLine {
         /// The line, from 1.
         line: u64,
@@ -209,6 +209,28 @@ pub enum GraphWalkError {
         line: u64,
         /// The problem.
         problem: String,
+    },
+    /// Numbers of nodes that leave most nodes without edges.
+    #[error(
+        "the largest number of a node is {largest}, for {n_edges} edges; number the nodes from 0 without gaps"
+    )]
+    Gaps {
+        /// Largest number of a node.
+        largest: u32,
+        /// Number of edges.
+        n_edges: u64,
+    },
+    /// A matrix of which most rows or columns are empty.
+    #[error(
+        "the matrix has {n_rows} rows and {n_columns} columns for {n_entries} entries; leave out empty ones"
+    )]
+    Empty {
+        /// Number of rows.
+        n_rows: u64,
+        /// Number of columns.
+        n_columns: u64,
+        /// Number of entries.
+        n_entries: u64,
     },
     /// The result does not fit the limit on memory.
     #[error("this needs {needed} bytes of memory, more than the limit of {limit}; {advice}")]

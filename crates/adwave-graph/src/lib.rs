@@ -19,6 +19,7 @@ mod error;
 mod impute;
 mod kernel;
 mod lanes;
+mod lines;
 mod matrix_market;
 mod nearest;
 mod pooling;

@@ -1,15 +1,14 @@
 //! Matrices in MatrixMarket form, of any shape, read as a stream.
 
 use crate::GraphWalkError;
+use crate::edge_list::most_numbered;
+use crate::lines::Lines;
 use adwave::Progress;
 use adwave::rows::CompressedRows;
 use std::io::BufRead;
 
 /// Lines between two checks for cancellation.
 const LINES_AT_A_TIME: u64 = 1 << 14;
-
-/// Largest number of rows that no entry needs: empty rows take no bytes in the file, but memory here.
-const EMPTY_ROWS: u64 = 100_000_000;
 
 /// A sparse matrix with its number of columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +36,7 @@ pub fn read_matrix_market(
     lines: impl BufRead,
     progress: Progress<'_>,
 ) -> Result<SparseMatrix, GraphWalkError> {
-    let mut lines = Lines { reader: lines, text: Vec::new(), line: 0 };
+    let mut lines = MatrixLines(Lines::new(lines));
     let banner = lines.next()?.unwrap_or_default().to_ascii_lowercase();
     let words: Vec<&str> = banner.split_whitespace().collect();
     let ["%%matrixmarket", "matrix", "coordinate", value, symmetry] = words[..] else {
@@ -53,8 +52,8 @@ pub fn read_matrix_market(
     let [n_rows, n_columns, n_entries] = sizes[..] else {
         return Err(lines.wrong("the line of sizes must be: rows columns entries"));
     };
-    if n_rows > EMPTY_ROWS || n_columns >= u64::from(u32::MAX) || is_symmetric && n_rows != n_columns {
-        return Err(lines.wrong("the matrix has too many rows or columns, or is symmetric and not square"));
+    if is_symmetric && n_rows != n_columns {
+        return Err(lines.wrong("a symmetric matrix must be square"));
     }
     let mut entries: Vec<(u32, u32, f64)> = Vec::new();
     for entry in 0..n_entries {
@@ -77,6 +76,9 @@ pub fn read_matrix_market(
         if is_symmetric && row != column {
             entries.push((column, row, value));
         }
+    }
+    if n_rows.max(n_columns) > most_numbered(entries.len()).min(u64::from(u32::MAX) - 1) {
+        return Err(GraphWalkError::Empty { n_rows, n_columns, n_entries });
     }
     progress.check()?;
     entries.sort_by_key(|e| (e.0, e.1));
@@ -110,20 +112,15 @@ fn parse_entry(text: &str, is_pattern: bool) -> Option<(u32, u32, f64)> {
     Some((row, column, value))
 }
 
-/// Lines with their numbers, for messages.
-struct Lines<R> {
-    reader: R,
-    text: Vec<u8>,
-    line: u64,
-}
+/// Lines of a file, with errors that name them.
+struct MatrixLines<R>(Lines<R>);
 
-impl<R: BufRead> Lines<R> {
+impl<R: BufRead> MatrixLines<R> {
     fn next(&mut self) -> Result<Option<String>, GraphWalkError> {
-        self.text.clear();
-        let read = self.reader.read_until(b'\n', &mut self.text);
-        self.line += 1;
-        let n_bytes = read.map_err(|error| self.wrong(&format!("it cannot be read: {error}")))?;
-        Ok((n_bytes > 0).then(|| String::from_utf8_lossy(self.text.trim_ascii()).into_owned()))
+        match self.0.next() {
+            Ok(text) => Ok(text.map(|text| String::from_utf8_lossy(text).into_owned())),
+            Err(problem) => Err(self.wrong(&problem)),
+        }
     }
 
     /// The next line that is neither empty nor a comment.
@@ -137,7 +134,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     fn wrong(&self, problem: &str) -> GraphWalkError {
-        GraphWalkError::BadMatrixLine { line: self.line, problem: problem.to_owned() }
+        GraphWalkError::BadMatrixLine { line: self.0.number, problem: problem.to_owned() }
     }
 }
 
@@ -173,10 +170,15 @@ mod tests {
             (format!("{banner}2 2 1\n3 1 1\n"), 3),
             (format!("{banner}2 2 1\n0 1 1\n"), 3),
             (format!("{banner}2 2 1\n1 1 x\n"), 3),
-            (format!("{banner}999999999999 2 0\n"), 2),
+            (format!("{banner}2 2 1\n1 1 1e400x\n"), 3),
+            (format!("{}2 3 0\n", banner.replace("general", "symmetric")), 2),
         ] {
             let error = read(&text).unwrap_err().to_string();
             assert!(error.starts_with(&format!("line {line} ")), "{error}");
+        }
+        for sizes in ["999999999999 2 0", "3 4000000000 0", "99999999 3 0"] {
+            let error = read(&format!("{banner}{sizes}\n")).unwrap_err();
+            assert!(matches!(error, GraphWalkError::Empty { .. }), "{error}");
         }
     }
 }
