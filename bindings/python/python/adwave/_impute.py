@@ -145,6 +145,8 @@ def impute(
         molecules = _sparse(counts)
         # A graph of all molecules knows those that are held back, and the least error would be found too early.
         judge = _walk_of_train(molecules, int(seed)) if is_own_graph else walk
+        if not is_own_graph:
+            notes.append("time by the given graph: too short if the graph was made from these counts")
         steps, found, _, is_at_limit = judge._data.cross_validate(molecules, _Split(SHARE, size, int(seed), MOST_STEPS))
         errors = np.array(found)
         t = float(steps)

@@ -2,14 +2,15 @@
 
 use super::parse::{count_from_one, number};
 use adwave_graph::{Kernel, Normalization, Symmetrization};
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// The walk: a graph, a matrix of probabilities, or points.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Walk")]
-#[group(id = "source", required = true, multiple = false, args = ["graph", "walk", "points"])]
+#[group(skip)]
+#[command(group(ArgGroup::new("source").required(true).args(["graph", "walk", "points"])))]
 pub(crate) struct WalkArgs {
     /// Weights of a graph: a matrix (.mtx), or a list of edges "u v weight" with nodes counted from 0
     #[arg(long, value_name = "FILE")]

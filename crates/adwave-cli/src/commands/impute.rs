@@ -10,8 +10,8 @@ use crate::output::{
 };
 use crate::resolve::walk::{ResolvedWalk, WalkDefaults, in_file, load_walk, read_matrix, read_table};
 use adwave_graph::{
-    CountMatrix, CountValues, CrossValidation, CrossValidationParams, ImputationInput, SparseMatrix,
-    Transformation, cross_validate, impute_into,
+    CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError, ImputationInput,
+    SparseMatrix, Transformation, cross_validate, impute_into,
 };
 use adwave_io::{ArrayValues, write_npy};
 use clap::Args;
@@ -98,6 +98,7 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
         None
     };
     let steps = given_time.unwrap_or_else(|| chosen.as_ref().map_or(0.0, |found| f64::from(found.steps)));
+    check_memory(powers.n_nodes(), args.genes.as_ref().map_or(matrix.n_channels, Vec::len))?;
     let channels = match &args.genes {
         Some(genes) => genes.clone(),
         None => (0..matrix.n_channels).collect(),
@@ -119,6 +120,18 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
     report(args, &walk, steps, chosen.as_ref(), channels.len(), global)
 }
 
+/// Checks that a dense result fits the free memory.
+fn check_memory(n_nodes: usize, n_genes: usize) -> Result<(), CliError> {
+    let needed = 8 * (n_nodes as u64).saturating_mul(n_genes as u64).min(u64::MAX / 8);
+    match adwave_io::free_memory() {
+        Some(limit) if needed > limit => {
+            let advice = "take some of the genes (--genes)";
+            Err(GraphWalkError::TooLarge { needed, limit, advice }.into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The time by cross-validation.
 fn choose_time(
     args: &ImputeArgs,
@@ -131,6 +144,11 @@ fn choose_time(
     let found = with_progress(global, "choosing the time", |progress| {
         cross_validate(&walk.powers, matrix, params, progress).map_err(|e| in_file(&args.counts, &e))
     })?;
+    note(
+        global,
+        "a graph that was made from these counts knows the molecules that are held back, and then too few steps are \
+         chosen; aw.impute(counts) in Python makes a graph of its own for this",
+    );
     if found.is_at_limit {
         note(global, "the error still falls at the largest number of steps that was tried");
     }

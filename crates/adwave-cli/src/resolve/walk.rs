@@ -12,10 +12,10 @@ use adwave_graph::{
     WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
 };
 use adwave_io::read_npy;
-use flate2::read::MultiGzDecoder;
+use flate2::bufread::MultiGzDecoder;
 use serde_json::{Value, json};
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// Number of nearest neighbors of a point.
@@ -173,16 +173,32 @@ pub(crate) fn with_given_walk(
     Ok(walked)
 }
 
+/// Text that ends in an error after a number of bytes.
+struct LimitedText<R> {
+    reader: R,
+    left: u64,
+}
+
+impl<R: Read> Read for LimitedText<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n_bytes = self.reader.read(buffer)?;
+        self.left = self.left.checked_sub(n_bytes as u64).ok_or_else(|| {
+            std::io::Error::other("the file exceeds the largest size of an input (--max-input BYTES)")
+        })?;
+        Ok(n_bytes)
+    }
+}
+
 /// Opens a text file, plain or gzip.
 fn open(path: &Path, global: &Global<'_>) -> Result<Box<dyn BufRead>, CliError> {
     global.inputs.add_file(path);
     let file =
         File::open(path).map_err(|e| CliError::Input(format!("cannot read {}: {e}", path.display())))?;
-    let is_gzip = has_extension(path, &["gz"]);
-    Ok(if is_gzip {
-        Box::new(BufReader::new(MultiGzDecoder::new(file)))
+    let left = global.limits.max_bytes;
+    Ok(if has_extension(path, &["gz"]) {
+        Box::new(BufReader::new(LimitedText { reader: MultiGzDecoder::new(BufReader::new(file)), left }))
     } else {
-        Box::new(BufReader::new(file))
+        Box::new(BufReader::new(LimitedText { reader: file, left }))
     })
 }
 

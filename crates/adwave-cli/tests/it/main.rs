@@ -33,3 +33,4 @@ mod tiles;
 mod tiles_in_memory;
 mod two_shapes;
 mod units;
+mod walks;

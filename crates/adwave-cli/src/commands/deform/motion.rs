@@ -2,7 +2,12 @@
 
 use crate::error::CliError;
 use adwave_deform::HandleMotion;
+use std::fs::File;
+use std::io::Read;
 use std::path::PathBuf;
+
+/// Largest number of bytes of a file with a matrix that are read.
+const LONGEST_MATRIX: u64 = 1 << 16;
 
 /// A motion before the center of its handle is known.
 #[derive(Clone, Debug)]
@@ -77,14 +82,16 @@ impl MotionText {
             }
             Self::Matrix(path) => {
                 let name = path.display();
-                let text = std::fs::read_to_string(path)
+                let mut text = String::new();
+                File::open(path)
+                    .and_then(|file| file.take(LONGEST_MATRIX).read_to_string(&mut text))
                     .map_err(|e| CliError::Input(format!("{name}: cannot be read: {e}")))?;
                 let words = text.lines().filter(|line| !line.trim_start().starts_with('#'));
                 let words: Vec<&str> = words.flat_map(str::split_whitespace).collect();
                 let found: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
                 if found.len() != words.len() || found.len() != 16 {
                     return Err(CliError::Input(format!(
-                        "{name}: a matrix must have 16 numbers, four by four, got {} in {} words",
+                        "{name}: a matrix must have 16 numbers, four by four, and no other words, got {} numbers in {} words",
                         found.len(),
                         words.len()
                     )));

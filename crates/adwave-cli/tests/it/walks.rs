@@ -1,0 +1,165 @@
+//! Walks without a shape: imputation and scattering against direct computations, and what is refused.
+
+use crate::common::{adwave, json, refused, words};
+use adwave_io::{ArrayValues, ReadLimits, read_npy, write_npy};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// Nodes of the ring.
+const N: usize = 40;
+
+/// Genes of the counts.
+const GENES: usize = 3;
+
+fn count(node: usize, gene: usize) -> f64 {
+    ((node * 7 + gene * 11) % 13 + 2 * node / N) as f64
+}
+
+/// Writes a ring as edges and as a matrix, counts in both forms, points on a circle and a field.
+fn write_ring(folder: &Path) {
+    let at = |name: &str| folder.join(name);
+    let (mut edges, mut entries, mut counts) = (String::new(), String::new(), String::new());
+    for x in 0..N {
+        writeln!(edges, "{x} {}", (x + 1) % N).unwrap();
+        for y in [(x + 1) % N, (x + N - 1) % N] {
+            writeln!(entries, "{} {} 1", x + 1, y + 1).unwrap();
+        }
+        for g in 0..GENES {
+            writeln!(counts, "{} {} {}", x + 1, g + 1, count(x, g)).unwrap();
+        }
+    }
+    let banner = "%%MatrixMarket matrix coordinate real general\n";
+    fs::write(at("ring.txt"), edges).unwrap();
+    fs::write(at("ring.mtx"), format!("{banner}{N} {N} {}\n{entries}", 2 * N)).unwrap();
+    fs::write(at("counts.mtx"), format!("{banner}{N} {GENES} {}\n{counts}", N * GENES)).unwrap();
+    let values: Vec<f64> = (0..N * GENES).map(|i| count(i / GENES, i % GENES)).collect();
+    write_npy(&at("counts.npy"), &[N, GENES], ArrayValues::F64(&values)).unwrap();
+    let angle = |x: usize| std::f64::consts::TAU * x as f64 / N as f64;
+    let points: Vec<f64> = (0..N).flat_map(|x| [angle(x).cos(), angle(x).sin()]).collect();
+    write_npy(&at("points.npy"), &[N, 2], ArrayValues::F64(&points)).unwrap();
+}
+
+fn read(folder: &Path, name: &str) -> Vec<f64> {
+    read_npy(&folder.join(name), &ReadLimits::default()).unwrap().values.to_f64()
+}
+
+/// A step of the walk on the ring that stays with the weight of one neighbor times `stay`.
+fn step(values: &[f64], stay: f64) -> Vec<f64> {
+    let d = values.len() / N;
+    let at = |x: usize, c: usize| values[x % N * d + c];
+    (0..N * d)
+        .map(|i| {
+            let (x, c) = (i / d, i % d);
+            (at(x + 1, c) + at(x + N - 1, c) + stay * at(x, c)) / (2.0 + stay)
+        })
+        .collect()
+}
+
+fn assert_near(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    }
+}
+
+#[test]
+fn imputed_counts_are_those_of_powers_of_the_walk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    let mut expected: Vec<f64> = (0..N * GENES).map(|i| count(i / GENES, i % GENES)).collect();
+    for _ in 0..3 {
+        expected = step(&expected, 1.0);
+    }
+    for counts in ["counts.npy", "counts.mtx"] {
+        for graph in ["--graph ring.txt", "--graph ring.mtx"] {
+            json(path, &format!("impute {counts} -o i.npy {graph} --time 3"));
+            assert_near(&read(path, "i.npy"), &expected);
+        }
+    }
+    json(path, "impute counts.npy -o one.npy --graph ring.txt --time 3 --genes 2");
+    let gene: Vec<f64> = expected.iter().copied().skip(2).step_by(GENES).collect();
+    assert_near(&read(path, "one.npy"), &gene);
+    let chosen = adwave(path).args(words("impute counts.npy -o i.npy --graph ring.txt --json")).assert();
+    let output = chosen.success().get_output().clone();
+    assert!(
+        String::from_utf8(output.stderr).unwrap().contains("note: a graph that was made from these counts")
+    );
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let errors: Vec<f64> = report["errors"].as_array().unwrap().iter().map(|e| e.as_f64().unwrap()).collect();
+    let steps = report["steps"].as_f64().unwrap() as usize;
+    assert!(errors.iter().all(|e| *e >= errors[steps]));
+}
+
+#[test]
+fn scattering_is_the_size_of_differences_of_powers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    let line = "scatter --graph ring.txt --field points.npy -o s.npy --scales 1,2 --orders 0,1";
+    let report = json(path, line);
+    assert_eq!(report["shape"], serde_json::json!([3, N, 2]));
+    let field = read(path, "points.npy");
+    let once = step(&field, 2.0);
+    let twice = step(&once, 2.0);
+    let size = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect() };
+    assert_near(&read(path, "s.npy"), &[field.clone(), size(&field, &once), size(&once, &twice)].concat());
+}
+
+#[test]
+fn options_of_the_walk_apply_to_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    let plain = "impute counts.npy -o i.npy --points points.npy --time 2";
+    assert_eq!(json(path, plain)["graph"]["nodes"], N);
+    let before = read(path, "i.npy");
+    for options in
+        ["--neighbors 4", "--kernel paper", "--self-loops 3", "--normalize symmetric", "--stay 0.25"]
+    {
+        json(path, &format!("{plain} {options}"));
+        assert!(read(path, "i.npy") != before, "{options}");
+    }
+    json(path, &format!("{plain} --neighbors 4 --kernel self-tuning --self-loops 0 --stay 0.5"));
+}
+
+#[test]
+fn what_is_no_walk_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    let banner = "%%MatrixMarket matrix coordinate real general\n";
+    for (name, text) in [
+        ("wide.mtx", format!("{banner}{N} 4000000000 1\n1 1 5\n")),
+        ("tall.mtx", format!("{banner}99999999 3 1\n1 1 5\n")),
+        ("gaps.txt", "0 4000000000\n".to_owned()),
+        ("endless.txt", "1".repeat(1 << 20)),
+        ("long.txt", "0 1\n".repeat(600)),
+        ("half.mtx", format!("{banner}2 2 2\n1 1 0.6\n2 2 1\n")),
+    ] {
+        fs::write(path.join(name), text).unwrap();
+    }
+    for (line, named) in [
+        ("impute wide.mtx -o o.npy --graph ring.txt --time 1", "empty"),
+        ("impute tall.mtx -o o.npy --graph ring.txt --time 1", "empty"),
+        ("impute counts.npy -o o.npy --graph gaps.txt", "without gaps"),
+        ("impute counts.npy -o o.npy --graph endless.txt", "fewer than 65536 bytes"),
+        ("impute counts.npy -o o.npy --walk half.mtx", "sums to 0.6"),
+        ("impute counts.npy -o o.npy --graph ring.txt --neighbors 3", "--neighbors applies to points"),
+        ("impute counts.npy -o o.npy --walk ring.mtx --stay 0.5", "--stay applies to weights"),
+        ("impute counts.npy -o o.npy --graph ring.txt --time 1e300", "got 1e300"),
+        ("impute counts.npy -o o.npy --graph long.txt --max-input 2000", "--max-input"),
+        ("scatter --graph ring.txt --field counts.mtx -o o.npy", "read from .npy"),
+    ] {
+        let error = refused(path, line);
+        assert!(error.contains(named), "{line}: {error}");
+        assert!(!path.join("o.npy").exists());
+    }
+    for line in [
+        "impute counts.npy -o o.npy",
+        "scatter --graph ring.txt --points points.npy --field points.npy -o o.npy",
+    ] {
+        adwave(path).args(words(line)).assert().code(2);
+    }
+}
