@@ -338,7 +338,7 @@ fn texture_field(file: &ShapeFile, of: &str, texture: Option<&Path>) -> Result<F
     Err(NamedSignalError::Unknown(format!("{of}: textures {texture:?} need the feature `texture`")))
 }
 
-/// Luminance or lightness of colors: bytes, or numbers in [0, 1].
+/// Luminance or lightness of colors.
 fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalError> {
     let n_channels = colors.n_channels;
     if n_channels < 3 {
@@ -346,11 +346,7 @@ fn brightness(colors: &Field, name: &str) -> Result<NamedSignal, NamedSignalErro
             "colors must have 3 channels (red, green and blue), got {n_channels}"
         )));
     }
-    let scale = match colors.values {
-        FieldValues::U8(_) => 255.0,
-        FieldValues::U16(_) => 65535.0,
-        _ => 1.0,
-    };
+    let scale = colors.full_intensity();
     let bright = if name == "luminance" { luminance } else { lightness };
     let values = (0..colors.len()).map(|i| bright([0, 1, 2].map(|c| colors.get(i, c) / scale))).collect();
     Ok(NamedSignal::new(1, SignalValues::Other(values)))

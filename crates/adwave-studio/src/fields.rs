@@ -72,11 +72,10 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
     fields
 }
 
-/// Encodes colors as `u8 × 4 × n`. Numbers up to 1 are fractions, up to 255 bytes, and larger ones of 16 bits.
+/// Encodes colors as `u8 × 4 × n`.
 fn encode_colors(colors: &Field) -> Vec<u8> {
     let (values, n_channels) = (colors.to_f64(), colors.n_channels);
-    let most = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let factor = if most <= 1.0 { 255.0 } else { 1.0 / if most <= 255.0 { 1.0 } else { 257.0 } };
+    let factor = 255.0 / colors.full_intensity();
     encode_rows(values.len() / n_channels, 4, |x, rgba| {
         for c in 0..3 {
             rgba[c] = (factor * values[n_channels * x + c]).round().clamp(0.0, 255.0) as u8;

@@ -307,6 +307,28 @@ impl Field {
         Self { name: name.into(), n_channels, values }
     }
 
+    /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions, and
+    /// the least of 255, 65535 and the greatest value that no value exceeds. O(values).
+    ///
+    /// ```
+    /// use adwave_io::{Field, FieldValues};
+    /// assert_eq!(Field::new("color", 3, FieldValues::U8(vec![1, 0, 1])).full_intensity(), 255.0);
+    /// assert_eq!(Field::new("color", 3, FieldValues::F64(vec![1.0, 0.0, 0.5])).full_intensity(), 1.0);
+    /// assert_eq!(Field::new("color", 3, FieldValues::F64(vec![128.0, 0.0, 64.0])).full_intensity(), 255.0);
+    /// ```
+    pub fn full_intensity(&self) -> f64 {
+        match self.values {
+            FieldValues::U8(_) => f64::from(u8::MAX),
+            FieldValues::U16(_) => f64::from(u16::MAX),
+            _ => {
+                let values = (0..self.len()).flat_map(|x| (0..self.n_channels).map(move |c| self.get(x, c)));
+                let greatest = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
+                let usual = [1.0, f64::from(u8::MAX), f64::from(u16::MAX)];
+                usual.into_iter().find(|most| greatest <= *most).unwrap_or(greatest)
+            }
+        }
+    }
+
     /// [`new`](Self::new) for values whose number has not been checked.
     ///
     /// # Errors

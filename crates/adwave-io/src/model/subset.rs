@@ -3,7 +3,7 @@
 use adwave::shape::Polygons;
 use std::sync::Arc;
 
-use crate::{Field, FieldValues, ShapeFile, ShapeFileError};
+use crate::{Field, ShapeFile, ShapeFileError};
 
 /// Part of a file to keep.
 #[derive(Clone, Debug, Default)]
@@ -133,7 +133,7 @@ impl ShapeFile {
         let corners = self.faces.corners();
         let mut parts = Vec::new();
         for field in ["color", "texcoord"].iter().filter_map(|name| self.field(name)) {
-            let scale = full_range(field);
+            let scale = if field.name == "color" { field.full_intensity() } else { 1.0 };
             let value = |&x: &u32| (0..field.n_channels).map(move |c| field.get(x as usize, c) / scale);
             parts.push((corners.iter().flat_map(value).collect(), field.n_channels));
         }
@@ -190,21 +190,6 @@ pub struct CornerValues {
     pub values: Vec<f64>,
     /// Number of values per corner.
     pub n_channels: usize,
-}
-
-/// Value of a color channel at full intensity: the largest integer of the type, or 1 for fractions.
-fn full_range(field: &Field) -> f64 {
-    match field.values {
-        _ if field.name != "color" => 1.0,
-        FieldValues::U8(_) => f64::from(u8::MAX),
-        FieldValues::U16(_) => f64::from(u16::MAX),
-        _ => {
-            let n = field.len() * field.n_channels;
-            let all = (0..n).map(|k| field.get(k / field.n_channels, k % field.n_channels).abs());
-            let greatest = all.fold(0.0, f64::max);
-            if greatest > 1.0 { greatest } else { 1.0 }
-        }
-    }
 }
 
 /// Selects these rows of a field.
