@@ -1,13 +1,14 @@
 //! Detail put onto a bent base and onto a simplified mesh, measured against the exact results.
 //!
-//! `bases SHAPE.off SIMPLER.off`. The shape is bent on a cylinder by 69° along y, its base S_J alike; detail on the bent base is
+//! `bases SHAPE SIMPLER`. The shape is bent on a cylinder by 69° along y, its base S_J alike; detail on the bent base is
 //! compared with the bent shape. Detail of the shape on the simpler mesh is compared with the shape itself.
 
 use adwave::bands::Schedule;
-use adwave::shape::{Mesh, Polygons, Shape};
+use adwave::shape::{Mesh, Shape};
 use adwave::vector::{norm, subtract};
 use adwave::{Decomposer, Progress};
 use adwave_deform::{base_points, transfer, transfer_decomposer, with_base};
+use adwave_io::{ReadLimits, read_path};
 use adwave_register::Surface;
 
 /// Angle of the bend.
@@ -18,8 +19,8 @@ const WIDTHS: [f64; 3] = [3.0, 4.3, 6.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [shape, simpler] = &args[..] else { return Err("bases SHAPE.off SIMPLER.off".into()) };
-    let shape = Decomposer::new(&read_off(shape)?);
+    let [shape, simpler] = &args[..] else { return Err("bases SHAPE SIMPLER".into()) };
+    let shape = Decomposer::new(&read_mesh(shape)?);
     let points = shape.geometry().shape().points().unwrap_or_default();
     let diagonal = shape.diagonal();
     let (low, high) = points.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
@@ -48,7 +49,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect();
         println!("| {width} | {:.3} | {:.3} |", percent(with_frames), percent(plain));
     }
-    let (from, onto) = (transfer_decomposer(shape.geometry().shape(), Progress::none())?, read_off(simpler)?);
+    let (from, onto) =
+        (transfer_decomposer(shape.geometry().shape(), Progress::none())?, read_mesh(simpler)?);
     let onto = transfer_decomposer(&onto, Progress::none())?;
     let surface = Surface::new(from.geometry()).ok_or("no surface")?;
     println!(
@@ -67,23 +69,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// A mesh from an OFF file.
-fn read_off(path: &str) -> Result<Shape, Box<dyn std::error::Error>> {
-    let text = std::fs::read_to_string(path)?;
-    let mut words = text.split_whitespace().skip(1);
-    let mut next = || words.next().ok_or("the file is too short");
-    let (n, m): (usize, usize) = (next()?.parse()?, next()?.parse()?);
-    next()?;
-    let mut points = vec![[0.0; 3]; n];
-    for c in points.as_flattened_mut() {
-        *c = next()?.parse()?;
-    }
-    let mut triangles = vec![[0; 3]; m];
-    for t in &mut triangles {
-        next()?;
-        for c in t {
-            *c = next()?.parse()?;
-        }
-    }
-    Ok(Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?))
+/// A mesh from a file.
+fn read_mesh(path: &str) -> Result<Shape, Box<dyn std::error::Error>> {
+    let file = read_path(path.as_ref(), &ReadLimits::default())?;
+    Ok(Shape::Mesh(Mesh::new(file.points().to_vec(), file.faces().clone())?))
 }

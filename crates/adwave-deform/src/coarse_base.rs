@@ -1,9 +1,9 @@
 //! The coarse shape S_J, its samples and the nodes that move it: all that does not depend on handles.
 
 use crate::DeformError;
-use crate::front::{NOBODY, PlacedGraph, RepeatedFront, connected_parts};
+use crate::front::{NO_SOURCE, PlacedGraph, RepeatedFront};
 use adwave::bands::Schedule;
-use adwave::shape::{Adjacency, VertexRole};
+use adwave::shape::{Adjacency, VertexRole, label_components};
 use adwave::vector::{Vector, norm, subtract};
 use adwave::{Decomposer, Progress};
 use rayon::prelude::*;
@@ -132,7 +132,7 @@ impl CoarseBase {
         let sigma = schedule.sigma(step).last().copied().unwrap_or_default();
         let smooth = smooth_positions(decomposer, schedule, progress)?;
         let takes_part = participants(decomposer);
-        let part = connected_parts(decomposer.neighbors());
+        let (part, n_parts) = label_components(decomposer.neighbors());
         // A shape whose points coincide has no length to measure by.
         let mut spacing = if sigma > 0.0 && sigma.is_finite() { NODE_SPACING * sigma } else { 1.0 };
         loop {
@@ -144,7 +144,6 @@ impl CoarseBase {
             let sample_points: Vec<Vector> = cover.sources.iter().map(|&x| points[x as usize]).collect();
             let samples = PlacedGraph { neighbors: &sample_neighbors, points: &sample_points };
             let nodes = samples.cover(|_| true, 1.0, progress)?.sources;
-            let n_parts = part.iter().max().map_or(0, |last| *last as usize + 1);
             if nodes.len() > MAX_NODES.max(2 * n_parts) {
                 spacing *= (nodes.len() as f64 / MAX_NODES as f64).sqrt().max(1.1);
                 continue;
@@ -232,7 +231,7 @@ fn areas_of_cells(decomposer: &Decomposer, owner: &[u32], n_cells: usize, n_node
         welded[x as usize] += a;
     }
     let mut areas = vec![0.0; n_cells];
-    for (a, &cell) in welded.iter().zip(owner).filter(|(_, cell)| **cell != NOBODY) {
+    for (a, &cell) in welded.iter().zip(owner).filter(|(_, cell)| **cell != NO_SOURCE) {
         areas[cell as usize] += a;
     }
     let total: f64 = areas.iter().sum();
@@ -248,7 +247,7 @@ fn neighbors_of_cells(neighbors: &Adjacency, owner: &[u32], n_cells: usize) -> A
     for x in 0..owner.len() {
         for &y in neighbors.row(x) {
             let (a, b) = (owner[x], owner[y as usize]);
-            if a != b && a != NOBODY && b != NOBODY {
+            if a != b && a != NO_SOURCE && b != NO_SOURCE {
                 pairs.push((a, b));
                 pairs.push((b, a));
             }
@@ -312,7 +311,7 @@ impl SampledNodes<'_> {
     /// Weights at vertex `x`: a bump of the straight distance, if the path along the surface is not much longer.
     fn weights(&self, x: usize, points: &[Vector], entries: &mut Vec<(u32, f64)>) {
         let sample = self.sample_of[x];
-        if sample == NOBODY {
+        if sample == NO_SOURCE {
             return;
         }
         let BlendRow { columns: nodes, weights: paths } = self.paths.row(sample as usize);

@@ -1,7 +1,7 @@
 //! Deformation by handles with detail kept.
 
 use crate::coarse_base::{BlendRow, CoarseBase, ROWS_AT_A_TIME};
-use crate::front::NOBODY;
+use crate::front::NO_SOURCE;
 use crate::newton::{EarlierSteps, NodeSolver, NodeState, StepLimits};
 use crate::node_energy::NodeEnergy;
 use crate::regions::{BoundRows, DeformRegions};
@@ -462,7 +462,7 @@ impl Deformer {
     /// Motion of the region of a vertex without neighbors.
     fn exact_motion(&self, x: usize) -> Option<HandleMotion> {
         let region = self.bound.region_of[x];
-        (region != NOBODY).then(|| self.motions[region as usize].in_unit(1.0 / self.base.unit))
+        (region != NO_SOURCE).then(|| self.motions[region as usize].in_unit(1.0 / self.base.unit))
     }
 
     /// Rotation of the frame of each vertex, as a unit quaternion `w, x, y, z`, in the order of the shape.

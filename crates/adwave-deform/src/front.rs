@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 const AT_A_TIME: usize = 1 << 14;
 
 /// Place that no front has reached.
-pub(crate) const NOBODY: u32 = u32::MAX;
+pub(crate) const NO_SOURCE: u32 = u32::MAX;
 
 /// Edges between numbered places in space.
 #[derive(Clone, Copy)]
@@ -19,7 +19,7 @@ pub(crate) struct PlacedGraph<'a> {
     pub(crate) points: &'a [Vector],
 }
 
-/// Nearest source of each place, by paths along edges, and the distance from it; [`NOBODY`] and ∞ beyond the reach.
+/// Nearest source of each place, by paths along edges, and the distance from it; [`NO_SOURCE`] and ∞ beyond the reach.
 pub(crate) struct Reached {
     pub(crate) owner: Vec<u32>,
     pub(crate) distance: Vec<f64>,
@@ -28,7 +28,7 @@ pub(crate) struct Reached {
 /// Sources at distances of at least a radius, so that each place is within the radius of one, and the source of each.
 pub(crate) struct Cover {
     pub(crate) sources: Vec<u32>,
-    /// Number of the nearest source in `sources`; [`NOBODY`] outside.
+    /// Number of the nearest source in `sources`; [`NO_SOURCE`] outside.
     pub(crate) owner: Vec<u32>,
 }
 
@@ -74,7 +74,7 @@ impl PlacedGraph<'_> {
     /// Nearest of the flagged places within `radius`, as fronts see it.
     pub(crate) fn nearest(&self, sources: &[u32], radius: f64, measure: FrontLength) -> Reached {
         let n = self.points.len();
-        let mut reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        let mut reached = Reached { owner: vec![NO_SOURCE; n], distance: vec![f64::INFINITY; n] };
         let start: Vec<(u32, u32)> = sources.iter().map(|&x| (x, x)).collect();
         self.advance(&mut reached, &start, radius, measure);
         reached
@@ -88,13 +88,13 @@ impl PlacedGraph<'_> {
         progress: Progress<'_>,
     ) -> Result<Cover, Cancelled> {
         let n = self.points.len();
-        let mut reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        let mut reached = Reached { owner: vec![NO_SOURCE; n], distance: vec![f64::INFINITY; n] };
         let mut sources = Vec::new();
         for x in 0..n {
             if x.is_multiple_of(AT_A_TIME) {
                 progress.check()?;
             }
-            if reached.owner[x] != NOBODY || !takes_part(x) {
+            if reached.owner[x] != NO_SOURCE || !takes_part(x) {
                 continue;
             }
             let number = sources.len() as u32;
@@ -114,7 +114,7 @@ pub(crate) struct RepeatedFront<'a> {
 impl<'a> RepeatedFront<'a> {
     pub(crate) fn new(graph: PlacedGraph<'a>) -> Self {
         let n = graph.points.len();
-        let reached = Reached { owner: vec![NOBODY; n], distance: vec![f64::INFINITY; n] };
+        let reached = Reached { owner: vec![NO_SOURCE; n], distance: vec![f64::INFINITY; n] };
         Self { graph, reached }
     }
 
@@ -144,27 +144,4 @@ impl<'a> RepeatedFront<'a> {
         }
         found
     }
-}
-
-/// Number of the connected part of each place, in the order of their first places.
-pub(crate) fn connected_parts(neighbors: &Adjacency) -> Vec<u32> {
-    let n = neighbors.n_rows();
-    let (mut part, mut n_parts, mut stack) = (vec![NOBODY; n], 0, Vec::new());
-    for x in 0..n {
-        if part[x] != NOBODY {
-            continue;
-        }
-        part[x] = n_parts;
-        stack.push(x as u32);
-        while let Some(x) = stack.pop() {
-            for &y in neighbors.row(x as usize) {
-                if part[y as usize] == NOBODY {
-                    part[y as usize] = n_parts;
-                    stack.push(y);
-                }
-            }
-        }
-        n_parts += 1;
-    }
-    part
 }

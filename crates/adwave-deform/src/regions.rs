@@ -2,7 +2,7 @@
 
 use crate::DeformError;
 use crate::coarse_base::{BlendRow, BlendRows, CoarseBase, normalize, smooth_rise};
-use crate::front::{FrontLength, NOBODY, PlacedGraph};
+use crate::front::{FrontLength, NO_SOURCE, PlacedGraph};
 use adwave::vector::{Vector, norm, subtract};
 use adwave::{Decomposer, Progress};
 
@@ -47,7 +47,7 @@ pub(crate) struct BoundRows {
     pub(crate) rows: BlendRows,
     pub(crate) regions: Vec<BoundRegion>,
     pub(crate) followers: Vec<FollowingPart>,
-    /// Region of each welded vertex; [`NOBODY`] outside.
+    /// Region of each welded vertex; [`NO_SOURCE`] outside.
     pub(crate) region_of: Vec<u32>,
 }
 
@@ -114,7 +114,7 @@ struct ShareOfRegions<'a> {
 impl ShareOfRegions<'_> {
     /// Appends the share of each region at `x` and returns their sum, which is 1 in a region and less elsewhere.
     fn add_shares(&self, x: usize, shares: &mut Vec<(u32, f64)>) -> f64 {
-        if self.region_of[x] != NOBODY {
+        if self.region_of[x] != NO_SOURCE {
             shares.push((self.region_of[x], 1.0));
             return 1.0;
         }
@@ -147,7 +147,7 @@ fn bind_regions(
     }
     let (map, n_vertices) = (decomposer.geometry().vertex_map(), decomposer.n_vertices());
     let has_fixed = !regions.fixed.is_empty();
-    let mut region_of = vec![NOBODY; map.n_welded()];
+    let mut region_of = vec![NO_SOURCE; map.n_welded()];
     let mut bound = Vec::new();
     for vertices in has_fixed.then_some(&regions.fixed).into_iter().chain(&regions.handles) {
         let k = bound.len();
@@ -158,7 +158,7 @@ fn bind_regions(
             }
             let x = map.welded(vertex as usize);
             let other = region_of[x];
-            if other != NOBODY && other != k as u32 {
+            if other != NO_SOURCE && other != k as u32 {
                 let (first, second) = (name(other as usize, has_fixed), name(k, has_fixed));
                 return Err(DeformError::TwoRegions { vertex, first, second });
             }
@@ -216,7 +216,7 @@ fn ramps(decomposer: &Decomposer, base: &CoarseBase, regions: &[BoundRegion]) ->
 fn following_parts(base: &CoarseBase, region_of: &[u32]) -> (Vec<FollowingPart>, Vec<Option<u32>>) {
     let n_parts = base.part.iter().max().map_or(0, |last| *last as usize + 1);
     let mut is_held = vec![false; n_parts];
-    for (x, _) in region_of.iter().enumerate().filter(|(x, k)| **k != NOBODY && base.takes_part[*x]) {
+    for (x, _) in region_of.iter().enumerate().filter(|(x, k)| **k != NO_SOURCE && base.takes_part[*x]) {
         is_held[base.part[x] as usize] = true;
     }
     let mut samples_of: Vec<Vec<u32>> = vec![Vec::new(); n_parts];

@@ -1,11 +1,12 @@
 //! Measures the numbers of docs/SUBDIVISION.md and prints its tables.
 //!
-//! `cargo run --release -p adwave-subdivision --example measurements -- DATA ARMADILLO`, with ARMADILLO a mesh of triangles as an
-//! OBJ file, and DATA a folder with the white surface of fsaverage5, `white_left.obj`, and its fields `sulc_left.txt`,
-//! `thick_left.txt` and `curv_left.txt`, one number per line. Without the files their tables are left out.
+//! `cargo run --release -p adwave-subdivision --example measurements -- FOLDER MESH`, with a mesh of triangles, and a folder
+//! with fsaverage5 as nilearn has it: `white_left.gii.gz` and the fields `sulc_left.gii.gz`, `thick_left.gii.gz` and
+//! `curv_left.gii.gz`. Without the files their tables are left out.
 
 use adwave::Progress;
 use adwave::shape::{MeshArea, mesh_areas};
+use adwave_io::{ReadLimits, read_gifti_fields, read_path};
 use adwave_subdivision::{Coefficients, Family, HaarWavelets, Hierarchy, LiftedWavelets, subdivide};
 use std::error::Error;
 use std::path::Path;
@@ -36,20 +37,9 @@ struct Surface {
 
 impl Surface {
     fn read(path: &Path) -> Outcome<Self> {
-        let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        for line in std::fs::read_to_string(path)?.lines() {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            match words[..] {
-                ["v", x, y, z, ..] => points.push([x.parse()?, y.parse()?, z.parse()?]),
-                ["f", a, b, c] => {
-                    let corner =
-                        |word: &str| word.split('/').next().unwrap_or(word).parse::<u32>().map(|v| v - 1);
-                    triangles.push([corner(a)?, corner(b)?, corner(c)?]);
-                }
-                _ => {}
-            }
-        }
-        Ok(Self { points, triangles })
+        let file = read_path(path, &ReadLimits::default())?;
+        let triangles = file.faces().triangles().ok_or("the mesh must have triangles")?.to_vec();
+        Ok(Self { points: file.points().to_vec(), triangles })
     }
 
     /// An icosahedron with `n_levels` subdivisions on the unit sphere.
@@ -173,16 +163,16 @@ fn kept_errors(
 }
 
 fn fsaverage(folder: &Path) -> Outcome<()> {
-    let surface = Surface::read(&folder.join("white_left.obj"))?;
+    let surface = Surface::read(&folder.join("white_left.gii.gz"))?;
     let areas = surface.areas();
     let n = surface.points.len();
     let hierarchy = Hierarchy::new(n, &surface.triangles, NONE())?;
     let fields: Vec<(&str, Vec<f64>)> = ["sulc", "thick", "curv"]
         .into_iter()
         .map(|name| {
-            let text = std::fs::read_to_string(folder.join(format!("{name}_left.txt")))?;
-            let values: Result<Vec<f64>, _> = text.lines().map(str::parse).collect();
-            Ok((name, values?))
+            let fields =
+                read_gifti_fields(&folder.join(format!("{name}_left.gii.gz")), &ReadLimits::default())?;
+            Ok((name, fields.first().ok_or("the file has no field")?.to_f64()))
         })
         .collect::<Outcome<_>>()?;
     println!("\nfsaverage5: {} levels", hierarchy.n_levels());
@@ -237,7 +227,7 @@ fn coarser_by_one(hierarchy: &Hierarchy, field: &[f64], areas: &[f64]) -> Outcom
 
 /// Times at the size of fsaverage7.
 fn large(folder: &Path) -> Outcome<()> {
-    let surface = Surface::read(&folder.join("white_left.obj"))?.subdivided().subdivided();
+    let surface = Surface::read(&folder.join("white_left.gii.gz"))?.subdivided().subdivided();
     let (n, areas) = (surface.points.len(), surface.areas());
     let mut best = f64::INFINITY;
     let mut hierarchy = Hierarchy::new(n, &surface.triangles, NONE())?;

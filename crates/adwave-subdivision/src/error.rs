@@ -168,7 +168,7 @@ pub enum SubdivisionError {
     Family {
         /// Name of the family.
         family: &'static str,
-        /// What does not fit, and what to use.
+        /// The reason, and the type to use.
         reason: &'static str,
     },
     /// The call was cancelled.

@@ -1,7 +1,7 @@
 //! Vertices at equal positions taken as one.
 
 use crate::{SubdivisionError, triangles_of};
-use adwave::shape::Mesh;
+use adwave::shape::{Mesh, VertexMap, WeldMode};
 
 /// Triangles of a mesh whose vertices at equal positions are one: files split vertices along the seams of a texture, and no
 /// seam may cut a hierarchy.
@@ -31,23 +31,17 @@ impl WeldedMesh {
     /// ```
     pub fn new(mesh: &Mesh) -> Result<Self, SubdivisionError> {
         let triangles = triangles_of(mesh.faces())?;
-        // Adding 0 makes −0 equal to 0.
-        let key = |v: u32| mesh.points()[v as usize].map(|x| (x + 0.0).to_bits());
-        let n = mesh.points().len() as u32;
-        let mut sorted: Vec<u32> = (0..n).collect();
-        sorted.sort_unstable_by_key(|&v| (key(v), v));
-        let mut firsts = vec![0; n as usize];
-        for copies in sorted.chunk_by(|&a, &b| key(a) == key(b)) {
-            for &v in copies {
-                firsts[v as usize] = copies[0];
+        let map = VertexMap::new(mesh.points(), WeldMode::EqualPositions);
+        let (mut places, mut vertices) = (vec![u32::MAX; map.n_welded()], Vec::with_capacity(map.n_welded()));
+        let place = |v: usize| {
+            let place = &mut places[map.welded(v)];
+            if *place == u32::MAX {
+                *place = vertices.len() as u32;
+                vertices.push(v as u32);
             }
-        }
-        let vertices: Vec<u32> = (0..n).filter(|&v| firsts[v as usize] == v).collect();
-        let mut places = vec![0; n as usize];
-        for (place, &v) in (0..).zip(&vertices) {
-            places[v as usize] = place;
-        }
-        let of_vertex: Vec<u32> = firsts.into_iter().map(|v| places[v as usize]).collect();
+            *place
+        };
+        let of_vertex: Vec<u32> = (0..mesh.points().len()).map(place).collect();
         let triangles = triangles.iter().map(|t| t.map(|v| of_vertex[v as usize])).collect();
         Ok(Self { of_vertex, vertices, triangles })
     }

@@ -7,10 +7,10 @@
 mod metrics;
 
 use adwave::bands::Schedule;
-use adwave::shape::{Mesh, Polygons, Shape};
+use adwave::shape::{Mesh, Shape};
 use adwave::{Decomposer, Progress};
 use adwave_deform::{DeformParams, DeformRegions, Deformer, HandleMotion, default_base};
-use std::fmt::Write;
+use adwave_io::{ReadLimits, read_path, write_path};
 use std::path::Path;
 use std::time::Instant;
 
@@ -24,15 +24,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         None => Vec::new(),
     };
     let stiffness: Option<f64> = args.get(3).map(|text| text.parse()).transpose()?;
+    let limits = ReadLimits::default();
     println!(
         "| test | method | nodes | σ_J, % | edge strain rms / 99 % | dihedral | folds | crossing | volume | detail |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for (k, name) in ["plane", "cylinder", "bar", "cactus"].into_iter().enumerate() {
         let path = |end: &str| folder.join(format!("{name}.{end}"));
-        let (rest, triangles) = read_off(&path("off"))?;
-        let faces = Polygons::from_triangles(&triangles);
-        let decomposer = Decomposer::new(&Shape::Mesh(Mesh::new(rest, faces)?));
+        let mut file = read_path(&path("off"), &limits)?;
+        let mesh = Mesh::new(file.points().to_vec(), file.faces().clone())?;
+        let decomposer = Decomposer::new(&Shape::Mesh(mesh));
         let schedule = match levels.get(k).or(levels.first()) {
             Some(&levels) => Schedule::dyadic(levels)?,
             None if width.is_some() => {
@@ -72,44 +73,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 m.strain_rms, m.strain_99, m.dihedral, m.folds, m.crossing, m.detail
             );
         };
-        print("nodes", &points);
+        print("adwave", &points);
         if let Some(out) = out {
             let theirs = out.join(format!("{name}-arap.off"));
             if theirs.exists() {
-                print("ARAP", &read_off(&theirs)?.0);
+                print("libigl", read_path(&theirs, &limits)?.points());
             }
-            let mut text = format!("OFF\n{} {} 0\n", points.len(), triangles.len());
-            for p in &points {
-                writeln!(text, "{} {} {}", p[0], p[1], p[2])?;
-            }
-            for t in &triangles {
-                writeln!(text, "3 {} {} {}", t[0], t[1], t[2])?;
-            }
-            std::fs::write(out.join(format!("{name}.off")), text)?;
+            file.set_points(points)?;
+            write_path(&file, &out.join(format!("{name}.off")), None)?;
         }
     }
     Ok(())
-}
-
-type OffMesh = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-/// Vertices and triangles of an OFF file.
-fn read_off(path: &Path) -> Result<OffMesh, Box<dyn std::error::Error>> {
-    let text = std::fs::read_to_string(path)?;
-    let mut words = text.split_whitespace().skip(1);
-    let mut next = || words.next().ok_or("the file is too short");
-    let (n, m): (usize, usize) = (next()?.parse()?, next()?.parse()?);
-    next()?;
-    let mut points = vec![[0.0; 3]; n];
-    for c in points.as_flattened_mut() {
-        *c = next()?.parse()?;
-    }
-    let mut triangles = vec![[0; 3]; m];
-    for t in &mut triangles {
-        next()?;
-        for c in t {
-            *c = next()?.parse()?;
-        }
-    }
-    Ok((points, triangles))
 }

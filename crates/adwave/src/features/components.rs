@@ -3,33 +3,8 @@
 use super::ThresholdScope;
 use super::response::ResponseLevel;
 use crate::population::Population;
-use crate::shape::Adjacency;
+use crate::shape::{Adjacency, label_components};
 use crate::{Cancelled, Progress};
-
-/// Component of each vertex, numbered by the first vertex of each component, and the number of components.
-fn label_components(adjacency: &Adjacency) -> (Vec<u32>, usize) {
-    const NONE: u32 = u32::MAX;
-    let mut component = vec![NONE; adjacency.n_rows()];
-    let mut stack = Vec::new();
-    let mut count = 0;
-    for start in 0..component.len() {
-        if component[start] != NONE {
-            continue;
-        }
-        component[start] = count;
-        stack.push(start as u32);
-        while let Some(x) = stack.pop() {
-            for &y in adjacency.row(x as usize) {
-                if component[y as usize] == NONE {
-                    component[y as usize] = count;
-                    stack.push(y);
-                }
-            }
-        }
-        count += 1;
-    }
-    (component, count as usize)
-}
 
 /// Mean |R(j)| over the group with which a vertex is compared.
 pub(super) struct Means {

@@ -101,6 +101,39 @@ pub(crate) fn try_k_rings(
     )
 }
 
+/// Component of each vertex of a symmetric adjacency, numbered by the first vertex of each component, and the number of
+/// components. O(neighbors).
+///
+/// ```
+/// use adwave::shape::{Adjacency, label_components};
+/// let edge_and_vertex = Adjacency::new(vec![0, 1, 2, 2], vec![1, 0], 3)?;
+/// assert_eq!(label_components(&edge_and_vertex), (vec![0, 0, 1], 2));
+/// # Ok::<(), adwave::rows::RowsError>(())
+/// ```
+pub fn label_components(adjacency: &Adjacency) -> (Vec<u32>, usize) {
+    const NONE: u32 = u32::MAX;
+    let mut component = vec![NONE; adjacency.n_rows()];
+    let mut stack = Vec::new();
+    let mut count = 0;
+    for start in 0..component.len() {
+        if component[start] != NONE {
+            continue;
+        }
+        component[start] = count;
+        stack.push(start as u32);
+        while let Some(x) = stack.pop() {
+            for &y in adjacency.row(x as usize) {
+                if component[y as usize] == NONE {
+                    component[y as usize] = count;
+                    stack.push(y);
+                }
+            }
+        }
+        count += 1;
+    }
+    (component, count as usize)
+}
+
 /// Number of connected components, ignoring the direction of edges; a vertex without edges is a component.
 /// O(neighbors log n).
 ///

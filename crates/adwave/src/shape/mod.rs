@@ -28,7 +28,7 @@ mod surface;
 mod triangulate;
 mod vertex_map;
 
-pub use adjacency::{Adjacency, k_rings, n_components, one_ring};
+pub use adjacency::{Adjacency, k_rings, label_components, n_components, one_ring};
 pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
 pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
