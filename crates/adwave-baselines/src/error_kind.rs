@@ -122,6 +122,7 @@ impl ClassifiedError for CompareError {
             | Self::NotCoordinates
             | Self::NotMesh => ErrorKind::Input,
             Self::Subdivision(error) => error.kind(),
+            Self::Region(error) => error.kind(),
             Self::Harmonics(error) => error.kind(),
             Self::Lee(error) => error.kind(),
             Self::FeatureMap(error) => error.kind(),

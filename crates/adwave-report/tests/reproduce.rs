@@ -22,7 +22,7 @@ fn named(names: &[&str]) -> Vec<&'static Figure> {
 fn all_figures_and_tables_are_there_in_the_order_of_the_paper() {
     let names: Vec<&str> = FIGURES.iter().map(|f| f.name).collect();
     let figures = (1..=15).map(|k| format!("fig{k}"));
-    let paper: Vec<String> = figures.chain(["table1".to_owned(), "table2".to_owned()]).collect();
+    let paper: Vec<String> = figures.chain(["table1", "table2", "section2.2"].map(str::to_owned)).collect();
     assert_eq!(names, paper);
 }
 
@@ -124,7 +124,8 @@ fn the_committed_page_has_a_section_for_each_figure() {
     let expected: Vec<String> = FIGURES
         .iter()
         .map(|f| {
-            let name = f.name.replace("fig", "Figure ").replace("table", "Table ");
+            let name =
+                f.name.replace("fig", "Figure ").replace("table", "Table ").replace("section", "Section ");
             format!("## {name}: {}", f.title)
         })
         .collect();
@@ -136,4 +137,19 @@ fn the_committed_page_has_a_section_for_each_figure() {
         let file = line.rsplit('(').next().unwrap().trim_end_matches(')');
         assert!(root.join("docs").join(file).is_file(), "{file}");
     }
+}
+
+#[test]
+fn wavelets_of_subdivision_are_compared_in_both_directions() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = target(folder.path());
+    let context = Context::new(Models::default(), Progress::none()).with_most_vertices(SMALL);
+    let made = reproduce(&named(&["section2.2"]), &context, &target, &mut |_| {}).unwrap();
+    let outcome = &made[0].outcome;
+    let markdown = std::fs::read_to_string(target.markdown.as_ref().unwrap()).unwrap();
+    assert!(markdown.contains("## Section 2.2: "), "the heading names the section");
+    assert!(!matches!(outcome.verdict, Verdict::NotAsClaimed(_)), "{:?}", outcome.verdict);
+    assert_eq!(outcome.pictures.len(), 2);
+    let sizes: Vec<&str> = outcome.tables[1].rows.iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(sizes, ["10242", "2562", "642", "162", "42", "12"]);
 }

@@ -20,6 +20,7 @@ use crate::sgwt::SgwtError;
 use crate::taubin::TaubinError;
 use adwave::bands::{BandsError, BandsParams, Schedule};
 use adwave::features::FeatureError;
+use adwave::region::RegionError;
 use adwave::saliency::SaliencyError;
 use adwave::shape::Shape;
 use adwave::{Decomposer, Progress, named_values};
@@ -97,6 +98,8 @@ pub enum CompareError {
     Features(#[from] FeatureError),
     #[error(transparent)]
     Subdivision(#[from] SubdivisionError),
+    #[error(transparent)]
+    Region(#[from] RegionError),
     /// The task needs a mesh.
     #[error("wavelets by lifting need a mesh of triangles; give one, or read the shape with --as mesh")]
     NotMesh,
@@ -260,7 +263,7 @@ mod tests {
             kept.other.unwrap() < 0.5 * kept.adwave.unwrap(),
             "a basis keeps more than a frame: {kept:?}"
         );
-        let moved = lifted.rows.iter().find(|r| r.quantity.starts_with("energy of a bump")).unwrap();
+        let moved = lifted.rows.iter().find(|r| r.quantity.starts_with("share of a bump's energy")).unwrap();
         assert!(moved.adwave.unwrap() < moved.other.unwrap(), "bands depend less on the place: {moved:?}");
         let critical = with(Method::FeatureMap, &heights, 1);
         assert_eq!(value(&critical, "sum of indices"), 0.0, "a torus");

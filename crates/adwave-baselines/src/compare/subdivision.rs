@@ -6,6 +6,7 @@ use super::shared::{largest_difference, reconstruct, row};
 use super::{CompareError, Comparison, ComparisonInput, Outcome};
 use adwave::Progress;
 use adwave::bands::Bands;
+use adwave::region::{Length, Location, Region};
 use adwave::shape::{MeshArea, Shape, mesh_areas};
 use adwave_subdivision::{Family, Hierarchy, LiftedWavelets, SubdivisionError, WeldedMesh};
 use std::time::Instant;
@@ -16,8 +17,8 @@ const SHARE: f64 = 0.1;
 /// Number of places of the bump.
 const N_PLACES: usize = 60;
 
-/// Standard deviation of the bump in mean edge lengths.
-const BUMP_EDGES: f64 = 4.0;
+/// Radius of the bump in mean edge lengths.
+const BUMP_EDGES: f64 = 10.0;
 
 /// Number of bumps that are split together, as the channels of one signal.
 const BUMPS_AT_A_TIME: usize = 4;
@@ -58,7 +59,7 @@ pub(super) fn compare(
     let ours = keep_bands(bands, &masses);
     let (reconstructed, our_synthesis) = reconstruct(bands);
     let error = |kept: &[f64]| relative_error(input.signal, kept, &masses);
-    let bumps = Bumps::new(input, &points, &welded, progress)?;
+    let bumps = Bumps::new(input, &welded, progress)?;
     let (our_spread, their_spread) = (bumps.spread_of_bands(input)?, bumps.spread_of_wavelets(&wavelets)?);
     let rows = vec![
         row("prepare, s", input.prepare_seconds, prepared),
@@ -76,7 +77,11 @@ pub(super) fn compare(
             error(&ours),
             error(&theirs),
         ),
-        row("energy of a bump on its strongest level: variation with its place, %", our_spread, their_spread),
+        row(
+            "share of a bump's energy on its strongest level: variation with its place, %",
+            our_spread,
+            their_spread,
+        ),
     ];
     let outcome = |values| vec![Outcome { name: "kept".to_owned(), n_channels: d, values }];
     let task =
@@ -122,30 +127,35 @@ fn relative_error(signal: &[f64], other: &[f64], masses: &[f64]) -> f64 {
 
 /// Bumps of one size at several places of a mesh.
 struct Bumps<'a> {
-    /// A column for each bump over the welded vertices.
+    /// A column for each bump over the welded vertices, with the energy 1 by area.
     columns: Vec<Vec<f64>>,
     welded: &'a WeldedMesh,
     progress: Progress<'a>,
 }
 
 impl<'a> Bumps<'a> {
+    /// Bumps around vertices of evenly spread numbers. A bump falls from 1 to 0 with the distance along the surface.
     fn new(
         input: &ComparisonInput<'_>,
-        points: &[[f64; 3]],
         welded: &'a WeldedMesh,
         progress: Progress<'a>,
     ) -> Result<Self, CompareError> {
-        let (n, width) = (points.len(), BUMP_EDGES * input.decomposer.mean_length());
-        let n_places = N_PLACES.min(n);
+        let (decomposer, masses) = (input.decomposer, input.decomposer.areas());
+        let radius = Length::Units(BUMP_EDGES * decomposer.mean_length());
+        let n_places = N_PLACES.min(masses.len());
         let mut columns = Vec::with_capacity(n_places);
         for place in 0..n_places {
-            progress.check().map_err(SubdivisionError::from)?;
-            let center = points[place * n / n_places];
-            let bump = |p: &[f64; 3]| {
-                let square: f64 = p.iter().zip(center).map(|(a, b)| ((a - b) / width).powi(2)).sum();
-                (-0.5 * square).exp()
-            };
-            columns.push(points.iter().map(bump).collect());
+            let center = Location::Vertex((place * masses.len() / n_places) as u32);
+            let ball = Region::Ball { center, radius, falloff: Some(radius) };
+            let weights = ball.weights(decomposer.metric(), &|_| None, &[], progress)?;
+            let mut bump = weights.to_vertices(decomposer.geometry().vertex_map());
+            let energy: f64 = bump.iter().zip(&masses).map(|(b, m)| m * b * b).sum();
+            if energy > 0.0 {
+                for b in &mut bump {
+                    *b /= energy.sqrt();
+                }
+            }
+            columns.push(welded.gather(&bump, 1)?);
         }
         Ok(Self { columns, welded, progress })
     }

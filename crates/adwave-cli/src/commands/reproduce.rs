@@ -28,7 +28,7 @@ Examples:
   adwave reproduce fig10 table2 -o out
   adwave reproduce all -o out --models models --models textured-models")]
 pub(crate) struct ReproduceArgs {
-    /// fig1 … fig15, table1, table2, or all
+    /// fig1 … fig15, table1, table2, section2.2, or all
     #[arg(value_name = "FIGURE", default_value = "all")]
     pub(crate) figures: Vec<String>,
     /// Folder for the files

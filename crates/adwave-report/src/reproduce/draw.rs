@@ -101,12 +101,25 @@ pub(super) struct Sheet<'a> {
     columns: usize,
     camera: SharedCamera,
     view: View,
+    /// Draws each face flat.
+    shows_facets: bool,
 }
 
 impl<'a> Sheet<'a> {
     /// A sheet with `columns` columns, all panels at the same scale.
     pub(super) fn new(columns: usize) -> Self {
-        Self { panels: Vec::new(), columns, camera: SharedCamera::Same, view: View::THREE_QUARTER }
+        Self {
+            panels: Vec::new(),
+            columns,
+            camera: SharedCamera::Same,
+            view: View::THREE_QUARTER,
+            shows_facets: false,
+        }
+    }
+
+    /// Draws each face flat.
+    pub(super) fn facets(self) -> Self {
+        Self { shows_facets: true, ..self }
     }
 
     /// Scales every panel to its own shape.
@@ -128,7 +141,10 @@ impl<'a> Sheet<'a> {
     fn png(&self, context: &Context<'_>) -> Result<Vec<u8>, FigureError> {
         context.progress.step(0, 1)?;
         let panels: Vec<Panel<'_>> = self.panels.iter().map(render_panel).collect();
-        let params = RenderParams::default().with_size(PANEL, PANEL).with_view(self.view);
+        let mut params = RenderParams::default().with_size(PANEL, PANEL).with_view(self.view);
+        if self.shows_facets {
+            params = params.with_crease_angle(0.0);
+        }
         Ok(grid(&panels, self.columns, self.camera, &params, context.progress.quiet())?.png()?)
     }
 

@@ -2,15 +2,15 @@
 
 use super::{
     Context, FigureError, Outcome, fig01, fig02, fig03, fig04, fig05, fig06, fig07, fig08, fig09, fig10,
-    fig11, fig12, fig13, fig14, fig15, table1, table2,
+    fig11, fig12, fig13, fig14, fig15, section22, table1, table2,
 };
 
 /// A figure or table of the paper.
 #[derive(Clone, Copy)]
 pub struct Figure {
-    /// Name: `fig1` … `fig15`, `table1`, `table2`.
+    /// Name: `fig1` … `fig15`, `table1`, `table2`, `section2.2`.
     pub name: &'static str,
-    /// Folder of its files: `fig01` … `table2`.
+    /// Folder of its files: `fig01` … `table2`, `section22`.
     pub folder: &'static str,
     /// Title.
     pub title: &'static str,
@@ -26,7 +26,7 @@ impl std::fmt::Debug for Figure {
     }
 }
 
-/// All figures and tables in the order of the paper.
+/// All figures and tables in the order of the paper, and a section that claims without a figure.
 pub const FIGURES: &[Figure] = &[
     Figure {
         name: "fig1",
@@ -159,6 +159,13 @@ pub const FIGURES: &[Figure] = &[
             "hand",
         ],
         make: table2::make,
+    },
+    Figure {
+        name: "section2.2",
+        folder: "section22",
+        title: "Subdivision wavelets beside the bands",
+        models: &[],
+        make: section22::make,
     },
 ];
 

@@ -45,7 +45,8 @@ pub(super) fn write(path: &Path, made: &[Made]) -> Result<(), ReproduceError> {
 /// Heading of a section: `## Figure 8: …`.
 pub(super) fn heading(id: &str, title: &str) -> String {
     let number = |prefix: &str, word: &str| id.strip_prefix(prefix).map(|n| format!("{word} {n}"));
-    let name = number("fig", "Figure").or_else(|| number("table", "Table")).unwrap_or_else(|| id.to_owned());
+    let name = number("fig", "Figure").or_else(|| number("table", "Table"));
+    let name = name.or_else(|| number("section", "Section")).unwrap_or_else(|| id.to_owned());
     format!("## {name}: {title}")
 }
 

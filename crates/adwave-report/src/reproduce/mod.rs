@@ -27,6 +27,7 @@ mod markdown;
 mod models;
 mod numbers;
 mod outcome;
+mod section22;
 mod table1;
 mod table2;
 mod write;
