@@ -11,6 +11,7 @@ use crate::lifting::{StepRule, check_field};
 use crate::rows::{Entry, SparseRows};
 use crate::{Family, LiftedWavelets, SubdivisionError};
 use adwave::{Cancelled, Progress};
+use rayon::slice::ParallelSliceMut;
 use std::f64::consts::{PI, TAU};
 
 /// Number of vertices below which no further level is made.
@@ -58,7 +59,7 @@ impl LiftedWavelets {
                 return Err(SubdivisionError::IndexOutOfRange { face, index, n_vertices });
             }
         }
-        let mut mesh = DynamicMesh::new(points, triangles);
+        let mut mesh = DynamicMesh::new(points, triangles, progress)?;
         let mut areas = crate::lifting::usable_masses(masses, n_vertices, "areas of the vertices")?;
         let mut left: Vec<u32> = (0..n_vertices as u32).collect();
         let mut rounds = Vec::new();
@@ -87,9 +88,12 @@ impl LiftedWavelets {
         for (place, &v) in (0..).zip(&order) {
             places[v as usize] = place;
         }
-        let rules =
-            rounds.into_iter().zip(n_coarse).map(|(round, n_coarse)| round.into_rule(&places, n_coarse));
-        Self::from_rules(Family::Irregular, order, rules, masses, progress)
+        let rules: Vec<StepRule> = rounds
+            .into_iter()
+            .zip(n_coarse)
+            .map(|(round, n_coarse)| round.into_rule(&places, n_coarse, progress))
+            .collect::<Result<_, _>>()?;
+        Self::from_rules(Family::Irregular, order, rules.into_iter(), masses, progress)
     }
 }
 
@@ -102,16 +106,24 @@ struct Round {
 }
 
 impl Round {
-    fn into_rule(self, places: &[u32], n_coarse: usize) -> StepRule {
+    fn into_rule(
+        self,
+        places: &[u32],
+        n_coarse: usize,
+        progress: Progress<'_>,
+    ) -> Result<StepRule, Cancelled> {
         let (mut prediction, mut row, mut first) = (SparseRows::new(), Vec::new(), 0);
-        for count in self.counts {
+        for (k, count) in self.counts.into_iter().enumerate() {
+            if k % AT_A_TIME == 0 {
+                progress.check()?;
+            }
             let entries = &self.entries[first..first + count];
             row.extend(entries.iter().map(|e| Entry { column: places[e.column as usize], value: e.value }));
             prediction.push_row(&mut row);
             first += count;
         }
         let supports = prediction.clone();
-        StepRule { n_coarse, prediction, supports, even: None }
+        Ok(StepRule { n_coarse, prediction, supports, even: None })
     }
 }
 
@@ -140,23 +152,31 @@ struct FlatRing {
 
 impl<'a> DynamicMesh<'a> {
     /// Triangles with three different corners.
-    fn new(points: &'a [[f64; 3]], triangles: &[[u32; 3]]) -> Self {
+    fn new(
+        points: &'a [[f64; 3]],
+        triangles: &[[u32; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let mut faces_at = vec![Vec::new(); points.len()];
         let proper: Vec<[u32; 3]> =
             triangles.iter().copied().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]).collect();
-        for (f, t) in (0..).zip(&proper) {
+        for (f, t) in (0_u32..).zip(&proper) {
+            if (f as usize).is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
             for &v in t {
                 faces_at[v as usize].push(f);
             }
         }
         let (is_gone, is_removed) = (vec![false; proper.len()], vec![false; points.len()]);
-        Self { points, triangles: proper, faces_at, is_gone, is_removed }
+        Ok(Self { points, triangles: proper, faces_at, is_gone, is_removed })
     }
 
     /// Removes vertices without a common edge, those of small areas first, and hands their areas to their neighbors.
     fn thin(&mut self, left: &[u32], areas: &mut [f64], progress: Progress<'_>) -> Result<Round, Cancelled> {
         let mut candidates = left.to_vec();
-        candidates.sort_unstable_by(|&a, &b| areas[a as usize].total_cmp(&areas[b as usize]).then(a.cmp(&b)));
+        candidates
+            .par_sort_unstable_by(|&a, &b| areas[a as usize].total_cmp(&areas[b as usize]).then(a.cmp(&b)));
         let mut is_kept = vec![false; self.points.len()];
         let mut round = Round { removed: Vec::new(), counts: Vec::new(), entries: Vec::new() };
         for (k, &v) in candidates.iter().enumerate() {
