@@ -10,7 +10,7 @@ use crate::output::{check_writable, clone_for_output, count, has_extension, numb
 use crate::output::{write_file_with, write_shape};
 use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::shape::{Input, load_shape};
-use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
+use crate::resolve::signal::{load_signal, refuse_labels, smooth_labels_hint};
 use adwave::shape::{MeshArea, Shape, mesh_areas};
 use adwave::{Cancelled, Progress};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues};
@@ -30,6 +30,25 @@ enum MeshWavelets {
     Faces(HaarWavelets),
 }
 
+/// Values of the vertices or, for wavelets on faces, of the faces of the file.
+struct BasisSignal {
+    values: Vec<f64>,
+    n_channels: usize,
+    is_of_faces: bool,
+}
+
+impl BasisSignal {
+    fn of_faces(field: &Field) -> Self {
+        Self { values: field.to_f64(), n_channels: field.n_channels, is_of_faces: true }
+    }
+}
+
+/// The field of the faces of that name, unless the vertices have one of the same name.
+fn find_face_field<'a>(input: &'a Input, name: &str) -> Option<&'a Field> {
+    let field = input.file.face_fields().iter().find(|field| field.name == name)?;
+    input.file.field(name).is_none().then_some(field)
+}
+
 /// A signal on a mesh, ready to be transformed.
 struct BasisJob {
     family: Family,
@@ -41,6 +60,8 @@ struct BasisJob {
     /// Values of the welded vertices or of the faces.
     values: Vec<f64>,
     n_channels: usize,
+    /// Whether the values of the faces were given, and not those of their corners.
+    is_of_faces: bool,
 }
 
 pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> Result<(), CliError> {
@@ -53,17 +74,27 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
     if let Some(share) = args.keep.filter(|share| !(0.0..=1.0).contains(share)) {
         return Err(SubdivisionError::Share(share).into());
     }
-    if args.inverse && family == Family::Haar {
-        let reason = "has its coefficients on faces; hierarchy(...).analyze in Python gives the field back";
-        return Err(SubdivisionError::Family { family: family.name(), reason }.into());
-    }
     let kind = OutputKind::from_path(&args.output)?;
     check_writable(&args.output)?;
     let input = load_shape(&args.shape, global)?;
     let name = args.signal.name();
-    let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
-    refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
-    let job = with_progress(global, "finding levels", |progress| prepare(input, family, &signal, progress))?;
+    let of_faces = if family == Family::Haar { find_face_field(&input, name) } else { None };
+    let signal = match of_faces {
+        Some(field) => BasisSignal::of_faces(field),
+        None if args.inverse && family == Family::Haar => {
+            return Err(CliError::Input(format!(
+                "{}: coefficients of haar belong to faces, and the faces have no field {name}; name the field that \
+                 transform --basis haar wrote to a shape",
+                input.name
+            )));
+        }
+        None => {
+            let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
+            refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
+            BasisSignal { values: signal.values, n_channels: signal.n_channels, is_of_faces: false }
+        }
+    };
+    let job = with_progress(global, "finding levels", |progress| prepare(input, family, signal, progress))?;
     if args.inverse {
         return write_field(args, &job, kind, global);
     }
@@ -103,7 +134,7 @@ impl OutputKind {
 fn prepare(
     input: Input,
     family: Family,
-    signal: &Signal,
+    signal: BasisSignal,
     progress: Progress<'_>,
 ) -> Result<BasisJob, CliError> {
     let name_error = |error: SubdivisionError| match error {
@@ -117,8 +148,18 @@ fn prepare(
         )));
     };
     let welded = WeldedMesh::new(mesh).map_err(name_error)?;
-    let d = signal.n_channels;
-    let values = welded.gather(&signal.values, d).map_err(name_error)?;
+    let BasisSignal { values, n_channels: d, is_of_faces } = signal;
+    let values = if is_of_faces {
+        if values.len() != d * welded.triangles.len() {
+            return Err(CliError::Input(format!(
+                "{}: its field of the faces must have a row per triangle; triangulate the mesh first",
+                input.name
+            )));
+        }
+        values
+    } else {
+        welded.gather(&values, d).map_err(name_error)?
+    };
     let (points, n) = (welded.points(mesh), welded.vertices.len());
     let areas = mesh_areas(&points, &welded.triangles, MeshArea::Barycentric);
     progress.check().map_err(|Cancelled| CliError::Cancelled)?;
@@ -134,7 +175,8 @@ fn prepare(
             let wavelets =
                 HaarWavelets::new(&hierarchy, &face_areas(&points, &welded.triangles)).map_err(name_error)?;
             let sizes = (0..=hierarchy.n_levels()).map(|level| hierarchy.n_faces(level)).collect();
-            (MeshWavelets::Faces(wavelets), sizes, means_of_corners(&values, d, &welded.triangles))
+            let values = if is_of_faces { values } else { means_of_corners(&values, d, &welded.triangles) };
+            (MeshWavelets::Faces(wavelets), sizes, values)
         }
         _ => {
             let hierarchy = Hierarchy::new(n, &welded.triangles, progress).map_err(name_error)?;
@@ -143,7 +185,7 @@ fn prepare(
             (MeshWavelets::Vertices(wavelets), sizes, values)
         }
     };
-    Ok(BasisJob { family, welded, basis, sizes, values, n_channels: d, input })
+    Ok(BasisJob { family, welded, basis, sizes, values, n_channels: d, is_of_faces, input })
 }
 
 /// Areas of triangles.
@@ -209,6 +251,12 @@ impl BasisJob {
     }
 }
 
+fn faces_need_shape(path: &Path, what: &str) -> CliError {
+    let text =
+        format!("{what} of haar belong to faces; write a shape with fields of faces, such as .ply or .vtu");
+    CliError::Input(format!("{}: {text}", path.display()))
+}
+
 /// Makes a field of the coefficients in the signal and writes it.
 fn write_field(
     args: &TransformArgs,
@@ -219,15 +267,21 @@ fn write_field(
     let field = with_progress(global, "transforming", |progress| job.synthesize(&job.values, progress))?;
     let values = FieldValues::F64(job.in_mesh_rows(&field, job.n_channels));
     let field = Field::new("field", job.n_channels, values);
+    let on_faces = matches!(job.basis, MeshWavelets::Faces(_));
     match kind {
         OutputKind::Npz => {
             let text = "the field of --inverse is written as a shape with fields, .npy, .csv or .gii";
             return Err(CliError::Input(format!("{}: {text}", args.output.display())));
         }
+        OutputKind::Alone(_) if on_faces => return Err(faces_need_shape(&args.output, "the field")),
         OutputKind::Alone(alone) => alone.write(global, &args.output, &[field], &job.input.file)?,
         OutputKind::Shape => {
             let mut file = clone_for_output(&job.input.file, &args.output);
-            file.add_vertex_field(field)?;
+            if on_faces {
+                file.add_face_field(field)?;
+            } else {
+                file.add_vertex_field(field)?;
+            }
             write_shape(global, &file, &args.output)?;
         }
     }
@@ -288,8 +342,7 @@ fn write_coefficients(
         _ if on_faces => {
             let Shape::Mesh(_) = &job.input.shape else { return Ok(()) };
             if !holds_fields(path) {
-                let text = "coefficients of haar belong to faces; write them as .npz, or as a shape with fields of faces";
-                return Err(CliError::Input(format!("{}: {text}", path.display())));
+                return Err(faces_need_shape(path, "coefficients"));
             }
             let mut file = clone_for_output(&job.input.file, path);
             for field in fields {
@@ -349,7 +402,8 @@ fn report(
         );
     }
     if let MeshWavelets::Faces(_) = job.basis {
-        text += "\nvalues of the faces: means of their corners\n";
+        let origin = if job.is_of_faces { "a field of the file" } else { "means of their corners" };
+        text += &format!("\nvalues of the faces: {origin}\n");
     }
     text += &format!("{}", args.output.display());
     let json = json!({

@@ -92,6 +92,27 @@ fn coefficients_go_to_a_file_and_come_back() {
 }
 
 #[test]
+fn values_of_faces_come_back_from_their_coefficients() {
+    let folder = tempfile::tempdir().unwrap();
+    write_ball(folder.path(), 3);
+    let haar = "--basis haar --signal";
+    json(folder.path(), &format!("transform ball.obj -o means.ply {haar} bump.csv"));
+    json(folder.path(), &format!("transform means.ply -o field.ply {haar} coefficient --inverse"));
+    let again = json(folder.path(), &format!("transform field.ply -o again.ply {haar} field"));
+    assert_eq!(again["elements"], "faces");
+    let of = |name: &str, field: &str| {
+        let file = adwave_io::read_path(folder.path().join(name), &adwave_io::ReadLimits::default()).unwrap();
+        file.face_fields().iter().find(|f| f.name == field).unwrap().to_f64()
+    };
+    let (first, second) = (of("means.ply", "coefficient"), of("again.ply", "coefficient"));
+    let greatest = first.iter().zip(&second).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(first.iter().any(|c| c.abs() > 1e-3) && greatest < 1e-14, "{greatest}");
+    let error =
+        refused(folder.path(), &format!("transform means.ply -o back.csv {haar} coefficient --inverse"));
+    assert!(error.contains("belong to faces"), "{error}");
+}
+
+#[test]
 fn what_a_basis_cannot_do_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     write_ball(folder.path(), 3);
@@ -102,7 +123,7 @@ fn what_a_basis_cannot_do_is_said_in_one_line() {
         ("transform ball.obj -o c.npz --basis butterfly --levels 3", "--levels applies to bands"),
         ("transform ball.obj -o c.npz --basis butterfly --operator surface", "--operator applies to bands"),
         ("transform ball.obj -o c.npz --keep 0.1", "--basis"),
-        ("transform ball.obj -o c.npz --basis haar --inverse", "faces"),
+        ("transform ball.obj -o c.ply --basis haar --inverse", "the faces have no field"),
         ("transform ball.obj -o c.csv --basis haar --signal bump.csv", "faces"),
         ("transform ball.obj -o c.npz --basis butterfly --inverse --signal bump.csv", "--inverse"),
         ("transform ball.obj -o c.npz --basis butterfly --inverse --keep 0.1", "--keep"),
