@@ -38,7 +38,7 @@ struct BasisSignal {
 }
 
 impl BasisSignal {
-    fn of_faces(field: &Field) -> Self {
+    fn from_face_field(field: &Field) -> Self {
         Self { values: field.to_f64(), n_channels: field.n_channels, is_of_faces: true }
     }
 }
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
     let name = args.signal.name();
     let of_faces = if family == Family::Haar { find_face_field(&input, name) } else { None };
     let signal = match of_faces {
-        Some(field) => BasisSignal::of_faces(field),
+        Some(field) => BasisSignal::from_face_field(field),
         None if args.inverse && family == Family::Haar => {
             return Err(CliError::Input(format!(
                 "{}: coefficients of haar belong to faces, and the faces have no field {name}; name the field that \

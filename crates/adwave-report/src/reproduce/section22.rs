@@ -284,7 +284,7 @@ fn ball_of_bumps(n_levels: usize) -> Result<Model, FigureError> {
         let middles: Vec<Vector> = finer
             .parents
             .iter()
-            .map(|&[a, b]| on_sphere(&add_scaled(&points[a as usize], 1.0, &points[b as usize])))
+            .map(|&[a, b]| project_to_sphere(&add_scaled(&points[a as usize], 1.0, &points[b as usize])))
             .collect();
         points.extend(middles);
         triangles = finer.triangles;
@@ -311,7 +311,7 @@ fn spiral(k: usize, n: usize) -> Vector {
     [radius * cos, radius * sin, z]
 }
 
-fn on_sphere(p: &Vector) -> Vector {
+fn project_to_sphere(p: &Vector) -> Vector {
     p.map(|x| x / norm(p))
 }
 
@@ -337,5 +337,5 @@ fn icosahedron() -> (Vec<Vector>, Vec<[u32; 3]>) {
             }
         }
     }
-    (points.iter().map(on_sphere).collect(), triangles)
+    (points.iter().map(project_to_sphere).collect(), triangles)
 }
