@@ -45,10 +45,10 @@ usage: cargo xtask COMMAND
             published pairs of ../shared/data (or $ADWAVE_DATA), if it exists
   bench-meshings [--models DIR] [--only PART]
             compare bands, features and maps between meshings of the same surfaces and write docs/MESHINGS.md
-  bench-match [--seeds choose|final] [--cases N] [--seconds N]
+  bench-match [--seeds choose|final] [--cases N] [--seconds N] [--curve FILE.svg]
             match terrains and, if ../shared/data exists, cuts and views of surfaces with a known motion or with none: rates
-            of right and wrong claims and the calibration of confidences, as tables; constants are chosen by the seeds
-            `choose` and measured by the seeds `final`
+            of right and wrong claims and the calibration of confidences, as tables and as a curve; constants are chosen by
+            the seeds `choose` and measured by the seeds `final`
   docs      build the guides and the Python reference as target/docs/index.html; warnings are errors
   command-check
             all cases of the systematic tests of the command, of which every test run takes a sample: each documented command,

@@ -21,14 +21,17 @@ const FILES: [&str; 13] = [
     "paper/mesh_saliency_simplification/kitten.obj",
 ];
 
-/// Prints the tables. `arguments`: `--seeds choose|final`, `--cases N` and `--seconds N`.
+/// Prints the tables and draws the calibration. `arguments`: `--seeds choose|final`, `--cases N`, `--seconds N` and
+/// `--curve FILE`.
 pub(crate) fn bench_match(arguments: &[&str]) -> StepResult {
     let (mut seeds, mut cases, mut seconds) = ("choose", "40", "3600");
+    let mut curve = "target/match-calibration.svg";
     for pair in arguments.chunks(2) {
         match *pair {
             ["--seeds", value @ ("choose" | "final")] => seeds = value,
             ["--cases", value] if value.parse::<u64>().is_ok() => cases = value,
             ["--seconds", value] if value.parse::<u64>().is_ok() => seconds = value,
+            ["--curve", value] => curve = value,
             _ => {
                 return Err(format!(
                     "bench-match: {} is not understood; see `cargo xtask help`",
@@ -50,6 +53,6 @@ pub(crate) fn bench_match(arguments: &[&str]) -> StepResult {
             "match_cases",
             "--",
         ])
-        .args([seeds, cases, seconds])
+        .args([seeds, cases, seconds, curve])
         .args(files))
 }

@@ -3,19 +3,22 @@
 use crate::consensus::{AgreeingPair, agreeing_pairs};
 use crate::{Key, Motion, ShapeFeatures};
 use adwave::features::match_features;
+use adwave::vector::{norm, subtract};
 
 /// Options of the pairing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairParams {
     /// Largest distance after the motion, in σ of the second feature.
     pub sigmas: f64,
-    /// Probability that the motion is the true one, in [0, 1].
+    /// Probability that one of the motions is the true one, in [0, 1].
     pub confidence: f64,
+    /// Standard deviation of the distances after the motion about those after the true one, in model units.
+    pub precision: f64,
 }
 
 impl Default for PairParams {
     fn default() -> Self {
-        Self { sigmas: 1.0, confidence: 1.0 }
+        Self { sigmas: 1.0, confidence: 1.0, precision: 0.0 }
     }
 }
 
@@ -35,27 +38,32 @@ pub struct Pair {
     pub confidence: f64,
 }
 
-/// Lists the mutually nearest similar features after a motion, within [`PairParams::sigmas`] of σ, by rising index of the
-/// first. O(first × second).
+/// Ratio of the width of a logistic curve to its standard deviation, √3/π.
+const LOGISTIC_WIDTH: f64 = 0.551_328_895_421_792;
+
+/// Least width of the curve, in σ.
+const MIN_WIDTH: f64 = 1e-6;
+
+/// Lists the mutually nearest similar features after the first of `motions`, within [`PairParams::sigmas`] of σ, by rising
+/// index of the first. O(first × second).
 ///
-/// The confidence is that the true motion brings the two within one σ of each other: [`PairParams::confidence`], the probability
-/// that the motion is right, for pairs within one σ. For pairs farther apart it is that times `exp(−m·π·(d² − σ²)/area)`, the
-/// probability that none of the m similar features of the second shape would lie between σ and d if they were placed at
-/// random on its surface, whose `area` is in squared model units.
-pub fn pairs_under(
-    first: &[Key],
-    second: &[Key],
-    motion: &Motion,
-    area: f64,
-    params: &PairParams,
-) -> Vec<Pair> {
+/// The confidence is the probability that the true motion brings the two within one σ of each other:
+/// `c/m · Σ 1/(1 + exp((dᵢ − 1)/w))` over the m motions, which fit equally well, with the distances dᵢ after them in σ and the
+/// probability c that one of them is the true one, [`PairParams::confidence`]. The width w is `√3/π` times
+/// [`PairParams::precision`] over σ.
+pub fn pairs_under(first: &[Key], second: &[Key], motions: &[Motion], params: &PairParams) -> Vec<Pair> {
+    let Some(best) = motions.first() else { return Vec::new() };
     let to_pair = |AgreeingPair { first: a, second: b, sigmas }| {
-        let n_similar = second.iter().filter(|other| first[a].is_alike_after(other, motion)).count();
-        let disk = std::f64::consts::PI * (sigmas.powi(2) - 1.0).max(0.0) * second[b].sigma.powi(2);
-        let confidence = params.confidence * (-(n_similar as f64) * disk / area).exp();
-        Pair { first: a, second: b, sigmas, confidence }
+        let within = |motion: &Motion| {
+            let moved = motion.apply(&first[a].position);
+            let distance = norm(&subtract(&moved, &second[b].position)) / second[b].sigma;
+            let width = (LOGISTIC_WIDTH * params.precision / second[b].sigma).max(MIN_WIDTH);
+            1.0 / (1.0 + ((distance - 1.0) / width).exp())
+        };
+        let mean = motions.iter().map(within).sum::<f64>() / motions.len() as f64;
+        Pair { first: a, second: b, sigmas, confidence: params.confidence * mean }
     };
-    agreeing_pairs(first, second, motion, params.sigmas).into_iter().map(to_pair).collect()
+    agreeing_pairs(first, second, best, params.sigmas).into_iter().map(to_pair).collect()
 }
 
 /// Lists the features with the most similar descriptors, in both directions, nearer than `ratio` times the second nearest, by

@@ -65,7 +65,7 @@ fn features_of_two_meshings_are_paired_rightly_whatever_the_motion() {
     let error = farthest(first.points().unwrap(), &best.motion, &truth);
     assert!(error < 0.002 && best.fit.overlap > 0.99, "{error}, {best:?}");
     assert!(found.equal.is_empty() && found.confidence() == CLEAR_CONFIDENCE, "{:?}", found.equal);
-    let pairs = pairs_under(&a.features.keys, &b.features.keys, &best.motion, b.area, &PairParams::default());
+    let pairs = pairs_under(&a.features.keys, &b.features.keys, &[best.motion], &PairParams::default());
     let right = |p: &&adwave_register::Pair| {
         off(&truth.apply(&a.features.keys[p.first].position), &b.features.keys[p.second].position)
             <= 1.05 * b.features.keys[p.second].sigma

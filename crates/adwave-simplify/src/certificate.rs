@@ -45,8 +45,29 @@ pub(crate) struct Certificates<'a> {
     test: u32,
     new_covers: NewCovers,
     new_faces: TriangleList,
+    /// Boxes around the new faces, as far beyond them as the limit.
+    boxes: Vec<[Point; 2]>,
+    /// New faces near each wedge of the original.
+    near_faces: Vec<NearFaces>,
     other_faces: TriangleList,
+    /// Triangle that had no cover when each position was last tried.
+    witnesses: Vec<u32>,
 }
+
+/// New faces within the limit of a point.
+#[derive(Clone, Copy, Default)]
+struct NearFaces {
+    /// Number of the test in which they were found.
+    test: u32,
+    /// One bit for each of the first 64 faces.
+    faces: u64,
+}
+
+/// Number of new faces that a triangle is compared with as a whole; of more, it is compared with pieces.
+const MAX_NEW_FACES: usize = 64;
+
+/// Mark of a position that was not tried in vain.
+const NONE: u32 = u32::MAX;
 
 /// Faces that cover a triangle, most often one.
 struct Cover {
@@ -72,7 +93,6 @@ impl<'a> Certificates<'a> {
     pub(crate) fn new(original: Original<'a>, limit: f64) -> Self {
         let n = original.wedges.triangles.len();
         Self {
-            original,
             limit,
             squared_limit: limit * limit,
             cover: (0..n as u32).map(|t| Cover { first: t, others: Vec::new() }).collect(),
@@ -82,7 +102,11 @@ impl<'a> Certificates<'a> {
             test: 0,
             new_covers: NewCovers::default(),
             new_faces: TriangleList::default(),
+            boxes: Vec::new(),
+            near_faces: vec![NearFaces::default(); original.wedges.points.len()],
             other_faces: TriangleList::default(),
+            witnesses: vec![NONE; original.wedges.points.len()],
+            original,
         }
     }
 
@@ -95,20 +119,36 @@ impl<'a> Certificates<'a> {
         }
         self.new_covers.triangles.clear();
         self.new_covers.faces.clear();
+        let witness = self.witnesses[plan.from as usize];
+        if witness != NONE && self.is_affected(witness) && !self.cover_again(witness, connectivity) {
+            return false;
+        }
         let star = plan.moved.iter().map(|(face, _)| face).chain(&plan.vanishing);
         for &face in star {
             for k in 0..self.covered[face as usize].len() {
                 let t = self.covered[face as usize][k];
-                if std::mem::replace(&mut self.seen[t as usize], self.test) == self.test {
-                    continue;
-                }
-                if !self.find_cover(t, connectivity) {
+                if self.seen[t as usize] != self.test && !self.cover_again(t, connectivity) {
+                    self.witnesses[plan.from as usize] = t;
                     return false;
                 }
-                self.new_covers.triangles.push((t, self.new_covers.faces.len()));
             }
         }
         self.are_near_original(plan.moved.len())
+    }
+
+    /// Tells if a face that covers a triangle changes.
+    fn is_affected(&self, t: u32) -> bool {
+        self.cover[t as usize].faces().any(|face| self.in_star[face as usize] == self.test)
+    }
+
+    /// Adds a new cover of a triangle; `false` if there is none.
+    fn cover_again(&mut self, t: u32, connectivity: &Connectivity) -> bool {
+        self.seen[t as usize] = self.test;
+        let is_covered = self.find_cover(t, connectivity);
+        if is_covered {
+            self.new_covers.triangles.push((t, self.new_covers.faces.len()));
+        }
+        is_covered
     }
 
     /// Lists the moved faces, and then the other faces around the target.
@@ -127,31 +167,69 @@ impl<'a> Certificates<'a> {
                 self.new_faces.push(face, wedges, connectivity.corners_of(face));
             }
         }
+        let bounds = |corners: &[Point; 3]| {
+            let fold =
+                |c: usize, pick: fn(f64, f64) -> f64| pick(pick(corners[0][c], corners[1][c]), corners[2][c]);
+            [
+                std::array::from_fn(|c| fold(c, f64::min) - self.limit),
+                std::array::from_fn(|c| fold(c, f64::max) + self.limit),
+            ]
+        };
+        self.boxes.clear();
+        self.boxes.extend(self.new_faces.corners.iter().map(bounds));
+    }
+
+    /// New faces within the limit of a wedge of the original, as bits.
+    fn faces_near(&mut self, wedge: u32) -> u64 {
+        let known = self.near_faces[wedge as usize];
+        if known.test == self.test {
+            return known.faces;
+        }
+        let p = self.original.wedges.points[wedge as usize];
+        let mut faces = 0;
+        let all = self.new_faces.corners.iter().zip(&self.boxes).take(MAX_NEW_FACES);
+        for (k, (corners, [low, high])) in all.enumerate() {
+            let is_inside = (0..3).all(|c| low[c] <= p[c] && p[c] <= high[c]);
+            if is_inside && squared_distance(p, corners) <= self.squared_limit {
+                faces |= 1 << k;
+            }
+        }
+        self.near_faces[wedge as usize] = NearFaces { test: self.test, faces };
+        faces
     }
 
     fn is_in_chart(&self, face: u32, t: u32) -> bool {
         self.original.charts[face as usize] == self.original.charts[t as usize]
     }
 
-    fn covers_all(&self, face: &[Point; 3], triangle: &[Point; 3]) -> bool {
-        triangle.iter().all(|&p| squared_distance(p, face) <= self.squared_limit)
-    }
-
     /// Appends a cover of a triangle to the new covers.
     fn find_cover(&mut self, t: u32, connectivity: &Connectivity) -> bool {
-        let triangle = *self.original.surface.corners(t);
+        let near = self.original.wedges.triangles[t as usize].map(|wedge| self.faces_near(wedge));
+        let has_few = self.new_faces.ids.len() <= MAX_NEW_FACES;
+        if has_few && near.contains(&0) && self.cover[t as usize].others.is_empty() {
+            return false;
+        }
         if self.original.colors.is_none() {
-            let n = self.new_faces.ids.len();
             let first = self.cover[t as usize].first;
             let first = self.new_faces.ids.iter().position(|&face| face == first).unwrap_or(0);
-            for k in (0..n).map(|k| (k + first) % n) {
+            let mut common = near[0] & near[1] & near[2];
+            while common != 0 {
+                // The present cover comes first, then the faces after it.
+                let rest = common.checked_shr(first as u32).unwrap_or(0);
+                let k = if rest != 0 {
+                    first + rest.trailing_zeros() as usize
+                } else {
+                    common.trailing_zeros() as usize
+                };
                 let face = self.new_faces.ids[k];
-                if self.is_in_chart(face, t) && self.covers_all(&self.new_faces.corners[k], &triangle) {
+                if self.is_in_chart(face, t) {
                     self.new_covers.faces.push(face);
                     return true;
                 }
+                common &= !(1 << k);
             }
         }
+        let triangle = *self.original.surface.corners(t);
         self.find_cover_by_pieces(t, &triangle, connectivity)
     }
 

@@ -15,7 +15,7 @@ use crate::geometry::{dot, length, minus, nearest_weights, squared_distance};
 use crate::quadric::Quadric;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Cost of a unit of squared edge length, which orders the collapses of flat parts.
@@ -27,33 +27,20 @@ const TRIES_PER_CHECK: u64 = 1 << 12;
 /// Largest number of times that the wait of a vertex without a collapse is doubled.
 const MAX_DOUBLINGS: u32 = 6;
 
-/// A vertex and the cost of its next best collapse.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Next collapse of a vertex.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Candidate {
     cost: f64,
-    vertex: u32,
     target: u32,
     stamp: u32,
-    /// Rank of the collapse among those of the vertex, by cost.
-    rank: u32,
     /// The cost includes the change of colors.
     is_exact: bool,
 }
 
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    /// The least cost is the greatest candidate, as the heap returns it first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        let rest = |c: &Self| (c.vertex, c.stamp, c.rank);
-        other.cost.total_cmp(&self.cost).then_with(|| rest(other).cmp(&rest(self)))
-    }
+/// Entry of the heap: the cost in single precision, whose bits have the order of nonnegative numbers, and the vertex. The
+/// least cost comes first, of equal ones the least vertex.
+fn entry(cost: f64, vertex: u32) -> Reverse<u64> {
+    Reverse(u64::from((cost as f32).to_bits()) << 32 | u64::from(vertex))
 }
 
 /// Time at which a vertex that could not be collapsed is tried again.
@@ -75,10 +62,12 @@ pub(crate) struct Collapser<'a> {
     /// Vertices with a candidate in the heap; an outdated one is ranked again when it comes first.
     is_queued: Vec<bool>,
     retries: Vec<Retry>,
-    heap: BinaryHeap<Candidate>,
+    /// Candidates of the vertices in the heap.
+    candidates: Vec<Candidate>,
+    heap: BinaryHeap<Reverse<u64>>,
     plan: Collapse,
-    ranked: Vec<(f64, u32)>,
     neighbors: Vec<u32>,
+    changed: Vec<u32>,
 }
 
 impl<'a> Collapser<'a> {
@@ -103,10 +92,11 @@ impl<'a> Collapser<'a> {
             stamps: vec![0; n],
             is_queued: vec![false; n],
             retries: vec![Retry::default(); n],
+            candidates: vec![Candidate::default(); n],
             heap: BinaryHeap::new(),
             plan: Collapse::default(),
-            ranked: Vec::new(),
             neighbors: Vec::new(),
+            changed: Vec::new(),
         }
     }
 
@@ -124,16 +114,17 @@ impl<'a> Collapser<'a> {
         self.fill_heap();
         let (mut remaining, mut n_tries) = (n, 0_u64);
         while remaining > n_left {
-            let Some(mut candidate) = self.heap.pop() else { break };
-            let u = candidate.vertex;
-            if candidate.stamp != self.stamps[u as usize] {
+            let Some(Reverse(first)) = self.heap.pop() else { break };
+            let u = first as u32;
+            if self.candidates[u as usize].stamp != self.stamps[u as usize] {
                 let Some(best) = self.best_candidate(u) else {
                     self.is_queued[u as usize] = false;
                     continue;
                 };
-                candidate = best;
-                if self.heap.peek().is_some_and(|next| next.cost < candidate.cost) {
-                    self.heap.push(candidate);
+                self.candidates[u as usize] = best;
+                let entry = entry(best.cost, u);
+                if self.heap.peek().is_some_and(|next| *next > entry) {
+                    self.heap.push(entry);
                     continue;
                 }
             }
@@ -141,7 +132,7 @@ impl<'a> Collapser<'a> {
             if n_tries.is_multiple_of(TRIES_PER_CHECK) {
                 progress.step((n - remaining) as u64, (n - n_left) as u64)?;
             }
-            if self.try_candidate(candidate) {
+            if self.try_candidate(u) {
                 remaining -= self.n_removed(vertex);
                 self.update();
             }
@@ -161,48 +152,53 @@ impl<'a> Collapser<'a> {
 
     fn fill_heap(&mut self) {
         let n = self.connectivity.n_positions() as u32;
-        let candidate = |(neighbors, ranked): &mut (Vec<u32>, Vec<(f64, u32)>), u: u32| {
-            rank(&self.connectivity, &self.quadrics[u as usize], u, neighbors, ranked);
-            first_candidate(u, self.stamps[u as usize], ranked)
+        let candidate = |neighbors: &mut Vec<u32>, u: u32| {
+            let best = next_target(&self.connectivity, &self.quadrics[u as usize], u, None, neighbors);
+            best.map(|best| Candidate { stamp: self.stamps[u as usize], ..best })
         };
         let candidates: Vec<Option<Candidate>> =
-            (0..n).into_par_iter().map_init(Default::default, candidate).collect();
+            (0..n).into_par_iter().map_init(Vec::new, candidate).collect();
         self.is_queued = candidates.iter().map(Option::is_some).collect();
         self.retries.fill(Retry::default());
-        self.heap = candidates.into_iter().flatten().collect();
+        let entries = (0..n).zip(&candidates);
+        self.heap = entries.filter_map(|(u, best)| best.map(|best| entry(best.cost, u))).collect();
+        self.candidates = candidates.into_iter().map(Option::unwrap_or_default).collect();
     }
 
-    /// Ranks the collapses of a vertex by cost.
-    fn rank(&mut self, u: u32) {
-        rank(&self.connectivity, &self.quadrics[u as usize], u, &mut self.neighbors, &mut self.ranked);
-    }
-
-    /// Ranks the collapses of a vertex, and returns the cheapest.
+    /// Finds the cheapest collapse of a vertex.
     fn best_candidate(&mut self, u: u32) -> Option<Candidate> {
-        self.rank(u);
-        first_candidate(u, self.stamps[u as usize], &self.ranked)
+        self.next_candidate(u, None)
+    }
+
+    /// Finds the cheapest collapse of a vertex, or the next one after that to a target.
+    fn next_candidate(&mut self, u: u32, last: Option<u32>) -> Option<Candidate> {
+        let quadric = &self.quadrics[u as usize];
+        let next = next_target(&self.connectivity, quadric, u, last, &mut self.neighbors);
+        next.map(|next| Candidate { stamp: self.stamps[u as usize], ..next })
     }
 
     /// Carries out a collapse if it is possible; otherwise the next one of the vertex becomes the candidate.
-    fn try_candidate(&mut self, candidate: Candidate) -> bool {
-        let (u, v) = (candidate.vertex, candidate.target);
-        let is_planned = self.connectivity.plan(u, v, self.turning, &mut self.plan);
+    fn try_candidate(&mut self, u: u32) -> bool {
+        let candidate = self.candidates[u as usize];
+        let is_planned = self.connectivity.plan(u, candidate.target, self.turning, &mut self.plan);
         let color_cost = if is_planned && !candidate.is_exact { self.color_cost() } else { 0.0 };
         if color_cost > 0.0 {
-            self.heap.push(Candidate { cost: candidate.cost + color_cost, is_exact: true, ..candidate });
+            self.queue(u, Candidate { cost: candidate.cost + color_cost, is_exact: true, ..candidate });
         } else if is_planned && self.is_allowed() {
             self.carry_out();
             return true;
+        } else if let Some(next) = self.next_candidate(u, Some(candidate.target)) {
+            self.queue(u, Candidate { cost: next.cost.max(candidate.cost), ..next });
         } else {
-            self.rank(u);
-            if let Some(&(cost, target)) = self.ranked.get(candidate.rank as usize + 1) {
-                let (cost, rank) = (cost.max(candidate.cost), candidate.rank + 1);
-                self.heap.push(Candidate { cost, target, rank, is_exact: false, ..candidate });
-            } else {
-                self.postpone(u);
-            }
+            self.postpone(u);
         }
         false
+    }
+
+    fn queue(&mut self, u: u32, candidate: Candidate) {
+        self.candidates[u as usize] = candidate;
+        self.heap.push(entry(candidate.cost, u));
+        self.is_queued[u as usize] = true;
     }
 
     /// Waits with a vertex that has no collapse: for the next change around it, or, if every try needs a proof, for twice as
@@ -233,11 +229,13 @@ impl<'a> Collapser<'a> {
     fn update(&mut self) {
         // The faces around other neighbors of the target are as before, and so are their costs.
         let moved = self.plan.moved.iter().map(|(_, wedges)| *wedges).chain(self.plan.gone.iter().copied());
-        let mut changed: Vec<u32> = moved.flatten().map(|wedge| self.connectivity.position(wedge)).collect();
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.clear();
+        changed.extend(moved.flatten().map(|wedge| self.connectivity.position(wedge)));
         changed.sort_unstable();
         changed.dedup();
         changed.retain(|&u| u != self.plan.from);
-        for u in changed {
+        for &u in &changed {
             let stamp = &mut self.stamps[u as usize];
             *stamp += 1;
             let stamp = *stamp;
@@ -245,10 +243,10 @@ impl<'a> Collapser<'a> {
                 continue;
             }
             if let Some(candidate) = self.best_candidate(u) {
-                self.heap.push(candidate);
-                self.is_queued[u as usize] = true;
+                self.queue(u, candidate);
             }
         }
+        self.changed = changed;
     }
 
     /// Squared length by which the planned collapse moves colors: the change at the removed vertex times the edge length.
@@ -270,27 +268,30 @@ impl<'a> Collapser<'a> {
     }
 }
 
-/// Returns the cheapest of ranked collapses.
-fn first_candidate(vertex: u32, stamp: u32, ranked: &[(f64, u32)]) -> Option<Candidate> {
-    let &(cost, target) = ranked.first()?;
-    Some(Candidate { cost, vertex, target, stamp, rank: 0, is_exact: false })
-}
-
-/// Ranks the collapses of a vertex by cost; `neighbors` is scratch space.
-fn rank(
+/// Finds the cheapest collapse of a vertex, or the next one after that to the target `last`; of equal ones that to the least
+/// target. `neighbors` is scratch space.
+fn next_target(
     connectivity: &Connectivity,
     quadric: &Quadric,
     u: u32,
+    last: Option<u32>,
     neighbors: &mut Vec<u32>,
-    ranked: &mut Vec<(f64, u32)>,
-) {
+) -> Option<Candidate> {
     connectivity.targets(u, neighbors);
     let p = connectivity.point(u);
-    ranked.clear();
-    ranked.extend(neighbors.iter().map(|&v| {
+    let cost = |v: u32| {
         let q = connectivity.point(v);
         let edge = minus(q, p);
-        (quadric.mean(q) + LENGTH_COST * dot(edge, edge), v)
-    }));
-    ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        quadric.mean(q) + LENGTH_COST * dot(edge, edge)
+    };
+    let is_before = |a: (f64, u32), b: (f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).is_lt();
+    let last = last.map(|v| (cost(v), v));
+    let mut best: Option<(f64, u32)> = None;
+    for &v in neighbors.iter() {
+        let next = (cost(v), v);
+        if last.is_none_or(|last| is_before(last, next)) && best.is_none_or(|best| is_before(next, best)) {
+            best = Some(next);
+        }
+    }
+    best.map(|(cost, target)| Candidate { cost, target, ..Candidate::default() })
 }

@@ -151,10 +151,12 @@ impl Connectivity {
     pub(crate) fn neighbors(&self, u: u32, found: &mut Vec<u32>) {
         found.clear();
         for &face in &self.around[u as usize] {
-            found.extend(self.positions_of(face).into_iter().filter(|&v| v != u));
+            for v in self.positions_of(face) {
+                if v != u && !found.contains(&v) {
+                    found.push(v);
+                }
+            }
         }
-        found.sort_unstable();
-        found.dedup();
     }
 
     /// Returns the wedges at the two ends of an edge in a face.

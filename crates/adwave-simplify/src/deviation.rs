@@ -96,15 +96,20 @@ struct DistanceSample {
     area: f64,
 }
 
-/// Collects the values of n items in parallel.
+/// Collects the values of n items in parallel; `value` gets the index of an item and the value of the item before it, if
+/// there is one in the chunk.
 fn collect<T: Send>(
     n: usize,
     progress: Progress<'_>,
-    value: impl Fn(usize) -> T + Sync,
+    value: impl Fn(usize, Option<&T>) -> T + Sync,
 ) -> Result<Vec<T>, Cancelled> {
     let chunks = (0..n.div_ceil(ITEMS_PER_CHUNK)).into_par_iter().map(|c| {
         progress.check()?;
-        Ok((c * ITEMS_PER_CHUNK..((c + 1) * ITEMS_PER_CHUNK).min(n)).map(&value).collect::<Vec<T>>())
+        let mut values = Vec::with_capacity(ITEMS_PER_CHUNK);
+        for k in c * ITEMS_PER_CHUNK..((c + 1) * ITEMS_PER_CHUNK).min(n) {
+            values.push(value(k, values.last()));
+        }
+        Ok(values)
     });
     let chunks: Vec<Vec<T>> = chunks.collect::<Result<_, Cancelled>>()?;
     Ok(chunks.into_iter().flatten().collect())
@@ -133,7 +138,7 @@ fn bound_all(
     let total: f64 = areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let pieces = PIECES_BY_AREA * (from.triangles.len() + to.len()) as f64;
     let accepted = known.at_least * (1.0 + PROOF_TOLERANCE) + ROUNDING;
-    let bounds = collect(from.triangles.len(), progress, |t| {
+    let bounds = collect(from.triangles.len(), progress, |t, _| {
         let hints = hints(t)?;
         let max_pieces = PIECES_PER_TRIANGLE + (pieces * areas[t] / total) as usize;
         let goal = Goal { accepted, limit: f64::INFINITY, max_pieces, stops_beyond_limit: false };
@@ -157,9 +162,14 @@ pub(crate) fn measure_original(
     to: &TriangleSurface,
     progress: Progress<'_>,
 ) -> Result<OneSided, Cancelled> {
-    let samples = collect(original.points.len(), progress, |x| {
-        let (squared, near) =
-            if triangle_at[x] == u32::MAX { to.nearest(original.points[x]) } else { (0.0, triangle_at[x]) };
+    let samples = collect(original.points.len(), progress, |x, before: Option<&DistanceSample>| {
+        // Successive points are often neighbors.
+        let start = before.map_or(0, |sample| sample.near);
+        let (squared, near) = if triangle_at[x] == u32::MAX {
+            to.nearest_from(original.points[x], start)
+        } else {
+            (0.0, triangle_at[x])
+        };
         DistanceSample { distance: squared.sqrt(), near, area: areas[x] }
     })?;
     let (greatest, rms) = summarize(samples.iter());
@@ -168,25 +178,28 @@ pub(crate) fn measure_original(
     bound_all(original, to, known, progress, hints)
 }
 
-/// Measures the distance from a simplified surface to the original, which contains the triangles of `is_original`, and in
+/// Measures the distance from a simplified surface to the original, which contains the triangles for whose
+/// numbers `is_original` is true, and in
 /// which each point is on the triangle `triangle_at`.
 pub(crate) fn measure_simplified(
     simplified: SurfaceView<'_>,
-    is_original: impl Fn([u32; 3]) -> bool + Sync,
+    is_original: impl Fn(usize) -> bool + Sync,
     triangle_at: &[u32],
     to: &TriangleSurface,
     progress: Progress<'_>,
 ) -> Result<OneSided, Cancelled> {
-    let samples = collect(simplified.triangles.len(), progress, |t| {
+    let samples = collect(simplified.triangles.len(), progress, |t, _| {
         let corners = simplified.corners(t);
         let area = doubled_area(corners) / 8.0;
-        if is_original(simplified.triangles[t]) {
+        if is_original(t) {
             return ([DistanceSample { distance: 0.0, near: u32::MAX, area }; 4], true);
         }
         let [a, b, c] = corners;
         let points = [center(&[a, b, c]), center(&[a, b]), center(&[b, c]), center(&[c, a])];
+        let mut start = triangle_at[simplified.triangles[t][0] as usize];
         let sample = |p: Point| {
-            let (squared, near) = to.nearest(p);
+            let (squared, near) = to.nearest_from(p, start);
+            start = near;
             DistanceSample { distance: squared.sqrt(), near, area }
         };
         (points.map(sample), false)

@@ -13,7 +13,7 @@ use crate::wedges::{Parts, Wedges, rotate_to_smallest};
 use crate::{Deviation, OneSided, SimplifyError};
 use adwave::shape::{Mesh, VertexMap, WeldMode};
 use adwave::{Cancelled, Progress};
-use rayon::prelude::*;
+use std::sync::OnceLock;
 
 /// Target of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,9 +235,8 @@ struct SimplifyJob<'a> {
     importance: Option<Vec<f64>>,
     areas: Vec<f64>,
     charts: Vec<u32>,
-    /// Triangles of the original, each rotated to its smallest wedge, sorted.
-    sorted: Vec<[u32; 3]>,
-    surface: TriangleSurface,
+    /// Search structure of the original, built on first use.
+    surface: OnceLock<TriangleSurface>,
     border: Border,
     progress: Progress<'a>,
 }
@@ -258,14 +257,19 @@ impl<'a> SimplifyJob<'a> {
         let wedges = Wedges::new(mesh, appearance, progress)?;
         let colors = appearance.values.map(|values| WedgeColors::new(&wedges, values));
         let importance = appearance.weights.map(|weights| wedges.importance(mesh, weights)).transpose()?;
-        let surface =
-            TriangleSurface::new(&wedges.points, &wedges.triangles).ok_or(SimplifyError::NoSurface)?;
         progress.check()?;
         let areas = vertex_areas(&wedges.points, &wedges.triangles);
         let charts = wedges.charts();
-        let mut sorted: Vec<[u32; 3]> = wedges.triangles.iter().map(|&t| rotate_to_smallest(t)).collect();
-        sorted.par_sort_unstable();
-        Ok(Self { wedges, colors, importance, areas, charts, sorted, surface, border, progress })
+        let surface = OnceLock::new();
+        Ok(Self { wedges, colors, importance, areas, charts, surface, border, progress })
+    }
+
+    /// Search structure of the original. O(n log n) for the first call.
+    fn surface(&self) -> &TriangleSurface {
+        self.surface.get_or_init(|| {
+            let surface = TriangleSurface::new(&self.wedges.points, &self.wedges.triangles);
+            surface.expect("a mesh without triangles is refused")
+        })
     }
 
     fn connectivity(&self) -> Connectivity {
@@ -285,8 +289,8 @@ impl<'a> SimplifyJob<'a> {
         SurfaceView { points: &self.wedges.points, triangles }
     }
 
-    /// Measures the distances between triangles and the original.
-    fn measure(&self, triangles: &[[u32; 3]]) -> Result<Deviation, Cancelled> {
+    /// Measures the distances between triangles, of the given triangles of the original, and the original.
+    fn measure(&self, triangles: &[[u32; 3]], origins: &[u32]) -> Result<Deviation, Cancelled> {
         let progress = self.progress.quiet();
         let (original, view) = (self.view(&self.wedges.triangles), self.view(triangles));
         let Some(simplified) = TriangleSurface::new(&self.wedges.points, triangles) else {
@@ -295,8 +299,11 @@ impl<'a> SimplifyJob<'a> {
         let at_points = view.triangle_at_points();
         let of_original = measure_original(original, &self.areas, &at_points, &simplified, progress)?;
         let at_points = original.triangle_at_points();
-        let is_original = |triangle| self.sorted.binary_search(&rotate_to_smallest(triangle)).is_ok();
-        let of_simplified = measure_simplified(view, is_original, &at_points, &self.surface, progress)?;
+        let is_original = |k: usize| {
+            let origin = self.wedges.triangles[origins[k] as usize];
+            rotate_to_smallest(origin) == rotate_to_smallest(triangles[k])
+        };
+        let of_simplified = measure_simplified(view, is_original, &at_points, self.surface(), progress)?;
         Ok(Deviation { of_original, of_simplified })
     }
 
@@ -305,7 +312,7 @@ impl<'a> SimplifyJob<'a> {
         let limit = (error * (1.0 - LIMIT_MARGIN)).max(ROUNDING);
         let original = Original {
             wedges: &self.wedges,
-            surface: &self.surface,
+            surface: self.surface(),
             charts: &self.charts,
             colors: self.colors.as_ref(),
         };
@@ -329,7 +336,7 @@ impl<'a> SimplifyJob<'a> {
             at_least: side.at_least.min(limit),
             ..side
         };
-        let deviation = self.measure(&triangles)?;
+        let deviation = self.measure(&triangles, &origins)?;
         let deviation = Deviation {
             of_original: within(deviation.of_original),
             of_simplified: within(deviation.of_simplified),
@@ -345,11 +352,17 @@ impl<'a> SimplifyJob<'a> {
         }
         let mut collapser = self.collapser(None);
         let mut count = n_before;
-        for turning in [Turning::Limited, Turning::Free] {
-            if count > n {
-                count = collapser.run(count, n, &self.wedges.vertex, turning, self.progress)?;
+        let collapse = || -> Result<(), Cancelled> {
+            for turning in [Turning::Limited, Turning::Free] {
+                if count > n {
+                    count = collapser.run(count, n, &self.wedges.vertex, turning, self.progress)?;
+                }
             }
-        }
+            Ok(())
+        };
+        // The search structure is needed for the measurement.
+        let prepare = || self.progress.check().map(|()| self.surface().len());
+        rayon::join(collapse, prepare).0?;
         let (triangles, origins) = collapser.connectivity.triangles();
         let why = if count > n { Why::Stuck } else { Why::Reached };
         Ok((Candidate { triangles, origins, deviation: None }, why))
@@ -372,7 +385,7 @@ impl<'a> SimplifyJob<'a> {
         let Candidate { triangles, origins, deviation } = candidate;
         let deviation = match deviation {
             Some(deviation) => deviation,
-            None => self.measure(&triangles)?,
+            None => self.measure(&triangles, &origins)?,
         };
         let (charts, progress) = (&self.charts, self.progress.quiet());
         let nearest = provenance::nearest_triangles(
@@ -380,7 +393,7 @@ impl<'a> SimplifyJob<'a> {
             &triangles,
             &origins,
             charts,
-            &self.surface,
+            self.surface(),
             progress,
         )?;
         let corners = provenance::corners(&self.wedges, &triangles);

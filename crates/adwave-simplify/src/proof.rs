@@ -128,9 +128,10 @@ impl Piece {
     }
 
     /// Cuts by the plane on an edge of a triangle beyond which most of the piece is; `None` if no edge cuts it.
-    fn cut_at_edges(&self, triangle: &[Point; 3]) -> Option<[Piece; 2]> {
+    fn cut_at_edges<T: TriangleSearch>(&self, near: u32, to: &T) -> Option<[Piece; 2]> {
+        let triangle = to.corners(near);
         let normal = doubled_normal(*triangle);
-        let mut best: Option<(f64, Point, Point)> = None;
+        let mut best: Option<(f64, usize, Point)> = None;
         for k in 0..3 {
             let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
             let outward = cross(minus(to, from), normal);
@@ -146,10 +147,14 @@ impl Piece {
                 greatest = greatest.max(s);
             }
             if least < -ON_PLANE && greatest > ON_PLANE && best.is_none_or(|b| greatest > b.0) {
-                best = Some((greatest, from, outward));
+                best = Some((greatest, k, outward));
             }
         }
-        best.map(|(_, origin, outward)| self.cut(origin, outward))
+        let (_, k, outward) = best?;
+        let [mut inside, mut outside] = self.cut(triangle[k], outward);
+        inside.hint = Some(near);
+        outside.hint = to.beyond(near, k);
+        Some([outside, inside])
     }
 
     /// Cuts across the longest diagonal or edge; `None` for a piece as small as rounding.
@@ -190,7 +195,7 @@ pub(crate) fn bound_distance<T: TriangleSearch>(
     goal: &Goal,
     use_triangle: &mut dyn FnMut(u32),
 ) -> DistanceBounds {
-    let first = Piece::new(&triangle, None);
+    let first = Piece::new(&triangle, hints.first().copied());
     let mut bounds = DistanceBounds { lower: 0.0, upper: 0.0 };
     let square = |x: f64| x * x;
     for &hint in hints {
@@ -205,17 +210,31 @@ pub(crate) fn bound_distance<T: TriangleSearch>(
     let mut pieces = vec![first];
     while let Some(piece) = pieces.pop() {
         n_pieces += 1;
+        let middle = center(piece.corners());
         let (mut upper, mut by) = (f64::INFINITY, 0);
-        if let Some(hint) = piece.hint {
-            (upper, by) = (piece.distance_to(to.corners(hint), f64::INFINITY).sqrt(), hint);
-        }
-        if upper <= goal.sufficient_bound(bounds.lower) {
-            bounds.upper = bounds.upper.max(upper);
-            use_triangle(by);
-            continue;
+        let known = piece.hint.map(|hint| to.descend(middle, hint));
+        if let Some((distance, near)) = known {
+            let sufficient = goal.sufficient_bound(bounds.lower);
+            (upper, by) = (piece.distance_to(to.corners(near), f64::INFINITY).sqrt(), near);
+            if upper <= sufficient {
+                bounds.upper = bounds.upper.max(upper);
+                use_triangle(by);
+                continue;
+            }
+            // A triangle near enough may cut the piece even if another one is nearer.
+            let may_cut = distance <= square(sufficient) && piece.n < MAX_CORNERS;
+            if may_cut
+                && n_pieces + pieces.len() < goal.max_pieces
+                && let Some(parts) = piece.cut_at_edges(near, to)
+            {
+                pieces.extend(parts.into_iter().filter(|part| part.n >= 3));
+                continue;
+            }
         }
         let cutoff = if goal.stops_beyond_limit { square(goal.limit) * (1.0 + 1e-9) } else { f64::INFINITY };
-        let Some((distance, near)) = to.nearest_within(center(piece.corners()), cutoff) else {
+        let known = known.filter(|near| near.0 < cutoff);
+        let nearer = to.nearest_within(middle, known.map_or(cutoff, |near| near.0));
+        let Some((distance, near)) = nearer.or(known) else {
             return DistanceBounds { lower: goal.limit, upper: f64::INFINITY };
         };
         bounds.lower = bounds.lower.max(distance.sqrt());
@@ -254,11 +273,10 @@ fn divide<T: TriangleSearch>(
     if piece.n >= MAX_CORNERS {
         return Some(piece.cut_at_diagonal());
     }
-    let triangle = to.corners(near);
-    if let Some([mut inside, outside]) = piece.cut_at_edges(triangle) {
-        inside.hint = Some(near);
-        return Some([outside, inside]);
+    if let Some(parts) = piece.cut_at_edges(near, to) {
+        return Some(parts);
     }
+    let triangle = to.corners(near);
     // The corner farthest from the triangle is beyond the distance at the center, or nearer to another triangle.
     let farthest = piece
         .corners()
@@ -266,7 +284,7 @@ fn divide<T: TriangleSearch>(
         .map(|&p| (squared_distance(p, triangle), p))
         .fold((0.0, piece.corners[0]), |best, at| if at.0 > best.0 { at } else { best });
     bounds.lower = bounds.lower.max(to.nearest(farthest.1).0.sqrt());
-    piece.halve()
+    piece.halve().map(|parts| parts.map(|part| Piece { hint: Some(near), ..part }))
 }
 
 #[cfg(test)]

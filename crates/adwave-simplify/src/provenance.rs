@@ -62,7 +62,8 @@ pub(crate) fn nearest_triangles(
 ) -> Result<Vec<u32>, Cancelled> {
     let nearest = |(triangle, &origin): (&[u32; 3], &u32)| {
         progress.check()?;
-        let near = original.nearest(center(&triangle.map(|w| wedges.points[w as usize]))).1;
+        let middle = center(&triangle.map(|w| wedges.points[w as usize]));
+        let near = original.nearest_from(middle, origin).1;
         Ok(if charts[near as usize] == charts[origin as usize] { near } else { origin })
     };
     triangles.par_iter().zip(origins).map(nearest).collect()

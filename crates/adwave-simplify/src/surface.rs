@@ -1,6 +1,6 @@
 //! Triangles in a bounding volume hierarchy, and the nearest one to a point.
 
-use crate::geometry::{Point, squared_distance};
+use crate::geometry::{Point, nearest_weights, squared_distance};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
@@ -17,11 +17,51 @@ pub(crate) trait TriangleSearch {
 
     /// Returns the corners of a triangle.
     fn corners(&self, triangle: u32) -> &[Point; 3];
+
+    /// Returns the triangle beyond the edge from corner `k` to the next one, if there is one and if neighbors are known.
+    fn beyond(&self, triangle: u32, k: usize) -> Option<u32>;
+
+    /// Returns a triangle near a point, found from `start` over neighbors that are nearer and nearer, and its squared
+    /// distance. Another triangle may be nearer.
+    fn descend(&self, p: Point, start: u32) -> (f64, u32) {
+        let mut best = (squared_distance(p, self.corners(start)), start);
+        for _ in 0..MAX_STEPS {
+            let weights = nearest_weights(p, self.corners(best.1));
+            let from = best.1;
+            // The nearest point lies on the edges opposite to the corners without weight.
+            for k in (0..3).filter(|&k| weights[(k + 2) % 3] <= 0.0) {
+                if let Some(next) = self.beyond(from, k) {
+                    let distance = squared_distance(p, self.corners(next));
+                    if distance < best.0 {
+                        best = (distance, next);
+                    }
+                }
+            }
+            if best.1 == from {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Returns the squared distance of the nearest triangle, and its index, given a triangle that is probably near.
+    fn nearest_from(&self, p: Point, start: u32) -> (f64, u32) {
+        let near = self.descend(p, start);
+        self.nearest_within(p, near.0).unwrap_or(near)
+    }
 }
+
+/// Largest number of triangles over which a nearer one is looked for.
+const MAX_STEPS: usize = 32;
+
+/// Mark of an edge without a neighbor.
+const NONE: u32 = u32::MAX;
 
 /// Triangles in a bounding volume hierarchy.
 pub(crate) struct TriangleSurface {
     corners: Vec<[Point; 3]>,
+    /// Triangle beyond the edge from each corner to the next one, or `NONE`.
+    neighbors: Vec<[u32; 3]>,
     bvh: Bvh,
 }
 
@@ -38,8 +78,9 @@ impl TriangleSurface {
             };
             Aabb::new(Vector::from(fold(f64::min)), Vector::from(fold(f64::max)))
         };
-        let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, corners.iter().map(bounds).enumerate());
-        Some(Self { corners, bvh })
+        let build = || Bvh::from_iter(BvhBuildStrategy::Binned, corners.iter().map(bounds).enumerate());
+        let (bvh, neighbors) = rayon::join(build, || neighbors_of(points.len(), triangles));
+        Some(Self { corners, neighbors, bvh })
     }
 
     /// Number of triangles.
@@ -65,6 +106,46 @@ impl TriangleSearch for TriangleSurface {
     fn corners(&self, triangle: u32) -> &[Point; 3] {
         &self.corners[triangle as usize]
     }
+
+    fn beyond(&self, triangle: u32, k: usize) -> Option<u32> {
+        Some(self.neighbors[triangle as usize][k]).filter(|&other| other != NONE)
+    }
+}
+
+/// Finds the triangle beyond the edge from each corner to the next one; triangles at an edge of three follow each other in
+/// a circle. O(triangles) for vertices of bounded degree.
+fn neighbors_of(n_points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let ends = |t: &[u32; 3], k: usize| (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
+    let mut starts = vec![0_u32; n_points + 1];
+    for t in triangles {
+        for k in 0..3 {
+            starts[ends(t, k).0 as usize + 1] += 1;
+        }
+    }
+    for x in 0..n_points {
+        starts[x + 1] += starts[x];
+    }
+    // The other end of the edges at each point, with the triangle and the corner.
+    let mut edges = vec![(0_u32, 0_u32, 0_u8); 3 * triangles.len()];
+    let mut next = starts.clone();
+    for (i, t) in (0..).zip(triangles) {
+        for k in 0..3 {
+            let (low, high) = ends(t, k);
+            edges[next[low as usize] as usize] = (high, i, k as u8);
+            next[low as usize] += 1;
+        }
+    }
+    let mut neighbors = vec![[NONE; 3]; triangles.len()];
+    for x in 0..n_points {
+        let at_point = &mut edges[starts[x] as usize..starts[x + 1] as usize];
+        at_point.sort_unstable();
+        for same in at_point.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            for (j, &(_, t, k)) in same.iter().enumerate() {
+                neighbors[t as usize][usize::from(k)] = same[(j + 1) % same.len()].1;
+            }
+        }
+    }
+    neighbors
 }
 
 /// A few triangles, searched one by one.
@@ -99,5 +180,9 @@ impl TriangleSearch for TriangleList {
 
     fn corners(&self, triangle: u32) -> &[Point; 3] {
         &self.corners[triangle as usize]
+    }
+
+    fn beyond(&self, _: u32, _: usize) -> Option<u32> {
+        None
     }
 }

@@ -100,11 +100,12 @@ impl Wedges {
 
     /// Counts the vertices of the mesh that triangles use.
     pub(crate) fn n_vertices(&self, triangles: &[[u32; 3]]) -> usize {
-        let mut vertices: Vec<u32> =
-            triangles.as_flattened().iter().map(|&wedge| self.vertex[wedge as usize]).collect();
-        vertices.par_sort_unstable();
-        vertices.dedup();
-        vertices.len()
+        let n = self.vertex.iter().map(|&x| x as usize + 1).max().unwrap_or(0);
+        let mut is_used = vec![false; n];
+        for &wedge in triangles.as_flattened() {
+            is_used[self.vertex[wedge as usize] as usize] = true;
+        }
+        is_used.into_iter().filter(|&used| used).count()
     }
 
     /// Numbers the charts of the triangles: parts that are connected by edges which are no seams. O(triangles log triangles).
@@ -203,6 +204,9 @@ impl Wedges {
 /// Assigns a wedge to every corner, and lists the first vertex and the welded vertex of every wedge.
 fn wedges(mesh: &Mesh, vertex_map: &VertexMap, appearance: Appearance<'_>) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
     let corners = mesh.faces().corners();
+    if appearance.labels.is_none() && appearance.values.is_none() {
+        return wedges_at_positions(corners, vertex_map);
+    }
     let key = |k: usize| {
         let position = vertex_map.welded(corners[k] as usize) as u32;
         (position, corner_label(appearance, k), corners[k], k as u32)
@@ -219,6 +223,24 @@ fn wedges(mesh: &Mesh, vertex_map: &VertexMap, appearance: Appearance<'_>) -> (V
         }
         wedge_of[corner as usize] = vertex.len() as u32 - 1;
     }
+    (wedge_of, vertex, at)
+}
+
+/// Assigns a wedge to every corner, one per position.
+fn wedges_at_positions(corners: &[u32], vertex_map: &VertexMap) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    let mut first = vec![u32::MAX; vertex_map.n_welded()];
+    for &x in corners {
+        let first = &mut first[vertex_map.welded(x as usize)];
+        *first = x.min(*first);
+    }
+    let mut wedge_at = vec![0; first.len()];
+    let (mut vertex, mut at) = (Vec::new(), Vec::new());
+    for (position, &x) in first.iter().enumerate().filter(|(_, x)| **x != u32::MAX) {
+        wedge_at[position] = vertex.len() as u32;
+        vertex.push(x);
+        at.push(position as u32);
+    }
+    let wedge_of = corners.par_iter().map(|&x| wedge_at[vertex_map.welded(x as usize)]).collect();
     (wedge_of, vertex, at)
 }
 

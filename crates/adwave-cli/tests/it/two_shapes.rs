@@ -155,7 +155,10 @@ fn motions_between_repeated_windows_are_listed_and_share_the_confidence() {
     };
     assert!(equal.iter().chain([&found["motion"]]).any(is_true), "{found}");
     let confidence = |pair: &serde_json::Value| pair["confidence"].as_f64().unwrap();
-    assert!(found["pairs"].as_array().unwrap().iter().all(|pair| confidence(pair) <= 0.5));
+    // A wide feature is within one σ of its partner under several motions.
+    let is_narrow = |pair: &&serde_json::Value| pair["second"]["sigma"].as_f64().unwrap() < 0.95;
+    let mut narrow = found["pairs"].as_array().unwrap().iter().filter(is_narrow);
+    assert!(narrow.all(|pair| confidence(pair) <= 0.5));
     let output = adwave(path).args(words(line)).assert().success().get_output().stdout.clone();
     let text = String::from_utf8(output).unwrap();
     assert!(text.contains("not certain") && text.contains("fit equally well"), "{text}");

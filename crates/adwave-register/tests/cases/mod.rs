@@ -170,4 +170,24 @@ impl Terrain {
         }
         Surface { points, triangles }
     }
+
+    /// Strip of equal reliefs in a row, each of [`Self::PERIOD`] columns with a flat frame: reliefs `from..to`, seen at
+    /// points that are shifted by `shift`. `differences` is the share by which the relief of each differs from the others.
+    pub(crate) fn repeated(&self, reliefs: std::ops::Range<u32>, shift: f64, differences: f64) -> Surface {
+        const ROWS: u32 = 44;
+        let columns = Self::PERIOD * (reliefs.end - reliefs.start);
+        let mut strip = self.patch(0.0, 0.0, ROWS, columns);
+        let frame = |t: f64| (std::f64::consts::PI * t.clamp(0.0, 1.0)).sin().powi(2);
+        for p in &mut strip.points {
+            let (u, v) = (p[0] + shift, p[1] + shift + f64::from(Self::PERIOD * reliefs.start));
+            let within = v.rem_euclid(f64::from(Self::PERIOD));
+            let window = frame(u / f64::from(ROWS - 1)) * frame(within / f64::from(Self::PERIOD));
+            let relief = self.height(u, within) + differences * self.height(u + 500.0, v);
+            *p = [u, v, window * relief];
+        }
+        strip
+    }
+
+    /// Columns of a relief of [`Self::repeated`].
+    pub(crate) const PERIOD: u32 = 40;
 }

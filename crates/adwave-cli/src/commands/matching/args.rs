@@ -14,8 +14,8 @@ shape correlate with those of the other. A motion is reported only if it is much
 which is searched in the same way. Motions that fit equally well, such as those between repeated windows, are listed, and share the
 confidence.
 
-Every feature is paired with one that lies where the motion puts it. The confidence of a pair is the probability that the motion is
-right and that no other feature lies so near by chance. Both shapes must be in the same unit; --motion similarity finds the scale
+Every feature is paired with one that lies where the motion puts it. The confidence of a pair is the probability that the true
+motion brings its features within one sigma of each other. Both shapes must be in the same unit; --motion similarity finds the scale
 too, and --motion none pairs features by similarity alone, for bent shapes.
 
 Examples:

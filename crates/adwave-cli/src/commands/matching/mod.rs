@@ -209,7 +209,7 @@ fn describe_motion(found: &RegisteredMotion, registration: &Registration, second
     if n_equal > 0 {
         let _ = writeln!(
             text,
-            "not certain: {} equally well, so that confidences are at most {:.2}:",
+            "not certain: {} equally well, so that each is right with a probability of at most {:.2}:",
             count(n_equal, "other motion fits", "other motions fit"),
             registration.confidence()
         );

@@ -1,14 +1,15 @@
 //! Matching of shapes with a known motion, or with none: rates of right and wrong claims, and the calibration of confidences.
 //!
 //! ```sh
-//! cargo run --release -p adwave-register --example match_cases -- choose 40 600 shape.ply …
+//! cargo run --release -p adwave-register --example match_cases -- choose 40 600 curve.svg shape.ply …
 //! ```
 //!
 //! The seeds `choose` serve to choose constants, the seeds `final` to measure. Terrains need no file; cuts and views are of the
-//! given files.
+//! given files. The calibration is drawn to `curve.svg`.
 
-#[path = "../tests/cases/mod.rs"]
+#[path = "../../tests/cases/mod.rs"]
 mod cases;
+mod curve;
 
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::{Decomposer, Progress};
@@ -18,7 +19,6 @@ use adwave_register::{
 };
 use cases::{Random, Surface, Terrain};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -30,7 +30,10 @@ const FINAL_SEED: u64 = 10_000;
 const NOISES: [f64; 3] = [0.0, 0.1, 0.2];
 
 /// Kinds of cases: of terrains, and of files.
-const TERRAINS: [&str; 4] = ["terrain unrelated", "terrain 25", "terrain 30", "terrain 50"];
+const TERRAINS: [&str; 6] =
+    ["terrain unrelated", "terrain 25", "terrain 30", "terrain 50", "repeated equal", "repeated similar"];
+/// Share by which the reliefs of a row differ if they are similar.
+const DIFFERENCES: f64 = 0.2;
 const FILES: [&str; 8] = [
     "shapes unrelated",
     "halves disjoint",
@@ -68,8 +71,8 @@ struct RatedPair {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [half, n, seconds, names @ ..] = &arguments[..] else {
-        eprintln!("usage: match_cases choose|final CASES SECONDS FILE…");
+    let [half, n, seconds, curve, names @ ..] = &arguments[..] else {
+        eprintln!("usage: match_cases choose|final CASES SECONDS CURVE.svg FILE…");
         std::process::exit(2);
     };
     let first_seed = if half == "final" { FINAL_SEED } else { 0 };
@@ -90,7 +93,9 @@ fn main() {
             .par_extend(chunk.par_iter().filter_map(|&(seed, kind)| run(kind, &case(kind, seed, &files))));
     }
     print_rates(&kinds, &outcomes);
-    print_calibration(&outcomes);
+    let tenths = tenths(&outcomes);
+    print_calibration(&tenths);
+    std::fs::write(curve, curve::draw(&tenths)).unwrap_or_else(|e| panic!("{curve}: {e}"));
 }
 
 fn load(path: &Path) -> Surface {
@@ -118,6 +123,13 @@ fn case(kind: &str, seed: u64, files: &[Surface]) -> Case {
             Terrain::new(2 * seed).patch(0.0, 0.0, 70, 70),
             Terrain::new(2 * seed + 1).patch(0.0, 0.0, 70, 70),
         ],
+        Some("repeated") => {
+            let n = 2 + (5.0 * random.uniform()) as u32;
+            let own = (f64::from(n) * random.uniform()) as u32;
+            let (terrain, shift) = (Terrain::new(seed), random.uniform());
+            let differences = if kind.ends_with("similar") { DIFFERENCES } else { 0.0 };
+            [terrain.repeated(own..own + 1, 0.0, differences), terrain.repeated(0..n, shift, differences)]
+        }
         Some("shapes") => {
             // Every pair of different files comes in turn.
             let other = 1 + (seed / files.len() as u64) % (files.len() as u64 - 1).max(1);
@@ -201,22 +213,42 @@ fn print_rates(kinds: &[&str], outcomes: &[Outcome]) {
     }
 }
 
-fn print_calibration(outcomes: &[Outcome]) {
-    // Number of pairs, sum of the confidences, and number of right pairs, by tenth of the confidence.
-    let mut tenths: BTreeMap<usize, (usize, f64, usize)> = BTreeMap::new();
-    for pair in outcomes.iter().flat_map(|outcome| &outcome.pairs) {
-        let tenth = tenths.entry(((10.0 * pair.confidence) as usize).min(9)).or_default();
-        *tenth = (tenth.0 + 1, tenth.1 + pair.confidence, tenth.2 + usize::from(pair.is_right));
+/// Pairs with confidences in one tenth.
+#[derive(Clone, Copy, Default)]
+struct Tenth {
+    n: usize,
+    sum: f64,
+    n_right: usize,
+}
+
+impl Tenth {
+    fn mean(&self) -> f64 {
+        self.sum / self.n as f64
     }
+
+    fn share_right(&self) -> f64 {
+        self.n_right as f64 / self.n as f64
+    }
+}
+
+/// Pairs by tenth of their confidence.
+fn tenths(outcomes: &[Outcome]) -> [Tenth; 10] {
+    let mut tenths = [Tenth::default(); 10];
+    for pair in outcomes.iter().flat_map(|outcome| &outcome.pairs) {
+        let tenth = &mut tenths[((10.0 * pair.confidence) as usize).min(9)];
+        tenth.n += 1;
+        tenth.sum += pair.confidence;
+        tenth.n_right += usize::from(pair.is_right);
+    }
+    tenths
+}
+
+fn print_calibration(tenths: &[Tenth; 10]) {
     println!("\n| confidence | pairs | mean confidence | share right |");
     println!("|---|---|---|---|");
-    for (tenth, (n, sum, right)) in tenths {
-        let low = tenth as f64 / 10.0;
-        println!(
-            "| {low:.1} … {:.1} | {n} | {:.3} | {:.3} |",
-            low + 0.1,
-            sum / n as f64,
-            right as f64 / n as f64
-        );
+    for (k, tenth) in tenths.iter().enumerate().filter(|(_, tenth)| tenth.n > 0) {
+        let low = k as f64 / 10.0;
+        let (mean, right) = (tenth.mean(), tenth.share_right());
+        println!("| {low:.1} … {:.1} | {} | {mean:.3} | {right:.3} |", low + 0.1, tenth.n);
     }
 }
