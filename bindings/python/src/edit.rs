@@ -206,6 +206,13 @@ impl EditorData {
         layers: Vec<PlainLayer<'py>>,
         out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let given = &recipe.get().recipe;
+        if given.pose.is_some() || !given.clones.is_empty() {
+            return Err(value_error(
+                "recipe: [[clone]] and [pose] are applied by 'adwave filter --recipe' only; remove them, and use clone_detail \
+                 and Shape.deformer",
+            ));
+        }
         let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
         let n_levels = editor.wavelets().n_levels();
         let weighted = weighted_layers(py, &layers, n_levels, editor.decomposer(), self.shape.get())?;

@@ -1,15 +1,18 @@
 //! Deformation by handles with detail kept.
 
-use crate::coarse_base::{BlendRow, CoarseBase, ROWS_AT_A_TIME};
+mod carrier;
+
+use crate::coarse_base::{CoarseBase, ROWS_AT_A_TIME};
 use crate::front::NO_SOURCE;
 use crate::newton::{EarlierSteps, NodeSolver, NodeState, StepLimits};
 use crate::node_energy::NodeEnergy;
 use crate::regions::{BoundRows, DeformRegions};
-use crate::rotation::{IDENTITY, Matrix, NO_TURN, compose, image, normalized, to_matrix, turn_change};
+use crate::rotation::{IDENTITY, Matrix, NO_TURN, image, to_matrix, turn_change};
 use crate::{DeformError, HandleMotion};
 use adwave::bands::Schedule;
 use adwave::vector::{Vector, add_scaled, subtract};
 use adwave::{Decomposer, Progress};
+use carrier::{Carrier, blend};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -225,6 +228,15 @@ impl Deformer {
         Ok(())
     }
 
+    /// Mean position of the vertices of handle `k`, from 0, in model units.
+    pub(crate) fn center_of_handle(&self, k: usize) -> Vector {
+        let points = self.decomposer.geometry().shape().points().unwrap_or_default();
+        let vertices = &self.regions.handles[k];
+        let share = 1.0 / vertices.len().max(1) as f64;
+        let sum = |c: usize| vertices.iter().map(|&v| share * points[v as usize][c]).sum();
+        [sum(0), sum(1), sum(2)]
+    }
+
     /// Motion that all regions have in common: that of the fixed part, or of the first handle's rotation.
     fn common_motion(&self) -> HandleMotion {
         let first = self.motions[0];
@@ -409,41 +421,34 @@ impl Deformer {
     pub fn carried_into(&self, rest: &[[f64; 3]], points: &mut [[f64; 3]]) {
         let n = self.decomposer.n_vertices();
         assert!(rest.len() == n && points.len() == n, "a position for each vertex");
-        let welded = self.decomposer.geometry().vertex_map().as_slice();
-        let (motions, common) = (self.column_motions(), self.common_in_model_units());
-        let has_stretch = motions.iter().any(|motion| motion.stretch.is_some());
-        let extras = self.exact_regions();
-        let unit = self.base.unit;
+        let carrier = Carrier::new(self);
         points.par_chunks_mut(ROWS_AT_A_TIME).enumerate().for_each(|(chunk, points)| {
-            let first = chunk * ROWS_AT_A_TIME;
-            for (v, point) in (first..).zip(points) {
-                let x = welded[v] as usize;
-                let p = &rest[v];
-                *point = *p;
-                if self.is_at_rest || !self.base.takes_part[x] {
-                    if let (Some(exact), false) = (self.exact_motion(x), self.is_at_rest) {
-                        *point = exact.apply(p);
-                        continue;
-                    }
-                } else if let Some(Some(exact)) = extras.get(self.bound.region_of[x] as usize) {
-                    *point = exact.apply(p);
-                    continue;
-                } else {
-                    let row = self.bound.rows.row(x);
-                    let base = &self.base.points[x];
-                    let (shift, turn) = blend(&motions, row, base);
-                    let detail = [0, 1, 2].map(|c| p[c] - unit * base[c]);
-                    let mut change = turn_change(&turn, &detail);
-                    if has_stretch {
-                        add_stretch(&motions, row, &detail, &mut change);
-                    }
-                    *point = [0, 1, 2].map(|c| p[c] + (unit * shift[c] + change[c]));
-                }
-                if let Some(common) = &common {
-                    *point = common.apply(point);
-                }
+            for (v, point) in (chunk * ROWS_AT_A_TIME..).zip(points) {
+                *point = carrier.point(v, &rest[v]);
             }
         });
+    }
+
+    /// New places and frames of some vertices, which a display needs: `S_J′ + R (f − S_J)` and R for each, with positions f
+    /// of the shape in `rest`. O(vertices).
+    ///
+    /// # Panics
+    /// If a vertex does not exist, or has no position in `rest`.
+    pub fn carried_vertices(&self, vertices: &[u32], rest: &[[f64; 3]]) -> Vec<CarriedVertex> {
+        let carrier = Carrier::new(self);
+        let carried = |v: &u32| {
+            let v = *v as usize;
+            CarriedVertex { point: carrier.point(v, &rest[v]), turn: carrier.turn(v) }
+        };
+        vertices.par_iter().with_min_len(ROWS_AT_A_TIME / 4).map(carried).collect()
+    }
+
+    /// Takes all motions back, and forgets the way there: what follows depends on the motions alone.
+    pub fn reset(&mut self) {
+        self.motions.fill(HandleMotion::default());
+        self.pull_handles();
+        self.earlier = EarlierSteps::default();
+        self.is_at_rest = true;
     }
 
     /// The common motion in model units; `None` if it is none.
@@ -467,14 +472,14 @@ impl Deformer {
 
     /// Rotation of the frame of each vertex, as a unit quaternion `w, x, y, z`, in the order of the shape.
     pub fn rotations(&self) -> Vec<[f64; 4]> {
-        let (motions, common) = (self.column_motions(), self.common_motion().rotation());
-        let has_common = self.common_motion() != HandleMotion::default();
-        let at = |x: usize| {
-            let (_, turn) = blend(&motions, self.bound.rows.row(x), &self.base.points[x]);
-            if has_common { normalized(&compose(&common, &turn)) } else { turn }
-        };
-        let welded: Vec<[f64; 4]> = (0..self.base.points.len()).into_par_iter().map(at).collect();
-        self.decomposer.geometry().vertex_map().scatter(welded.as_flattened(), 4).as_chunks().0.to_vec()
+        let carrier = Carrier::new(self);
+        (0..self.decomposer.n_vertices()).into_par_iter().map(|v| carrier.turn(v)).collect()
+    }
+
+    /// Energy, solver and state, for tests of derivatives.
+    #[cfg(test)]
+    pub(crate) fn parts(&self) -> (&NodeEnergy, &NodeSolver, &NodeState) {
+        (&self.energy, &self.solver, &self.state)
     }
 
     /// Energy of the present state, without unit; 0 at rest.
@@ -484,39 +489,11 @@ impl Deformer {
     }
 }
 
-/// Adds what handles that are not rigid do to a detail.
-fn add_stretch(motions: &[ColumnMotion], row: BlendRow<'_>, detail: &Vector, change: &mut Vector) {
-    for (&k, &w) in row.columns.iter().zip(row.weights) {
-        if let Some(stretch) = &motions[k as usize].stretch {
-            *change = add_scaled(change, w, &image(stretch, detail));
-        }
-    }
-}
-
-/// Displacement at a place of the base and rotation of its frame: the columns' blended by the weights of the row.
-#[inline]
-fn blend(motions: &[ColumnMotion], row: BlendRow<'_>, place: &Vector) -> (Vector, [f64; 4]) {
-    let BlendRow { columns, weights } = row;
-    let mut linear = [[0.0; 3]; 3];
-    let (mut offset, mut turn) = ([0.0; 3], [0.0; 4]);
-    let reference = columns.first().map_or(NO_TURN, |&k| motions[k as usize].turn);
-    for (&k, &w) in columns.iter().zip(weights) {
-        let motion = &motions[k as usize];
-        for (sum, row) in linear.iter_mut().zip(&motion.linear) {
-            for c in 0..3 {
-                sum[c] += w * row[c];
-            }
-        }
-        for (sum, c) in offset.iter_mut().zip(&motion.offset) {
-            *sum += w * c;
-        }
-        let q = &motion.turn;
-        let cosine = q[0] * reference[0] + q[1] * reference[1] + q[2] * reference[2] + q[3] * reference[3];
-        let signed = if cosine < 0.0 { -w } else { w };
-        for (sum, c) in turn.iter_mut().zip(q) {
-            *sum += signed * c;
-        }
-    }
-    let moved = image(&linear, place);
-    ([0, 1, 2].map(|c| moved[c] + offset[c]), normalized(&turn))
+/// Place and frame of a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CarriedVertex {
+    /// Position in model units.
+    pub point: [f64; 3],
+    /// Rotation of the frame, as a unit quaternion `w, x, y, z`.
+    pub turn: [f64; 4],
 }

@@ -3,6 +3,7 @@
 //! | task | start reading at |
 //! |---|---|
 //! | bend a shape by handles | [`Deformer`] |
+//! | bend a shape by the pose of a recipe | [`bind_pose`] |
 //! | put detail onto a base that was edited elsewhere | [`with_base`], [`base_points`] |
 //! | carry detail onto another mesh of the surface | [`transfer`](fn@transfer) |
 //! | clone detail from place to place | [`transplant`](fn@transplant) |
@@ -17,11 +18,13 @@
 //! | `regions` | held and moved regions, ramps, parts without a handle |
 //! | `node_energy` | the energy as sums that do not depend on the number of vertices |
 //! | `newton`, `skyline` | truncated Newton steps, and the factorization that they use |
-//! | `deformer` | the bound deformation |
+//! | `deformer`, `pose` | the bound deformation; that of a recipe |
+//! | `clones` | the clones of a recipe |
 //! | `frames`, `surface_frames` | rotations between bases, normals of a base |
 //! | `carried_detail`, `transfer`, `transplant`, `morph` | detail on other bases |
 
 mod carried_detail;
+mod clones;
 mod coarse_base;
 mod deformer;
 mod error;
@@ -31,6 +34,7 @@ mod handle_motion;
 mod morph;
 mod newton;
 mod node_energy;
+mod pose;
 mod regions;
 mod rotation;
 mod skyline;
@@ -39,12 +43,14 @@ mod transfer;
 mod transplant;
 
 pub use carried_detail::{base_points, with_base};
+pub use clones::Clones;
 pub use coarse_base::default_base;
-pub use deformer::{BindInfo, DeformInfo, DeformParams, Deformer};
+pub use deformer::{BindInfo, CarriedVertex, DeformInfo, DeformParams, Deformer};
 pub use error::DeformError;
 pub use frames::{Turn, nearest_turn};
 pub use handle_motion::HandleMotion;
 pub use morph::morph;
+pub use pose::{bind_pose, set_pose};
 pub use regions::DeformRegions;
 pub use transfer::{Transferred, transfer, transfer_decomposer};
-pub use transplant::{Transplant, Transplanted, transplant};
+pub use transplant::{DetailCloner, Stamp, Stamped, Transplant, Transplanted, transplant};

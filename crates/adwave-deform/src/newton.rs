@@ -457,17 +457,4 @@ fn positive_inverse(m: &Matrix, least: f64) -> Matrix {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cross_products_and_their_transposes_agree() {
-        let (w, r, m) = (
-            [0.3, -0.7, 0.2],
-            to_matrix(&exponential(&[0.5, 0.1, -1.0])),
-            [[1.0, 2.0, 0.5], [-0.3, 0.7, 1.1], [0.2, 0.9, -1.4]],
-        );
-        let direct: f64 = cross_rows(&w, &r).iter().zip(&m).map(|(a, b)| dot(a, b)).sum();
-        assert!((direct - dot(&w, &axial(&m, &r))).abs() < 1e-14);
-    }
-}
+mod tests;

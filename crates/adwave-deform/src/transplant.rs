@@ -66,72 +66,176 @@ pub fn transplant(
     let geometry = decomposer.geometry();
     let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
     let (map, n_levels) = (geometry.vertex_map(), schedule.n_levels());
-    for vertex in [clone.source, clone.target] {
-        if vertex as usize >= points.len() {
-            let region = "the clone".to_owned();
-            return Err(DeformError::NoSuchVertex { region, vertex, n_vertices: points.len() });
-        }
-        if decomposer.neighbors().row(map.welded(vertex as usize)).is_empty() {
-            return Err(DeformError::EmptyRegion { region: format!("the neighborhood of vertex {vertex}") });
-        }
-    }
-    if !(clone.radius > 0.0 && clone.radius.is_finite()) {
-        return Err(DeformError::BadLength { what: "the radius of a clone", value: clone.radius });
-    }
-    if !clone.angle.is_finite() {
-        return Err(DeformError::BadMotion(clone.angle));
-    }
     let (first, last) = (*clone.levels.start(), *clone.levels.end());
     if first == 0 || first > last || last > n_levels {
         return Err(DeformError::BadShare(format!(
             "levels of a clone must lie in 1..={n_levels}, ascending, got {first}..={last}"
         )));
     }
-    let base = smooth_positions(decomposer, schedule, progress)?;
-    let factors: Vec<f64> = (1..=n_levels).map(|j| f64::from(u8::from(clone.levels.contains(&j)))).collect();
-    let request = decomposer.request(points.as_flattened(), 3, schedule).progress(progress);
-    let (details, _) = request.weighted(&factors)?;
-    let details = map.mean(&details, 3);
-    let details: &[Vector] = details.as_chunks().0;
-    let unroller = Unroller { decomposer, base: &base, normals: base_normals(decomposer, &base, progress)? };
-    let (source, target) = (map.welded(clone.source as usize), map.welded(clone.target as usize));
-    let from = unroller.root(source, None, 0.0);
-    let to = unroller.root(target, Some(&from), clone.angle);
-    // The source must surround each place of the target.
-    let from = unroller.unroll(source, from, 1.5 * clone.radius, progress)?;
-    let to = unroller.unroll(target, to, clone.radius, progress)?;
-    let grid = PlaneGrid::new(&from, clone.radius);
-    let mut change: HashMap<u32, Vector> = HashMap::new();
-    let (mut n_without_source, mut distortion) = (0, 1.0_f64);
-    let places: HashMap<u32, [f64; 2]> = to.iter().map(|place| (place.vertex, place.uv)).collect();
-    for place in &to {
-        distortion = distortion.max(unroller.stretch(place, &places));
-        let share = (1.0 - place.distance / clone.radius) / (1.0 - FULL_SHARE);
-        let weight = smooth_rise(share);
-        if weight <= 0.0 {
-            continue;
-        }
-        let value = grid.value(&from, &place.uv, |k| {
-            let at = &from[k];
-            image(&at.frame, &details[at.vertex as usize])
-        });
-        let Some(local) = value else {
-            n_without_source += 1;
-            continue;
-        };
-        let cloned = [0, 1, 2].map(|c| (0..3).map(|k| place.frame[k][c] * local[k]).sum::<f64>());
-        let own = &details[place.vertex as usize];
-        change.insert(place.vertex, subtract(&cloned, own).map(|c| weight * c));
-    }
+    let cloner = DetailCloner::new(decomposer, schedule, clone.levels.clone(), progress)?;
+    let stamp = Stamp {
+        source: clone.source,
+        target: clone.target,
+        radius: clone.radius,
+        angle: clone.angle,
+        strength: 1.0,
+    };
+    let mut details = cloner.details().to_vec();
+    let mut stamped = cloner.stamp(&stamp, &mut details, progress)?;
+    stamped.vertices.sort_unstable();
     let mut points = points.to_vec();
     let mut n_changed = 0;
     for (v, p) in points.iter_mut().enumerate() {
-        if let Some(d) = change.get(&map.as_slice()[v]) {
-            *p = add_scaled(p, 1.0, d);
+        let x = map.as_slice()[v];
+        if stamped.vertices.binary_search(&x).is_ok() {
+            let (old, new) = (&cloner.details()[x as usize], &details[x as usize]);
+            *p = add_scaled(p, 1.0, &subtract(new, old));
             n_changed += 1;
         }
     }
+    let Stamped { n_without_source, distortion, .. } = stamped;
     Ok(Transplanted { points, n_changed, n_without_source, distortion })
+}
+
+/// One place to which detail is cloned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Vertex in the middle of the detail, from 0.
+    pub source: u32,
+    /// Vertex to which the detail goes.
+    pub target: u32,
+    /// Distance on the coarse shape, in model units, at which the clone has faded out.
+    pub radius: f64,
+    /// Turn of the detail about the normal, counterclockwise seen from outside, in radians.
+    pub angle: f64,
+    /// Share of the present detail that is replaced in the middle, in [0, 1].
+    pub strength: f64,
+}
+
+/// Result of a stamp.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stamped {
+    /// Welded vertices whose detail was changed, each once.
+    pub vertices: Vec<u32>,
+    /// As in [`Transplanted`].
+    pub n_without_source: usize,
+    /// As in [`Transplanted`].
+    pub distortion: f64,
+}
+
+/// A shape prepared for clones of detail: its coarse shape, the detail, and normals.
+pub struct DetailCloner {
+    decomposer: Decomposer,
+    base: Vec<Vector>,
+    normals: Vec<Vector>,
+    details: Vec<Vector>,
+}
+
+impl DetailCloner {
+    /// Prepares a shape for clones of the detail of some levels. O(n).
+    ///
+    /// # Errors
+    /// [`DeformError`] if the shape has no positions, the levels do not exist, or the call is cancelled.
+    pub fn new(
+        decomposer: &Decomposer,
+        schedule: &Schedule,
+        levels: RangeInclusive<usize>,
+        progress: Progress<'_>,
+    ) -> Result<Self, DeformError> {
+        let geometry = decomposer.geometry();
+        let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
+        let base = smooth_positions(decomposer, schedule, progress)?;
+        let share = |j: usize| f64::from(u8::from(levels.contains(&j)));
+        let factors: Vec<f64> = (1..=schedule.n_levels()).map(share).collect();
+        let request = decomposer.request(points.as_flattened(), 3, schedule).progress(progress);
+        let (details, _) = request.weighted(&factors)?;
+        let details = geometry.vertex_map().mean(&details, 3).as_chunks().0.to_vec();
+        let normals = base_normals(decomposer, &base, progress)?;
+        Ok(Self { decomposer: decomposer.clone(), base, normals, details })
+    }
+
+    /// Detail of each welded vertex, in model units.
+    pub fn details(&self) -> &[[f64; 3]] {
+        &self.details
+    }
+
+    /// Replaces the detail around the target, in `details`, by the original detail around the source; it fades into the
+    /// present one from half the radius on. O(vertices within the radius).
+    ///
+    /// # Errors
+    /// [`DeformError`] if a vertex does not exist or takes no part, a number is out of range, or the call is cancelled.
+    ///
+    /// # Panics
+    /// Unless `details` has a row for each welded vertex.
+    pub fn stamp(
+        &self,
+        stamp: &Stamp,
+        details: &mut [[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Stamped, DeformError> {
+        assert_eq!(details.len(), self.details.len(), "a row for each welded vertex");
+        check_stamp(&self.decomposer, stamp)?;
+        let map = self.decomposer.geometry().vertex_map();
+        let unroller = Unroller { decomposer: &self.decomposer, base: &self.base, normals: &self.normals };
+        let (source, target) = (map.welded(stamp.source as usize), map.welded(stamp.target as usize));
+        let from = unroller.root(source, None, 0.0);
+        let to = unroller.root(target, Some(&from), stamp.angle);
+        // The source must surround each place of the target.
+        let from = unroller.unroll(source, from, 1.5 * stamp.radius, progress)?;
+        let to = unroller.unroll(target, to, stamp.radius, progress)?;
+        let grid = PlaneGrid::new(&from, stamp.radius);
+        let mut stamped = Stamped { vertices: Vec::new(), n_without_source: 0, distortion: 1.0 };
+        let places: HashMap<u32, [f64; 2]> = to.iter().map(|place| (place.vertex, place.uv)).collect();
+        for place in &to {
+            stamped.distortion = stamped.distortion.max(unroller.stretch(place, &places));
+            let share = (1.0 - place.distance / stamp.radius) / (1.0 - FULL_SHARE);
+            let weight = stamp.strength * smooth_rise(share);
+            if weight <= 0.0 {
+                continue;
+            }
+            let value = grid.value(&from, &place.uv, |k| {
+                let at = &from[k];
+                image(&at.frame, &self.details[at.vertex as usize])
+            });
+            let Some(local) = value else {
+                stamped.n_without_source += 1;
+                continue;
+            };
+            let cloned = [0, 1, 2].map(|c| (0..3).map(|k| place.frame[k][c] * local[k]).sum::<f64>());
+            let present = &mut details[place.vertex as usize];
+            *present = add_scaled(present, weight, &subtract(&cloned, present));
+            stamped.vertices.push(place.vertex);
+        }
+        Ok(stamped)
+    }
+}
+
+/// Checks the vertices and numbers of a stamp.
+fn check_stamp(decomposer: &Decomposer, stamp: &Stamp) -> Result<(), DeformError> {
+    let n_vertices = decomposer.n_vertices();
+    let map = decomposer.geometry().vertex_map();
+    for vertex in [stamp.source, stamp.target] {
+        if vertex as usize >= n_vertices {
+            let region = "the clone".to_owned();
+            return Err(DeformError::NoSuchVertex { region, vertex, n_vertices });
+        }
+        if decomposer.neighbors().row(map.welded(vertex as usize)).is_empty() {
+            return Err(DeformError::EmptyRegion { region: format!("the neighborhood of vertex {vertex}") });
+        }
+    }
+    if !(stamp.radius > 0.0 && stamp.radius.is_finite()) {
+        return Err(DeformError::BadLength { what: "the radius of a clone", value: stamp.radius });
+    }
+    if !stamp.angle.is_finite() {
+        return Err(DeformError::BadMotion(stamp.angle));
+    }
+    if !(0.0..=1.0).contains(&stamp.strength) {
+        return Err(DeformError::BadShare(format!(
+            "the strength of a clone must lie in [0, 1], got {}",
+            stamp.strength
+        )));
+    }
+    Ok(())
 }
 
 /// A vertex in the map about a root.
@@ -148,7 +252,7 @@ struct UnrolledPlace {
 struct Unroller<'a> {
     decomposer: &'a Decomposer,
     base: &'a [Vector],
-    normals: Vec<Vector>,
+    normals: &'a [Vector],
 }
 
 impl Unroller<'_> {

@@ -17,9 +17,25 @@
 //! [[layer]]
 //! gains = [3.0, 2.0, 1.0, 1.0, 1.0, 1.0]
 //! region.half-space = { point = [0.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
+//!
+//! [[clone]]                      # of coordinates: detail finer than 4.5 % of the diagonal, on top of the layers
+//! source = 120                   # vertices, from 0
+//! targets = [15, 16]
+//! radius = "5%"
+//! angle = 90.0                   # degrees about the normal; left out: 0
+//! strength = 0.5                 # left out: 1
+//!
+//! [pose]                         # of coordinates: handles bend the filtered shape; left out: it keeps its pose
+//! fixed = "ball:vertex=7,radius=10%"        # left out: nothing stays
+//! stiffness = "5%"               # left out: 0.75 times the width; and so width, 4.5%
+//!
+//! [[pose.handle]]
+//! region = "ball:vertex=1972,radius=5%"
+//! turn = [0.0, 0.0, 30.0]        # axis, as long as the angle in degrees, through the center of the region; left out: none
+//! by = [0.0, 0.0, 0.3]           # then by a vector in model units; left out: none
 //! ```
 
-use crate::{ReadError, WriteError, atomic_write};
+use crate::{DetailClone, Pose, ReadError, WriteError, atomic_write};
 use adwave::LevelSpec;
 use adwave::bands::MAX_STEPS;
 use adwave::filter::Layer;
@@ -50,6 +66,10 @@ pub struct Recipe {
     pub levels: LevelSpec,
     /// Changes and their regions.
     pub layers: Vec<Layer>,
+    /// Clones of detail, which are added to the filtered shape.
+    pub clones: Vec<DetailClone>,
+    /// Handles that bend the filtered shape.
+    pub pose: Option<Pose>,
 }
 
 /// Changes nothing; the signal is the coordinates.
@@ -64,6 +84,8 @@ impl Default for Recipe {
             positions: PositionParams::default(),
             levels: LevelSpec::Default,
             layers: Vec::new(),
+            clones: Vec::new(),
+            pose: None,
         }
     }
 }
@@ -98,6 +120,10 @@ struct RecipeTable {
     lengths: Option<Vec<Length>>,
     #[serde(default, rename = "layer")]
     layers: Vec<Layer>,
+    #[serde(default, rename = "clone", skip_serializing_if = "Vec::is_empty")]
+    clones: Vec<DetailClone>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pose: Option<Pose>,
 }
 
 /// Serializes integral numbers of steps without a decimal point.
@@ -164,6 +190,8 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         positions: PositionParams { along: table.along, borders: table.border, volume: table.volume },
         levels,
         layers: table.layers,
+        clones: table.clones,
+        pose: table.pose,
     })
 }
 
@@ -203,6 +231,8 @@ pub fn recipe_to_text(recipe: &Recipe) -> String {
         steps: None,
         lengths: None,
         layers: recipe.layers.clone(),
+        clones: recipe.clones.clone(),
+        pose: recipe.pose.clone(),
     };
     match &recipe.levels {
         LevelSpec::Default => {}
@@ -228,6 +258,7 @@ pub fn write_recipe(path: &Path, recipe: &Recipe) -> Result<(), WriteError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::PoseHandle;
     use adwave::filter::{Gains, Preset};
     use adwave::region::{BrushStroke, Location, Region};
 
@@ -270,9 +301,42 @@ mod tests {
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },
                 Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} },
             ],
+            clones: Vec::new(),
+            pose: None,
         };
         let text = recipe_to_text(&recipe);
         assert_eq!(parse_recipe(&text).unwrap(), recipe, "{text}");
+    }
+
+    #[test]
+    fn a_pose_is_written_and_read_again() {
+        let handle = PoseHandle {
+            by: [0.0, 0.25, -1.5],
+            turn: [0.0, 0.0, 30.0],
+            region: Region::Vertices { indices: vec![4], radius: Length::Units(0.0), falloff: None },
+        };
+        let pose = Pose {
+            stiffness: Some(Length::PercentOfDiagonal(5.0)),
+            fixed: Some(Region::Not(Box::new(Region::Everywhere {}))),
+            handles: vec![PoseHandle { turn: [0.0; 3], ..handle.clone() }, handle],
+            ..Pose::default()
+        };
+        let layer = Layer { gains: Gains::Preset(Preset::Band2), region: Region::Everywhere {} };
+        let clone = DetailClone {
+            source: 4,
+            targets: vec![7, 2],
+            radius: Length::PercentOfDiagonal(5.0),
+            angle: 0.0,
+            strength: 1.0,
+        };
+        let clones = vec![DetailClone { angle: 90.0, strength: 0.5, ..clone.clone() }, clone];
+        let recipe = Recipe { pose: Some(pose), clones, layers: vec![layer], ..Recipe::default() };
+        let text = recipe_to_text(&recipe);
+        assert_eq!(parse_recipe(&text).unwrap(), recipe, "{text}");
+        let typed = "[[pose.handle]]\nregion = 'ball:vertex=3,radius=5%'\nby = [0, 0, 1]";
+        let pose = parse_recipe(typed).unwrap().pose.unwrap();
+        assert_eq!((pose.fixed, pose.handles[0].by), (None, [0.0, 0.0, 1.0]));
+        assert!(parse_recipe("[[pose.handle]]\nby = [0, 0, 1]").is_err());
     }
 
     #[test]

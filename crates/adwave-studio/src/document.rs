@@ -1,5 +1,6 @@
 //! The edit of a shape, in the form of the page and as a recipe.
 
+use crate::pose::ReshapedBy;
 use crate::response::ApiError;
 use adwave::LevelSpec;
 use adwave::filter::{Gains, Layer};
@@ -7,7 +8,7 @@ use adwave::local_fit::LocalFit;
 use adwave::operator::OperatorKind;
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::region::Region;
-use adwave_io::Recipe;
+use adwave_io::{DetailClone, Pose, Recipe};
 use serde::{Deserialize, Serialize};
 
 /// Largest number of layers of an edit.
@@ -31,6 +32,12 @@ pub struct Document {
     /// Treatment of the volume of a closed surface.
     #[serde(default)]
     pub volume: Volume,
+    /// Clones of detail, on top of the layers.
+    #[serde(default)]
+    pub clones: Vec<DetailClone>,
+    /// Handles that bend the shape after all else.
+    #[serde(default)]
+    pub pose: Option<Pose>,
 }
 
 /// One layer: `1 + opacity·r(x)·(g_j − 1)` times each band.
@@ -67,6 +74,7 @@ impl Document {
                 "an edit has at most {MAX_LAYERS} layers, got {n}; merge some"
             )));
         }
+        self.reshaped_by().check()?;
         for (k, layer) in self.layers.iter().enumerate() {
             let label = || format!("layer {} ('{}')", k + 1, layer.name);
             if !(0.0..=1.0).contains(&layer.opacity) {
@@ -85,6 +93,11 @@ impl Document {
             }
         }
         Ok(())
+    }
+
+    /// Edits beside those of bands.
+    pub(crate) fn reshaped_by(&self) -> ReshapedBy {
+        ReshapedBy { clones: self.clones.clone(), pose: self.pose.clone() }
     }
 
     /// Maps the gains of levels of widths `before` to levels of widths `after`; see [`map_gains`].
@@ -118,6 +131,8 @@ impl Document {
             local_fit: self.along.and_then(MoveDirection::axis).map(|_| LocalFit::Constant),
             positions: self.position_params(),
             layers: self.active_layers(),
+            clones: self.clones.clone(),
+            pose: self.pose.clone(),
             ..Recipe::default()
         }
     }
@@ -149,7 +164,8 @@ impl Document {
         };
         let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, ApiError>>()?;
         let PositionParams { along, borders, volume } = recipe.positions;
-        Ok(Self { revision, layers, along, border: borders, volume })
+        let (clones, pose) = (recipe.clones.clone(), recipe.pose.clone());
+        Ok(Self { revision, layers, along, border: borders, volume, clones, pose })
     }
 }
 

@@ -104,7 +104,8 @@ fn encode_content(session: &Session, prepared: &PreparedShape, exported: &Export
         "scales": bands.iter().map(|band| band.0).collect::<Vec<_>>(),
         "layers": layers,
         "n_masks": masks.len(),
-        "rules": prepared.document.has_constraints(session.triangles.is_empty()),
+        "rules": prepared.document.has_constraints(session.triangles.is_empty())
+            || !prepared.document.reshaped_by().is_neutral(),
     });
     let head = head.to_string();
     let mut out = (head.len() as u32).to_le_bytes().to_vec();

@@ -14,6 +14,7 @@ mod document;
 mod export_page;
 mod fields;
 mod guard;
+mod pose;
 mod prepared_shape;
 mod report;
 mod response;

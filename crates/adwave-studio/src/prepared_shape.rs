@@ -2,6 +2,7 @@
 
 use crate::StudioError;
 use crate::document::Document;
+use crate::pose::Poser;
 use crate::response::{ApiError, encode_rows};
 use adwave::LevelSpec;
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
@@ -119,11 +120,22 @@ pub(crate) struct PreparedShape {
     pub(crate) editor: Editor,
     pub(crate) document: Document,
     pub(crate) points: Arc<Vec<[f64; 3]>>,
+    /// Edited positions before clones and the pose.
+    pub(crate) unposed: Arc<Vec<[f64; 3]>>,
+    /// The deformation by handles, which does not depend on the levels.
+    pub(crate) poser: Arc<Poser>,
     health: OnceLock<Health>,
     /// Outward normals of the original shape: the outside does not change with an edit.
     outward_normals: OnceLock<OutwardNormals>,
     /// Regions of the active layers with their weights.
     regions: Vec<(Region, RegionWeights)>,
+}
+
+/// Positions after an edit.
+struct EditedPoints {
+    points: Arc<Vec<[f64; 3]>>,
+    unposed: Arc<Vec<[f64; 3]>>,
+    summary: EditSummary,
 }
 
 /// Builds the diffusion of a shape.
@@ -156,12 +168,15 @@ impl PreparedShape {
         let points = shape.points().unwrap_or_default();
         let request = decomposer.request(points.as_flattened(), 3, &schedule).progress(progress);
         let editor = request.editor().map_err(|e| StudioError::from_classified(&e))?;
+        let points = Arc::new(points.to_vec());
         Ok(Self {
             levels,
             schedule,
             editor,
             document: Document::default(),
-            points: Arc::new(points.to_vec()),
+            unposed: Arc::clone(&points),
+            points,
+            poser: Arc::new(Poser::new(walk_decomposer.clone())),
             health: OnceLock::new(),
             outward_normals: OnceLock::new(),
             regions: Vec::new(),
@@ -264,15 +279,16 @@ impl PreparedShape {
         }
         let previous = self.current_layers();
         self.editor.set_layers(weighted).map_err(|e| ApiError::from_classified(&e))?;
-        let (points, summary) = match self.edited_points(&document, file.points()) {
-            Ok(result) => result,
+        let edited = match self.edited_points(&document, file) {
+            Ok(edited) => edited,
             Err(error) => {
                 self.editor.set_layers(previous).map_err(|e| ApiError::from_classified(&e))?;
                 return Err(error);
             }
         };
-        (self.document, self.points, self.regions) = (document, Arc::new(points), regions);
-        Ok(summary)
+        (self.document, self.regions) = (document, regions);
+        (self.points, self.unposed) = (edited.points, edited.unposed);
+        Ok(edited.summary)
     }
 
     /// Returns the weights of the active layers, in order.
@@ -290,12 +306,9 @@ impl PreparedShape {
         weighted.collect()
     }
 
-    /// Computes the positions after the layers of the editor and the constraints of `document`.
-    fn edited_points(
-        &self,
-        document: &Document,
-        before: &[[f64; 3]],
-    ) -> Result<(Vec<[f64; 3]>, EditSummary), ApiError> {
+    /// Computes the positions after the layers of the editor, and the constraints and the pose of `document`.
+    fn edited_points(&self, document: &Document, file: &ShapeFile) -> Result<EditedPoints, ApiError> {
+        let before = file.points();
         let edited = self.editor.edited().as_chunks().0.to_vec();
         let points = constrain_positions(
             &self.decomposer,
@@ -305,16 +318,25 @@ impl PreparedShape {
             Progress::none(),
         )
         .map_err(|e| ApiError::from_classified(&e))?;
+        let unposed = Arc::new(points);
+        let by = document.reshaped_by();
+        let points = if by.is_neutral() {
+            Arc::clone(&unposed)
+        } else {
+            Arc::new(self.poser.carry(&by, file, unposed.to_vec(), Progress::none())?)
+        };
         let moved = displacement(before, &points);
         // The page computes in single precision.
         if !(moved.max as f32).is_finite() {
             let vertex = moved.furthest;
             return Err(ApiError::bad_request(format!(
-                "vertex {vertex} would move beyond the range of single precision; choose smaller gains"
+                "vertex {vertex} would move beyond the range of single precision; choose smaller gains or motions"
             )));
         }
         let volume = self.volumes(&points);
-        Ok((points, EditSummary { revision: document.revision, greatest: moved.max, rms: moved.rms, volume }))
+        let summary =
+            EditSummary { revision: document.revision, greatest: moved.max, rms: moved.rms, volume };
+        Ok(EditedPoints { points, unposed, summary })
     }
 
     /// Returns the volume before and after the edit; `None` for a surface that encloses none.

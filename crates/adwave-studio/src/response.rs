@@ -2,6 +2,7 @@
 
 use crate::StudioError;
 use adwave::{ClassifiedError, ErrorKind};
+use adwave_deform::DeformError;
 use axum::body::Body;
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -42,6 +43,12 @@ impl ApiError {
             ErrorKind::Cancelled => StatusCode::SERVICE_UNAVAILABLE,
         };
         Self::new(status, error.to_string())
+    }
+}
+
+impl From<DeformError> for ApiError {
+    fn from(error: DeformError) -> Self {
+        Self::from_classified(&error)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::compare::CompareRequest;
 use crate::document::Document;
+use crate::pose::{Follow, ReshapedBy, encode_carried};
 use crate::prepared_shape::{LevelsRequest, PreparedShape};
 use crate::response::{ApiError, bytes_response, encode_points, encode_rows, json_response};
 use crate::save::SaveRequest;
@@ -47,6 +48,8 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/bands", get(stream_bands))
         .route("/edit", get(send_edit).merge(put(apply_edit)))
         .route("/exact", get(send_edited_positions))
+        .route("/pose", post(follow_pose))
+        .route("/drawn", put(set_drawn))
         .route("/weights", post(compute_weights))
         .route("/field", get(send_field))
         .route("/fields", post(add_fields).layer(DefaultBodyLimit::max(MAX_UPLOAD)))
@@ -171,6 +174,7 @@ async fn set_levels(State(studio): StudioState, Path(id): Path<u64>, body: Bytes
         let mut prepared = session.lock_prepared()?;
         let mut document = prepared.document.clone();
         document.map_levels(&prepared.sigmas(), &next.sigmas());
+        next.poser = Arc::clone(&prepared.poser);
         next.apply_edit(document, &session.file())?;
         *prepared = next;
         session.store_edit(&prepared)?;
@@ -262,6 +266,45 @@ async fn send_edited_positions(State(studio): StudioState, Path(id): Path<u64>) 
     .await
 }
 
+/// Sets the vertices that the page draws while the shape moves, `u32 × m`.
+async fn set_drawn(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    run_inline(studio, id, move |session| {
+        let vertices: Vec<u32> = body.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+        let n = session.points().len();
+        if let Some(vertex) = vertices.iter().find(|v| **v as usize >= n) {
+            let message = format!("drawn vertices must be below {n}, got {vertex}");
+            return Err(ApiError::bad_request(message));
+        }
+        session.set_drawn(vertices);
+        json_response(&json!({}))
+    })
+    .await
+}
+
+/// Applies the clones and the pose in the body to the shape as it was opened, without changing the edit.
+async fn follow_pose(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+    body: Bytes,
+) -> Response {
+    with_shape(studio, id, move |session| {
+        let by: ReshapedBy = parse_body(&body, "pose")?;
+        by.check()?;
+        let is_drag = query.get("follow").is_some_and(|follow| follow == "step");
+        let follow = if is_drag { Follow::Step } else { Follow::Rest };
+        let drawn = session.drawn();
+        let vertices = match query.get("of").map(String::as_str) {
+            Some("drawn") => Some(drawn.as_slice()),
+            _ => None,
+        };
+        let poser = Arc::clone(&session.lock_prepared()?.poser);
+        let carried = poser.carried_vertices(&by, &session.file(), follow, vertices)?;
+        Ok(bytes_response(encode_carried(&carried, session.center)))
+    })
+    .await
+}
+
 async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
     with_shape(studio, id, move |session| {
         let region: Region = parse_body(&body, "region")?;
@@ -345,6 +388,7 @@ async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Byt
         let mut prepared = session.lock_prepared()?;
         let revision = prepared.document.revision + 1;
         let document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
+        next.poser = Arc::clone(&prepared.poser);
         next.apply_edit(document, &session.file())?;
         *prepared = next;
         session.store_edit(&prepared)?;
@@ -395,7 +439,7 @@ async fn compare_methods(State(studio): StudioState, Path(id): Path<u64>, body: 
     let snapshot = move |session: &Session| {
         let request: CompareRequest = parse_body(&body, "comparison")?;
         let prepared = session.lock_prepared()?;
-        Ok((request.method, Arc::clone(&prepared.points), prepared.decomposer.clone()))
+        Ok((request.method, Arc::clone(&prepared.unposed), prepared.decomposer.clone()))
     };
     spawn_blocking_task(studio, id, snapshot, |_, session, (method, edited, decomposer)| {
         compare::compare(session, method, &edited, &decomposer)

@@ -52,6 +52,8 @@ pub(crate) struct Session {
     walk_decomposer: OnceLock<Result<Decomposer, Arc<StudioError>>>,
     prepared: OnceLock<Result<Mutex<PreparedShape>, Arc<StudioError>>>,
     turn: Mutex<()>,
+    /// Vertices that the page draws while the shape moves.
+    drawn: Mutex<Arc<Vec<u32>>>,
     autosave: Option<Autosave>,
     was_resumed: OnceLock<bool>,
     /// Files written by this session, which may be overwritten.
@@ -100,6 +102,7 @@ impl Session {
             walk_decomposer: OnceLock::new(),
             prepared: OnceLock::new(),
             turn: Mutex::default(),
+            drawn: Mutex::default(),
             autosave,
             was_resumed: OnceLock::new(),
             written: Mutex::default(),
@@ -118,6 +121,15 @@ impl Session {
     /// then wait for a lock that it holds itself.
     pub(crate) fn wait_turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn set_drawn(&self, vertices: Vec<u32>) {
+        *self.drawn.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(vertices);
+    }
+
+    /// Vertices that the page draws while the shape moves.
+    pub(crate) fn drawn(&self) -> Arc<Vec<u32>> {
+        Arc::clone(&self.drawn.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Returns the diffusion of the walk operator, in whose steps levels are counted; computed once.

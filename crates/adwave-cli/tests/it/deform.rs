@@ -24,6 +24,52 @@ fn sample(folder: &Path) {
 }
 
 #[test]
+fn a_recipe_bends_as_the_options_do_and_after_its_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    sample(path);
+    let handle = "half-space:point=0 0.7 0,normal=0 1 0,falloff=0";
+    let pose = |handle: &str| {
+        format!(
+            "[pose]\nfixed = '{FEET}'\nstiffness = '6%'\n[[pose.handle]]\nregion = '{handle}'\nby = [0.0, 0.5, 0.1]\n"
+        )
+    };
+    fs::write(path.join("pose.toml"), pose(handle)).unwrap();
+    let mut line = words("deform a.ply -o typed.ply --by 0,0.5,0.1 --stiffness 6%");
+    line.extend(["--fix".into(), FEET.into(), "--move".into(), handle.into()]);
+    adwave(path).args(line).assert().success();
+    let typed = positions(path, "typed.ply");
+    adwave(path).args(words("deform a.ply -o recipe.ply --recipe pose.toml")).assert().success();
+    assert_eq!(positions(path, "recipe.ply"), typed);
+    let line = "filter a.ply -o filtered.ply --recipe pose.toml --save-recipe again.toml";
+    adwave(path).args(words(line)).assert().success();
+    assert_eq!(positions(path, "filtered.ply"), typed);
+    adwave(path).args(words("deform a.ply -o again.ply --recipe again.toml")).assert().success();
+    assert_eq!(positions(path, "again.ply"), typed);
+    // Layers act before the pose: vertices of the handle are those of the filter, moved.
+    fs::write(path.join("both.toml"), format!("levels = 4\n[[layer]]\npreset = 'smooth'\n{}", pose(handle)))
+        .unwrap();
+    adwave(path).args(words("filter a.ply -o both.ply --recipe both.toml")).assert().success();
+    adwave(path).args(words("filter a.ply -o smooth.ply --levels 4 --preset smooth")).assert().success();
+    let (rest, smooth, both) =
+        (positions(path, "a.ply"), positions(path, "smooth.ply"), positions(path, "both.ply"));
+    let of_handle = (0..rest.len()).filter(|&v| rest[v][1] > 0.71);
+    let n_handle = of_handle
+        .inspect(|&v| {
+            let by = [0, 1, 2].map(|c| both[v][c] - smooth[v][c]);
+            assert!((by[1] - 0.5).abs() < 1e-6 && (by[2] - 0.1).abs() < 1e-6, "{by:?}");
+        })
+        .count();
+    assert!(n_handle > 50);
+    assert!(smooth.iter().zip(&rest).any(|(a, b)| a != b));
+    fs::write(path.join("none.toml"), "levels = 4\n").unwrap();
+    let message = refused(path, "deform a.ply -o x.ply --recipe none.toml");
+    assert!(message.contains("[[pose.handle]]"), "{message}");
+    let message = refused(path, "filter a.ply -o x.csv --signal mean-curvature --recipe pose.toml");
+    assert!(message.contains("change coordinates"), "{message}");
+}
+
+#[test]
 fn a_shape_bends_by_its_handles() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -55,6 +55,8 @@ fn write_fixtures(folder: &Path) {
         image::RgbImage::from_fn(16, 16, color).save(at(name)).unwrap();
     }
     fs::write(at("recipe.toml"), "levels = 3\n[[layer]]\ngains = [0.5, 0.0, 1.0]\n").unwrap();
+    let pose = "[pose]\nfixed = 'ball:vertex=31,radius=20%'\n[[pose.handle]]\nregion = 'vertices:indices=2'\nby = [0.1, 0.1, 0.0]\n";
+    fs::write(at("pose.toml"), pose).unwrap();
     fs::write(at("balls.csv"), "vertex,x,y,z,sigma\n1,0,0,1,0.3\n2,1,0,0,0.2\n").unwrap();
     fs::write(at("shift.txt"), "1 0 0 0.2\n0 1 0 0\n0 0 1 0.1\n0 0 0 1\n").unwrap();
     let n = mesh(1).n_vertices();

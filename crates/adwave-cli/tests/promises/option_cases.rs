@@ -176,6 +176,7 @@ const CASES: &[OptionCase] = &[
     with(case("deform", "--to", "0,0,1"), "!--by"),
     with(case("deform", "--turn", "z,30,0,0,1"), "!--by"),
     with(case("deform", "--matrix", "shift.txt"), "!--by"),
+    with(case("deform", "--recipe", "pose.toml"), "!--fix !--move !--by"),
     case("deform", "--stiffness", "20%"),
     case("*", "--width", "10%"),
     with(case("rebase", "--write-base", "out/base.ply"), "!--base !--output"),

@@ -13,7 +13,7 @@ const SEED = Number(process.env['STUDIO_SEED'] ?? 1);
 /** Largest change of the held memory, relative to the memory before. */
 const MAX_LEAK = 0.1;
 
-const KEYS = ['b', 'n', 'l', 's', 'm', 'f', '[', ']', '1', '3', '7', '?', 'x'].concat([
+const KEYS = ['b', 'p', 'n', 'l', 's', 'm', 'f', '[', ']', '1', '3', '7', '?', 'x'].concat([
   'Escape',
   'Tab',
   'Enter',
@@ -125,6 +125,51 @@ function randomActions(page: Page, random: () => number): Record<string, () => P
     },
     async undo() {
       await page.keyboard.press(pick(['Control+z', 'Control+z', 'Control+Shift+z']));
+    },
+    async grab() {
+      const isOn = await page.evaluate(() =>
+        document.querySelector('.picture')!.classList.contains('grabbing'),
+      );
+      if (!isOn) await page.keyboard.press('p');
+      const modes = page.locator('.grab-panel .segments button:visible');
+      const n = await modes.count();
+      if (n > 0)
+        await modes
+          .nth(pick([0, 0, 0, 1, 2]) % n)
+          .click({ timeout: 500 })
+          .catch(() => {});
+      const [x, y] = [360 + 200 * random(), 250 + 200 * random()];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.waitForTimeout(300 * random());
+      for (let k = 1; k < 8; k++)
+        await page.mouse.move(x + 12 * k * (random() - 0.3), y + 12 * k * (random() - 0.5));
+      await page.mouse.up();
+    },
+    async clone() {
+      await page.evaluate(() => document.querySelector<HTMLButtonElement>('[data-effect="clone"]')!.click());
+      const at = () => [380 + 160 * random(), 270 + 160 * random()] as const;
+      if (random() < 0.5) await page.keyboard.down('Alt');
+      await page.mouse.click(...at());
+      await page.keyboard.up('Alt');
+      const [x, y] = at();
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      for (let k = 1; k < 6; k++) await page.mouse.move(x + 10 * k, y + 10 * k * (random() - 0.5));
+      await page.mouse.up();
+    },
+    async field() {
+      const n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
+      const kind = pick(['smooth', 'classes'] as const);
+      const rows = Array.from({ length: n }, (_, v) => (kind === 'classes' ? v % 4 : Math.sin(v / 300)));
+      await page.evaluate(
+        ([name, content]) => {
+          const dataTransfer = new DataTransfer();
+          dataTransfer.items.add(new File([content], name));
+          document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
+        },
+        [`${kind}.csv`, `${rows.join('\n')}\n`] as const,
+      );
     },
     async wheel() {
       await page.mouse.move(random() * 920, 60 + random() * 580);

@@ -5,7 +5,7 @@
  */
 
 import { cpus } from 'node:os';
-import { type Browser, type Page, type Request, test } from '@playwright/test';
+import { type Browser, expect, type Page, type Request, test } from '@playwright/test';
 import type { Edit } from '../src/protocol';
 import {
   collectErrors,
@@ -230,6 +230,41 @@ async function measureBrush(page: Page, requests: Request[], nVertices: number):
   };
 }
 
+/** A pulled handle: from its motion to the picture of the bent shape, and until it rests. */
+async function measurePull(page: Page): Promise<Row> {
+  const { x, y, size } = await pictureFrame(page);
+  await page.keyboard.press('p');
+  const started = Date.now();
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const nHandles = () => page.evaluate(() => window.studio.state().pose?.handle.length ?? 0);
+  await page.mouse.move(x + 5, y);
+  await expect.poll(nHandles, { timeout: 60_000 }).toBe(1);
+  const bound = Date.now() - started;
+  await page.evaluate(() => window.studio.measure(true));
+  for (let k = 1; k <= 40; k++) {
+    await page.mouse.move(x + 0.004 * size * k, y - 0.005 * size * k);
+    await page.waitForTimeout(60);
+  }
+  await page.evaluate(() => window.studio.measure(false));
+  const released = Date.now();
+  await page.mouse.up();
+  await page.evaluate(async () => {
+    await window.studio.saved();
+    await window.studio.positions();
+  });
+  const rested = Date.now() - released;
+  const { pull } = await timings(page);
+  await page.keyboard.press('Control+z');
+  await waitUntilStill(page);
+  return {
+    'first pull, with binding': rounded(bound, 0),
+    'handle to pixels': median(pull, 0),
+    'updates of 40 motions': pull.length,
+    'at rest after release': rounded(rested, 0),
+  };
+}
+
 /** Computations of the server after an edit. */
 async function measureServer(page: Page): Promise<Row> {
   const lists = await page.evaluate(async (nRequests) => {
@@ -301,6 +336,7 @@ async function measureSize(browser: Browser, nVertices: number, failures: string
     const sliders = await measureSliders(page, requests);
     const software = await page.evaluate(() => window.gpu.most);
     const brush = await measureBrush(page, requests, nVertices);
+    const pulls = await measurePull(page);
     const answers = await measureServer(page);
     await page.close();
     return {
@@ -309,6 +345,7 @@ async function measureSize(browser: Browser, nVertices: number, failures: string
       ...loading,
       ...sliders,
       ...brush,
+      ...pulls,
       ...answers,
       'MB in buffers, software': rounded(software / 1e6, 1),
       'MB in buffers, GPU': rounded(hardware / 1e6, 1),

@@ -4,7 +4,9 @@
  */
 
 import { BufferAttribute, BufferGeometry } from 'three';
+import type { Bent } from './compute/messages';
 import { setAttributeArray } from './geometry';
+import type { ReshapedBy } from './protocol';
 import { maskPacks } from './shader';
 import { VertexSubset } from './vertex-subset';
 
@@ -33,6 +35,12 @@ export class ShapeArrays {
   private readonly edited = new BufferGeometry();
   /** Positions of a compared method, shown instead of the original. */
   private readonly comparison = new BufferGeometry();
+  /** The shape at rest in a pose, to which the shader adds the edit. */
+  private readonly posed = new BufferGeometry();
+  /** The coarse version of `posed`. */
+  private fewPosed: BufferGeometry | null = null;
+  /** Clones and pose of `posed`; `null` without any. */
+  by: ReshapedBy | null = null;
   private hasEdited = false;
   private hasComparison = false;
   private bands: Int16Array[] = [];
@@ -54,12 +62,13 @@ export class ShapeArrays {
     this.nTriangles = triangles.length / 3;
     this.base.setAttribute('position', new BufferAttribute(positions, 3));
     const all = cloud ? null : new BufferAttribute(triangles, 1);
-    for (const geometry of [this.base, this.edited, this.comparison]) geometry.setIndex(all);
+    for (const geometry of [this.base, this.edited, this.posed, this.comparison]) geometry.setIndex(all);
     return this.base;
   }
 
   clear(): void {
-    for (const geometry of [this.base, this.edited, this.comparison]) {
+    this.setPosed(null, null);
+    for (const geometry of [this.base, this.edited, this.posed, this.comparison]) {
       geometry.dispose();
       for (const name of Object.keys(geometry.attributes)) geometry.deleteAttribute(name);
       geometry.setIndex(null);
@@ -100,12 +109,56 @@ export class ShapeArrays {
   setEdited(positions: Float32Array, normals: Int8Array): void {
     setAttributeArray(this.edited, 'position', positions, 3, false);
     setAttributeArray(this.edited, 'normal', normals, 4, true);
-    this.shareAttributes(this.edited);
+    shareAttributes(this.edited, this.base, ['normal']);
     this.coarse?.edited.copyAttribute('position', positions, 3, false);
     this.coarse?.edited.copyAttribute('normal', normals, 4, true);
     this.hasEdited = true;
     this.live = false;
     this.onChange();
+  }
+
+  /** True if the shader turns the edit with the frames of a pose. */
+  get isPosed(): boolean {
+    return this.by !== null;
+  }
+
+  /** Vertices that are drawn while the shape moves; `null` if all are. */
+  get drawn(): Uint32Array | null {
+    return this.hasFew ? this.coarse!.base.vertices : null;
+  }
+
+  /** Places of all vertices of the original shape, relative to the center. */
+  get originals(): Float32Array {
+    return (this.base.getAttribute('position')?.array ?? new Float32Array(0)) as Float32Array;
+  }
+
+  /** Place of a vertex, relative to the center. */
+  place(vertex: number): number[] {
+    const geometry = this.hasEdited ? this.edited : this.base;
+    const { array } = geometry.getAttribute('position');
+    return [array[3 * vertex]!, array[3 * vertex + 1]!, array[3 * vertex + 2]!];
+  }
+
+  /** Sets the shape at rest in a pose, of all vertices or of those that are drawn while it moves. */
+  setPosed(by: ReshapedBy | null, bent: Bent | null): void {
+    this.by = by;
+    if (!by || !bent) {
+      this.fewPosed?.dispose();
+      this.fewPosed = null;
+      return;
+    }
+    const { drawn } = this;
+    const isFew = drawn !== null && bent.places.length === 3 * drawn.length;
+    if (drawn) {
+      this.fewPosed ??= new BufferGeometry();
+      this.fewPosed.setIndex(this.coarse!.base.geometry.index);
+      const few = isFew ? bent : pickVertices(bent, drawn);
+      setAttributeArray(this.fewPosed, 'position', few.places, 3, false);
+      setAttributeArray(this.fewPosed, 'turn', few.turns, 4, true);
+    } else {
+      setAttributeArray(this.posed, 'position', bent.places, 3, false);
+      setAttributeArray(this.posed, 'turn', bent.turns, 4, true);
+    }
   }
 
   /** Discards the edited shape, so that the original is shown. */
@@ -121,22 +174,16 @@ export class ShapeArrays {
     if (positions && normals) {
       setAttributeArray(this.comparison, 'position', positions, 3, false);
       setAttributeArray(this.comparison, 'normal', normals, 4, true);
-      this.shareAttributes(this.comparison);
+      shareAttributes(this.comparison, this.base, ['normal']);
     }
     this.onChange();
-  }
-
-  /** Shares all attributes of the original other than positions and normals. */
-  private shareAttributes(geometry: BufferGeometry): void {
-    for (const [name, attribute] of Object.entries(this.base.attributes)) {
-      if (name !== 'position' && name !== 'normal') geometry.setAttribute(name, attribute);
-    }
   }
 
   /** Sets the number of levels and discards all bands. */
   setLevels(nLevels: number): void {
     const few = this.coarse ? [this.coarse.base.geometry] : [];
-    for (const geometry of [this.base, this.edited, ...few]) {
+    if (this.fewPosed) few.push(this.fewPosed);
+    for (const geometry of [this.base, this.edited, this.posed, ...few]) {
       for (let j = 0; j < 64; j++) geometry.deleteAttribute(`band${j}`);
     }
     this.nLevels = nLevels;
@@ -218,10 +265,33 @@ export class ShapeArrays {
     // The compared method has no coarse version.
     if (before && this.hasComparison) return { geometry: this.comparison, summed: false, few: false };
     const summed = !before && this.live && this.nLevels > 0;
+    if (summed && this.by) {
+      const geometry = this.fewPosed ?? this.posed;
+      shareAttributes(geometry, this.fewPosed ? this.coarse!.base.geometry : this.base);
+      return { geometry, summed, few: this.fewPosed !== null };
+    }
     const which = !before && !summed && this.hasEdited ? 'edited' : 'base';
     const coarse = few ? this.coarse : null;
     return { geometry: coarse ? coarse[which].geometry : this[which], summed, few: coarse !== null };
   }
+}
+
+/** Shares all attributes of another geometry other than positions and those of the names `own`. */
+function shareAttributes(to: BufferGeometry, from: BufferGeometry, own: readonly string[] = []): void {
+  for (const [name, attribute] of Object.entries(from.attributes)) {
+    if (name !== 'position' && !own.includes(name) && to.getAttribute(name) !== attribute)
+      to.setAttribute(name, attribute);
+  }
+}
+
+/** Places and turns of some vertices. */
+function pickVertices({ places, turns }: Bent, vertices: Uint32Array): Bent {
+  const few = { places: new Float32Array(3 * vertices.length), turns: new Int16Array(4 * vertices.length) };
+  for (const [k, v] of vertices.entries()) {
+    few.places.set(places.subarray(3 * v, 3 * v + 3), 3 * k);
+    few.turns.set(turns.subarray(4 * v, 4 * v + 4), 4 * k);
+  }
+  return few;
 }
 
 function copyAllAttributes(few: VertexSubset, all: BufferGeometry): void {

@@ -3,6 +3,7 @@
 import type { BrushMode, BrushShape } from './compute/messages';
 import { check, h, segments, slider } from './dom';
 import type { Effect } from './effects';
+import { grabPanel } from './grab';
 import { formatNumber } from './lengths';
 import type { BrushStroke, Region } from './protocol';
 import type { Studio } from './studio';
@@ -98,13 +99,13 @@ export function lastStamps(region: Region): number[] {
 export function brushPanel(studio: Studio): HTMLElement {
   const toggle = h(
     'button',
-    {
-      type: 'button',
-      class: 'wide',
-      'aria-pressed': 'false',
-      onclick: () => studio.setBrush(!studio.isBrushOn),
-    },
+    { type: 'button', 'aria-pressed': 'false', onclick: () => studio.setBrush(!studio.isBrushOn) },
     text.brushOn,
+  );
+  const grabToggle = h(
+    'button',
+    { type: 'button', 'aria-pressed': 'false', onclick: () => studio.setGrab(!studio.isGrabOn) },
+    text.grabOn,
   );
   const radius = slider(
     text.radius,
@@ -114,6 +115,7 @@ export function brushPanel(studio: Studio): HTMLElement {
       brush.radius = v;
     },
   );
+  radius.classList.add('radius');
   const mode = segments(
     text.brushMode,
     [
@@ -129,10 +131,12 @@ export function brushPanel(studio: Studio): HTMLElement {
   );
   studio.on('tool', () => {
     toggle.setAttribute('aria-pressed', String(studio.isBrushOn));
+    grabToggle.setAttribute('aria-pressed', String(studio.isGrabOn));
+    section.classList.toggle('grabbing', studio.isGrabOn);
     radius.set(brush.radius);
     mode.set(brush.mode);
   });
-  const effects = (['smooth', 'enhance', 'flatten', 'match', 'region'] as const).map((effect) =>
+  const effects = (['smooth', 'enhance', 'flatten', 'match', 'clone', 'region'] as const).map((effect) =>
     h(
       'button',
       {
@@ -149,11 +153,12 @@ export function brushPanel(studio: Studio): HTMLElement {
     ),
   );
   const effectHint = h('p', { class: 'hint' });
-  const pick = h('button', { type: 'button', onclick: () => studio.detail.startPick() }, text.pickDetail);
+  const startPick = () => (brush.effect === 'clone' ? studio.pickCloneSource() : studio.detail.startPick());
+  const pick = h('button', { type: 'button', onclick: startPick }, text.pickDetail);
   studio.on('tool', () => {
     for (const b of effects) b.setAttribute('aria-pressed', String(b.dataset['effect'] === brush.effect));
     effectHint.textContent = text.effectHints[brush.effect];
-    pick.hidden = brush.effect !== 'match';
+    pick.hidden = brush.effect !== 'match' && brush.effect !== 'clone';
   });
   const front = check(text.frontOnly, false, (on) => {
     brush.frontOnly = on;
@@ -164,11 +169,12 @@ export function brushPanel(studio: Studio): HTMLElement {
     // Points have no front side.
     front.hidden = studio.shape!.kind !== 'mesh';
   });
-  return h(
+  const section = h(
     'section',
     { class: 'brush-panel', id: 'brush', 'aria-label': text.brush },
     h('header', {}, h('h2', {}, text.brush)),
-    toggle,
+    h('div', { class: 'row tools' }, toggle, grabToggle),
+    grabPanel(studio),
     h('div', { class: 'effects', role: 'group', 'aria-label': text.effect }, ...effects),
     effectHint,
     pick,
@@ -195,4 +201,5 @@ export function brushPanel(studio: Studio): HTMLElement {
     }),
     front,
   );
+  return section;
 }

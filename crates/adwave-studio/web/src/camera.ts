@@ -50,10 +50,13 @@ export class Camera {
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
   private radius = 1;
+  /** Distance beyond the bounds at which vertices may be. */
+  private reach = 0;
   private width = 1;
   private height = 1;
 
   setBounds(center: readonly number[], radius: number): void {
+    this.reach = 0;
     this.center.set(center[0]!, center[1]!, center[2]!);
     this.radius = radius || 1;
   }
@@ -122,6 +125,22 @@ export class Camera {
 
   level(): void {
     this.lookFrom(new Vector3(0, 0, 1).applyQuaternion(this.three.quaternion));
+  }
+
+  /** Sets the distance by which vertices may have left the bounds, so that they are not clipped. */
+  setReach(reach: number): void {
+    if (reach === this.reach) return;
+    this.reach = reach;
+    this.update();
+  }
+
+  /** Point in the plane through `place` that is parallel to the picture, seen at (x, y) of the canvas. */
+  pointInPlane(place: readonly number[], x: number, y: number): number[] {
+    const { origin, direction } = this.ray(x, y);
+    const toward = this.toward();
+    const along = (v: readonly number[]) => v.reduce((sum, c, i) => sum + c * toward[i]!, 0);
+    const depth = along(place.map((c, i) => c - origin[i]!)) / along(direction);
+    return direction.map((c, i) => origin[i]! + depth * c);
   }
 
   /** Rotates by a pointer movement in pixels. */
@@ -195,8 +214,9 @@ export class Camera {
     const back = new Vector3(0, 0, this.distance).applyQuaternion(this.three.quaternion);
     this.three.position.copy(this.pivot).add(back);
     const away = this.three.position.distanceTo(this.center);
-    this.three.near = Math.max(away - 2 * this.radius, this.distance * 0.01, this.radius * 1e-4);
-    this.three.far = away + 3 * this.radius;
+    const { radius, reach } = this;
+    this.three.near = Math.max(away - 2 * radius - reach, this.distance * 0.01, radius * 1e-4);
+    this.three.far = away + 3 * radius + reach;
     this.three.updateProjectionMatrix();
     this.three.updateMatrixWorld();
   }

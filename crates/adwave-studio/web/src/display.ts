@@ -6,7 +6,7 @@
 import type { EditAnswer, WorkerLayer } from './compute/messages';
 import { globalGains } from './compute/positions';
 import type { Masks } from './masks';
-import { type Doc, needsServer, soloLayers } from './state';
+import { type Doc, needsServer, reshapedBy, sameReshape, soloLayers } from './state';
 import type { Studio } from './studio';
 
 /** Milliseconds of rest before positions and normals of large shapes are computed: after a step, after a movement. */
@@ -20,6 +20,12 @@ export class Display {
   private restTimer = 0;
   private waiters: (() => void)[] = [];
   private shownDoc: Doc | null = null;
+  private pulling = false;
+  private pullAgain = false;
+  /** Time of the first motion of a handle that is not shown yet. */
+  private pulledAt = 0;
+  /** Vertices that the server knows as those that are drawn during motion. */
+  private drawn: Uint32Array | null = null;
   /** Last problem that the worker reported about the region of a layer. */
   private problem: string | null = null;
 
@@ -37,6 +43,11 @@ export class Display {
    */
   show(step: boolean): void {
     const { view } = this.studio;
+    if (this.studio.isPulling) {
+      this.pulledAt ||= performance.now();
+      void this.pull();
+      return;
+    }
     if (view.arrays.large && this.showLive()) {
       if (step) view.draw();
       window.clearTimeout(this.restTimer);
@@ -44,8 +55,55 @@ export class Display {
     } else this.settle();
   }
 
-  private showLive(): boolean {
+  /** Bends the shape one step towards the present pose, or clones detail; what follows meanwhile is taken together. */
+  private async pull(): Promise<void> {
+    const { studio } = this;
+    const { view, doc, timings } = studio;
+    const by = reshapedBy(doc);
+    if (!view.arrays.large || !by) {
+      this.settle();
+      return;
+    }
+    if (this.pulling) {
+      this.pullAgain = true;
+      return;
+    }
+    this.pulling = true;
+    const { generation } = studio.session;
+    const began = this.pulledAt;
+    this.pulledAt = 0;
+    try {
+      const { drawn } = view.arrays;
+      if (drawn && drawn !== this.drawn) {
+        await studio.engine.call('drawn', { vertices: drawn.slice() });
+        this.drawn = drawn;
+      }
+      const bent = await studio.engine.call('bend', { by, follow: 'step', drawn: drawn !== null });
+      if (generation === studio.session.generation && studio.isPulling) {
+        view.arrays.setPosed(by, bent);
+        view.markMoving();
+        if (this.showLive(by)) {
+          view.draw();
+          if (began && timings.isEnabled) {
+            view.finish();
+            timings.records.pull.push(performance.now() - began);
+          }
+        } else this.settle();
+      }
+    } catch (error) {
+      studio.showMessage((error as Error).message, 'error');
+    } finally {
+      this.pulling = false;
+    }
+    if (!this.pullAgain) return;
+    this.pullAgain = false;
+    if (studio.isPulling) void this.pull();
+  }
+
+  /** Shows the document by the shader; `by` are the clones and the pose that its arrays have. */
+  private showLive(by = reshapedBy(this.studio.doc)): boolean {
     const { doc, nLevels, view } = this.studio;
+    if (!sameReshape(view.arrays.by, by)) return false;
     const layers = soloLayers(doc.layers, this.studio.solo).filter((l) => l.on);
     const terms = layers.map((l) => ({
       opacity: l.opacity,
@@ -106,14 +164,27 @@ export class Display {
     const exact =
       !solo && needsServer(doc, studio.shape!) && saver?.state === 'saved' && !saver.hasUnsavedStep;
     try {
-      const answer = await studio.engine.call('edit', { layers, regions: updates, exact });
+      const follow = studio.isPulling ? 'step' : 'rest';
+      const began = this.pulledAt;
+      this.pulledAt = 0;
+      const by = reshapedBy(doc);
+      const answer = await studio.engine.call('edit', { layers, regions: updates, exact, by, follow });
       if (isOld()) return;
+      if (answer.places && answer.turns) {
+        view.arrays.setPosed(by, { places: answer.places, turns: answer.turns });
+      } else if (!by) view.arrays.setPosed(null, null);
+      else if (view.arrays.by && !answer.problem) view.arrays.by = by;
       studio.timings.records.settle.push(answer.took);
       if (answer.problem && answer.problem !== this.problem) studio.showMessage(answer.problem, 'error');
       this.problem = answer.problem;
       if (doc === studio.doc || !view.arrays.large) {
         view.arrays.setEdited(answer.positions, answer.normals);
         this.shownDoc = doc;
+      }
+      if (began && studio.isPulling && studio.timings.isEnabled) {
+        view.draw();
+        view.finish();
+        studio.timings.records.pull.push(performance.now() - began);
       }
       // A band that is shown alone does not change the figures of the edit.
       if (doc === studio.doc && !solo) this.updateDisplacement(answer);
@@ -127,6 +198,7 @@ export class Display {
   private updateDisplacement({ greatest, rms, volume: after }: EditAnswer): void {
     const { studio } = this;
     const before = studio.shape!.volume;
+    studio.view.camera.setReach(studio.doc.pose ? greatest : 0);
     studio.displacement = {
       greatest,
       rms,

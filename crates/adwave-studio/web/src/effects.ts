@@ -4,7 +4,7 @@ import { GREATEST_GAIN } from './gain';
 import type { DocLayer } from './state';
 import { text } from './text';
 
-export type Effect = 'smooth' | 'enhance' | 'flatten' | 'match' | 'region';
+export type Effect = 'smooth' | 'enhance' | 'flatten' | 'match' | 'clone' | 'region';
 
 /** Effects with gains that depend on the brush only. */
 type SizedEffect = 'smooth' | 'enhance' | 'flatten';
@@ -46,7 +46,7 @@ export function matchingGains(wanted: readonly number[], there: readonly number[
 }
 
 /** The effect that a layer was painted with; `null` for other layers and renamed ones. */
-export function effectOf(layer: DocLayer): Exclude<Effect, 'region'> | null {
+export function effectOf(layer: DocLayer): Exclude<Effect, 'region' | 'clone'> | null {
   const { region } = layer;
   if (!region || !('painted' in region)) return null;
   const effects = ['smooth', 'enhance', 'flatten', 'match'] as const;

@@ -27,7 +27,7 @@ export function boundingSphere(p: Float32Array): { center: number[]; radius: num
 export function setAttributeArray(
   geometry: BufferGeometry,
   name: string,
-  array: Float32Array | Int8Array,
+  array: Float32Array | Int8Array | Int16Array,
   itemSize: number,
   normalized: boolean,
 ): void {

@@ -55,6 +55,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
     } else if (e.key === '?') showKeys();
     else if (e.key === '\\') studio.setBefore(true);
     else if (key === 'b') studio.setBrush(!studio.isBrushOn);
+    else if (key === 'p') studio.setGrab(!studio.isGrabOn);
     else if (key === 'n') {
       brush.mode = brush.mode === 'add' ? 'subtract' : 'add';
       studio.emit('tool');
@@ -81,7 +82,9 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       const i = layers.indexOf(studio.layer) + (key === '.' ? 1 : -1);
       if (layers[i]) studio.select(layers[i].key);
     } else if (key === 'Escape') {
-      if (!stage.escape() && studio.isBrushOn) studio.setBrush(false);
+      if (stage.escape()) return;
+      if (studio.isBrushOn) studio.setBrush(false);
+      if (studio.isGrabOn) studio.setGrab(false);
     } else if (target === view.canvas && e.key.startsWith('Arrow')) {
       const [dx, dy] = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] }[
         e.key

@@ -191,13 +191,14 @@ function panelTabs(studio: Studio, app: HTMLElement): { side: HTMLElement; sheet
   show('equalizer');
   let brushWasOn = false;
   studio.on('tool', () => {
-    if (studio.isBrushOn && !brushWasOn) {
+    const isOn = studio.isBrushOn || studio.isGrabOn;
+    if (isOn && !brushWasOn) {
       // On a wide screen the settings of the brush come forward; a narrow one keeps its sheet.
       const tab = app.dataset['tab'] as Tab;
       show('brush');
       if (tab === 'equalizer') show('equalizer');
     }
-    brushWasOn = studio.isBrushOn;
+    brushWasOn = isOn;
   });
   return { side, sheet };
 }
@@ -293,7 +294,10 @@ export function start(options: StartOptions): void {
     studio.saver?.flush();
     studio.session.storeHistory();
   });
-  canvas.addEventListener('webglcontextlost', () => studio.showMessage(text.lostPicture));
+  canvas.addEventListener('webglcontextlost', () => {
+    stage.interrupt();
+    studio.showMessage(text.lostPicture);
+  });
   canvas.addEventListener('webglcontextrestored', () => view.request());
 
   const ready = openFirstShape(studio, options, app, loading);

@@ -104,9 +104,10 @@ export class Materials {
     masked: Masked,
     scales: readonly (number | undefined)[],
     nLevels: number,
+    posed: boolean,
   ): boolean {
     const nMasks = masked.reduce((n, m) => Math.max(n, m.slot + 1), 0);
-    const packs = maskPacks(nLevels, nMasks);
+    const packs = maskPacks(nLevels, nMasks, posed);
     if (packs === null) return false;
     const each = 4 * packs;
     if (this.sums.gains.value.length !== nLevels || packs !== this.packs) {

@@ -16,10 +16,13 @@ import { ballFragment, ballVertex, lineFragment, lineVertex } from './shader';
 
 type Lines = LineSegments<BufferGeometry, RawShaderMaterial>;
 type Ink = [number, number, number];
+type Balls = Points<BufferGeometry, RawShaderMaterial>;
 
 export class Overlays {
   private readonly ring: Lines[] = [];
-  private readonly balls: Points<BufferGeometry, RawShaderMaterial>;
+  private readonly balls: Balls;
+  /** Pins and handles of a pose, which are seen through the surface. */
+  private readonly handles: Balls;
   private readonly lines = new BufferGeometry();
   private wires: Lines | null = null;
   private edgeInk: Ink = [0, 0, 0];
@@ -33,22 +36,12 @@ export class Overlays {
       this.ring.push(ring);
       scene.add(ring);
     }
-    this.balls = new Points(
-      new BufferGeometry(),
-      new RawShaderMaterial({
-        glslVersion: GLSL3,
-        vertexShader: ballVertex,
-        fragmentShader: ballFragment,
-        uniforms: {
-          pixels: { value: 1 },
-          high: { value: new Vector3(0.87, 0.43, 0.2) },
-          low: { value: new Vector3(0.22, 0.48, 0.78) },
-        },
-      }),
-    );
-    this.balls.frustumCulled = false;
-    this.balls.visible = false;
-    scene.add(this.balls);
+    this.balls = coloredBalls([0.87, 0.43, 0.2], [0.22, 0.48, 0.78]);
+    this.handles = coloredBalls([0.95, 0.52, 0.1], [0.13, 0.42, 0.82]);
+    this.handles.material.depthTest = false;
+    this.handles.material.uniforms['smallest']!.value = 14;
+    this.handles.renderOrder = 3;
+    scene.add(this.balls, this.handles);
   }
 
   setInk(ring: Ink, edges: Ink): void {
@@ -96,6 +89,23 @@ export class Overlays {
     );
   }
 
+  /** Shows balls of a fixed size: positions, and for each 1 for a handle and −1 for a pin. */
+  showHandles(places: readonly number[], signs: readonly number[]): void {
+    this.handles.visible = signs.length > 0;
+    this.handles.geometry.dispose();
+    this.handles.geometry = new BufferGeometry();
+    const set = (name: string, values: readonly number[], itemSize: number) =>
+      this.handles.geometry.setAttribute(name, new BufferAttribute(Float32Array.from(values), itemSize));
+    set('position', places, 3);
+    // The shader enlarges points without a size to the smallest one.
+    set(
+      'size',
+      signs.map(() => 0),
+      1,
+    );
+    set('sign', signs, 1);
+  }
+
   setEdges(pairs: Uint32Array): void {
     this.lines.setIndex(new BufferAttribute(pairs, 1));
     this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002));
@@ -124,8 +134,29 @@ export class Overlays {
     this.lines.deleteAttribute('position');
     this.lines.setIndex(null);
     this.showFeatures([], 1);
+    this.showHandles([], []);
     this.showRing(null, null);
   }
+}
+
+function coloredBalls(high: Ink, low: Ink): Balls {
+  const balls = new Points(
+    new BufferGeometry(),
+    new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: ballVertex,
+      fragmentShader: ballFragment,
+      uniforms: {
+        pixels: { value: 1 },
+        smallest: { value: 8 },
+        high: { value: new Vector3(...high) },
+        low: { value: new Vector3(...low) },
+      },
+    }),
+  );
+  balls.frustumCulled = false;
+  balls.visible = false;
+  return balls;
 }
 
 function ink(lines: Lines): Vector4 {

@@ -37,12 +37,44 @@ export type Along = 'free' | 'normal' | 'surface' | 'x' | 'y' | 'z';
 export type Border = 'natural' | 'keep' | 'free';
 export type VolumeRule = 'free' | 'keep';
 
+/** Vertices that move together: about their center by a turn (axis times degrees), and then by a vector. */
+export interface PoseHandle {
+  by: number[];
+  turn?: number[];
+  region: Region;
+}
+
+/** Handles that bend the shape after all else. */
+export interface Pose {
+  width?: Length;
+  stiffness?: Length;
+  fixed?: Region | null;
+  handle: PoseHandle[];
+}
+
+/** Detail cloned from around a vertex to others, one after the other. */
+export interface DetailClone {
+  source: number;
+  targets: number[];
+  radius: Length;
+  angle?: number;
+  strength?: number;
+}
+
+/** Edits beside those of bands. */
+export interface ReshapedBy {
+  clones: readonly DetailClone[];
+  pose: Pose | null;
+}
+
 export interface Edit {
   revision: number;
   layers: Layer[];
   along: Along | null;
   border: Border | null;
   volume: VolumeRule | null;
+  clones?: readonly DetailClone[];
+  pose?: Pose | null;
 }
 
 export interface Level {

@@ -4,10 +4,11 @@
 const MOST_ATTRIBUTES = 16;
 
 /** Number of packs of four masks that fit beside `nLevels` bands; `null` if the bands alone do not fit. */
-export function maskPacks(nLevels: number, nMasks: number): number | null {
+export function maskPacks(nLevels: number, nMasks: number, posed = false): number | null {
   const packs = Math.ceil(nMasks / 4);
-  // Position, normal and scalar are always attributes.
-  return packs <= 2 && 3 + nLevels + packs <= MOST_ATTRIBUTES ? packs : null;
+  // Position, normal and scalar are always attributes; in a pose also the rotation.
+  const others = posed ? 4 : 3;
+  return packs <= 2 && others + nLevels + packs <= MOST_ATTRIBUTES ? packs : null;
 }
 
 /** Variant of the shader. Variants are used instead of branches, which cost time in software rendering even if not taken. */
@@ -16,6 +17,8 @@ export interface Variant {
   nLevels: number;
   /** Number of packs of four masks in the sum. */
   packs: number;
+  /** The sum is turned with the frame of the vertex in a pose. */
+  posed: boolean;
   cloud: boolean;
   clay: boolean;
   /** Computes normals from derivatives instead of vertex normals. */
@@ -28,7 +31,17 @@ export interface Variant {
   tint: boolean;
 }
 
-export function vertexShader({ nLevels, packs, cloud, flat, scalar, classes, rgb, tint }: Variant): string {
+export function vertexShader({
+  nLevels,
+  packs,
+  posed,
+  cloud,
+  flat,
+  scalar,
+  classes,
+  rgb,
+  tint,
+}: Variant): string {
   const levels = Array.from({ length: nLevels }, (_, j) => j);
   const components = ['x', 'y', 'z', 'w'];
   const nMasks = 4 * packs;
@@ -36,7 +49,7 @@ export function vertexShader({ nLevels, packs, cloud, flat, scalar, classes, rgb
   const sum = levels.map((j) => {
     const product = masks.map((r, m) => `(1.0 + ${r} * slopes[${j * nMasks + m}])`).join(' * ');
     const gain = product ? `gains[${j}] * ${product}` : `gains[${j}]`;
-    return `  p += ((${gain} - 1.0) * scales[${j}]) * band${j}.xyz;`;
+    return `  d += ((${gain} - 1.0) * scales[${j}]) * band${j}.xyz;`;
   });
   return `precision highp float;
 uniform mat4 modelViewMatrix;
@@ -48,6 +61,7 @@ ${nLevels ? `uniform float gains[${nLevels}];\nuniform float scales[${nLevels}];
 ${nLevels && nMasks ? `uniform float slopes[${nLevels * nMasks}];` : ''}
 in vec3 position;
 in vec4 normal;
+${posed ? TURNED : ''}
 ${scalar ? `in float scalar;\n${classes ? 'flat ' : ''}out float vScalar;` : ''}
 ${rgb ? 'in vec4 paint;\nout vec3 vPaint;' : ''}
 ${tint || packs > 0 ? 'in vec4 masks0;' : ''}
@@ -57,10 +71,12 @@ ${flat && !cloud ? '' : 'out vec3 vNormal;'}
 out vec3 vPlace;
 void main() {
   vec3 p = position;
+${nLevels ? '  vec3 d = vec3(0.0);' : ''}
 ${sum.join('\n')}
+${nLevels ? `  p += ${posed ? 'turned(d)' : 'd'};` : ''}
   vec4 place = modelViewMatrix * vec4(p, 1.0);
   vPlace = place.xyz;
-${flat && !cloud ? '' : '  vNormal = normalMatrix * normal.xyz;'}
+${flat && !cloud ? '' : `  vNormal = normalMatrix * ${posed ? 'turned(normal.xyz)' : 'normal.xyz'};`}
 ${scalar ? '  vScalar = scalar;' : ''}
 ${rgb ? '  vPaint = paint.rgb;' : ''}
 ${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
@@ -68,6 +84,10 @@ ${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
 ${cloud ? '  gl_PointSize = clamp(pointSize / gl_Position.w, 1.5, 64.0);' : ''}
 }`;
 }
+
+/** Rotation by the quaternion of the vertex. */
+const TURNED = `in vec4 turn;
+vec3 turned(vec3 d) { return d + 2.0 * cross(turn.xyz, cross(turn.xyz, d) + turn.w * d); }`;
 
 const CLAY = `  // Clay: a broad highlight from above, dark silhouettes.
   float rim = 1.0 - n.z;
@@ -132,6 +152,7 @@ export const ballVertex = `precision highp float;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform float pixels; // pixels per model unit at distance 1
+uniform float smallest;
 in vec3 position;
 in float size;
 in float sign;
@@ -139,7 +160,7 @@ out float vSign;
 void main() {
   vSign = sign;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
-  gl_PointSize = clamp(size * pixels / gl_Position.w, 8.0, 48.0);
+  gl_PointSize = clamp(size * pixels / gl_Position.w, smallest, 48.0);
   gl_Position.z -= 0.002 * gl_Position.w;
 }`;
 

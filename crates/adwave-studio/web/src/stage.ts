@@ -5,6 +5,7 @@ import type { BrushShape, PickAnswer } from './compute/messages';
 import type { Hit, Ray } from './compute/pick';
 import { flatRing } from './compute/ring';
 import { effectGains, effectOf } from './effects';
+import { Grab, type GrabMode, grab, type StrokeMode } from './grab';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -37,12 +38,16 @@ export class Stage {
   /** Result of the last pick under the cursor. */
   private hoverAnswer: PickAnswer | null = null;
   private pendingPress: { id: number; x: number; y: number; invert: boolean; pressure: number } | null = null;
+  /** Pointer that pulls or pins; `null` before the surface under it is known. */
+  private grabbing: { pointer: number; handle: number; hit: Hit | null; began: boolean } | null = null;
+  private readonly grab: Grab;
   onClick: ((answer: PickAnswer, x: number, y: number) => void) | null = null;
 
   constructor(
     private readonly studio: Studio,
     private readonly canvas: HTMLCanvasElement,
   ) {
+    this.grab = new Grab(studio);
     canvas.addEventListener('pointerdown', (e) => this.onPointerDown(e));
     canvas.addEventListener('pointermove', (e) => this.onPointerMove(e));
     canvas.addEventListener('pointerup', (e) => this.onPointerUp(e));
@@ -52,8 +57,9 @@ export class Stage {
     canvas.addEventListener('dblclick', (e) => void this.setPivot(e));
     canvas.addEventListener('wheel', (e) => this.onWheel(e), { passive: false });
     studio.on('tool', () => {
-      if (!studio.isBrushOn) studio.view.showRing(null, null);
+      if (!studio.isBrushOn && !studio.isGrabOn) studio.view.showRing(null, null);
       canvas.classList.toggle('brushing', studio.isBrushOn);
+      canvas.classList.toggle('grabbing', studio.isGrabOn);
     });
   }
 
@@ -73,11 +79,20 @@ export class Stage {
       // A second finger starts a camera gesture and cancels the stroke.
       this.pendingPress = null;
       if (this.stroke) this.endStroke('drop');
+      this.endGrab('drop');
       this.turning = null;
       this.startPinch();
       return;
     }
     const pans = e.button === 1 || e.button === 2 || e.shiftKey;
+    const clones = this.studio.isBrushOn && brush.effect === 'clone';
+    if (clones && !pans && !this.studio.onPickVertex && (e.altKey || this.studio.cloneSource === null))
+      this.studio.pickCloneSource();
+    if ((this.studio.isGrabOn || clones) && !pans && e.button === 0 && !this.studio.onPickVertex) {
+      this.grabbing = { pointer: e.pointerId, handle: -1, hit: null, began: false };
+      void this.beginGrab(this.grabbing, place);
+      return;
+    }
     const picks =
       this.studio.isBrushOn && brush.effect === 'match' && (e.altKey || !this.studio.detail.isPicked);
     if (picks && !pans && !this.studio.onPickVertex) this.studio.detail.startPick();
@@ -88,6 +103,84 @@ export class Stage {
       return;
     }
     this.turning = pans ? 'pan' : 'turn';
+  }
+
+  /** Decides by picking: on the surface the pointer pulls, pins or clones; off the surface it rotates the shape. */
+  private async beginGrab(
+    grabbing: NonNullable<Stage['grabbing']>,
+    { x, y }: { x: number; y: number },
+  ): Promise<void> {
+    const { studio } = this;
+    const mode = this.grabMode;
+    grabbing.handle = mode === 'pull' ? this.grab.handleAt(x, y) : -1;
+    const ray = studio.view.camera.ray(x, y);
+    const { hit } = await studio.engine.call('pick', { ray, ring: null });
+    if (this.grabbing !== grabbing) {
+      // Released before the answer: a click pins.
+      if (this.grabbing === null && hit && (studio.isGrabOn || mode === 'clone'))
+        this.touchOnce(hit.vertex, mode === 'pull' ? 'pin' : mode);
+      return;
+    }
+    if (!hit && grabbing.handle < 0) {
+      this.grabbing = null;
+      if (this.pointers.has(grabbing.pointer)) this.turning = 'turn';
+      return;
+    }
+    grabbing.hit = hit;
+    if (mode !== 'pull' && hit) {
+      this.grab.beginStroke(mode);
+      grabbing.began = true;
+      this.grab.touch(hit.vertex);
+      return;
+    }
+    const started = await this.grab.begin(grabbing.handle, hit, x, y);
+    if (this.grabbing !== grabbing) {
+      // Released meanwhile.
+      this.grab.end('drop');
+      return;
+    }
+    grabbing.began = started;
+    const now = this.pointers.get(grabbing.pointer);
+    if (started && now && this.moved >= CLICK) this.grab.moveTo(now.x, now.y);
+  }
+
+  private get grabMode(): GrabMode | 'clone' {
+    return this.studio.isGrabOn ? grab.mode : 'clone';
+  }
+
+  private touchOnce(vertex: number, mode: StrokeMode): void {
+    this.grab.beginStroke(mode);
+    this.grab.touch(vertex);
+    this.grab.end('keep');
+  }
+
+  private moveGrab(place: { x: number; y: number }): void {
+    const { grabbing, studio } = this;
+    if (!grabbing?.began) return;
+    if (this.grabMode === 'pull') {
+      if (this.moved >= CLICK) this.grab.moveTo(place.x, place.y);
+      return;
+    }
+    const ray = studio.view.camera.ray(place.x, place.y);
+    void studio.engine.call('pick', { ray, ring: null }).then(({ hit }) => {
+      if (hit && this.grabbing === grabbing) this.grab.touch(hit.vertex);
+    });
+  }
+
+  /** Ends a pull or a stroke of pins. A pull without a motion is a click: it pins the spot, or leaves the handle. */
+  private endGrab(how: 'keep' | 'drop'): void {
+    const { grabbing } = this;
+    if (!grabbing) return;
+    this.grabbing = null;
+    const clicked = this.grabMode === 'pull' && this.moved < CLICK;
+    this.grab.end(clicked ? 'drop' : how);
+    if (clicked && how === 'keep' && grabbing.began && grabbing.handle < 0 && grabbing.hit)
+      this.touchOnce(grabbing.hit.vertex, 'pin');
+  }
+
+  /** Keeps what was pulled so far. */
+  interrupt(): void {
+    this.endGrab('keep');
   }
 
   /** Decides by picking: the brush paints on the surface; off the surface the pointer rotates the shape. */
@@ -141,6 +234,7 @@ export class Stage {
       studio.showMessage(text.paintedLayer);
       return true;
     }
+    if (effect === 'clone') return false;
     if (effectOf(studio.layer) === effect) return true;
     const painted = studio.doc.layers.findLast((l) => effectOf(l) === effect);
     // Detail is matched where the layer was begun.
@@ -242,6 +336,9 @@ export class Stage {
     const { camera } = this.studio.view;
     if (this.pointers.size === 2) {
       this.movePinch();
+    } else if (this.grabbing?.pointer === e.pointerId) {
+      this.moveGrab(place);
+      return;
     } else if (this.stroke?.pointer === e.pointerId) {
       // Browsers coalesce the samples of a frame; a stroke follows all of them.
       const samples = e.getCoalescedEvents?.() ?? [];
@@ -269,6 +366,10 @@ export class Stage {
 
   private onPointerUp(e: PointerEvent): void {
     if (!this.pointers.delete(e.pointerId)) return;
+    if (this.grabbing?.pointer === e.pointerId) {
+      this.endGrab(e.type === 'pointercancel' ? 'drop' : 'keep');
+      return;
+    }
     if (this.stroke?.pointer === e.pointerId) {
       this.endStroke(e.type === 'pointercancel' ? 'drop' : 'keep');
       return;
@@ -300,6 +401,10 @@ export class Stage {
   /** Cancels the current stroke, line or pick; returns false if there is none. */
   escape(): boolean {
     if (this.studio.cancelPick()) return true;
+    if (this.grabbing) {
+      this.endGrab('drop');
+      return true;
+    }
     if (!this.stroke) return false;
     this.endStroke('drop');
     return true;
@@ -320,14 +425,15 @@ export class Stage {
       const place = this.hoverNext;
       this.hoverNext = null;
       const shape = brushShape(studio, 1, false);
-      const ring = studio.isBrushOn ? { radius: shape.radius, half: halfRadius(shape) } : null;
+      const showsRing = studio.isBrushOn || (studio.isGrabOn && grab.mode !== 'pull');
+      const ring = showsRing ? { radius: shape.radius, half: halfRadius(shape) } : null;
       const answer = await studio.engine.call('pick', {
         ray: studio.view.camera.ray(place.x, place.y),
         ring,
       });
       studio.timings.records.pick.push(answer.took);
       this.hoverAnswer = answer;
-      if (studio.isBrushOn && !this.stroke) {
+      if (showsRing && !this.stroke) {
         const flat = answer.hit && !answer.outer ? flatRing(answer.hit, shape.radius) : null;
         // The moving circle is drawn over the coarse version.
         studio.view.showRing(answer.outer ?? flat, answer.inner);

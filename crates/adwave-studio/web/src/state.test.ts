@@ -4,6 +4,7 @@ import { Camera } from './camera';
 import { classesOf, colorAt, hasValues, movedOnly, rangeOf } from './colors';
 import { effectGains, effectOf, matchingGains } from './effects';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
+import { farthestVertex, withMotion, withoutPins, withPins } from './grab';
 import { restoreHistory, storeHistory } from './history-store';
 import { formatCount, formatNumber, toModelUnits } from './lengths';
 import { parseChoice } from './levels-dialog';
@@ -32,6 +33,8 @@ const edit = {
   along: null,
   border: 'natural' as const,
   volume: 'free' as const,
+  clones: [],
+  pose: null,
 };
 
 describe('the document', () => {
@@ -137,6 +140,7 @@ test('the shader holds 13 bands, fewer with many masks', () => {
   const source = vertexShader({
     nLevels: 2,
     packs: 1,
+    posed: false,
     cloud: false,
     clay: false,
     flat: true,
@@ -146,6 +150,71 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     tint: false,
   });
   expect(source).toContain('gains[1] * (1.0 + masks0.x * slopes[4])');
+  expect(source).not.toContain('turned');
+  // In a pose the sum turns with the frames, which take an attribute.
+  expect(maskPacks(12, 0, true)).toBe(0);
+  expect(maskPacks(13, 0, true)).toBeNull();
+});
+
+describe('a pose', () => {
+  const handle = (vertex: number) => ({
+    by: [0, 0, 0],
+    region: { vertices: { indices: [vertex], radius: 0 } },
+  });
+  const pose = { fixed: null, handle: [handle(3), handle(5)] };
+
+  test('pins, releases and moves', () => {
+    const spots = { vertices: { indices: [1, 2, 9], radius: 0.1 } };
+    const part = { component: { vertex: 4 } };
+    const pinned = withPins(pose, [spots, part]);
+    expect(pinned.fixed).toEqual({ any: [spots, part] });
+    expect(withoutPins([spots, part], (v) => v === 2)).toEqual([
+      { vertices: { indices: [1, 9], radius: 0.1 } },
+      part,
+    ]);
+    expect(withoutPins([spots], () => true)).toEqual([]);
+    expect(withoutPins([spots], () => false)[0]).toBe(spots);
+    expect(withPins(pinned, []).fixed).toBeNull();
+    const moved = withMotion(pinned, 1, [1, 2, 3]);
+    expect(moved.handle.map((one) => one.by)).toEqual([
+      [0, 0, 0],
+      [1, 2, 3],
+    ]);
+    expect(pose.handle[1]!.by).toEqual([0, 0, 0]);
+    expect(farthestVertex([0, 0, 0, 3, 0, 0, -4, 1, 0], [1, 0, 0])).toBe(2);
+  });
+
+  test('is part of the edit and of its steps', () => {
+    const doc = fromEdit({ ...edit, pose }, 2);
+    expect(toEdit(doc, 3)).toEqual({ ...edit, pose });
+    const neutral = { ...doc, layers: [newLayer('', 2)] };
+    expect(isNeutral(neutral)).toBe(false);
+    expect(isNeutral({ ...neutral, pose: { handle: [] } })).toBe(true);
+    // The page bends a shape whose bands are unchanged without the server's positions.
+    expect(needsServer(neutral, { kind: 'cloud', closed: false })).toBe(false);
+    const history = new History(neutral, () => {});
+    history.preview({ ...neutral, pose: withMotion(pose, 0, [1, 0, 0]) });
+    history.preview({ ...neutral, pose: withMotion(pose, 0, [2, 0, 0]) });
+    history.end();
+    expect(history.nSteps).toBe(1);
+    history.undo();
+    expect(history.doc).toBe(neutral);
+  });
+
+  test('moves a handle in the plane of the picture', () => {
+    const camera = new Camera();
+    camera.resize(800, 600);
+    camera.setBounds([0, 0, 0], 1);
+    camera.start();
+    const place = [0.2, -0.1, 0.4];
+    const at = camera.project(place);
+    for (const [c, x] of camera.pointInPlane(place, at.x, at.y).entries())
+      expect(x).toBeCloseTo(place[c]!, 9);
+    const moved = camera.pointInPlane(place, at.x + 30, at.y - 40);
+    const seen = camera.project(moved);
+    expect([seen.x, seen.y]).toEqual([expect.closeTo(at.x + 30, 6), expect.closeTo(at.y - 40, 6)]);
+    expect(Math.hypot(...moved.map((x, c) => x - place[c]!)) * at.scale).toBeCloseTo(50, 6);
+  });
 });
 
 describe('other levels', () => {

@@ -3,7 +3,18 @@
  * Camera and view settings are not part of it.
  */
 
-import type { Along, Border, Edit, Layer, LevelsChoice, Region, VolumeRule } from './protocol';
+import type {
+  Along,
+  Border,
+  DetailClone,
+  Edit,
+  Layer,
+  LevelsChoice,
+  Pose,
+  Region,
+  ReshapedBy,
+  VolumeRule,
+} from './protocol';
 
 export interface DocLayer extends Layer {
   /** Identifies the layer on this page; not sent to the server. */
@@ -21,11 +32,14 @@ export interface Doc {
   readonly along: Along | null;
   readonly border: Border | null;
   readonly volume: VolumeRule | null;
+  readonly clones: readonly DetailClone[];
+  readonly pose: Pose | null;
   readonly levels: DocLevels;
 }
 
 /** Levels of a document without a shape. */
 export const NO_LEVELS: DocLevels = { choice: {}, sigmas: [] };
+export const NO_CLONES: readonly DetailClone[] = [];
 
 let lastKey = 0;
 
@@ -36,7 +50,8 @@ export function newKey(): number {
 export function fromEdit(edit: Edit, nLevels: number, levels: DocLevels = NO_LEVELS): Doc {
   const layers = edit.layers.map((l) => ({ ...l, key: newKey(), gains: fitGains(l.gains, nLevels) }));
   if (layers.length === 0) layers.push(newLayer('', nLevels));
-  return { layers, along: edit.along, border: edit.border, volume: edit.volume, levels };
+  const { along, border, volume, clones, pose } = edit;
+  return { layers, along, border, volume, clones: clones ?? NO_CLONES, pose: pose ?? null, levels };
 }
 
 export function toEdit(doc: Doc, revision: number): Edit {
@@ -46,6 +61,8 @@ export function toEdit(doc: Doc, revision: number): Edit {
     along: doc.along,
     border: doc.border,
     volume: doc.volume,
+    clones: doc.clones,
+    pose: doc.pose,
   };
 }
 
@@ -115,6 +132,20 @@ export function withGain(doc: Doc, key: number, level: number, gain: number): Do
 
 /** True if the edit changes nothing. */
 export function isNeutral(doc: Doc): boolean {
+  return reshapedBy(doc) === null && hasNeutralLayers(doc);
+}
+
+/** Clones and handles of the edit; `null` if there are none. */
+export function reshapedBy({ clones, pose }: Doc): ReshapedBy | null {
+  const bending = pose && pose.handle.length > 0 ? pose : null;
+  return bending || clones.length > 0 ? { clones, pose: bending } : null;
+}
+
+export function sameReshape(a: ReshapedBy | null, b: ReshapedBy | null): boolean {
+  return a === b || (a !== null && b !== null && a.clones === b.clones && a.pose === b.pose);
+}
+
+function hasNeutralLayers(doc: Doc): boolean {
   return doc.layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
 }
 
@@ -123,7 +154,7 @@ export function isNeutral(doc: Doc): boolean {
  * normals, and so do the parts of a surface that have a border.
  */
 export function needsServer(doc: Doc, { kind, closed }: { kind: string; closed: boolean }): boolean {
-  if (isNeutral(doc)) return false;
+  if (hasNeutralLayers(doc)) return false;
   const cloud = kind === 'cloud';
   const along = doc.along ?? (cloud ? 'normal' : 'free');
   const border = doc.border ?? 'natural';
@@ -231,6 +262,8 @@ function sameEdit(a: Doc, b: Doc): boolean {
     a.along === b.along &&
     a.border === b.border &&
     a.volume === b.volume &&
+    a.clones === b.clones &&
+    a.pose === b.pose &&
     a.levels === b.levels &&
     a.layers.length === b.layers.length &&
     a.layers.every((l, i) => {

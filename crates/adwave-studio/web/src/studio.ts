@@ -13,6 +13,7 @@ import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
 import { type Doc, type DocLayer, History, NO_LEVELS, newLayer, withLayer } from './state';
+import { text } from './text';
 import { Timings } from './timings';
 import type { ShownComparison } from './tools';
 import type { View } from './view';
@@ -48,7 +49,15 @@ export class Studio {
   shape: Shape | null = null;
   shapes: ShapeList = { version: '', shapes: [] };
   history = new History(
-    { layers: [newLayer('', 0)], along: null, border: null, volume: null, levels: NO_LEVELS },
+    {
+      layers: [newLayer('', 0)],
+      along: null,
+      border: null,
+      volume: null,
+      clones: [],
+      pose: null,
+      levels: NO_LEVELS,
+    },
     () => {},
   );
   saver: Saver | null = null;
@@ -60,6 +69,12 @@ export class Studio {
   /** Compared method shown instead of the original. */
   comparison: ShownComparison | null = null;
   isBrushOn = false;
+  /** True while the pointer pulls and pins. */
+  isGrabOn = false;
+  /** Vertex from which the brush clones detail. */
+  cloneSource: number | null = null;
+  /** True while a handle is pulled or detail is cloned. */
+  isPulling = false;
   /** The only band of a layer that is shown; part of the view and not of the edit. */
   solo: { key: number; level: number } | null = null;
   /** Work that the user waits for, by number, in the order of its start. */
@@ -136,6 +151,8 @@ export class Studio {
     this.comparison = null;
     this.solo = null;
     this.lastVertex = null;
+    this.cloneSource = null;
+    this.isPulling = false;
     this.cancelPick();
     this.emit('compared');
   }
@@ -222,6 +239,16 @@ export class Studio {
     if (!this.history[to]()) this.timings.cancelSliderTiming();
   }
 
+  /** Lets the next click choose the spot from which the brush clones detail. */
+  pickCloneSource(): void {
+    this.showMessage(text.pickCloneClick);
+    this.onPickVertex = (vertex) => {
+      this.cloneSource = vertex;
+      this.showMessage(text.cloneSourcePicked);
+      this.emit('tool');
+    };
+  }
+
   /** Ends a pick or a line that waits for a click; returns false if there is none. */
   cancelPick(): boolean {
     const { lineDrawing } = this;
@@ -291,6 +318,13 @@ export class Studio {
 
   setBrush(on: boolean): void {
     this.isBrushOn = on;
+    if (on) this.isGrabOn = false;
+    this.emit('tool');
+  }
+
+  setGrab(on: boolean): void {
+    this.isGrabOn = on;
+    if (on) this.isBrushOn = false;
     this.emit('tool');
   }
 

@@ -1,3 +1,5 @@
+import type { GrabMode } from './grab';
+
 /** All texts of the page. A translation is another table of this type. */
 
 export const text = {
@@ -166,6 +168,7 @@ export const text = {
     enhance: 'Enhance',
     flatten: 'Flatten',
     match: 'Match',
+    clone: 'Clone',
     region: 'Region',
   },
   effectHints: {
@@ -173,6 +176,8 @@ export const text = {
     enhance: 'Strengthens detail finer than the brush.',
     flatten: 'Removes all detail up to the size of the brush and beyond.',
     match: 'Gives the painted spot detail of the picked size. Alt-click picks another spot.',
+    clone:
+      'Copies the detail of the picked spot, finer than 4.5 % of the size, on top of the layers. Alt-click picks another spot.',
     region: 'Paints where the sliders of the layer act.',
   },
   nothingToErase: 'There is nothing to erase or soften yet. Paint first.',
@@ -188,10 +193,37 @@ export const text = {
   falloff: 'Soft edge',
   symmetry: 'Mirror in x',
   pickDetail: 'Pick detail',
+  pickCloneClick: 'Click the spot whose detail you want to copy.',
+  cloneSourcePicked: 'Spot picked. Click or drag where you want its detail.',
   pickDetailClick: 'Click the spot whose detail you want elsewhere.',
   detailPicked: 'Detail picked. Paint where you want it.',
   noDetail: 'Pick the detail of a spot first.',
   paintedLayer: 'New layer. Paint its region, then move its sliders.',
+
+  // Grab
+  grab: 'Grab',
+  grabOn: 'Grab (P)',
+  grabMode: 'Grab mode',
+  grabModes: [
+    ['pull', 'Pull'],
+    ['pin', 'Pin'],
+    ['unpin', 'Unpin'],
+  ] as [GrabMode, string][],
+  grabHints: {
+    pull: 'Drag the surface: it bends, and its detail rides along. Drag a handle again to move it. Click to pin a spot.',
+    pin: 'Drag over the surface to pin it: pinned parts stay where they are.',
+    unpin: 'Drag over pins to release them.',
+  } as Record<GrabMode, string>,
+  grabCount: (handles: number, pins: number) =>
+    handles + pins === 0
+      ? 'No handles and no pins.'
+      : `${handles === 1 ? '1 handle' : `${handles} handles`}, ${pins === 1 ? '1 pin' : `${pins} pins`}.`,
+  pinnedFarEnd: 'Nothing was pinned, so the far end was. Click the surface to pin other spots.',
+  pinRegion: 'Pin region of layer',
+  pinNothing: 'This layer affects the whole shape. Choose a region first.',
+  removeHandle: 'Remove last handle',
+  straighten: 'Straighten',
+  binding: 'Preparing the bend…',
 
   // Look
   look: 'View',
@@ -351,15 +383,16 @@ export const text = {
     ['F 1 3 7', 'Fit view; front, right, top view (with Shift: back, left, bottom)'],
     ['E', 'Focus the sliders; Tab selects the next, arrow keys move it, S and M solo and mute it'],
     ['B N J', 'Brush on or off; paint or erase; soften mask'],
+    ['P', 'Grab: pull the shape and pin it'],
     ['[ ]', 'Smaller or larger brush'],
     ['G U', 'Grow (with Shift: shrink) or blur the region'],
     ['Ctrl', 'With the brush: swap paint and erase'],
     ['L , .', 'New layer, previous layer, next layer'],
     ['Shift', 'While dragging: pan instead of rotate'],
     ['Wheel', 'Zoom to the pointer; with Alt: size of the brush'],
-    ['Drag', 'Rotate; with the brush: paint'],
+    ['Drag', 'Rotate; with the brush: paint; with Grab: pull or pin'],
     ['Double-click', 'On the shape: rotate about that point. On a slider: gain 1'],
-    ['Esc', 'Cancel the stroke or turn the brush off'],
+    ['Esc', 'Cancel the stroke or pull, or turn the brush or Grab off'],
     ['?', 'This list'],
   ] as const,
   about: 'About',
@@ -380,7 +413,7 @@ export const viewerText = {
   before: 'Before',
   made: (n: string) => `${n} vertices, one slider per band of detail, made with adwave studio.`,
   decimated: (n: string) => `Reduced from ${n} vertices; the remaining ones keep their positions and bands.`,
-  rules: 'The constraints of the edit (directions, borders, volume) are not applied here.',
+  rules: 'The constraints of the edit (directions, borders, volume) and its pose are not applied here.',
   about: 'About',
   license:
     'Made with adwave studio, which is licensed under MIT or Apache-2.0. This file contains no third-party code.',

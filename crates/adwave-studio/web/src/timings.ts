@@ -8,6 +8,8 @@ export interface TimingRecords {
   settle: number[];
   pick: number[];
   stamp: number[];
+  /** Time from a motion of a handle to the picture of the bent shape. */
+  pull: number[];
   /** Duration of a frame from its first call until it is finished. */
   frame: number[];
 }
@@ -21,6 +23,7 @@ export class Timings {
     settle: [],
     pick: [],
     stamp: [],
+    pull: [],
     frame: [],
   };
   /** Set by tests: each frame is waited for and timed. */

@@ -8,7 +8,7 @@ import { BufferAttribute, BufferGeometry, type TypedArray } from 'three';
 export class VertexSubset {
   readonly geometry = new BufferGeometry();
   /** Indices of the vertices, ascending. */
-  private readonly vertices: Uint32Array;
+  readonly vertices: Uint32Array;
 
   constructor(triangles: Uint32Array, n: number) {
     const place = new Int32Array(n).fill(-1);

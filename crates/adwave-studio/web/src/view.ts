@@ -156,7 +156,7 @@ export class View {
   setGains(global: ArrayLike<number>, masked: Masked): boolean {
     const { arrays } = this;
     if (arrays.heavy && !arrays.hasFew) return false;
-    if (!this.materials.setSums(global, masked, arrays.scales, arrays.nLevels)) return false;
+    if (!this.materials.setSums(global, masked, arrays.scales, arrays.nLevels, arrays.isPosed)) return false;
     arrays.live = true;
     this.request();
     return true;
@@ -173,6 +173,12 @@ export class View {
 
   showRing(outer: Float32Array | null, inner: Float32Array | null): void {
     this.overlays.showRing(outer, inner);
+    this.request();
+  }
+
+  /** Shows pins and handles as balls: positions, and for each 1 for a handle and −1 for a pin. */
+  showHandles(places: readonly number[], signs: readonly number[]): void {
+    this.overlays.showHandles(places, signs);
     this.request();
   }
 
@@ -257,6 +263,7 @@ export class View {
     body.material = materials.get({
       nLevels: summed ? arrays.nLevels : 0,
       packs: summed ? materials.packs : 0,
+      posed: summed && arrays.isPosed,
       cloud: arrays.cloud,
       clay: this.style === 'matcap',
       // The normals of the original do not fit the sum.

@@ -15,6 +15,7 @@ count where its weight is above 0. With several --move, give as many motions of 
 Examples:
   adwave deform bust.obj -o nod.obj --fix 'ball:vertex=7,radius=30%' --move 'ball:vertex=120,radius=10%' --turn x,20
   adwave deform cat.ply -o up.ply --fix 'ball:vertex=7,radius=10%' --move 'ball:vertex=1972,radius=5%' --by 0,0,0.3
+  adwave deform cat.ply -o posed.ply --recipe pose.toml
   adwave deform cat.ply -o two.ply --move vertices:indices=1972 --to 0,1,2 --move vertices:indices=1500 --to 0,1,3"))]
 pub(crate) struct DeformArgs {
     #[command(flatten)]
@@ -26,7 +27,7 @@ pub(crate) struct DeformArgs {
     #[arg(long, value_name = "REGION", value_parser = region, help_heading = "Handles")]
     pub(crate) fix: Vec<Region>,
     /// Region that moves as a whole: a handle
-    #[arg(long = "move", value_name = "REGION", value_parser = region, required = true, help_heading = "Handles")]
+    #[arg(long = "move", value_name = "REGION", value_parser = region, required_unless_present = "recipe", help_heading = "Handles")]
     pub(crate) handles: Vec<Region>,
     /// Move the handle by a vector in model units
     #[arg(long, value_name = "X,Y,Z", value_parser = translation, allow_hyphen_values = true, help_heading = "Handles", conflicts_with_all = ["to", "turn", "matrix"])]
@@ -40,6 +41,9 @@ pub(crate) struct DeformArgs {
     /// Move the handle by the 4 × 4 matrix in a text file: 16 numbers by rows, the last row 0 0 0 1
     #[arg(long, value_name = "FILE", value_parser = matrix, help_heading = "Handles")]
     pub(crate) matrix: Vec<MotionText>,
+    /// Take handles, width and stiffness from the [pose] of a recipe; its layers are left to 'adwave filter --recipe'
+    #[arg(long, value_name = "FILE", help_heading = "Handles", conflicts_with_all = ["fix", "handles", "by", "to", "turn", "matrix", "stiffness", "width"])]
+    pub(crate) recipe: Option<PathBuf>,
     /// Bending length, in model units or in % of the diagonal: longer is stiffer, 0 wrinkles [default: 0.75 times --width]
     #[arg(long, value_name = "L", value_parser = length, allow_negative_numbers = true, help_heading = "Base")]
     pub(crate) stiffness: Option<Length>,

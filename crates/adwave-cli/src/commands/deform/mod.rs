@@ -9,16 +9,19 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::{check_writable, count, note, number, output_format, percent_of};
 use crate::resolve::operator::{operator_for_task, prepare};
+use crate::resolve::pose::{BentShape, bend};
 use crate::resolve::region::{note_far_points, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use adwave::operator::OperatorTask;
 use adwave::region::Region;
 use adwave::{Decomposer, Progress};
 use adwave_deform::{DeformInfo, DeformParams, DeformRegions, Deformer};
+use adwave_io::{Pose, read_recipe};
 pub(crate) use args::DeformArgs;
 use motion::MotionText;
 use serde_json::json;
 use std::fmt::Write;
+use std::path::Path;
 
 pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError> {
     args.width.check()?;
@@ -26,18 +29,23 @@ pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError
     check_writable(&args.output)?;
     let motions: Vec<&MotionText> =
         args.by.iter().chain(&args.to).chain(&args.turn).chain(&args.matrix).collect();
-    if motions.len() != args.handles.len() {
+    if args.recipe.is_none() && motions.len() != args.handles.len() {
         return Err(CliError::Input(format!(
             "each --move needs one motion (--by, --to, --turn or --matrix), got {} for {}",
             count(motions.len(), "motion", "motions"),
             count(args.handles.len(), "handle", "handles")
         )));
     }
+    let pose = args.recipe.as_deref().map(|path| pose_of_recipe(path, global)).transpose()?;
     let input = load_shape(&args.shape, global)?;
     let stiffness = args.stiffness.map(|length| GivenLength { option: "--stiffness", length });
     input.check_lengths(&[args.width.given_lengths(), stiffness.into_iter().collect()].concat())?;
     let decomposer =
         prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
+    if let Some(pose) = pose {
+        let bent = with_progress(global, "bending", |progress| bend(&pose, &input, &decomposer, progress))?;
+        return write_bent(input, &decomposer, &bent, args, global);
+    }
     let schedule = args.width.resolve(&decomposer)?;
     let regions = with_progress(global, "measuring", |progress| {
         resolve_regions(args, &input, &decomposer, global, progress)
@@ -51,10 +59,39 @@ pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError
         deformer.set(k + 1, motion.resolve(center(rest, handle))?)?;
     }
     let info = with_progress(global, "bending", |progress| deformer.solve(progress))?;
-    note_parts(&deformer, &info, global);
-    let (text, report) = describe(&input, &decomposer, &deformer, &info);
+    write_bent(input, &decomposer, &BentShape { deformer, info }, args, global)
+}
+
+/// Prints notes and writes the bent shape.
+fn write_bent(
+    input: Input,
+    decomposer: &Decomposer,
+    BentShape { deformer, info }: &BentShape,
+    args: &DeformArgs,
+    global: &Global<'_>,
+) -> Result<(), CliError> {
+    note_parts(deformer, info, global);
+    let (text, report) = describe(&input, decomposer, deformer, info);
     let points = deformer.points();
-    MovedShape { input, decomposer: &decomposer, points, text, report }.write(&args.output, global)
+    MovedShape { input, decomposer, points, text, report }.write(&args.output, global)
+}
+
+/// The pose of a recipe; a note tells that its layers are not applied.
+fn pose_of_recipe(path: &Path, global: &Global<'_>) -> Result<Pose, CliError> {
+    global.inputs.add_file(path);
+    let recipe = read_recipe(path).map_err(CliError::input)?;
+    let n_layers = recipe.layers.len();
+    let Some(pose) = recipe.pose.filter(|pose| !pose.handles.is_empty()) else {
+        let name = path.display();
+        return Err(CliError::Input(format!(
+            "{name}: a pose must have a [[pose.handle]], got none; add one"
+        )));
+    };
+    if n_layers > 0 {
+        let layers = count(n_layers, "layer", "layers");
+        note(global, &format!("{layers} of the recipe are not applied; adwave filter --recipe applies all"));
+    }
+    Ok(pose)
 }
 
 /// Mean position of some vertices.

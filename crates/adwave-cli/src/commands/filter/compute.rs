@@ -7,6 +7,7 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{SignalParts, build_operator, note_close_sheets, note_outsiders};
+use crate::resolve::pose::reshaped_points;
 use crate::resolve::region::{note_far_points, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
@@ -88,7 +89,11 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
             edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?;
         let change = SignalChange::new(&job.signal.values, &values);
         let edited = if job.signal_name == COORDS {
-            EditedSignal::Points(constrained_points(job, &decomposer, &values, progress)?)
+            let points = constrained_points(job, &decomposer, &values, progress)?;
+            EditedSignal::Points(match &job.reshaped_by {
+                Some(by) => reshaped_points(by, &job.input, points, progress)?,
+                None => points,
+            })
         } else {
             job.result.place_values(&job.input.file, &job.signal_name, &job.signal, values)
         };

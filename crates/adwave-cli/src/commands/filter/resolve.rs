@@ -10,6 +10,7 @@ use crate::global::Global;
 use crate::output::{count, has_extension, note};
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
+use crate::resolve::pose::ReshapedBy;
 use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
@@ -40,6 +41,8 @@ pub(super) struct FilterJob<'a> {
     /// Labels of the signal, if each is filtered by its share.
     pub(super) labels: Option<Vec<f64>>,
     pub(super) positions: PositionParams,
+    /// Clones and handles of the recipe, for the filtered shape.
+    pub(super) reshaped_by: Option<ReshapedBy>,
     pub(super) bands: BandsParams,
     pub(super) normals: MovedNormals,
     pub(super) result: ResultFile<'a>,
@@ -122,6 +125,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let save_recipe = edit.save_recipe.as_deref().map(|path| SaveRecipe { path, levels: saved_levels });
     Ok(FilterJob {
         input,
+        reshaped_by: reshaped_by(recipe, &signal_name)?,
         signal_name,
         signal,
         columns,
@@ -172,10 +176,21 @@ fn load_recipe(path: &Path, global: &Global<'_>) -> Result<Recipe, CliError> {
     read_recipe(path).map_err(CliError::input)
 }
 
+/// Clones and handles of the recipe, for coordinates only.
+fn reshaped_by(recipe: Option<&Recipe>, signal_name: &str) -> Result<Option<ReshapedBy>, CliError> {
+    let by = recipe.and_then(ReshapedBy::from_recipe);
+    if by.is_some() && signal_name != COORDS {
+        return Err(CliError::Input(format!(
+            "[[clone]] and [pose] of the recipe change coordinates, and the signal is {signal_name}; remove them from the recipe"
+        )));
+    }
+    Ok(by)
+}
+
 /// The layers that the flags or the recipe ask for.
 fn layers(args: &EditArgs, recipe: Option<&Recipe>, global: &Global<'_>) -> Result<Vec<Layer>, CliError> {
     if let Some(recipe) = recipe {
-        if recipe.layers.is_empty() {
+        if recipe.layers.is_empty() && ReshapedBy::from_recipe(recipe).is_none() {
             note(global, "the recipe has no [[layer]], so nothing changes");
         }
         return Ok(recipe.layers.clone());

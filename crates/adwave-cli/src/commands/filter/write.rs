@@ -66,6 +66,14 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let _ = writeln!(text, "{signal} changed by {rms} (rms over the {rows}), {max} at most");
         report["changed"] = json!({"rms": change.rms, "max": change.max});
     }
+    if let Some(by) = &job.reshaped_by {
+        let n_clones: usize = by.clones.iter().map(|clone| clone.targets.len()).sum();
+        let n_handles = by.pose.as_ref().map_or(0, |pose| pose.handles.len());
+        let (clones, handles) = (count(n_clones, "clone", "clones"), count(n_handles, "handle", "handles"));
+        let _ = writeln!(text, "then {clones} of detail, and a bend by {handles}");
+        report["clones"] = json!(n_clones);
+        report["handles"] = json!(n_handles);
+    }
     if let Some(BandsAccuracy { precision, error_bound }) = accuracy {
         if precision == Precision::Single {
             let _ = writeln!(text, "single precision: bands are off by at most {}", number(error_bound));
@@ -84,6 +92,8 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
             positions: job.positions,
             levels,
             layers,
+            clones: job.reshaped_by.as_ref().map_or_else(Vec::new, |by| by.clones.clone()),
+            pose: job.reshaped_by.as_ref().and_then(|by| by.pose.clone()),
         };
         write_file_with(global, saved.path, |path| write_recipe(path, &recipe))?;
         let _ = writeln!(text, "{}", saved.path.display());

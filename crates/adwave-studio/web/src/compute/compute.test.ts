@@ -3,7 +3,7 @@ import { neighborsOfCloud } from './adjacency';
 import { coarseTriangles, edgePairs } from './coarse';
 import { cloudNormals, meshNormals } from './normals';
 import { enclosingBalls, nearestVertex, pickMesh } from './pick';
-import { displacement, editedPositions, volume } from './positions';
+import { carryInto, displacement, editedPositions, volume } from './positions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
 import { readBands } from './stream';
@@ -184,6 +184,17 @@ describe('positions', () => {
     editedPositions(s.positions, [w], [{ opacity: 1, gains: [0], mask }], out);
     expect(out.subarray(0, 30)).toEqual(s.positions.subarray(0, 30));
     expect(out[30]).not.toBe(s.positions[30]);
+  });
+
+  test('edited positions are carried into a pose in the frames of their vertices', () => {
+    const base = Float32Array.from([0, 0, 0, 1, 0, 0]);
+    const edited = Float32Array.from([0, 0, 0, 1.5, 0.25, 0]);
+    const places = Float32Array.from([5, 5, 5, 2, 3, 4]);
+    const half = Math.round(32767 * Math.SQRT1_2);
+    // No rotation, and a quarter turn about z.
+    carryInto(base, places, Int16Array.from([0, 0, 0, 32767, 0, 0, half, half]), edited);
+    expect([...edited.subarray(0, 3)]).toEqual([5, 5, 5]);
+    for (const [c, x] of [2 - 0.25, 3 + 0.5, 4].entries()) expect(edited[3 + c]!).toBeCloseTo(x, 4);
   });
 
   test('displacement and volume are those of a box', () => {

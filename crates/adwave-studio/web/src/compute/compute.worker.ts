@@ -1,12 +1,13 @@
 /** Web worker for everything that depends on the number of vertices: positions, normals, masks and picking. */
 
+import type { ReshapedBy } from '../protocol';
 import { type Rows, trianglesOfVertices } from './adjacency';
 import { edgePairs } from './coarse';
-import type { Call, Calls, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
+import type { Bent, Call, Calls, Follow, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
 import { Painter } from './painter';
 import { type Balls, enclosingBalls, type Hit, pickCloud, pickMesh, type Ray } from './pick';
-import { type Band, displacement, editedPositions, type LayerTerm, volume } from './positions';
+import { type Band, carryInto, displacement, editedPositions, type LayerTerm, volume } from './positions';
 import type { RegionContext } from './regions';
 import { contour } from './ring';
 import { SurfaceSearch } from './search';
@@ -31,6 +32,11 @@ class Shape {
   private searchOnce: SurfaceSearch | null = null;
   private normalsOnce: Float64Array | null = null;
   private bandsAbort: AbortController | null = null;
+  /** The shape with clones and in its pose, its bands unchanged; `null` without any. */
+  bent: Bent | null = null;
+  private bentBy = '';
+  /** True until the page was sent the present pose. */
+  isBentNew = false;
   /** Enclosing balls of the edited vertices, for picking; `null` after they moved. */
   balls: Balls | null = null;
 
@@ -148,6 +154,31 @@ class Shape {
     });
   }
 
+  /** Fetches the shape with clones and in a pose: of all vertices, or of those that are drawn while it moves. */
+  async fetchBent(by: ReshapedBy, follow: Follow, drawn: boolean): Promise<Bent> {
+    const path = `pose?follow=${follow}&of=${drawn ? 'drawn' : 'all'}`;
+    const response = await this.fetch(path, { method: 'POST', body: JSON.stringify(by) });
+    const bytes = await response.arrayBuffer();
+    const n = bytes.byteLength / 20;
+    return { places: new Float32Array(bytes.slice(0, 12 * n)), turns: new Int16Array(bytes.slice(12 * n)) };
+  }
+
+  /** Clones and bends all vertices, if they are not. */
+  async bend(by: ReshapedBy | null, follow: Follow): Promise<void> {
+    if (!by) {
+      this.isBentNew ||= this.bent !== null;
+      this.bent = null;
+      this.bentBy = '';
+      return;
+    }
+    const text = `${follow} ${JSON.stringify(by)}`;
+    if (text === this.bentBy) return;
+    this.bentBy = '';
+    this.bent = await this.fetchBent(by, follow, false);
+    this.bentBy = text;
+    this.isBentNew = true;
+  }
+
   terms(layers: readonly WorkerLayer[]): LayerTerm[] {
     return layers
       .filter((l) => l.on && (l.region === null || this.painter.mask(l.key)))
@@ -237,7 +268,7 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     await shape().readBands(nLevels, shared);
     return { seconds: (performance.now() - started) / 1000 };
   },
-  async edit({ layers, regions, exact }) {
+  async edit({ layers, regions, exact, by, follow }) {
     const s = shape();
     s.painter.updateRegions(regions);
     s.painter.retainLayers(new Set(layers.map((l) => l.key)));
@@ -252,6 +283,11 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
         problem = (error as Error).message;
       }
     }
+    try {
+      await s.bend(by, follow);
+    } catch (error) {
+      problem = (error as Error).message;
+    }
     const started = performance.now();
     s.balls = null;
     if (exact) {
@@ -259,7 +295,10 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       s.edited.set(new Float32Array(await response.arrayBuffer()));
     } else {
       editedPositions(s.given.positions, s.bands, s.terms(layers), s.edited);
+      if (s.bent) carryInto(s.given.positions, s.bent.places, s.bent.turns, s.edited);
     }
+    const isNew = s.isBentNew;
+    s.isBentNew = false;
     const normals = s.normals(s.edited);
     const took = performance.now() - started;
     const moved = displacement(s.given.positions, s.edited);
@@ -267,10 +306,26 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
       positions: s.edited.slice(),
       normals,
       ...moved,
+      places: isNew ? (s.bent?.places.slice() ?? null) : null,
+      turns: isNew ? (s.bent?.turns.slice() ?? null) : null,
       problem,
       volume: s.given.cloud ? null : volume(s.edited, s.given.triangles),
       took,
     };
+  },
+  async drawn({ vertices }) {
+    await shape().fetch('drawn', { method: 'PUT', body: vertices as Uint32Array<ArrayBuffer> });
+    return {};
+  },
+  bend({ by, follow, drawn }) {
+    return shape().fetchBent(by, follow, drawn);
+  },
+  shift({ vertex }) {
+    const { bent, given } = shape();
+    const by = [0, 1, 2].map((c) =>
+      bent ? bent.places[3 * vertex + c]! - given.positions[3 * vertex + c]! : 0,
+    );
+    return { by };
   },
   async warm() {
     await shape().prepare();

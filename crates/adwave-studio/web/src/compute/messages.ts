@@ -1,6 +1,6 @@
 /** Messages between the page and its worker. */
 
-import type { BrushStroke, Region } from '../protocol';
+import type { BrushStroke, Region, ReshapedBy } from '../protocol';
 import type { Hit, Ray } from './pick';
 
 export interface WorkerLayer {
@@ -48,7 +48,16 @@ export interface Calls {
   ];
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
-  edit: [{ layers: WorkerLayer[]; regions: RegionUpdate[]; exact: boolean }, EditAnswer];
+  edit: [
+    { layers: WorkerLayer[]; regions: RegionUpdate[]; exact: boolean; by: ReshapedBy | null; follow: Follow },
+    EditAnswer,
+  ];
+  /** Sets the vertices that are drawn while the shape moves. */
+  drawn: [{ vertices: Uint32Array }, Record<string, never>];
+  /** Clones and bends the shape with unchanged bands: all vertices, or those that are drawn while it moves. */
+  bend: [{ by: ReshapedBy; follow: Follow; drawn: boolean }, Bent];
+  /** Distance by which a pose moves a vertex at rest. */
+  shift: [{ vertex: number }, { by: number[] }];
   /** Prepares picking and painting in advance. */
   warm: [Record<string, never>, Record<string, never>];
   /** Updates the mask of a layer to its region, and prepares softening by a blur length. */
@@ -68,12 +77,24 @@ export interface Calls {
   positions: [Record<string, never>, { positions: Float32Array }];
 }
 
+/** One step towards the handles, while one is pulled, or to rest. */
+export type Follow = 'step' | 'rest';
+
+/** Places of the shape with unchanged bands, with its clones and in its pose, and the rotations of its detail: quaternions x, y, z, w. */
+export interface Bent {
+  places: Float32Array;
+  turns: Int16Array;
+}
+
 export interface EditAnswer {
   positions: Float32Array;
   normals: Int8Array;
   greatest: number;
   rms: number;
   volume: number | null;
+  /** Clones and pose, if they have changed since the last answer. */
+  places: Float32Array | null;
+  turns: Int16Array | null;
   /** Message about a layer that was skipped. */
   problem: string | null;
   /** Computing time in milliseconds. */

@@ -150,6 +150,35 @@ function addBandManyMasks(
   }
 }
 
+/**
+ * Carries edited positions into a pose: place + R · (edited − base), with the place of each vertex at rest and the rotation R
+ * of its frame as a quaternion x, y, z, w of 16-bit integers.
+ */
+export function carryInto(
+  base: Float32Array,
+  places: Float32Array,
+  turns: Int16Array,
+  out: Float32Array,
+): void {
+  const unit = 1 / 32767;
+  for (let i = 0, k = 0; i < out.length; i += 3, k += 4) {
+    const dx = out[i]! - base[i]!;
+    const dy = out[i + 1]! - base[i + 1]!;
+    const dz = out[i + 2]! - base[i + 2]!;
+    const x = unit * turns[k]!;
+    const y = unit * turns[k + 1]!;
+    const z = unit * turns[k + 2]!;
+    const w = unit * turns[k + 3]!;
+    // d + 2 q × (q × d + w d)
+    const ax = y * dz - z * dy + w * dx;
+    const ay = z * dx - x * dz + w * dy;
+    const az = x * dy - y * dx + w * dz;
+    out[i] = places[i]! + dx + 2 * (y * az - z * ay);
+    out[i + 1] = places[i + 1]! + dy + 2 * (z * ax - x * az);
+    out[i + 2] = places[i + 2]! + dz + 2 * (x * ay - y * ax);
+  }
+}
+
 /** Largest and root mean square displacement of an edit, in model units. */
 export function displacement(base: Float32Array, edited: Float32Array): { greatest: number; rms: number } {
   let greatest = 0;

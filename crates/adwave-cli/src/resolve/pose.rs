@@ -1,0 +1,72 @@
+//! The pose of a recipe, bound to a shape.
+
+use super::region::region_weights;
+use super::shape::Input;
+use crate::error::CliError;
+use adwave::operator::OperatorParams;
+use adwave::region::Region;
+use adwave::{Decomposer, Progress};
+use adwave_deform::{Clones, DeformInfo, Deformer, bind_pose, set_pose};
+use adwave_io::{DetailClone, Pose, Recipe};
+
+/// Binds a shape to the handles of a pose and bends it, as the studio does.
+pub(crate) fn bend(
+    pose: &Pose,
+    input: &Input,
+    decomposer: &Decomposer,
+    progress: Progress<'_>,
+) -> Result<BentShape, CliError> {
+    let vertices = |region: &Region| -> Result<Vec<u32>, CliError> {
+        let weights = region_weights(region, input, decomposer, progress)?;
+        Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
+    };
+    let mut deformer = bind_pose(decomposer, pose, None, vertices, progress)?;
+    set_pose(&mut deformer, pose)?;
+    let info = deformer.solve(progress)?;
+    Ok(BentShape { deformer, info })
+}
+
+/// A shape in its pose.
+pub(crate) struct BentShape {
+    pub(crate) deformer: Deformer,
+    pub(crate) info: DeformInfo,
+}
+
+/// Edits of a recipe beside those of bands.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ReshapedBy {
+    pub(crate) clones: Vec<DetailClone>,
+    /// A pose with handles.
+    pub(crate) pose: Option<Pose>,
+}
+
+impl ReshapedBy {
+    /// Those of a recipe, if there are any.
+    pub(crate) fn from_recipe(recipe: &Recipe) -> Option<Self> {
+        let pose = recipe.pose.clone().filter(|pose| !pose.handles.is_empty());
+        let clones = recipe.clones.clone();
+        (pose.is_some() || !clones.is_empty()).then_some(Self { clones, pose })
+    }
+}
+
+/// Positions of the shape of `input` after an edit of its bands, with clones of detail, carried into a pose.
+pub(crate) fn reshaped_points(
+    by: &ReshapedBy,
+    input: &Input,
+    mut points: Vec<[f64; 3]>,
+    progress: Progress<'_>,
+) -> Result<Vec<[f64; 3]>, CliError> {
+    // The base is that of the walk, whatever smooths the bands.
+    let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
+        .map_err(|e| CliError::classify(&e))?;
+    if !by.clones.is_empty() {
+        let mut clones = Clones::new(&decomposer, progress)?;
+        clones.set(&by.clones, progress)?;
+        clones.add_to(&mut points);
+    }
+    let Some(pose) = &by.pose else { return Ok(points) };
+    let bent = bend(pose, input, &decomposer, progress)?;
+    let mut posed = points.clone();
+    bent.deformer.carried_into(&points, &mut posed);
+    Ok(posed)
+}

@@ -1,0 +1,70 @@
+//! Edits beside those of bands, as recipes and the studio store them: clones of detail, and a pose.
+
+use adwave::region::{Length, Region};
+use serde::{Deserialize, Serialize};
+
+/// Handles that bend a shape after its bands were edited.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// Width σ of the coarse base; the usual one if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<Length>,
+    /// Bending length; that of the base if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<Length>,
+    /// Region that stays where it is, except for the vertices of handles; nothing stays if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixed: Option<Region>,
+    /// Handles; without them nothing bends.
+    #[serde(default, rename = "handle")]
+    pub handles: Vec<PoseHandle>,
+}
+
+/// A region that moves as a whole: it turns about its center, and then moves by a vector. A single vertex turns freely.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseHandle {
+    /// Translation in model units.
+    #[serde(default)]
+    pub by: [f64; 3],
+    /// Axis of the rotation, whose length is the angle in degrees.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub turn: [f64; 3],
+    /// Vertices of the handle: those with a weight above 0.
+    pub region: Region,
+}
+
+/// Detail cloned from one place to another, as by a stamp.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DetailClone {
+    /// Vertex in the middle of the detail, from 0.
+    pub source: u32,
+    /// Vertices to which the detail goes, one after the other.
+    pub targets: Vec<u32>,
+    /// Distance at which a clone has faded out.
+    pub radius: Length,
+    /// Turn about the normal in degrees, counterclockwise seen from outside.
+    #[serde(default, skip_serializing_if = "has_no_turn")]
+    pub angle: f64,
+    /// Share of the present detail that is replaced, in [0, 1].
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub strength: f64,
+}
+
+fn has_no_turn(value: &f64) -> bool {
+    *value == 0.0
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+fn is_zero(turn: &[f64; 3]) -> bool {
+    *turn == [0.0; 3]
+}
