@@ -1,7 +1,8 @@
 //! Edits beside those of bands, as recipes and the studio store them: clones of detail, and a pose.
 
-use adwave::region::{Length, Region};
-use serde::{Deserialize, Serialize};
+use adwave::region::{Length, Region, parse_region};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Handles that bend a shape after its bands were edited.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -14,7 +15,7 @@ pub struct Pose {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Length>,
     /// Region that stays where it is, except for the vertices of handles; nothing stays if `None`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "region_or_nothing")]
     pub fixed: Option<Region>,
     /// Handles; without them nothing bends.
     #[serde(default, rename = "handle")]
@@ -32,7 +33,36 @@ pub struct PoseHandle {
     #[serde(default, skip_serializing_if = "is_zero")]
     pub turn: [f64; 3],
     /// Vertices of the handle: those with a weight above 0.
+    #[serde(deserialize_with = "region_or_text")]
     pub region: Region,
+}
+
+/// A region as text of the command line, or as a table.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "no such region; write it as on the command line, as in 'ball:vertex=3,radius=5%'"
+)]
+enum RegionForm {
+    Text(String),
+    Tree(Region),
+}
+
+impl RegionForm {
+    fn resolve<E: Error>(self) -> Result<Region, E> {
+        match self {
+            Self::Text(text) => parse_region(&text).map_err(E::custom),
+            Self::Tree(region) => Ok(region),
+        }
+    }
+}
+
+fn region_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Region, D::Error> {
+    RegionForm::deserialize(deserializer)?.resolve()
+}
+
+fn region_or_nothing<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Region>, D::Error> {
+    Option::<RegionForm>::deserialize(deserializer)?.map(RegionForm::resolve).transpose()
 }
 
 /// Detail cloned from one place to another, as by a stamp.

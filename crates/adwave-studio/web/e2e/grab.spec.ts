@@ -122,8 +122,11 @@ test.describe('a surface', () => {
     expectNoFailures(failures);
   });
 
-  test('a click pins, pins are painted and released, and a handle is moved again', async () => {
+  test('a click pins, pins are painted and released, and the shape is straightened', async () => {
     await page.keyboard.press('p');
+    // The surface is in the middle of the picture again.
+    await page.getByRole('button', { name: 'Straighten' }).click();
+    await waitUntilSaved(page);
     const { x, y, size } = await pictureFrame(page);
     const pins = async () => {
       const { fixed } = await pose(page);

@@ -133,6 +133,8 @@ export function brushPanel(studio: Studio): HTMLElement {
     toggle.setAttribute('aria-pressed', String(studio.isBrushOn));
     grabToggle.setAttribute('aria-pressed', String(studio.isGrabOn));
     section.classList.toggle('grabbing', studio.isGrabOn);
+    // A clone has its own soft edge, and undo takes it back.
+    section.classList.toggle('cloning', brush.effect === 'clone');
     radius.set(brush.radius);
     mode.set(brush.mode);
   });
@@ -169,6 +171,15 @@ export function brushPanel(studio: Studio): HTMLElement {
     // Points have no front side.
     front.hidden = studio.shape!.kind !== 'mesh';
   });
+  const falloff = slider(
+    text.falloff,
+    { min: 0, max: 100, step: 5, value: 100 },
+    (v) => `${v} %`,
+    (v) => {
+      brush.falloff = v / 100;
+    },
+  );
+  falloff.classList.add('falloff');
   const section = h(
     'section',
     { class: 'brush-panel', id: 'brush', 'aria-label': text.brush },
@@ -188,14 +199,7 @@ export function brushPanel(studio: Studio): HTMLElement {
         brush.strength = v / 100;
       },
     ),
-    slider(
-      text.falloff,
-      { min: 0, max: 100, step: 5, value: 100 },
-      (v) => `${v} %`,
-      (v) => {
-        brush.falloff = v / 100;
-      },
-    ),
+    falloff,
     check(text.symmetry, false, (on) => {
       brush.symmetric = on;
     }),

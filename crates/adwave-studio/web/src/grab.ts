@@ -144,7 +144,7 @@ export class Grab {
       // Binds the shape, and finds out if it can be.
       const by = { clones: studio.doc.clones, pose };
       const work = () => studio.engine.call('bend', { by, follow: 'step', drawn: true });
-      await studio.wait(text.binding, work);
+      if ((await studio.wait(text.binding, work)) === null) this.pull = null;
     } catch (error) {
       this.pull = null;
       studio.isPulling = false;
@@ -152,7 +152,10 @@ export class Grab {
       return false;
     }
     // The pull may have been cancelled meanwhile.
-    if (!this.pull) return false;
+    if (!this.pull) {
+      studio.isPulling = false;
+      return false;
+    }
     studio.history.preview({ ...studio.doc, pose });
     return true;
   }
