@@ -2,5 +2,6 @@
 
 mod client;
 mod guard;
+mod pose;
 mod server;
 mod tools;

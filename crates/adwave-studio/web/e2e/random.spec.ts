@@ -159,17 +159,21 @@ function randomActions(page: Page, random: () => number): Record<string, () => P
       await page.mouse.up();
     },
     async field() {
-      const n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
-      const kind = pick(['smooth', 'classes'] as const);
-      const rows = Array.from({ length: n }, (_, v) => (kind === 'classes' ? v % 4 : Math.sin(v / 300)));
-      await page.evaluate(
-        ([name, content]) => {
-          const dataTransfer = new DataTransfer();
-          dataTransfer.items.add(new File([content], name));
-          document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
-        },
-        [`${kind}.csv`, `${rows.join('\n')}\n`] as const,
-      );
+      const name = pick(['smooth', 'classes'] as const);
+      await page.evaluate(async (kind) => {
+        const n = (await window.studio.positions()).length / 3;
+        const head = `{'descr': '<f4', 'fortran_order': False, 'shape': (${n},), }`;
+        // Magic, version 1.0, and the length of the header.
+        const file = new Uint8Array(128 + 4 * n).fill(32);
+        file.set([0x93, 0x4e, 0x55, 0x4d, 0x50, 0x59, 1, 0, 118, 0]);
+        file.set(new TextEncoder().encode(head), 10);
+        file[127] = 10;
+        const values = new Float32Array(file.buffer, 128);
+        for (let v = 0; v < n; v++) values[v] = kind === 'classes' ? v % 4 : Math.sin(v / 300);
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([file], `${kind}.npy`));
+        document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
+      }, name);
     },
     async wheel() {
       await page.mouse.move(random() * 920, 60 + random() * 580);

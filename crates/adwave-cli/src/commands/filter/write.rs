@@ -8,6 +8,7 @@ use crate::global::Global;
 use crate::output::denoising::describe_local_fit;
 use crate::output::movement::Movement;
 use crate::output::{count, number, print, steps_json, write_file_with};
+use crate::resolve::pose::ReshapedBy;
 use crate::resolve::signal::COORDS;
 use adwave::LevelSpec;
 use adwave::bands::Precision;
@@ -67,12 +68,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         report["changed"] = json!({"rms": change.rms, "max": change.max});
     }
     if let Some(by) = &job.reshaped_by {
-        let n_clones: usize = by.clones.iter().map(|clone| clone.targets.len()).sum();
-        let n_handles = by.pose.as_ref().map_or(0, |pose| pose.handles.len());
-        let (clones, handles) = (count(n_clones, "clone", "clones"), count(n_handles, "handle", "handles"));
-        let _ = writeln!(text, "then {clones} of detail, and a bend by {handles}");
-        report["clones"] = json!(n_clones);
-        report["handles"] = json!(n_handles);
+        describe_reshape(by, &mut text, &mut report);
     }
     if let Some(BandsAccuracy { precision, error_bound }) = accuracy {
         if precision == Precision::Single {
@@ -99,6 +95,16 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         let _ = writeln!(text, "{}", saved.path.display());
     }
     print(global, &text, &report)
+}
+
+/// Adds the clones and handles of the recipe.
+fn describe_reshape(by: &ReshapedBy, text: &mut String, report: &mut serde_json::Value) {
+    let n_clones: usize = by.clones.iter().map(|clone| clone.targets.len()).sum();
+    let n_handles = by.pose.as_ref().map_or(0, |pose| pose.handles.len());
+    let (clones, handles) = (count(n_clones, "clone", "clones"), count(n_handles, "handle", "handles"));
+    let _ = writeln!(text, "then {clones} of detail, and a bend by {handles}");
+    report["clones"] = json!(n_clones);
+    report["handles"] = json!(n_handles);
 }
 
 /// The levels of the recipe that is saved: widths as they were asked for, unless keeping the volume added levels; or steps.
