@@ -30,7 +30,8 @@ pub(crate) fn layer(gains: &[f64], region: &Value) -> Value {
 }
 
 pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
-    json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free"})
+    json!({"revision": revision, "layers": layers, "along": null, "border": "natural", "volume": "free",
+        "clones": [], "pose": null})
 }
 
 /// Carries positions into a pose by a deformation that was never bound before.
