@@ -32,6 +32,10 @@ const VARIED_BY_NOISE: [f64; 2] = [0.08, 0.12];
 const MOST_VARIED: f64 = 2.0;
 const MOST_AFTER_IMPULSES: f64 = 5.0;
 
+/// Shares of the vertices that impulses moved, between which the noise that remains counts up to twice: many impulses hide
+/// each other, and those that stay are too few for a quantile to see, but large.
+const HIDDEN_BY_SHARE: [f64; 2] = [0.16, 0.2];
+
 /// Cap on the rounds of the linear filter.
 pub(super) const MAX_LINEAR_ROUNDS: f64 = 6.0;
 
@@ -55,7 +59,12 @@ pub(super) fn estimate_noise(
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
     let noise = match params.noise {
         Some(noise) => noise / unit,
-        None => varied_noise(noise_levels(surface, points, progress)?, edge, impulses.is_some()),
+        None => {
+            let [from, to] = HIDDEN_BY_SHARE;
+            let hidden = ((mesh.impulse_share - from) / (to - from)).clamp(0.0, 1.0);
+            let levels = noise_levels(surface, points, progress)?;
+            varied_noise(levels, edge, impulses.is_some()) * (1.0 + hidden)
+        }
     };
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
     mesh.impulse_size *= unit;
