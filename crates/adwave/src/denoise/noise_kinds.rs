@@ -59,12 +59,7 @@ pub(super) fn estimate_noise(
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
     let noise = match params.noise {
         Some(noise) => noise / unit,
-        None => {
-            let [from, to] = HIDDEN_BY_SHARE;
-            let hidden = ((mesh.impulse_share - from) / (to - from)).clamp(0.0, 1.0);
-            let levels = noise_levels(surface, points, progress)?;
-            varied_noise(levels, edge, impulses.is_some()) * (1.0 + hidden)
-        }
+        None => varied_noise(noise_levels(surface, points, progress)?, edge, mesh.impulse_share),
     };
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
     mesh.impulse_size *= unit;
@@ -87,13 +82,13 @@ pub(super) fn estimate_noise(
 
 /// The level that represents noise which differs from place to place, as along a line of sight or after the removal of
 /// impulses: that of the noisiest places, up to a factor of the typical one. Where there is hardly any noise, the
-/// difference between both is shape.
-fn varied_noise(levels: NoiseLevels, edge: f64, has_impulses: bool) -> f64 {
+/// difference between both is shape. Large shares of impulses add those that hide.
+fn varied_noise(levels: NoiseLevels, edge: f64, impulse_share: f64) -> f64 {
     let NoiseLevels { typical, high } = levels;
-    let [from, to] = VARIED_BY_NOISE;
-    let share = if edge > 0.0 { ((typical / edge - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-    let most = if has_impulses { MOST_AFTER_IMPULSES } else { 1.0 + share * (MOST_VARIED - 1.0) };
-    high.max(typical).min(most * typical)
+    let ramp = |[from, to]: [f64; 2], value: f64| ((value - from) / (to - from)).clamp(0.0, 1.0);
+    let share = if edge > 0.0 { ramp(VARIED_BY_NOISE, typical / edge) } else { 0.0 };
+    let most = if impulse_share > 0.0 { MOST_AFTER_IMPULSES } else { 1.0 + share * (MOST_VARIED - 1.0) };
+    high.max(typical).min(most * typical) * (1.0 + ramp(HIDDEN_BY_SHARE, impulse_share))
 }
 
 /// Impulses of a surface if it has any, sought in a sample of a large one first.

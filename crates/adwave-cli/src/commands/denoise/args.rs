@@ -42,7 +42,7 @@ Examples:
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --signal thickness
   adwave denoise white.gii -o even.shape.gii --signal thickness.gii
-  adwave denoise counts.csv -o even.ply --signal photons --noise-model poisson
+  adwave denoise brain.ply -o even.ply --signal gaze --noise-model poisson
   adwave denoise part.stl -o part-clean.stl --noise-sigma 0.02 --creases keep --json")]
 pub(crate) struct DenoiseArgs {
     #[command(flatten)]
