@@ -9,7 +9,7 @@ use crate::options::{
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::denoise::{DenoiseParams, NoiseModel, denoise, denoise_signal};
+use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
 use adwave::features::{
     CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
     features,
