@@ -3,7 +3,9 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{BandsOptions, CREASES, LOCAL_FITS, OUTLIERS, RESPONSES, WEIGHTINGS, WeldOption, word};
+use crate::options::{
+    BandsOptions, CREASES, LOCAL_FITS, NOISE_MODELS, OUTLIERS, RESPONSES, WEIGHTINGS, WeldOption, word,
+};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
@@ -229,6 +231,7 @@ struct DenoiseOptions {
     strength: f64,
     creases: String,
     noise: Option<f64>,
+    noise_model: String,
     local_fit: String,
     outliers: String,
 }
@@ -239,6 +242,7 @@ impl DenoiseOptions {
         let fit = word("local_fit", &self.local_fit, LOCAL_FITS)?;
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
         let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, OUTLIERS)?);
+        let params = params.with_noise_model(word("noise", &self.noise_model, NOISE_MODELS)?);
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),
             None => params,
@@ -309,6 +313,8 @@ fn denoise_values<'py>(
         let own = PyDict::new(py);
         own.set_item("channels", info.channels.clone())?;
         own.set_item("noise", info.noise)?;
+        own.set_item("noise_model", info.model.name())?;
+        own.set_item("remaining", info.remaining)?;
         own.set_item("kept", info.kept)?;
         own.set_item("plain_weights", info.plain_weights.clone())?;
         own.set_item("step_weights", info.step_weights.clone())?;

@@ -2,7 +2,7 @@
 
 use crate::error::{self, value_error};
 use adwave::bands::{BandsParams, FWHM, Precision, Schedule};
-use adwave::denoise::{Creases, Outliers};
+use adwave::denoise::{Creases, NoiseModel, Outliers};
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::local_fit::LocalFit;
@@ -43,6 +43,11 @@ const PRECISIONS: &[(&str, Precision)] =
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
 pub(crate) const OUTLIERS: &[(&str, Outliers)] = &[("keep", Outliers::Keep), ("pull", Outliers::Pull)];
+pub(crate) const NOISE_MODELS: &[(&str, NoiseModel)] = &[
+    ("gaussian", NoiseModel::Gaussian),
+    ("poisson", NoiseModel::Poisson),
+    ("multiplicative", NoiseModel::Multiplicative),
+];
 pub(crate) const RESPONSES: &[(&str, Response)] = &[
     ("normalized", Response::Normalized),
     ("literal", Response::Literal),

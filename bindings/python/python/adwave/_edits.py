@@ -223,6 +223,7 @@ def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
 
 
 LocalFit = Literal["linear", "constant"]
+NoiseModel = Literal["gaussian", "poisson", "multiplicative"]
 
 
 @overload
@@ -560,6 +561,7 @@ class DenoiseOptions:
     strength: float = 1.0
     creases: str = "auto"
     noise: Union[float, None] = None
+    noise_model: str = "gaussian"
     local_fit: str = "linear"
     outliers: str = "keep"
 
@@ -570,7 +572,7 @@ def denoise(
     *,
     strength: float = 1.0,
     creases: Literal["auto", "keep", "none"] = "auto",
-    noise: float | None = None,
+    noise: float | NoiseModel | tuple[NoiseModel, float] | None = None,
     local_fit: LocalFit = "linear",
     outliers: Literal["keep", "pull"] = "keep",
     operator: OperatorLike = None,
@@ -592,8 +594,11 @@ def denoise(
         Factor of the noise: below 1 more careful, above 1 more thorough.
     creases : {'auto', 'keep', 'none'}
         Whether sharp edges are preserved: as the estimated risk prefers, always, or never.
-    noise : float, optional
-        Standard deviation of the noise along the normals in model units, if it is known.
+    noise : float or str or (str, float), optional
+        Standard deviation of the noise along the normals in model units, or of the signal, if it is known. For a signal
+        also the dependence of the noise on the values: ``'poisson'`` for counts, of which the variance is proportional to
+        the value, ``'multiplicative'`` if the standard deviation is proportional to it, and ``'gaussian'``, the default.
+        With a number, ``('poisson', 1.0)``, that is the standard deviation at a value of 1.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
     outliers : {'keep', 'pull'}
@@ -625,9 +630,12 @@ def denoise(
     True
     """
     part = read_part("denoise", shape, options, _DENOISE, signal)
-    settings = DenoiseOptions(strength, creases, noise, local_fit, outliers)
+    noise_model, deviation = _noise_model(noise)
+    settings = DenoiseOptions(strength, creases, deviation, noise_model, local_fit, outliers)
     signal = default_signal(part.given, signal)
     if signal is None:
+        if noise_model != "gaussian":
+            raise ValueError(f"noise: {noise_model} noise is that of a signal, not of positions; pass a number or leave it out")
         weld = _only_weld(part, operator)
         with report_progress(progress, "denoising") as report:
             points, info = _native.denoise_points(part.shape._data, settings, weld, report)
@@ -654,6 +662,17 @@ def denoise(
     if isinstance(signal, str):
         return DenoiseResult(_with_named_signal(part, decomposer.shape, signal, denoised), info)
     return DenoiseResult(part.spread(layout.arrange(denoised), layout, signal), info)
+
+
+def _noise_model(noise: float | str | tuple[str, float] | None) -> tuple[str, float | None]:
+    """The model of the noise and its standard deviation, if that is given."""
+    if isinstance(noise, str):
+        return noise, None
+    if isinstance(noise, tuple):
+        if len(noise) != 2:
+            raise ValueError(f"noise: a pair must be a model and a number, got {len(noise)} entries")
+        return noise
+    return "gaussian", noise
 
 
 def _only_weld(part: Part, operator: OperatorLike) -> bool | float:

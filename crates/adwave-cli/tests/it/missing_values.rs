@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{adwave, json, words};
+use common::{adwave, json, refused, words};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -72,4 +72,26 @@ fn a_gap_in_one_channel_leaves_the_others_alone() {
     assert!(notes.contains("3 groups of channels, at most 90 of 400"), "{notes}");
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn noise_models_need_their_values_and_leave_gaps_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_inputs(path);
+    let all = columns(&path.join("all.csv"));
+    let column: Vec<String> =
+        all[1].iter().map(|b| if b.is_nan() { "nan".to_owned() } else { b.to_string() }).collect();
+    fs::write(path.join("b.csv"), format!("b\n{}\n", column.join("\n"))).unwrap();
+    for model in ["poisson", "multiplicative"] {
+        let line = format!("denoise grid.obj --signal b.csv -o out.csv --noise-model {model}");
+        let report = json(path, &line);
+        assert_eq!(report["denoise"][0]["model"], model, "{report}");
+        let found = &columns(&path.join("out.csv"))[0];
+        assert!(found.iter().zip(&all[1]).all(|(f, b)| f.is_nan() == b.is_nan() && (f.is_nan() || *f > 0.0)));
+        let message = refused(path, &line.replace("b.csv", "all.csv"));
+        assert!(message.contains("noise needs values"), "{message}");
+    }
+    let message = refused(path, "denoise grid.obj -o out.obj --noise-model poisson");
+    assert!(message.contains("applies to a field"), "{message}");
 }

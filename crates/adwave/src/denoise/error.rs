@@ -1,5 +1,6 @@
 //! Errors of denoising.
 
+use super::NoiseModel;
 use crate::bands::BandsError;
 use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
@@ -37,6 +38,19 @@ pub enum DenoiseError {
         /// Its value.
         value: f64,
     },
+    /// A value does not occur with noise of the given model, and its vertex is not masked.
+    #[error(
+        "{model} noise needs values {}, and vertex {vertex} has {value}; mask such vertices, or take the noise model gaussian",
+        if *model == NoiseModel::Poisson { "of at least 0" } else { "above 0" }
+    )]
+    ImpossibleValue {
+        /// The model of the noise.
+        model: NoiseModel,
+        /// The vertex, from 0.
+        vertex: usize,
+        /// Its value.
+        value: f64,
+    },
     /// The bands could not be computed.
     #[error(transparent)]
     Bands(#[from] BandsError),
@@ -48,9 +62,11 @@ pub enum DenoiseError {
 impl ClassifiedError for DenoiseError {
     fn kind(&self) -> ErrorKind {
         match self {
-            Self::NoPositions | Self::Number { .. } | Self::SignalLength { .. } | Self::NotFinite { .. } => {
-                ErrorKind::Input
-            }
+            Self::NoPositions
+            | Self::Number { .. }
+            | Self::SignalLength { .. }
+            | Self::NotFinite { .. }
+            | Self::ImpossibleValue { .. } => ErrorKind::Input,
             Self::Bands(error) => error.kind(),
             Self::Cancelled(cancelled) => cancelled.kind(),
         }

@@ -16,6 +16,7 @@ mod filter_rounds;
 mod impulses;
 mod noise_kinds;
 mod noise_level;
+mod noise_model;
 mod params;
 mod risk;
 mod sample;
@@ -26,6 +27,7 @@ mod surface;
 
 pub use choice::DenoiseChoice;
 pub use error::DenoiseError;
+pub use noise_model::NoiseModel;
 pub use params::{CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 

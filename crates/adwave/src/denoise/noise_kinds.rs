@@ -32,6 +32,10 @@ const VARIED_BY_NOISE: [f64; 2] = [0.08, 0.12];
 const MOST_VARIED: f64 = 2.0;
 const MOST_AFTER_IMPULSES: f64 = 5.0;
 
+/// Shares of the vertices that impulses moved, between which the noise that remains counts up to twice: many impulses hide
+/// each other, and those that stay are too few for a quantile to see, but large.
+const HIDDEN_BY_SHARE: [f64; 2] = [0.16, 0.2];
+
 /// Cap on the rounds of the linear filter.
 pub(super) const MAX_LINEAR_ROUNDS: f64 = 6.0;
 
@@ -55,7 +59,7 @@ pub(super) fn estimate_noise(
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
     let noise = match params.noise {
         Some(noise) => noise / unit,
-        None => varied_noise(noise_levels(surface, points, progress)?, edge, impulses.is_some()),
+        None => varied_noise(noise_levels(surface, points, progress)?, edge, mesh.impulse_share),
     };
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
     mesh.impulse_size *= unit;
@@ -78,13 +82,13 @@ pub(super) fn estimate_noise(
 
 /// The level that represents noise which differs from place to place, as along a line of sight or after the removal of
 /// impulses: that of the noisiest places, up to a factor of the typical one. Where there is hardly any noise, the
-/// difference between both is shape.
-fn varied_noise(levels: NoiseLevels, edge: f64, has_impulses: bool) -> f64 {
+/// difference between both is shape. Large shares of impulses add those that hide.
+fn varied_noise(levels: NoiseLevels, edge: f64, impulse_share: f64) -> f64 {
     let NoiseLevels { typical, high } = levels;
-    let [from, to] = VARIED_BY_NOISE;
-    let share = if edge > 0.0 { ((typical / edge - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-    let most = if has_impulses { MOST_AFTER_IMPULSES } else { 1.0 + share * (MOST_VARIED - 1.0) };
-    high.max(typical).min(most * typical)
+    let ramp = |[from, to]: [f64; 2], value: f64| ((value - from) / (to - from)).clamp(0.0, 1.0);
+    let share = if edge > 0.0 { ramp(VARIED_BY_NOISE, typical / edge) } else { 0.0 };
+    let most = if impulse_share > 0.0 { MOST_AFTER_IMPULSES } else { 1.0 + share * (MOST_VARIED - 1.0) };
+    high.max(typical).min(most * typical) * (1.0 + ramp(HIDDEN_BY_SHARE, impulse_share))
 }
 
 /// Impulses of a surface if it has any, sought in a sample of a large one first.

@@ -1,6 +1,6 @@
 //! Parameters of the denoiser, and information about its result.
 
-use super::DenoiseError;
+use super::{DenoiseError, NoiseModel};
 use crate::local_fit::LocalFit;
 use crate::named_values;
 use crate::shape::MAX_COORDINATE;
@@ -62,8 +62,12 @@ pub struct DenoiseParams {
     pub strength: f64,
     /// Treatment of creases.
     pub creases: Creases,
-    /// Standard deviation of the noise along the normals in model units; estimated if `None`.
+    /// Standard deviation of the noise along the normals in model units, or of a field as `noise_model` measures it;
+    /// estimated if `None`.
     pub noise: Option<f64>,
+    /// Dependence of the noise of a field on its values; for [`denoise_signal`](super::denoise_signal) only.
+    #[serde(default)]
+    pub noise_model: NoiseModel,
     /// Fields that smoothing leaves unchanged; for [`denoise_signal`](super::denoise_signal) only.
     #[serde(default = "default_local_fit")]
     pub local_fit: LocalFit,
@@ -83,6 +87,7 @@ impl Default for DenoiseParams {
             strength: 1.0,
             creases: Creases::Auto,
             noise: None,
+            noise_model: NoiseModel::Gaussian,
             local_fit: default_local_fit(),
             outliers: Outliers::Keep,
         }
@@ -106,6 +111,12 @@ impl DenoiseParams {
     #[must_use]
     pub fn with_noise(self, noise: f64) -> Self {
         Self { noise: Some(noise), ..self }
+    }
+
+    /// Sets the dependence of the noise of a field on its values.
+    #[must_use]
+    pub fn with_noise_model(self, noise_model: NoiseModel) -> Self {
+        Self { noise_model, ..self }
     }
 
     /// Sets the fields that smoothing leaves unchanged.

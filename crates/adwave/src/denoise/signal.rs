@@ -1,6 +1,7 @@
 //! Denoising of a signal on any shape.
 
 use super::noise_level::median;
+use super::noise_model::{NoiseModel, Stabilizer};
 use super::risk::Risk;
 use super::scaling::{scaling_functions, transform};
 use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
@@ -68,8 +69,13 @@ const LEVEL_ERROR: f64 = 1.17;
 pub struct SignalNoise {
     /// Indices of the channels, from 0.
     pub channels: Vec<usize>,
-    /// Standard deviation of the noise in the unit of the signal, estimated or given.
+    /// Dependence of the noise on the values.
+    pub model: NoiseModel,
+    /// Standard deviation of the noise, estimated or given: in the unit of the signal; with Poisson noise that of a
+    /// value of 1, whose square is the variance per unit of value; with multiplicative noise relative to the value.
     pub noise: f64,
+    /// Share of the variance of the noise that is left in the result, in 0..=1.
+    pub remaining: f64,
     /// Weight of the unchanged signal in the result.
     pub kept: f64,
     /// Numbers of steps of the walk that is independent of the signal, about two per doubling.
@@ -79,7 +85,8 @@ pub struct SignalNoise {
     /// Weights of the walks that favor vertices of similar values, after 1, 2, 4, … 128 steps, for each of two
     /// guides.
     pub step_weights: Vec<f64>,
-    /// Expected mean square error, summed over the channels, before and after.
+    /// Expected mean square error, summed over the channels, before and after; unless the noise is Gaussian, that of the
+    /// values `2·√f` or `ln f`, whose noise is the same everywhere.
     pub risk: [f64; 2],
 }
 
@@ -100,7 +107,8 @@ pub struct DenoisedSignal {
 /// values, so that jumps stay. The weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate
 /// for Gaussian noise that is independent between vertices, with the standard deviation estimated from the signal
 /// (or given, in its unit). Guided walks are used only if they promise an improvement of more than two standard
-/// errors. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear fit, so that slopes
+/// errors. Noise of another [`NoiseModel`] is made the same everywhere first, by `2·√(f + 3a/8)` for a variance of
+/// a·f and by ln f; the inverse returns means without bias. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear fit, so that slopes
 /// are neither noise nor bias, and those from 16 steps on enter about the local mean too. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
 /// channel is treated separately.
 ///
@@ -145,6 +153,12 @@ pub fn denoise_signal(
     if let Some(at) = (0..signal.len()).find(|&i| !signal[i].is_finite() && known(i / n_channels)) {
         return Err(DenoiseError::NotFinite { vertex: at / n_channels, value: signal[at] });
     }
+    let model = params.noise_model;
+    if let Some(at) =
+        (0..signal.len()).find(|&i| !Stabilizer::is_possible(model, signal[i]) && known(i / n_channels))
+    {
+        return Err(DenoiseError::ImpossibleValue { model, vertex: at / n_channels, value: signal[at] });
+    }
     let filled: Vec<f64> = signal.iter().map(|v| if v.is_finite() { *v } else { 0.0 }).collect();
     let welded = map.try_mean(&filled, n_channels, progress)?;
     let together = if matches!(n_channels, 3 | 4) { CHANNELS_TOGETHER } else { 1 };
@@ -155,17 +169,25 @@ pub fn denoise_signal(
         progress.step(k as u64, groups.len() as u64)?;
         let data: Vec<f64> =
             welded.chunks_exact(n_channels).flat_map(|row| channels.iter().map(|&c| row[c])).collect();
-        let n_together = channels.len();
-        let domains =
-            (0..n_together).map(|c| decomposer.fit_domain(&channel(&data, c, n_together))).collect();
-        let is_linear = decomposer.applied_local_fit(params.local_fit) == LocalFit::Linear;
-        let domains = Some(domains).filter(|_| is_linear);
-        let group = ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains };
-        let (found, mut report) = group.denoised(&data, params, progress)?;
-        for (v, row) in values.chunks_exact_mut(n_channels).enumerate() {
+        let group_of = |data: &[f64]| {
+            let n_together = channels.len();
+            let domains =
+                (0..n_together).map(|c| decomposer.fit_domain(&channel(data, c, n_together))).collect();
+            let is_linear = decomposer.applied_local_fit(params.local_fit) == LocalFit::Linear;
+            let domains = Some(domains).filter(|_| is_linear);
+            ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains }
+        };
+        let walk = transform(Diffusion::clone(decomposer.diffusion()), ACCURACY)?;
+        let scale = Stabilizer::new(&data, params, |data| group_of(data).level(data, &walk, progress))?;
+        let stable = scale.transformed(&data);
+        let (found, mut report) =
+            group_of(&stable).denoised(&stable, &walk, &params.with_noise(scale.noise), progress)?;
+        let is_changed = report.kept < 1.0;
+        for (v, row) in values.chunks_exact_mut(n_channels).enumerate().filter(|_| is_changed) {
             let x = map.welded(v);
             for (at, &c) in channels.iter().enumerate().filter(|_| is_known(x)) {
-                row[c] += found[x * channels.len() + at] - welded[x * n_channels + c];
+                let restored = scale.restored(found[x * channels.len() + at], report.remaining);
+                row[c] += restored - welded[x * n_channels + c];
             }
         }
         report.channels.clone_from(channels);
@@ -199,20 +221,28 @@ struct ShapeWalk<'a> {
 }
 
 impl ChannelGroup<'_> {
+    /// Standard deviation of the noise of `data`.
+    fn level(&self, data: &[f64], walk: &Transform, progress: Progress<'_>) -> Result<f64, DenoiseError> {
+        let fits = self.fits(walk, progress)?;
+        if fits.is_empty() {
+            self.noise_level(data, progress)
+        } else {
+            self.noise_about_fits(data, &fits, progress)
+        }
+    }
+
+    /// Mixture of least risk for noise of the standard deviation that `params` must give.
     fn denoised(
         &self,
         data: &[f64],
+        walk: &Transform,
         params: &DenoiseParams,
         progress: Progress<'_>,
     ) -> Result<(Vec<f64>, SignalNoise), DenoiseError> {
-        let walk = transform(Diffusion::clone(self.decomposer.diffusion()), ACCURACY)?;
-        let walk = ShapeWalk { fits: self.fits(&walk, progress)?, transform: &walk };
-        let noise = match params.noise {
-            Some(noise) => noise,
-            None if walk.fits.is_empty() => self.noise_level(data, progress)?,
-            None => self.noise_about_fits(data, &walk.fits, progress)?,
-        };
-        let mut info = SignalNoise { noise, kept: 1.0, ..SignalNoise::default() };
+        let walk = ShapeWalk { fits: self.fits(walk, progress)?, transform: walk };
+        let noise = params.noise.unwrap_or(0.0);
+        let model = params.noise_model;
+        let mut info = SignalNoise { model, noise, kept: 1.0, remaining: 1.0, ..SignalNoise::default() };
         if noise * params.strength == 0.0 {
             return Ok((data.to_vec(), info));
         }
@@ -247,9 +277,22 @@ impl ChannelGroup<'_> {
         let means = &weights[1 + PLAIN_STEPS.len()..n_plain];
         info.plain_weights[PLAIN_STEPS.len() - n_means..].iter_mut().zip(means).for_each(|(w, m)| *w += m);
         info.step_weights = weights[n_plain..].to_vec();
-        let mixture = parallel::try_collect(data.len(), progress, |i| {
-            weights.iter().zip(&candidates).map(|(w, candidate)| w * candidate[i]).sum()
-        })?;
+        let mix = |candidates: &[Vec<f64>]| {
+            parallel::try_collect(data.len(), progress, |i| {
+                weights.iter().zip(candidates).map(|(w, candidate)| w * candidate[i]).sum()
+            })
+        };
+        let mixture = mix(&candidates)?;
+        if model != NoiseModel::Gaussian {
+            // The response to noise of known size tells the share of it that is left.
+            let response = mix(&shaken[0])?;
+            let apart = |a: &[f64], b: &[f64]| -> f64 {
+                let known = (0..a.len()).filter(|i| (self.is_known)(i / self.d));
+                known.map(|i| (a[i] - b[i]).powi(2)).sum()
+            };
+            let added = apart(&shaken[0][0], &candidates[0]);
+            info.remaining = if added > 0.0 { apart(&response, &mixture) / added } else { 1.0 };
+        }
         Ok((mixture, info))
     }
 

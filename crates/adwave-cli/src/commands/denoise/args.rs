@@ -1,7 +1,7 @@
 //! The arguments of `adwave denoise`.
 
 use crate::args::{LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region};
-use adwave::denoise::{Creases, DenoiseParams, Outliers};
+use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers};
 use adwave::positions::Borders;
 use adwave::region::Region;
 use clap::Args;
@@ -20,7 +20,8 @@ three times that. Where a fit would do harm, and where points form lines, volume
 Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the
 file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces: ends stay where
 they are, and corners stay sharp. Noise that is correlated between neighbors cannot be
-told from detail. Steps of a field (--signal) are kept; the result goes into the shape under the field's name or that of its
+told from detail. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
+poisson noise, speckle is multiplicative. Results have no bias from the transform of the values. The result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
 
 Output by extension:
@@ -41,6 +42,7 @@ Examples:
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
   adwave denoise brain.ply -o even.ply --signal thickness
   adwave denoise white.gii -o even.shape.gii --signal thickness.gii
+  adwave denoise brain.ply -o even.ply --signal gaze --noise-model poisson
   adwave denoise part.stl -o part-clean.stl --noise-sigma 0.02 --creases keep --json")]
 pub(crate) struct DenoiseArgs {
     #[command(flatten)]
@@ -63,7 +65,11 @@ pub(crate) struct DenoiseArgs {
     /// Treatment of the outliers of a cloud, far from the surface of their neighbors
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Outliers>(), default_value_t, help_heading = "Noise")]
     pub(crate) outliers: Outliers,
-    /// Standard deviation of the noise along the normals in model units, or in the unit of the field [default: estimated]
+    /// Dependence of the noise of a field on its values
+    #[arg(long, value_name = "MODEL", value_parser = parse_named::<NoiseModel>(), default_value_t, help_heading = "Noise")]
+    pub(crate) noise_model: NoiseModel,
+    /// Standard deviation of the noise along the normals in model units, or in the unit of the field; with --noise-model poisson
+    /// that of a value of 1, with multiplicative relative to the value [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
     pub(crate) noise_sigma: Option<f64>,
     /// Region in which noise is removed; several are joined by "or" ('adwave region' shows them) [default: everywhere]
@@ -79,7 +85,7 @@ pub(crate) struct DenoiseArgs {
 impl DenoiseArgs {
     pub(crate) fn to_params(&self) -> DenoiseParams {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases);
-        let params = params.with_outliers(self.outliers);
+        let params = params.with_outliers(self.outliers).with_noise_model(self.noise_model);
         let params = params.with_local_fit(self.fit.local_fit.unwrap_or(params.local_fit));
         self.noise_sigma.map_or(params, |noise| params.with_noise(noise))
     }

@@ -16,7 +16,7 @@ use crate::resolve::operator::{
 use crate::resolve::region::{note_far_points, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
-use adwave::denoise::{Outliers, SignalNoise, denoise, denoise_signal};
+use adwave::denoise::{NoiseModel, Outliers, SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
@@ -35,6 +35,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
     if args.signal.name() == COORDS {
         global.given.refuse(&["--texture"], "applies to signals of a texture, and the signal is coords")?;
         global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
+        global.given.refuse(&["--noise-model"], "applies to a field (--signal), and the signal is coords")?;
         let noise = args
             .noise_sigma
             .map(|noise| GivenLength { option: "--noise-sigma", length: Length::Units(noise) });
@@ -207,14 +208,24 @@ fn denoise_field(
 /// Adds a line on the noise of a channel and on how it was smoothed.
 fn describe_channel(text: &mut String, info: &SignalNoise) {
     let percent = |weights: &[f64]| 100.0 * weights.iter().fold(0.0, |sum, w| sum + w);
+    let noise = match info.model {
+        NoiseModel::Poisson => format!("variance {} × value", number(info.noise * info.noise)),
+        NoiseModel::Multiplicative => format!("{} % of the value", number(100.0 * info.noise)),
+        _ => number(info.noise),
+    };
+    let [before, after] = info.risk.map(f64::sqrt);
+    let error = match info.model {
+        NoiseModel::Gaussian => format!("expected error {} → {} (rms)", number(before), number(after)),
+        _ if before > 0.0 => {
+            format!("expected error {} % of the noise (rms)", number(100.0 * after / before))
+        }
+        _ => "no noise".to_owned(),
+    };
     let _ = writeln!(
         text,
-        "noise {}: {:.0} % unchanged, {:.0} % smoothed, {:.0} % smoothed with steps kept; expected error {} → {} (rms)",
-        number(info.noise),
+        "noise {noise}: {:.0} % unchanged, {:.0} % smoothed, {:.0} % smoothed with steps kept; {error}",
         100.0 * info.kept,
         percent(&info.plain_weights),
         percent(&info.step_weights),
-        number(info.risk[0].sqrt()),
-        number(info.risk[1].sqrt()),
     );
 }

@@ -61,6 +61,10 @@ const OUTLIER_DISTANCE: f64 = 1.8;
 const VOLUME_NOISE: f64 = 0.15;
 const VOLUME_RATIO: f64 = 2.5;
 
+/// Ratio of the smallest to the largest variance of a neighborhood from which it may be a volume too: surfaces with noise
+/// as large as their points are apart stay below.
+const VOLUME_ISOTROPY: f64 = 0.2;
+
 /// Ratio of the second to the largest variance of a neighborhood below which it is a line.
 const LINE_RATIO: f64 = 0.05;
 
@@ -270,7 +274,8 @@ fn point_fits(
     let frame = FitFrame::new(points, x, row, WIDTH * radius);
     let is_line = frame.variances[1] < LINE_RATIO * frame.variances[2];
     let share = noise / near.radius(points, x, FIT_SIZES[2]);
-    if is_line || (share > VOLUME_NOISE && CAUTION * noise > VOLUME_RATIO * typical) {
+    let is_thick = share > VOLUME_NOISE || frame.variances[0] > VOLUME_ISOTROPY * frame.variances[2];
+    if is_line || (is_thick && CAUTION * noise > VOLUME_RATIO * typical) {
         return out;
     }
     let reach = RobustReach { start: START_REACH * noise, fit: FIT_REACH * noise };

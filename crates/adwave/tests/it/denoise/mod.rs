@@ -1,5 +1,6 @@
 //! Denoising: how much noise is taken off, what stays, what becomes of shapes that are none, and the real pairs.
 
+mod bad_input;
 mod clouds;
 mod kinds;
 mod laws;

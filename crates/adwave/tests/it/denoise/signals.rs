@@ -1,7 +1,7 @@
 //! Noise taken off signals: steps stay, smooth signals lose hardly anything against the best smoothing there is.
 
 use adwave::bands::Schedule;
-use adwave::denoise::{DenoiseError, DenoiseParams, denoise_signal};
+use adwave::denoise::{DenoiseError, DenoiseParams, NoiseModel, denoise_signal};
 use adwave::sample::Sample;
 use adwave::shape::{Graph, Mesh, Shape};
 use adwave::{Decomposer, Progress};
@@ -191,5 +191,97 @@ fn the_noise_of_a_rough_field_is_not_overestimated() {
         // One difference alone finds more than twice the noise at 0.1.
         assert!((0.9..1.25).contains(&level), "{share}: {level} times the noise");
         assert!(square(&found.values, &truth) < 0.9 * square(&noisy, &truth), "{share}");
+    }
+}
+
+/// Counts with a mean of 3 to 40, from sums of exponential waiting times.
+fn counts(means: &[f64], seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    };
+    let mut count = |mean: f64| {
+        let (mut time, mut n) = (-uniform().ln(), 0.0);
+        while time < mean {
+            n += 1.0;
+            time -= uniform().ln();
+        }
+        n
+    };
+    means.iter().map(|m| count(*m)).collect()
+}
+
+#[test]
+fn counts_and_relative_noise_are_smoothed_without_bias_where_their_model_is_given() {
+    let (decomposer, points) = decomposer(20_000);
+    let size = decomposer.diagonal();
+    // Bright on one side, dim on the other, with a step.
+    let truth: Vec<f64> = points
+        .iter()
+        .map(|p| if p[1] > 0.0 { 40.0 } else { 6.0 + 3.0 * (9.0 * p[0] / size).sin() })
+        .collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let relative = |values: &[f64]| {
+        let square = |(v, m): (&f64, &f64)| ((v - m) / m).powi(2);
+        (values.iter().zip(&truth).map(square).sum::<f64>() / truth.len() as f64).sqrt()
+    };
+    let speckle: Vec<f64> =
+        truth.iter().zip(noise(truth.len())).map(|(m, e)| m * (0.3 * e - 0.045).exp()).collect();
+    for (model, noisy, deviation) in
+        [(NoiseModel::Poisson, counts(&truth, 7), 1.0), (NoiseModel::Multiplicative, speckle, 0.3)]
+    {
+        let by = |model| {
+            let params = DenoiseParams::default().with_noise_model(model);
+            denoise_signal(&decomposer, &noisy, 1, &params, Progress::none()).unwrap()
+        };
+        let (found, plain) = (by(model), by(NoiseModel::Gaussian));
+        let info = &found.info[0];
+        println!(
+            "{model}: noise {}, error {} of {}, gaussian {}, mean {} of {}",
+            info.noise,
+            relative(&found.values),
+            relative(&noisy),
+            relative(&plain.values),
+            mean(&found.values),
+            mean(&truth)
+        );
+        assert!((info.noise / deviation - 1.0).abs() < 0.05, "{model}: {info:?}");
+        assert!((mean(&found.values) / mean(&noisy) - 1.0).abs() < 0.01, "{model}: {}", mean(&found.values));
+        assert!(relative(&found.values) < 0.35 * relative(&noisy), "{model}: {}", relative(&found.values));
+        assert!(relative(&found.values) < relative(&plain.values), "{model}");
+        assert!(found.values.iter().all(|v| *v >= 0.0));
+    }
+}
+
+#[test]
+fn values_that_a_model_forbids_are_refused_unless_masked() {
+    let (decomposer, points) = decomposer(3000);
+    let mut values: Vec<f64> = counts(&vec![20.0; points.len()], 3);
+    values[17] = -1.0;
+    let by = |decomposer: &Decomposer, values: &[f64], model| {
+        let params = DenoiseParams::default().with_noise_model(model);
+        denoise_signal(decomposer, values, 1, &params, Progress::none())
+    };
+    let error = by(&decomposer, &values, NoiseModel::Poisson).unwrap_err();
+    assert!(matches!(error, DenoiseError::ImpossibleValue { vertex: 17, .. }), "{error}");
+    assert!(error.to_string().contains("vertex 17 has -1"), "{error}");
+    let is_masked: Vec<bool> = values.iter().map(|v| *v <= 0.0).collect();
+    let masked = decomposer.masked(&is_masked).unwrap();
+    for model in [NoiseModel::Poisson, NoiseModel::Multiplicative] {
+        let found = by(&masked, &values, model).unwrap();
+        assert_eq!(found.values[17], -1.0);
+        let rest = || (0..values.len()).filter(|v| !is_masked[*v]);
+        let off = |of: &[f64]| rest().map(|v| (of[v] - 20.0).powi(2)).sum::<f64>();
+        assert!(off(&found.values) < 0.1 * off(&values), "{model}");
+    }
+    values[17] = 5.0;
+    values[18] = 0.0;
+    assert!(by(&decomposer, &values, NoiseModel::Poisson).is_ok());
+    let error = by(&decomposer, &values, NoiseModel::Multiplicative).unwrap_err();
+    assert!(error.to_string().contains("above 0"), "{error}");
+    let constant = vec![7.5; points.len()];
+    for model in NoiseModel::ALL {
+        assert_eq!(by(&decomposer, &constant, *model).unwrap().values, constant);
     }
 }
