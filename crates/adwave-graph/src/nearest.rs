@@ -311,6 +311,19 @@ mod tests {
     }
 
     #[test]
+    fn blocks_of_other_clusters_are_passed_over_without_losing_a_neighbor() {
+        // Seven clusters that are not sorted, some of them close enough to share neighbors.
+        let (n, d) = (1900, 12);
+        let (mut values, centers) = (noise(n * d, 8), noise(7 * d, 9));
+        for (i, v) in values.iter_mut().enumerate() {
+            *v = 0.4 * *v + 3.0 * centers[(i / d) % 7 * d + i % d];
+        }
+        let points = DimensionedPoints { values: &values, n_dimensions: d };
+        let found = nearest_lists(points, 10, Progress::none()).unwrap();
+        assert_eq!(sorted(&found), by_definition(&values, d, 10));
+    }
+
+    #[test]
     fn ties_on_a_grid_are_all_taken_as_for_clouds_in_space() {
         let grid: Vec<[f64; 3]> =
             (0..6 * 6 * 6).map(|i| [f64::from(i % 6), f64::from(i / 6 % 6), f64::from(i / 36)]).collect();

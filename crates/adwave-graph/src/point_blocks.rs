@@ -293,7 +293,9 @@ impl Frame<'_> {
                 sum.iter_mut().zip(point).for_each(|(sum, v)| *sum += v);
                 n += 1.0;
             }
-            sum.iter_mut().for_each(|sum| *sum /= f64::max(n, 1.0));
+            for sum in &mut sum {
+                *sum /= f64::max(n, 1.0);
+            }
             (n > 0.0).then_some(sum)
         };
         let mut a = farthest(&mean(&|_| true).unwrap_or_default());
