@@ -4,7 +4,7 @@
 //! of the cells, train values a = c·A/p and test values b = c·B/(1 − p), the mean of `(Pᵗa − b)²` is the risk of t plus the
 //! variance of b, which does not depend on t. All t come from one series of products.
 
-use crate::count_matrix::RowFactors;
+use crate::count_matrix::{ChannelBlock, RowFactors};
 use crate::powers::{LaneBlock, blocks};
 use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
 use adwave::Progress;
@@ -173,9 +173,10 @@ fn errors(
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
         let these = &channels[range];
+        let block = ChannelBlock::new(these);
         let half = |is_test: bool, spare| {
             powers.load(these.len(), spare, |node, row| {
-                counts.copy_row(node, these, row);
+                counts.copy_row(node, block, row);
                 let part = if is_test { 1.0 - share } else { share };
                 for (v, &channel) in row.iter_mut().zip(these) {
                     let trained = draw_molecules(*v, share, hash(params.seed, node as u64, channel as u64));

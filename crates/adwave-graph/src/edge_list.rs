@@ -3,11 +3,15 @@
 use crate::GraphWalkError;
 use crate::lines::Lines;
 use adwave::Progress;
+use adwave::pages::zeros;
 use adwave::rows::CompressedRows;
 use std::io::BufRead;
 
 /// Lines between two checks for cancellation.
 const LINES_AT_A_TIME: u64 = 1 << 14;
+
+/// Rows between two checks for cancellation.
+const ROWS_AT_A_TIME: usize = 4096;
 
 /// Largest number of a node: indices have 32 bits.
 const LARGEST: u64 = u32::MAX as u64 - 1;
@@ -25,7 +29,8 @@ pub struct EdgeList {
 
 /// Reads lines `u v` or `u v weight`, with nodes numbered from 0 and separated by blanks, tabs or commas; empty lines and
 /// lines that begin with `#` or `%` are skipped. The graph is undirected and has as many nodes as the largest number says, at
-/// least `n_nodes`. Memory: 8 bytes per edge (16 with weights) and 24 bytes per edge of the result.
+/// least `n_nodes`. Memory: 8 bytes per edge (16 with weights) while it is read, and then 24 bytes per edge of the result
+/// (56 with weights).
 ///
 /// # Errors
 /// [`GraphWalkError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would take
@@ -141,22 +146,82 @@ fn both_directions(
         offsets[x + 1] += offsets[x];
     }
     progress.check()?;
-    let mut next = offsets.clone();
-    let mut entries = vec![(0_u32, 0.0_f64); offsets[n]];
+    if weights.is_empty() {
+        let entries = fill_rows(&offsets, &pairs, |_, y| y);
+        drop(pairs);
+        return unweighted_rows(offsets, entries, progress);
+    }
+    let entries = fill_rows(&offsets, &pairs, |edge, y| (y, weights[edge]));
+    drop(pairs);
+    weighted_rows(&offsets, entries, progress)
+}
+
+/// Entries of both directions of all edges, row after row, in the order of the list.
+fn fill_rows<T: Copy + Default>(
+    offsets: &[usize],
+    pairs: &[[u32; 2]],
+    entry: impl Fn(usize, u32) -> T,
+) -> Vec<T> {
+    let mut next = offsets.to_vec();
+    let mut entries = zeros::<T>(offsets[offsets.len() - 1]);
+    let mut push = |x: u32, entry: T| {
+        entries[next[x as usize]] = entry;
+        next[x as usize] += 1;
+    };
     for (edge, &[u, v]) in pairs.iter().enumerate() {
-        let weight = weights.get(edge).copied().unwrap_or(1.0);
-        entries[next[u as usize]] = (v, weight);
-        next[u as usize] += 1;
+        push(u, entry(edge, v));
         if u != v {
-            entries[next[v as usize]] = (u, weight);
-            next[v as usize] += 1;
+            push(v, entry(edge, u));
         }
     }
-    drop(pairs);
-    let (mut starts, mut columns, mut values) = (vec![0], Vec::with_capacity(entries.len()), Vec::new());
-    values.reserve_exact(entries.len());
+    entries
+}
+
+/// Rows of edges of weight 1. Columns are sorted and repeated ones removed in place, so that a large list takes 8 bytes an edge
+/// and 12 bytes an entry of the result.
+fn unweighted_rows(
+    mut offsets: Vec<usize>,
+    mut columns: Vec<u32>,
+    progress: Progress<'_>,
+) -> Result<CompressedRows<f64>, GraphWalkError> {
+    let n = offsets.len() - 1;
+    let mut values: Vec<f64> = Vec::with_capacity(columns.len());
+    let mut start = 0;
     for x in 0..n {
-        if x % 4096 == 0 {
+        if x % ROWS_AT_A_TIME == 0 {
+            progress.check()?;
+        }
+        let row = start..offsets[x + 1];
+        start = row.end;
+        columns[row.clone()].sort_unstable();
+        let first = values.len();
+        for at in row {
+            let (column, end) = (columns[at], values.len());
+            match values.last_mut() {
+                Some(last) if end > first && columns[end - 1] == column => *last += 1.0,
+                _ => {
+                    columns[end] = column;
+                    values.push(1.0);
+                }
+            }
+        }
+        offsets[x + 1] = values.len();
+    }
+    columns.truncate(values.len());
+    Ok(CompressedRows::new(offsets, columns, values, n)?)
+}
+
+/// Rows of weighted edges.
+fn weighted_rows(
+    offsets: &[usize],
+    mut entries: Vec<(u32, f64)>,
+    progress: Progress<'_>,
+) -> Result<CompressedRows<f64>, GraphWalkError> {
+    let n = offsets.len() - 1;
+    let (mut starts, mut columns) = (vec![0], Vec::with_capacity(entries.len()));
+    let mut values: Vec<f64> = Vec::with_capacity(entries.len());
+    for x in 0..n {
+        if x % ROWS_AT_A_TIME == 0 {
             progress.check()?;
         }
         let row = &mut entries[offsets[x]..offsets[x + 1]];

@@ -1,6 +1,6 @@
 //! Imputation of counts over a graph of cells: powers of its walk (`vandijk2018`), by blocks of genes.
 
-use crate::count_matrix::RowFactors;
+use crate::count_matrix::{ChannelBlock, RowFactors};
 use crate::powers::{LaneBlock, MOST_STEPS, blocks};
 use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
 use adwave::Progress;
@@ -57,8 +57,8 @@ pub fn impute_into(
     let mut spare = None;
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
-        let these = &channels[range.clone()];
-        let mut block = powers.load(these.len(), spare.take(), |node, row| {
+        let these = ChannelBlock::new(&channels[range.clone()]);
+        let mut block = powers.load(range.len(), spare.take(), |node, row| {
             counts.copy_row(node, these, row);
             let factor = factors.get(node);
             for v in row {

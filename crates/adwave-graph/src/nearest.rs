@@ -1,12 +1,13 @@
 //! Exact nearest neighbors of points in any dimension, by blocks.
 //!
-//! Squared distances of a block of points to a block of others are products of matrices in single precision, after the
-//! mean of the cloud is subtracted. Their rounding is bounded, and only pairs that may be among the nearest by that bound are
-//! measured in double precision. So the result is exact, whatever the order of the points and the number of threads.
+//! Points that are close to each other form blocks. Blocks whose distance exceeds the neighbors found so far are passed
+//! over; of the others, only pairs that may be among the nearest by products in single precision with a bound of their
+//! rounding are measured in double precision. So the result is exact, whatever the order of the points and the number of
+//! threads.
 
 use crate::GraphWalkError;
+use crate::point_blocks::{PointBlocks, QUERIES};
 use adwave::Progress;
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -15,13 +16,6 @@ pub const MAX_TIED: usize = 54;
 
 /// Relative difference below which distances are equal, as for clouds in space.
 const TIE: f64 = 1e-9;
-
-/// Points that search together, and points that they are compared with at a time: their products stay in the cache.
-const QUERIES: usize = 96;
-const OTHERS: usize = 1024;
-
-/// Number of products that are looked at together before a closer look.
-const GROUP: usize = 16;
 
 /// Largest size of a coordinate.
 const LARGEST: f64 = 1e100;
@@ -168,73 +162,9 @@ impl NearestSoFar {
     }
 }
 
-/// Coordinates in single precision for the products, and their bounds.
-struct PreparedPoints<'a> {
-    points: DimensionedPoints<'a>,
-    /// Coordinates minus their mean, divided by a power of two, n_points × (n_dimensions + 1): the last column is the half of
-    /// the squared norm.
-    single: DMatrix<f32>,
-    /// Norm of each point after that.
-    norms: Vec<f64>,
-    largest_norm: f64,
-    unit: f64,
-}
-
-impl<'a> PreparedPoints<'a> {
-    fn new(points: DimensionedPoints<'a>) -> Self {
-        let (n, d) = (points.n_points(), points.n_dimensions);
-        let mut mean = vec![0.0; d];
-        for row in points.values.chunks_exact(d) {
-            for (sum, v) in mean.iter_mut().zip(row) {
-                *sum += v / n as f64;
-            }
-        }
-        let deviations =
-            points.values.chunks_exact(d).flat_map(|row| row.iter().zip(&mean).map(|(v, m)| v - m));
-        let largest = deviations.fold(0.0, |most: f64, v| most.max(v.abs()));
-        let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
-        let mut single = DMatrix::zeros(n, d + 1);
-        let mut norms = Vec::with_capacity(n);
-        for (x, row) in points.values.chunks_exact(d).enumerate() {
-            let mut square = 0.0;
-            for (c, (v, m)) in row.iter().zip(&mean).enumerate() {
-                let v = ((v - m) / unit) as f32;
-                square += f64::from(v) * f64::from(v);
-                single[(x, c)] = v;
-            }
-            single[(x, d)] = (0.5 * square) as f32;
-            norms.push(square.sqrt());
-        }
-        let largest_norm = norms.iter().copied().fold(0.0, f64::max);
-        Self { points, single, norms, largest_norm, unit }
-    }
-
-    /// Bound of the rounding of `½‖y‖² − x·y` in single precision, and of the rounding of the coordinates to it.
-    fn slack(&self, x: usize) -> f64 {
-        let terms = self.points.n_dimensions as f64 + 8.0;
-        let (norm, most) = (self.norms[x], self.largest_norm);
-        2.0 * terms * f64::from(f32::EPSILON) * (most * most + norm * most + norm * norm) + 1e-30
-    }
-
-    /// Squared distance in units of `unit`.
-    fn squared_distance(&self, x: usize, y: usize) -> f64 {
-        let d = self.points.n_dimensions;
-        let (a, b) = (&self.points.values[x * d..][..d], &self.points.values[y * d..][..d]);
-        let mut sums = [0.0; 4];
-        let (fours_a, fours_b) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-        for (p, q) in fours_a.0.iter().zip(fours_b.0) {
-            for c in 0..4 {
-                let off = (p[c] - q[c]) / self.unit;
-                sums[c] += off * off;
-            }
-        }
-        let rest = fours_a.1.iter().zip(fours_b.1).map(|(p, q)| ((p - q) / self.unit).powi(2)).sum::<f64>();
-        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
-    }
-}
-
 /// Finds the `k` nearest neighbors of every point, and those at the same distance as the k-th within a relative 1e-9, at
-/// most k + 54: the same rule as for clouds in space. With fewer than k + 1 points all others are neighbors. O(n²·d).
+/// most k + 54: the same rule as for clouds in space. With fewer than k + 1 points all others are neighbors. O(n²·d) at
+/// most; less if the points lie near a surface of few dimensions or in clusters.
 ///
 /// # Errors
 /// [`GraphWalkError`] if the values are not n × d or a coordinate is not finite, or the call is cancelled.
@@ -259,103 +189,61 @@ pub fn nearest_lists(
     if k == 0 {
         return Ok(NearestLists { offsets: vec![0; n + 1], ..NearestLists::default() });
     }
-    let prepared = PreparedPoints::new(points);
-    let n_blocks = n.div_ceil(QUERIES);
-    let n_done = std::sync::atomic::AtomicU64::new(0);
-    let found: Vec<Vec<NearestSoFar>> = (0..n_blocks)
+    let blocks = PointBlocks::new(points, progress)?;
+    let n_searches = n.div_ceil(QUERIES);
+    let found: Vec<Vec<NearestSoFar>> = (0..n_searches)
         .into_par_iter()
-        .map(|block| {
-            let found = search_block(&prepared, block * QUERIES, k, progress)?;
-            n_done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            Ok(found)
-        })
+        .map(|search| search_block(&blocks, search * QUERIES, k, progress))
         .collect::<Result<_, GraphWalkError>>()?;
-    progress.step(n_blocks as u64, n_blocks as u64)?;
+    progress.step(n_searches as u64, n_searches as u64)?;
     let mut lists = NearestLists { offsets: vec![0], ..NearestLists::default() };
-    for nearest in found.into_iter().flatten() {
-        for candidate in nearest.found {
+    for place in blocks.places() {
+        for candidate in &found[place / QUERIES][place % QUERIES].found {
             lists.indices.push(candidate.index);
-            lists.distances.push(prepared.unit * candidate.square.sqrt());
+            lists.distances.push(blocks.unit() * candidate.square.sqrt());
         }
         lists.offsets.push(lists.indices.len());
     }
     Ok(lists)
 }
 
-/// The nearest points of the block of points from `first` on.
+/// The nearest points of the points at the places from `first` on.
 fn search_block(
-    prepared: &PreparedPoints<'_>,
+    blocks: &PointBlocks<'_>,
     first: usize,
     k: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<NearestSoFar>, GraphWalkError> {
-    let (n, width) = (prepared.points.n_points(), prepared.points.n_dimensions + 1);
-    let queries = first..(first + QUERIES).min(n);
-    // ½‖y‖² − x·y orders the points as ½‖x − y‖² does.
-    let mut left = -prepared.single.rows(queries.start, queries.len()).transpose();
-    left.row_mut(width - 1).fill(1.0);
+    let n_queries = QUERIES.min(blocks.n_points() - first);
+    let queries = blocks.queries(first, n_queries);
     let mut nearest: Vec<NearestSoFar> =
-        queries.clone().map(|_| NearestSoFar { k, found: Vec::with_capacity(k + 2) }).collect();
-    let mut products = DMatrix::<f32>::zeros(OTHERS, queries.len());
-    // The blocks nearby in the order of the points first: what is close there is often close.
-    let n_others = n.div_ceil(OTHERS);
-    let own = first / OTHERS;
-    for step in 0..n_others {
+        (0..n_queries).map(|_| NearestSoFar { k, found: Vec::with_capacity(k + 2) }).collect();
+    let mut thresholds = vec![f32::NEG_INFINITY; QUERIES];
+    let near = blocks.near_blocks(first, n_queries, &queries);
+    for &(bound, other) in &near.blocks {
         progress.check()?;
-        let start = (own + step) % n_others * OTHERS;
-        let others = start..(start + OTHERS).min(n);
-        let right = prepared.single.rows(others.start, others.len());
-        products.rows_mut(0, others.len()).gemm(1.0, &right, &left, 0.0);
-        for (q, x) in queries.clone().enumerate() {
-            let column = &products.as_slice()[q * OTHERS..][..others.len()];
-            look_at(prepared, x, column, others.start, &mut nearest[q]);
+        let threshold =
+            |q: usize, nearest: &NearestSoFar| blocks.threshold(first + q, other, nearest.limit());
+        let mut is_any = false;
+        for (q, nearest) in nearest.iter().enumerate() {
+            let limit = nearest.limit();
+            let may_reach = bound <= limit && blocks.may_reach(&near, q, other, limit);
+            is_any |= may_reach;
+            thresholds[q] = if may_reach { threshold(q, nearest) } else { f32::NEG_INFINITY };
         }
-    }
-    Ok(nearest)
-}
-
-/// Adds the points from `start` on that are near x to the nearest so far, given their products with x.
-fn look_at(
-    prepared: &PreparedPoints<'_>,
-    x: usize,
-    products: &[f32],
-    start: usize,
-    nearest: &mut NearestSoFar,
-) {
-    let own = 0.5 * prepared.norms[x] * prepared.norms[x];
-    let slack = prepared.slack(x);
-    let threshold = |nearest: &NearestSoFar| {
-        // Rounded up, so that no point within the limit is passed over.
-        let exact = 0.5 * nearest.limit() - own + slack;
-        (exact as f32).next_up()
-    };
-    let mut limit = threshold(nearest);
-    for (group, values) in products.chunks(GROUP).enumerate() {
-        if !is_any_within(values, limit) {
+        if !is_any {
             continue;
         }
-        for (i, &value) in values.iter().enumerate() {
-            let y = start + group * GROUP + i;
-            if value <= limit && y != x {
-                nearest.insert(NearCandidate { square: prepared.squared_distance(x, y), index: y as u32 });
-                limit = threshold(nearest);
+        blocks.visit_near(&queries, other, &mut thresholds, |q, place| {
+            let nearest = &mut nearest[q];
+            if place != first + q {
+                let square = blocks.squared_distance(first + q, place);
+                nearest.insert(NearCandidate { square, index: blocks.index_at(place) });
             }
-        }
+            threshold(q, nearest)
+        });
     }
-}
-
-/// True if any value is at most `limit`.
-fn is_any_within(values: &[f32], limit: f32) -> bool {
-    match values.first_chunk::<GROUP>() {
-        Some(values) => {
-            let mut is_within = false;
-            for &value in values {
-                is_within |= value <= limit;
-            }
-            is_within
-        }
-        None => true,
-    }
+    Ok(nearest)
 }
 
 #[cfg(test)]
@@ -420,6 +308,19 @@ mod tests {
             nearest_lists(DimensionedPoints { values: &values, n_dimensions: 5 }, 4, Progress::none())
                 .unwrap();
         assert_eq!(sorted(&found), by_definition(&values, 5, 4));
+    }
+
+    #[test]
+    fn blocks_of_other_clusters_are_passed_over_without_losing_a_neighbor() {
+        // Seven clusters that are not sorted, some of them close enough to share neighbors.
+        let (n, d) = (1900, 12);
+        let (mut values, centers) = (noise(n * d, 8), noise(7 * d, 9));
+        for (i, v) in values.iter_mut().enumerate() {
+            *v = 0.4 * *v + 3.0 * centers[(i / d) % 7 * d + i % d];
+        }
+        let points = DimensionedPoints { values: &values, n_dimensions: d };
+        let found = nearest_lists(points, 10, Progress::none()).unwrap();
+        assert_eq!(sorted(&found), by_definition(&values, d, 10));
     }
 
     #[test]

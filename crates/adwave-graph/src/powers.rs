@@ -3,6 +3,7 @@
 //! Channels go through the products in blocks of up to 32, nodes in an order in which neighbors are close to each other. A
 //! block takes three vectors, whatever the number of channels.
 
+use crate::lane_rows::LaneRows;
 use crate::lanes::{MAX_LANES, ROWS_AT_A_TIME, SERIAL, lanes, multiply};
 use crate::{GraphWalkError, WalkMatrix};
 use adwave::rows::CompressedRows;
@@ -140,16 +141,19 @@ impl WalkPowers {
         progress: Progress<'_>,
         mut each: impl FnMut(usize, &[f64], &LaneBlock),
     ) -> Result<(), Cancelled> {
-        let mut fine = block.now.clone();
+        let mut fine = LaneRows::zeros(block.now.len());
+        fine.copy_from(&block.now);
         let mut done = 0;
         for (level, &scale) in scales.iter().enumerate() {
             for _ in done..scale {
                 self.step(&mut block, progress)?;
             }
             done = scale;
-            fine.iter_mut().zip(&block.now).for_each(|(fine, now)| *fine -= now);
+            fine.subtract(&block.now);
             each(level, &fine, &block);
-            fine.copy_from_slice(&block.now);
+            if level + 1 < scales.len() {
+                fine.copy_from(&block.now);
+            }
         }
         each(scales.len(), &block.now, &block);
         Ok(())
@@ -198,7 +202,7 @@ impl WalkPowers {
                     std::mem::swap(&mut block.now, &mut block.next);
                 }
                 let added = self.load(channels.len(), None, fill(level));
-                block.now.iter_mut().zip(&added.now).for_each(|(now, g)| *now += g);
+                block.now.iter_mut().zip(added.now.iter()).for_each(|(now, g)| *now += g);
             }
             self.store(&block, channels, n_channels, out);
         }
@@ -216,7 +220,9 @@ impl WalkPowers {
         let n = self.n_nodes();
         let mut block = match spare {
             Some(block) if block.lanes == lanes => block,
-            _ => LaneBlock { now: vec![0.0; n * lanes], next: vec![0.0; n * lanes], lanes, width },
+            _ => {
+                LaneBlock { now: LaneRows::zeros(n * lanes), next: LaneRows::zeros(n * lanes), lanes, width }
+            }
         };
         if block.width != width {
             block.now.fill(0.0);
@@ -282,8 +288,14 @@ impl WalkPowers {
     }
 
     /// Nodes in the order of the rows of a block.
+    #[cfg(test)]
     pub(crate) fn node_at(&self) -> &[u32] {
         &self.node_at
+    }
+
+    /// Row of each node in a block.
+    pub(crate) fn place_of(&self) -> &[u32] {
+        &self.place_of
     }
 
     pub(crate) fn check_signal(&self, signal: &[f64], n_channels: usize) -> Result<(), GraphWalkError> {
@@ -308,8 +320,8 @@ impl WalkPowers {
 /// Channels of a block as rows of lanes, and room for the next product.
 #[derive(Debug)]
 pub(crate) struct LaneBlock {
-    pub(crate) now: Vec<f64>,
-    next: Vec<f64>,
+    pub(crate) now: LaneRows,
+    next: LaneRows,
     pub(crate) lanes: usize,
     pub(crate) width: usize,
 }

@@ -1,9 +1,11 @@
 //! Geometric scattering (`gao2019`): bands, their absolute values, and the bands of these.
 
-use crate::lanes::MAX_LANES;
+use crate::lanes::{MAX_LANES, ROWS_AT_A_TIME};
 use crate::powers::{blocks, check_scales};
 use crate::{GraphWalkError, WalkPowers};
 use adwave::Progress;
+use adwave::pages::zeros;
+use rayon::prelude::*;
 
 /// Scales and orders of scattering.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +94,7 @@ pub fn scatter(
         let advice = "scatter fewer channels at a time, or pool them graph by graph";
         return Err(GraphWalkError::TooLarge { needed, limit, advice });
     }
-    let mut values = vec![0.0; paths.len() * len];
+    let mut values = zeros::<f64>(paths.len() * len);
     if n_channels == 0 {
         return Ok(Scattering { values, paths });
     }
@@ -106,11 +108,14 @@ pub fn scatter(
         return Ok(Scattering { values, paths });
     }
     // Channels whose first bands are computed together; their absolute values are the channels of the second bands.
-    let mut sizes = Vec::new();
+    let mut sizes: Vec<f64> = Vec::new();
     for channels in blocks(n_channels) {
         progress.step(channels.start as u64, n_channels as u64)?;
         let width = channels.len();
-        sizes.resize(n_scales * powers.n_nodes() * width, 0.0);
+        let n_sizes = n_scales * powers.n_nodes() * width;
+        if sizes.len() != n_sizes {
+            sizes = zeros(n_sizes);
+        }
         let block = powers.load(width, None, |node, row| {
             row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
         });
@@ -119,18 +124,15 @@ pub fn scatter(
             if level < n_scales {
                 let out = &mut sizes[level * per_band..][..per_band];
                 powers.store_values(band, block, 0..width, width, out);
-                for v in out {
-                    *v = v.abs();
-                }
+                out.par_iter_mut().with_min_len(1 << 14).for_each(|v| *v = v.abs());
             }
         })?;
         if has(1) {
             for level in 0..n_scales {
                 let out = &mut values[(first_at + level) * len..][..len];
-                let rows = sizes[level * per_band..][..per_band].chunks_exact(width);
-                for (out, row) in out.chunks_exact_mut(n_channels).zip(rows) {
-                    out[channels.clone()].copy_from_slice(row);
-                }
+                let rows = sizes[level * per_band..][..per_band].par_chunks_exact(width);
+                let pairs = out.par_chunks_exact_mut(n_channels).zip(rows).with_min_len(ROWS_AT_A_TIME);
+                pairs.for_each(|(out, row)| out[channels.clone()].copy_from_slice(row));
             }
         }
         if has(2) {
@@ -181,16 +183,36 @@ fn second_order(
             if level == n_scales {
                 return;
             }
-            for (lane, &(j, c)) in lanes.iter().enumerate().filter(|(_, (j, _))| *j < level) {
-                let path = pair_index(n_scales, j, level);
-                let out = &mut values[path * len..][..len];
-                for (row, &node) in band.chunks_exact(block.lanes).zip(powers.node_at()) {
-                    out[node as usize * n_channels + channels_from + c] = row[lane].abs();
+            let finest = lanes[0].0;
+            let paths = (finest..level).map(|j| pair_index(n_scales, j, level)).collect::<Vec<_>>();
+            let outs = values.chunks_exact_mut(len).enumerate().filter(|(path, _)| paths.contains(path));
+            let parts = node_parts(outs.map(|(_, out)| out).collect(), ROWS_AT_A_TIME * n_channels);
+            parts.into_par_iter().enumerate().for_each(|(part, mut outs)| {
+                let places = powers.place_of().iter().skip(part * ROWS_AT_A_TIME).take(ROWS_AT_A_TIME);
+                for (row, &place) in places.enumerate() {
+                    let band = &band[place as usize * block.lanes..][..block.lanes];
+                    for (&(j, c), v) in lanes.iter().zip(band).take_while(|((j, _), _)| *j < level) {
+                        outs[j - finest][row * n_channels + channels_from + c] = v.abs();
+                    }
                 }
-            }
+            });
         })?;
     }
     Ok(())
+}
+
+/// Parts of several arrays: the first `length` values of all, the next ones of all, and so on.
+fn node_parts(arrays: Vec<&mut [f64]>, length: usize) -> Vec<Vec<&mut [f64]>> {
+    let mut parts: Vec<Vec<&mut [f64]>> = Vec::new();
+    for array in arrays {
+        for (part, values) in array.chunks_mut(length).enumerate() {
+            if part == parts.len() {
+                parts.push(Vec::new());
+            }
+            parts[part].push(values);
+        }
+    }
+    parts
 }
 
 /// Index of the pair j < k among all pairs of `n`, in ascending order.
