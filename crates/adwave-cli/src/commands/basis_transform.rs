@@ -91,7 +91,7 @@ pub(crate) fn run(args: &TransformArgs, family: Family, global: &Global<'_>) -> 
         None => {
             let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
             refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
-            BasisSignal { values: signal.values, n_channels: signal.n_channels, is_of_faces: false }
+            BasisSignal { values: signal.values.to_vec(), n_channels: signal.n_channels, is_of_faces: false }
         }
     };
     let job = with_progress(global, "finding levels", |progress| prepare(input, family, signal, progress))?;
