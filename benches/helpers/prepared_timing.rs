@@ -19,6 +19,8 @@ const LEVELS: usize = 8;
 const ACCURACY: f64 = 1e-5;
 /// Calls of each kind, because the machine may be shared.
 const CALLS: usize = 31;
+/// Calls that prepare a shape.
+const FRESH_CALLS: usize = 7;
 
 fn main() -> Result<(), Failure> {
     let sizes: Vec<usize> = std::env::args().skip(1).map(|n| n.parse()).collect::<Result<_, _>>()?;
@@ -37,16 +39,25 @@ struct Timing {
 }
 
 /// Times a call, without the first one.
-fn time(mut call: impl FnMut() -> Result<(), Failure>) -> Result<Timing, Failure> {
+fn time(call: impl FnMut() -> Result<(), Failure>) -> Result<Timing, Failure> {
+    time_calls(CALLS, call)
+}
+
+/// Times a call that allocates all its memory.
+fn time_fresh(call: impl FnMut() -> Result<(), Failure>) -> Result<Timing, Failure> {
+    time_calls(FRESH_CALLS, call)
+}
+
+fn time_calls(n_calls: usize, mut call: impl FnMut() -> Result<(), Failure>) -> Result<Timing, Failure> {
     call()?;
-    let mut seconds = Vec::with_capacity(CALLS);
-    for _ in 0..CALLS {
+    let mut seconds = Vec::with_capacity(n_calls);
+    for _ in 0..n_calls {
         let start = Instant::now();
         call()?;
         seconds.push(start.elapsed().as_secs_f64());
     }
     seconds.sort_by(f64::total_cmp);
-    Ok(Timing { least: seconds[0], median: seconds[CALLS / 2] })
+    Ok(Timing { least: seconds[0], median: seconds[n_calls / 2] })
 }
 
 fn print(what: &str, n: usize, seconds: Timing) {
@@ -58,12 +69,19 @@ fn measure(n: usize) -> Result<(), Failure> {
     let sample = Sample::from_name("torus", Some(n))?;
     let points = sample.points.clone();
     let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces)?);
-    let start = Instant::now();
-    let decomposer = Decomposer::new(&shape);
-    let prepared = start.elapsed().as_secs_f64();
     let (coords, n) = (points.as_flattened(), points.len());
-    print("prepare", n, Timing { least: prepared, median: prepared });
     let schedule = Schedule::dyadic(LEVELS)?;
+    let prepared = time_fresh(|| {
+        drop(Decomposer::new(&shape));
+        Ok(())
+    })?;
+    print("prepare", n, prepared);
+    let from_nothing = time_fresh(|| {
+        drop(Decomposer::new(&shape).request(coords, 3, &schedule).accuracy(ACCURACY).bands()?);
+        Ok(())
+    })?;
+    print("prepare, cut tiles and compute the bands", n, from_nothing);
+    let decomposer = Decomposer::new(&shape);
 
     // The transform alone, in the analysis order, into allocated memory.
     let transform = decomposer.transform().with_params(&BandsParams::default().with_accuracy(ACCURACY))?;

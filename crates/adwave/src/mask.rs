@@ -1,6 +1,7 @@
 //! Masked vertices, where a signal is unknown: the diffusion goes around them.
 
 use crate::bands::BandsError;
+use crate::operator::NoRows;
 use crate::shape::VertexMap;
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
@@ -23,6 +24,9 @@ pub enum MaskError {
         /// Number of vertices of the shape.
         n_vertices: usize,
     },
+    /// The operator of the shape has no rows that could go around a vertex.
+    #[error(transparent)]
+    NoRows(#[from] NoRows),
 }
 
 impl ClassifiedError for MaskError {

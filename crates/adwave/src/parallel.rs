@@ -273,6 +273,89 @@ pub(crate) fn sort_unstable_by<T: Send>(
     progress.check()
 }
 
+/// Number of highest bits by which [`sort_by_key_bits`] distributes values.
+const BUCKET_BITS: u32 = 12;
+
+/// Number of values that a thread distributes at a time.
+const DISTRIBUTED_AT_A_TIME: usize = 1 << 16;
+
+/// Sorts by keys of `n_bits` bits; values with equal keys end up in any order. O(n log(n/4096)) if the highest bits differ.
+/// A cancelled call leaves the values in any order.
+pub(crate) fn sort_by_key_bits<T: Copy + Default + Send + Sync>(
+    values: &mut [T],
+    n_bits: u32,
+    progress: Progress<'_>,
+    key: impl Fn(&T) -> u64 + Sync,
+) -> Result<(), Cancelled> {
+    let n = values.len();
+    if n <= SORTED_SERIALLY {
+        values.sort_unstable_by_key(&key);
+        return progress.check();
+    }
+    let shift = n_bits.saturating_sub(BUCKET_BITS);
+    let bucket = |value: &T| ((key(value) >> shift) as usize).min((1 << BUCKET_BITS) - 1);
+    let own = |range: Range<usize>| &values[range];
+    let counts = try_map_chunks(
+        n,
+        DISTRIBUTED_AT_A_TIME,
+        progress,
+        || (),
+        |(), range| {
+            let mut counts = vec![0_u32; 1 << BUCKET_BITS];
+            own(range).iter().for_each(|value| counts[bucket(value)] += 1);
+            counts
+        },
+    )?;
+    // A list for each bucket of the parts that the chunks put into it.
+    let mut sorted: Vec<T> = zeros(n);
+    let mut places: Vec<Vec<&mut [T]>> =
+        counts.iter().map(|_| Vec::with_capacity(1 << BUCKET_BITS)).collect();
+    let mut rest = &mut sorted[..];
+    for bucket in 0..1 << BUCKET_BITS {
+        for (counts, places) in counts.iter().zip(&mut places) {
+            let (place, after) = std::mem::take(&mut rest).split_at_mut(counts[bucket] as usize);
+            places.push(place);
+            rest = after;
+        }
+    }
+    let jobs: Vec<_> = values.chunks(DISTRIBUTED_AT_A_TIME).zip(places).collect();
+    try_each(jobs, n, progress, |(chunk, mut places)| {
+        let mut filled = vec![0_u32; 1 << BUCKET_BITS];
+        for value in chunk {
+            let bucket = bucket(value);
+            places[bucket][filled[bucket] as usize] = *value;
+            filled[bucket] += 1;
+        }
+        Ok(())
+    })?;
+    let ends = (0..1 << BUCKET_BITS).scan(0, |end, bucket| {
+        *end += counts.iter().map(|counts| counts[bucket] as usize).sum::<usize>();
+        Some(*end)
+    });
+    // Neighboring buckets go to a thread together; one that holds nearly everything is sorted by all.
+    let (mut jobs, mut rest, mut start) = (Vec::new(), (values, &mut sorted[..]), 0);
+    for end in ends.collect::<Vec<_>>() {
+        if end - start < DISTRIBUTED_AT_A_TIME / 4 && end < n {
+            continue;
+        }
+        let (values, values_after) = rest.0.split_at_mut(end - start);
+        let (sorted, sorted_after) = rest.1.split_at_mut(end - start);
+        jobs.push((values, sorted));
+        (rest, start) = ((values_after, sorted_after), end);
+    }
+    try_each(jobs, n, progress, |(values, sorted)| {
+        for run in sorted.chunk_by_mut(|a, b| bucket(a) == bucket(b)) {
+            if run.len() <= SORTED_SERIALLY {
+                run.sort_unstable_by_key(&key);
+            } else {
+                sort_unstable_by(run, progress, |a, b| key(a).cmp(&key(b)))?;
+            }
+        }
+        values.copy_from_slice(sorted);
+        Ok(())
+    })
+}
+
 /// Sorts stably: equal values keep their order. A cancelled call leaves the values in any order.
 pub(crate) fn sort_by<T: Send>(
     values: &mut [T],
@@ -311,6 +394,23 @@ mod tests {
             let mut values: Vec<usize> = (0..n).rev().collect();
             assert_eq!(sort_unstable_by(&mut values, Progress::none(), Ord::cmp), Ok(()));
             assert!(values.is_sorted());
+        }
+    }
+
+    #[test]
+    fn values_are_sorted_by_keys_however_their_highest_bits_are_distributed() {
+        let hash = |i: u64| i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 1;
+        for n in [0, 1, 1000, SORTED_SERIALLY + 1, 300_000] {
+            // All over; in one bucket; in two; few different keys.
+            for keys in [|h| h, |h| h >> 20, |h: u64| (h & 1) << 62 | h >> 30, |h| h % 7] {
+                let mut values: Vec<(u64, u32)> = (0..n as u32).map(|i| (keys(hash(i.into())), i)).collect();
+                let mut expected = values.clone();
+                assert_eq!(sort_by_key_bits(&mut values, 63, Progress::none(), |value| value.0), Ok(()));
+                assert!(values.is_sorted_by_key(|value| value.0));
+                expected.sort_unstable();
+                values.sort_unstable();
+                assert!(values == expected, "{n}: a value was lost");
+            }
         }
     }
 

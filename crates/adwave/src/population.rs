@@ -24,7 +24,7 @@ impl<'a> Population<'a> {
         let n = masked.as_ref().map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
         // The areas of masked vertices are 0. If no vertex has an area, all have the same weight.
         let total = parallel::sum(n_welded, |x| decomposer.welded_areas()[x]);
-        if !matches!(decomposer.diffusion().semigroup(), Semigroup::Heat { .. }) || total <= 0.0 {
+        if !matches!(decomposer.operator().semigroup(), Semigroup::Heat { .. }) || total <= 0.0 {
             return Self { masked, areas: None, total: n as f64 };
         }
         Self { masked, areas: Some(decomposer.welded_areas()), total }

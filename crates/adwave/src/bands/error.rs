@@ -1,6 +1,7 @@
 //! Errors of splitting a signal into bands.
 
 use super::Schedule;
+use crate::operator::NoRows;
 use crate::parallel;
 use crate::{Cancelled, ClassifiedError, ErrorKind};
 use thiserror::Error;
@@ -115,6 +116,15 @@ pub enum BandsError {
         /// The condition that does not hold.
         reason: &'static str,
     },
+    /// An operator contradicts what it promises.
+    #[error("the operator is none of diffusion: {reason}")]
+    BadOperator {
+        /// The condition that does not hold.
+        reason: &'static str,
+    },
+    /// The method needs the rows of an operator that has none.
+    #[error(transparent)]
+    NoRows(#[from] NoRows),
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -7,7 +7,8 @@ use super::series::{Growth, Series, TruncationBound};
 use super::transform::whole_steps_from_zero;
 use super::{BandsError, BandsParams, Precision, Schedule, Transform};
 use crate::Progress;
-use crate::sparse::{RowOutput, SignalView};
+use crate::operator::RowOutput;
+use crate::sparse::SignalView;
 
 /// A band, or a weighted sum of bands, as a polynomial of Φ₁ whose degree depends on the levels and the accuracy
 /// only.
@@ -85,7 +86,7 @@ impl Transform {
         outs: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<(), BandsError> {
-        check_signal(signal, self.diffusion().n_vertices(), n_channels)?;
+        check_signal(signal, self.operator().n_rows(), n_channels)?;
         let len = outs.iter().map(|out| out.len()).sum();
         check_buffer(len, series.len() * signal.len())?;
         let series: Vec<Series> = series.iter().map(|s| s.0.clone()).collect();

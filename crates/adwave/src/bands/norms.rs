@@ -6,8 +6,9 @@ use super::real_series::LADDER;
 use super::series::Series;
 use super::wavelets::RowMeasure;
 use super::{BandsError, Engine, Precision, Schedule, Transform, Wavelets};
+use crate::operator::RowOutput;
 use crate::pages::zeros;
-use crate::sparse::{RowOutput, SignalView};
+use crate::sparse::SignalView;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 
@@ -56,7 +57,7 @@ impl Transform {
         if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
-        let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
+        let (n, n_levels) = (self.operator().n_rows(), schedule.n_levels());
         check_signal(mean, n, n_channels)?;
         self.check_memory_of_wavelets(n_channels, schedule)?;
         let prepared = self.evaluator(progress)?;
@@ -101,7 +102,7 @@ impl Transform {
             error_bound: first.error_bound.max(second.error_bound),
             ..EvaluationInfo::default()
         };
-        let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, n_channels));
+        let (sigma, info) = (schedule.sigma(self.operator().step_length()), self.info(&outcome, n_channels));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
 
@@ -123,7 +124,7 @@ impl Transform {
         if self.engine() != Engine::Chebyshev || schedule.first_real().is_some() || self.is_staged(schedule) {
             return Ok(None);
         }
-        let (n, n_levels) = (self.diffusion().n_vertices(), schedule.n_levels());
+        let (n, n_levels) = (self.operator().n_rows(), schedule.n_levels());
         check_signal(mean, n, 3)?;
         self.check_memory_of_wavelets(3, schedule)?;
         let prepared = self.evaluator(progress)?;
@@ -137,7 +138,7 @@ impl Transform {
             Polynomials { series: &series, guard: &[], passes, output, precision: Precision::Double };
         let (signal, accuracy) = (SignalView { values: mean, n_channels: 3 }, self.params().accuracy);
         let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
-        let (sigma, info) = (schedule.sigma(self.diffusion().step_length()), self.info(&outcome, 3));
+        let (sigma, info) = (schedule.sigma(self.operator().step_length()), self.info(&outcome, 3));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
 }

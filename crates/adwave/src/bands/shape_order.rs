@@ -21,13 +21,13 @@ impl Transform {
 
     /// Bytes of memory that wavelets need beyond themselves and the signal, with `n_vectors` further vectors.
     pub(super) fn forecast_wavelets(&self, n_channels: usize, schedule: &Schedule, n_vectors: u64) -> u64 {
-        let vector = (self.diffusion().n_vertices() * n_channels * 8) as u64;
+        let vector = (self.operator().n_rows() * n_channels * 8) as u64;
         // Fractional powers need one more vector, which measures their error.
         let mut n_vectors = n_vectors + u64::from(schedule.first_real().is_some());
         if self.is_staged(schedule) {
             n_vectors += EXTRA_VECTORS;
         }
-        n_vectors * vector + Self::forecast_bytes(self.diffusion(), n_channels)
+        n_vectors * vector + self.forecast(n_channels)
     }
 
     pub(super) fn check_memory(&self, needed: u64) -> Result<(), BandsError> {
@@ -64,7 +64,7 @@ impl Transform {
         self.check_memory(self.forecast_bands(vertex_map, n_channels, schedule))?;
         let mut coefficients = zeros((schedule.n_levels() + 1) * signal.len());
         let info = self.bands_into(vertex_map, signal, n_channels, schedule, &mut coefficients, progress)?;
-        let sigma = schedule.sigma(self.diffusion().step_length());
+        let sigma = schedule.sigma(self.operator().step_length());
         Ok(Bands::new(n_vertices, n_channels, schedule.steps_from_zero(), sigma, coefficients, info))
     }
 

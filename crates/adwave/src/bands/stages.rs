@@ -57,20 +57,20 @@ impl Transform {
     /// The stages of a schedule; a single one unless the diffusion is long.
     pub(super) fn stages(&self, schedule: &Schedule) -> Vec<Stage> {
         let steps = schedule.steps_from_zero();
-        let rate = match self.diffusion().semigroup() {
+        let rate = match self.operator().semigroup() {
             Semigroup::Heat { rate } => rate,
             Semigroup::Steps | Semigroup::PlainSteps => 1.0,
         };
         // A part of a fractional power would be a small fractional power, which converges slowly.
         let can_be_cut = self.engine() == Engine::Chebyshev
-            && match self.diffusion().semigroup() {
+            && match self.operator().semigroup() {
                 Semigroup::Heat { .. } => true,
                 Semigroup::Steps => schedule.first_real().is_none(),
                 // Modes near −1 last as long as those near 1, so that a stage leaves no smoother signal.
                 Semigroup::PlainSteps => false,
             };
         // The slowest modes are few: on a shape of more vertices than steps their error is no part of the norm that counts.
-        let long = LONG.max(self.diffusion().n_vertices() as f64);
+        let long = LONG.max(self.operator().n_rows() as f64);
         let jumps = rate * steps[steps.len() - 1];
         if can_be_cut && jumps > long { cut(&steps, rate) } else { vec![pieces(&steps, 0.0, f64::INFINITY)] }
     }

@@ -11,13 +11,11 @@ use super::real_series::LADDER;
 use super::series::Series;
 use super::transform::add;
 use super::{BandsError, Schedule, Transform};
-use crate::operator::Semigroup;
+use crate::operator::{BlockPrecision, Semigroup};
 use crate::pages::zeros;
 use crate::parallel;
 use crate::shape::VertexMap;
-use crate::sparse::{
-    BlockPrecision, ClenshawTerm, SignalView, block_width, is_wide, try_apply, wide_clenshaw,
-};
+use crate::sparse::{ClenshawTerm, SignalView, block_width, is_wide, wide_clenshaw};
 use crate::{Cancelled, Progress};
 
 /// Remainder of a series, relative to the sum of its terms, below which further terms are omitted.
@@ -27,8 +25,8 @@ impl Transform {
     /// True if [`sum_of_bands`](Self::sum_of_bands) applies: the diffusion is reversible, the steps are whole or those
     /// of heat, and few enough that one recurrence is accurate.
     pub fn has_sum_of_bands(&self, schedule: &Schedule) -> bool {
-        let is_heat = matches!(self.diffusion().semigroup(), Semigroup::Heat { .. });
-        self.diffusion().is_reversible()
+        let is_heat = matches!(self.operator().semigroup(), Semigroup::Heat { .. });
+        self.operator().is_reversible()
             && (is_heat || schedule.first_real().is_none())
             && !self.is_staged(schedule)
     }
@@ -161,23 +159,24 @@ impl Transform {
 
     /// Share of each vertex in the stationary distribution.
     fn share_of_each_vertex(&self, vertex_map: &VertexMap) -> Result<Vec<f64>, BandsError> {
-        let diffusion = self.diffusion();
-        if !diffusion.is_reversible() {
+        let operator = self.operator();
+        if !operator.is_reversible() {
             return Err(BandsError::NoAdjoint { reason: "the operator is not reversible" });
         }
-        let stationary = diffusion.stationary();
+        let (weights, n) = (operator.weights(), operator.n_rows());
+        let weight = |x: usize| weights.weight(x, n);
         let mut n_members = vec![0_u32; vertex_map.n_welded()];
         for &x in vertex_map.as_slice() {
             n_members[x as usize] += 1;
         }
-        let is_alone = |x: usize| diffusion.row(x).0.is_empty();
-        if (0..stationary.len()).any(|x| stationary[x] <= 0.0 && !is_alone(x)) {
+        let is_alone = |x: usize| operator.rows().is_some_and(|rows| rows.row(x).0.is_empty());
+        if (0..n).any(|x| weight(x) <= 0.0 && !is_alone(x)) {
             return Err(BandsError::NoAdjoint { reason: "the walk leaves vertices without area for ever" });
         }
         let share = |&x: &u32| {
             // The bands of a vertex that is alone are 0, whatever its share, but for the difference from the mean of its
             // members, which is self-adjoint for equal shares.
-            let whole = if is_alone(x as usize) { 1.0 } else { stationary[x as usize] };
+            let whole = if is_alone(x as usize) { 1.0 } else { weight(x as usize) };
             whole / f64::from(n_members[x as usize])
         };
         Ok(vertex_map.as_slice().iter().map(share).collect())
@@ -193,7 +192,7 @@ impl Transform {
     ) -> Result<Vec<f64>, Cancelled> {
         let len = signals.first().map_or(0, Vec::len);
         let degrees: Vec<usize> = series.iter().map(|s| s.degree_within(REMAINDER * s.total, 0)).collect();
-        if is_wide(n_channels) {
+        if let Some(diffusion) = self.operator().rows().filter(|_| is_wide(n_channels)) {
             let terms: Vec<ClenshawTerm<'_>> = (0..series.len())
                 .map(|j| ClenshawTerm {
                     signal: SignalView { values: &signals[j], n_channels },
@@ -204,7 +203,7 @@ impl Transform {
             let mut at = 0;
             while at < n_channels {
                 let width = block_width(n_channels, n_channels - at, BlockPrecision::Double);
-                wide_clenshaw(self.diffusion(), &terms, at..at + width, &mut sum, progress)?;
+                wide_clenshaw(diffusion, &terms, at..at + width, &mut sum, progress)?;
                 at += width;
             }
             return Ok(sum);
@@ -214,7 +213,7 @@ impl Transform {
             (zeros(len), zeros(len), zeros(len));
         for k in (0..=highest).rev() {
             progress.step((highest - k) as u64, highest as u64 + 1)?;
-            try_apply(self.diffusion(), &b1, &mut product, n_channels, progress)?;
+            self.operator().multiply(&b1, n_channels, &mut product, progress)?;
             // Y b = 2Φ₁b − b, once for the last term and twice for the others.
             let factor = if k == 0 { 1.0 } else { 2.0 };
             let terms: Vec<(f64, &[f64])> = (0..series.len())
@@ -230,7 +229,7 @@ impl Transform {
             });
             std::mem::swap(&mut b1, &mut b2);
         }
-        try_apply(self.diffusion(), &b1, &mut product, n_channels, progress)?;
+        self.operator().multiply(&b1, n_channels, &mut product, progress)?;
         add(-1.0, &product, &mut b1, n_channels);
         Ok(b1)
     }

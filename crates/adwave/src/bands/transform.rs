@@ -5,9 +5,10 @@ use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series};
-use crate::operator::{Diffusion, Semigroup};
+use crate::operator::{Diffusion, NoRows, Operator, RowOutput, RowWeights, Semigroup};
+use crate::pages::zeros;
 use crate::parallel;
-use crate::sparse::{RowOutput, SignalView, apply, difference, is_wide};
+use crate::sparse::{PreparedDiffusion, SignalView, is_wide};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
@@ -32,10 +33,10 @@ const WORST_SINGLE: f64 = 0.1;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Transform {
-    diffusion: Arc<Diffusion>,
+    operator: Arc<dyn Operator>,
     params: BandsParams,
     engine: Engine,
-    /// Data of the Chebyshev recurrence, built by the first call that needs it.
+    /// The norm of the Chebyshev recurrence, computed by the first call that needs it.
     prepared: Arc<OnceLock<ChebyshevEvaluator>>,
 }
 
@@ -45,9 +46,40 @@ impl Transform {
     /// # Errors
     /// [`BandsError::Accuracy`] if the accuracy is out of range.
     pub fn new(diffusion: impl Into<Arc<Diffusion>>, params: &BandsParams) -> Result<Self, BandsError> {
-        let diffusion = diffusion.into();
-        let (params, engine) = (params.validate()?, engine(&diffusion, params));
-        Ok(Self { diffusion, params, engine, prepared: Arc::default() })
+        let operator: Arc<dyn Operator> = Arc::new(PreparedDiffusion::new(diffusion.into()));
+        let (params, engine) = (params.validate()?, engine(&*operator, params));
+        Ok(Self { operator, params, engine, prepared: Arc::default() })
+    }
+
+    /// Takes any operator that can be multiplied. Tests what it promises by a product with three vectors: that constants
+    /// are kept, and, if it is reversible, that it is self-adjoint and neither expands nor turns a vector round. These
+    /// conditions are necessary, not sufficient; the bounds of the errors rest on the promise.
+    ///
+    /// Methods that need stored rows ([`Operator::rows`]) refuse an operator without ([`NoRows`]): linear fits, masks and
+    /// explicit basis functions. [`Operator`] has an example.
+    ///
+    /// # Errors
+    /// [`BandsError::Accuracy`] if the accuracy is out of range, [`BandsError::WrongNumber`] or
+    /// [`BandsError::BadOperator`] if the operator contradicts itself.
+    pub fn from_operator(
+        operator: impl Operator + 'static,
+        params: &BandsParams,
+    ) -> Result<Self, BandsError> {
+        Self::from_shared_operator(Arc::new(operator), params)
+    }
+
+    /// [`from_operator`](Self::from_operator) for an operator that others use as well.
+    ///
+    /// # Errors
+    /// As for [`from_operator`](Self::from_operator).
+    pub fn from_shared_operator(
+        operator: Arc<dyn Operator>,
+        params: &BandsParams,
+    ) -> Result<Self, BandsError> {
+        let params = params.validate()?;
+        check_operator(&*operator)?;
+        let engine = engine(&*operator, &params);
+        Ok(Self { operator, params, engine, prepared: Arc::default() })
     }
 
     /// This operator with other parameters; the tiles are shared. O(1).
@@ -55,7 +87,7 @@ impl Transform {
     /// # Errors
     /// As for [`new`](Self::new).
     pub fn with_params(&self, params: &BandsParams) -> Result<Self, BandsError> {
-        let (params, engine) = (params.validate()?, engine(&self.diffusion, params));
+        let (params, engine) = (params.validate()?, engine(&*self.operator, params));
         Ok(Self { params, engine, ..self.clone() })
     }
 
@@ -65,7 +97,8 @@ impl Transform {
     /// [`Cancelled`] if the call is cancelled.
     pub fn prepare(&self, progress: Progress<'_>) -> Result<(), Cancelled> {
         if self.engine == Engine::Chebyshev {
-            self.evaluator(progress)?.tiled(progress)?;
+            self.evaluator(progress)?;
+            self.operator.prepare(progress)?;
         }
         Ok(())
     }
@@ -75,13 +108,30 @@ impl Transform {
             return Ok(prepared);
         }
         // If two threads arrive here at once, one of them works in vain.
-        let prepared = ChebyshevEvaluator::new(Arc::clone(&self.diffusion), progress)?;
+        let prepared = ChebyshevEvaluator::new(Arc::clone(&self.operator), progress)?;
         Ok(self.prepared.get_or_init(|| prepared))
     }
 
-    /// The diffusion operator.
+    /// The operator.
+    pub fn operator(&self) -> &Arc<dyn Operator> {
+        &self.operator
+    }
+
+    /// The rows of the operator.
+    ///
+    /// # Panics
+    /// If it has none, which only [`from_operator`](Self::from_operator) allows; [`rows`](Self::rows) returns an error
+    /// then.
     pub fn diffusion(&self) -> &Arc<Diffusion> {
-        &self.diffusion
+        self.operator.rows().expect("an operator with rows; `Transform::rows` tells whether it has them")
+    }
+
+    /// The rows of the operator for a method, which is named with an article in the error.
+    ///
+    /// # Errors
+    /// [`NoRows`] if the operator has none.
+    pub fn rows(&self, needed_by: &'static str) -> Result<&Arc<Diffusion>, NoRows> {
+        self.operator.rows().ok_or(NoRows { needed_by })
     }
 
     /// Method in use.
@@ -110,7 +160,7 @@ impl Transform {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        check_signal(signal, self.operator.n_rows(), n_channels)?;
         let len = wavelets.len() * signal.len();
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
         check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
@@ -152,7 +202,7 @@ impl Transform {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        check_signal(signal, self.diffusion.n_vertices(), n_channels)?;
+        check_signal(signal, self.operator.n_rows(), n_channels)?;
         check_factors(factors, schedule)?;
         check_buffer(out.len(), signal.len())?;
         self.check_steps(schedule)?;
@@ -165,7 +215,7 @@ impl Transform {
             let prepared = self.evaluator(progress)?;
             let series = |_, rung| {
                 let band = |level: usize| self.band(&steps[level..level + 2], rung, prepared.growth);
-                let bands = parallel::map_items(self.diffusion.n_vertices(), steps.len() - 1, band);
+                let bands = parallel::map_items(self.operator.n_rows(), steps.len() - 1, band);
                 Series::combination(&bands, factors, prepared.growth)
             };
             self.escalate(prepared, signal, n_channels, series, &mut [out], progress).map_err(|error| {
@@ -190,7 +240,7 @@ impl Transform {
 
     /// Checks that a walk that need not stay takes whole steps.
     fn check_steps(&self, schedule: &Schedule) -> Result<(), BandsError> {
-        if self.diffusion.semigroup() == Semigroup::PlainSteps {
+        if self.operator.semigroup() == Semigroup::PlainSteps {
             whole_steps_from_zero(schedule)?;
         }
         Ok(())
@@ -206,7 +256,7 @@ impl Transform {
         if self.params.precision != Precision::Single {
             return Ok(());
         }
-        let is_fractional = self.diffusion.semigroup() == Semigroup::Steps && schedule.first_real().is_some();
+        let is_fractional = self.operator.semigroup() == Semigroup::Steps && schedule.first_real().is_some();
         let reason = if !is_wide(n_channels) {
             "the signal has fewer than 16 channels"
         } else if self.engine != Engine::Chebyshev {
@@ -215,8 +265,8 @@ impl Transform {
             "a level has a fractional number of steps"
         } else if self.is_staged(schedule) {
             "the diffusion is so long that it is cut into stages"
-        } else if self.evaluator(progress)?.single(progress)?.is_none() {
-            "an entry of the operator is negative or below 1e-38, or vertices without area lead to others"
+        } else if !self.evaluator(progress)?.has_single(progress)? {
+            "the operator has no such products, an entry is negative or below 1e-38, or vertices without area lead to others"
         } else {
             return Ok(());
         };
@@ -231,7 +281,7 @@ impl Transform {
     /// Series of the band between two numbers of steps. For fractional powers it interpolates, with the remainder
     /// bounded as in `trefethen2013`, chapter 11.
     pub(super) fn band(&self, pair: &[f64], rung: InterpolationGrid, growth: Growth) -> Series {
-        match self.diffusion.semigroup() {
+        match self.operator.semigroup() {
             Semigroup::Steps => real_series::band(pair[0], pair[1], rung, self.params.accuracy, growth),
             Semigroup::PlainSteps => plain_series::band(pair[0] as u64, pair[1] as u64, growth),
             Semigroup::Heat { rate } => heat_series::band(rate * pair[0], rate * pair[1], growth),
@@ -257,7 +307,7 @@ impl Transform {
             let made = |&(i, _): &(usize, f64)| {
                 if progress.is_cancelled() { Err(Cancelled) } else { Ok(series(i, rung)) }
             };
-            let these = parallel::map_items(self.diffusion.n_vertices(), missed.len(), |i| made(&missed[i]));
+            let these = parallel::map_items(self.operator.n_rows(), missed.len(), |i| made(&missed[i]));
             let these = these.into_iter().collect::<Result<Vec<Series>, _>>()?;
             let is_guarded = these.iter().any(|s| s.rest.guarded > 0.0);
             let guard = if is_guarded { rung.guard() } else { Vec::new() };
@@ -298,14 +348,13 @@ impl Transform {
         mut each: impl FnMut(usize, &[f64]),
     ) -> Result<EvaluationInfo, Cancelled> {
         let total = steps[steps.len() - 1];
-        let mut now = vec![0.0; signal.len()];
-        let mut next = vec![0.0; signal.len()];
-        difference(&self.diffusion, self.diffusion.stationary(), signal, n_channels, 0, &mut now, progress)?;
+        let (mut now, mut next): (Vec<f64>, Vec<f64>) = (zeros(signal.len()), zeros(signal.len()));
+        self.operator.difference(signal, n_channels, &mut now, progress)?;
         for (level, range) in steps.windows(2).enumerate() {
             for i in range[0]..range[1] {
                 progress.step(i, total)?;
                 if i > 0 {
-                    apply(&self.diffusion, &now, &mut next, n_channels);
+                    self.operator.multiply(&now, n_channels, &mut next, progress)?;
                     std::mem::swap(&mut now, &mut next);
                 }
                 each(level, &now); // W_f(j) = Σ_{n_{j−1} ≤ i < n_j} Φ₁ⁱu, u = (I − Φ₁)f (eq. 11)
@@ -332,9 +381,18 @@ impl Transform {
     /// operator.
     pub fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
         if diffusion.is_reversible() {
-            ChebyshevEvaluator::forecast_bytes(diffusion, n_channels)
+            let weights = size_of_val(diffusion.stationary()) as u64;
+            weights + PreparedDiffusion::forecast_bytes(diffusion, n_channels)
         } else {
-            Self::powers_bytes(diffusion, n_channels)
+            Self::powers_bytes(diffusion.n_vertices(), n_channels)
+        }
+    }
+
+    /// [`forecast_bytes`](Self::forecast_bytes) for this operator.
+    pub(super) fn forecast(&self, n_channels: usize) -> u64 {
+        match self.operator.rows() {
+            Some(diffusion) => Self::forecast_bytes(diffusion, n_channels),
+            None => self.operator.bytes(n_channels),
         }
     }
 
@@ -342,24 +400,79 @@ impl Transform {
     pub fn working_bytes(&self, n_channels: usize) -> u64 {
         match self.prepared.get() {
             Some(prepared) if self.engine == Engine::Chebyshev => prepared.working_bytes(n_channels),
-            _ => self.diffusion.bytes() + Self::powers_bytes(&self.diffusion, n_channels),
+            _ => {
+                let rows = self.operator.rows().map_or(0, |diffusion| diffusion.bytes());
+                rows + Self::powers_bytes(self.operator.n_rows(), n_channels)
+            }
         }
     }
 
     /// Bytes of the two alternating vectors of repeated products.
-    fn powers_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
-        2 * 8 * (diffusion.n_vertices() * n_channels) as u64
+    fn powers_bytes(n_rows: usize, n_channels: usize) -> u64 {
+        2 * 8 * (n_rows * n_channels) as u64
     }
 }
 
 /// Method that `params` imply for an operator.
-fn engine(diffusion: &Diffusion, params: &BandsParams) -> Engine {
-    let needs_series = diffusion.semigroup() != Semigroup::Steps;
-    if needs_series || diffusion.is_reversible() && params.engine != Engine::Powers {
+fn engine(operator: &dyn Operator, params: &BandsParams) -> Engine {
+    let needs_series = operator.semigroup() != Semigroup::Steps;
+    if needs_series || operator.is_reversible() && params.engine != Engine::Powers {
         Engine::Chebyshev
     } else {
         Engine::Powers
     }
+}
+
+/// Checks what an operator promises, as far as a product with three vectors shows it.
+fn check_operator(operator: &dyn Operator) -> Result<(), BandsError> {
+    /// Rounding of a sum over all rows, relative to the norms of the vectors.
+    const ROUNDING: f64 = 1e-9;
+    let (n, weights) = (operator.n_rows(), operator.weights());
+    if let RowWeights::Each(weights) = weights {
+        let (n_given, expected) = (weights.len(), n);
+        if n_given != expected {
+            return Err(BandsError::WrongNumber {
+                what: "weights of the operator's rows",
+                n_given,
+                expected,
+            });
+        }
+        let is_wrong = |w: &f64| !(w.is_finite() && *w > 0.0);
+        if operator.rows().is_none() && weights.iter().any(is_wrong) {
+            return Err(BandsError::BadOperator {
+                reason: "the weight of a row is not a finite number above 0",
+            });
+        }
+    }
+    // A constant, and two vectors of values between −1 and 1.
+    let value = |i: usize| {
+        let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        if i.is_multiple_of(3) { 1.0 } else { (hash >> 11) as f64 * (-52_f64).exp2() - 1.0 }
+    };
+    let x: Vec<f64> = parallel::collect(3 * n, value);
+    let mut d: Vec<f64> = zeros(3 * n);
+    operator.difference(&x, 3, &mut d, Progress::none())?;
+    if let Some(at) = d.iter().position(|v| !v.is_finite()) {
+        let (vertex, channel) = (at / 3, at % 3);
+        return Err(BandsError::NotFinite { vertex, channel, value: d[at] });
+    }
+    let product =
+        |a: usize, b: usize| parallel::sum(n, |row| weights.weight(row, n) * x[3 * row + a] * d[3 * row + b]);
+    let norm = |a: usize| parallel::sum(n, |row| weights.weight(row, n) * x[3 * row + a].powi(2));
+    let size = norm(0);
+    let reason = if parallel::max(n, 0.0, |row| d[3 * row].abs()) > ROUNDING {
+        "the difference (I − Φ₁)x of a constant x is not 0: rows must sum to 1"
+    } else if !operator.is_reversible() {
+        return Ok(());
+    } else if (product(1, 2) - product(2, 1)).abs() > ROUNDING * size {
+        "it is said to be reversible and is not self-adjoint under its weights"
+    } else if [1, 2].iter().any(|&a| !(-ROUNDING * size..=norm(a) + ROUNDING * size).contains(&product(a, a)))
+    {
+        "it is said to be reversible and has eigenvalues outside of [0, 1]: walks must stay with 1/2 or more"
+    } else {
+        return Ok(());
+    };
+    Err(BandsError::BadOperator { reason })
 }
 
 /// Steps of a schedule from 0, for methods that take whole steps only.

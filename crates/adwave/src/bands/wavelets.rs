@@ -235,7 +235,7 @@ impl Transform {
         let mut levels: Vec<Vec<f64>> = (0..schedule.n_levels()).map(|_| zeros(mean.len())).collect();
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
         let info = self.wavelets_into(mean, n_channels, schedule, &mut outs, progress)?;
-        let sigma = schedule.sigma(self.diffusion().step_length());
+        let sigma = schedule.sigma(self.operator().step_length());
         Ok(Wavelets { n_channels, steps: schedule.steps_from_zero(), sigma, levels, info })
     }
 
@@ -244,7 +244,7 @@ impl Transform {
         n_channels: usize,
         schedule: &Schedule,
     ) -> Result<(), BandsError> {
-        let result = (schedule.n_levels() * self.diffusion().n_vertices() * n_channels * 8) as u64;
+        let result = (schedule.n_levels() * self.operator().n_rows() * n_channels * 8) as u64;
         self.check_memory(result + self.forecast_wavelets(n_channels, schedule, 1))
     }
 }

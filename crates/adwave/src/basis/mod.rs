@@ -35,7 +35,7 @@ pub use one_vertex::{ScalingAndWavelet, SparseRow, one_vertex};
 pub use squaring::basis_by_squaring;
 
 use crate::bands::Schedule;
-use crate::operator::{Diffusion, Semigroup};
+use crate::operator::{Diffusion, NoRows, Semigroup};
 use crate::parallel::expect_not_cancelled;
 use crate::rows::subtract;
 use crate::shape::VertexMap;
@@ -141,6 +141,9 @@ pub enum BasisError {
         "the functions of heat on a surface reach every vertex and have no sparse matrices; use the operator `walk`, or the functions of single vertices"
     )]
     Heat,
+    /// An operator without stored rows.
+    #[error(transparent)]
+    NoRows(#[from] NoRows),
     /// A given walk that need not stay, whose powers are not those of Φ₁.
     #[error(
         "the functions are those of a walk that stays at least half of the time, and the given walk does not; use half of it and half of the identity, or the functions of single vertices"

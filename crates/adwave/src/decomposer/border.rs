@@ -3,8 +3,12 @@
 use super::Decomposer;
 use crate::parallel;
 use crate::region::{FrontSource, SourceExtent};
+use crate::shape::{Adjacency, triangles_at_vertices};
 use crate::signal::cloud_border;
 use crate::{Cancelled, Progress};
+
+/// Number of vertices that a thread searches at a time.
+const VERTICES_AT_A_TIME: usize = 1 << 13;
 
 /// Relative rounding of unfolded distances: a vertex that is as far from the border as a width does not count as farther.
 const ROUNDING: f64 = 1e-14;
@@ -20,14 +24,18 @@ impl Decomposer {
         if geometry.curve_edges().is_some() {
             return Ok(geometry.curve_ends());
         }
-        let mut edges: Vec<(u32, u32)> = Vec::with_capacity(3 * geometry.triangles().len());
-        for t in geometry.triangles().iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
-            edges.extend([(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b))));
-        }
-        parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
-        let single = edges.chunk_by(|e, f| e == f).filter(|same| same.len() == 1);
-        let mut border: Vec<usize> =
-            single.flat_map(|same| [same[0].0 as usize, same[0].1 as usize]).collect();
+        let triangles = geometry.triangles();
+        let at_vertex = triangles_at_vertices(geometry.n_vertices(), triangles, progress)?;
+        let chunks = parallel::try_map_chunks(
+            geometry.n_vertices(),
+            VERTICES_AT_A_TIME,
+            progress,
+            Vec::new,
+            |ends, range| {
+                range.filter(|&x| has_single_edge(x, triangles, &at_vertex, ends)).collect::<Vec<_>>()
+            },
+        )?;
+        let mut border = chunks.concat();
         if let Some(masked) = self.mask_flags() {
             let whole = geometry.incidence(progress)?.ring(progress)?;
             border.extend((0..masked.len()).filter(|&x| whole.row(x).iter().any(|&y| masked[y as usize])));
@@ -55,4 +63,17 @@ impl Decomposer {
         }
         Ok(distances)
     }
+}
+
+/// True if an edge at `x` belongs to one triangle. Triangles with a repeated corner have no edges.
+fn has_single_edge(x: usize, triangles: &[[u32; 3]], at_vertex: &Adjacency, ends: &mut Vec<u32>) -> bool {
+    ends.clear();
+    for &f in at_vertex.row(x) {
+        let [a, b, c] = triangles[f as usize];
+        if a != b && b != c && c != a {
+            ends.extend([a, b, c].into_iter().filter(|&y| y as usize != x));
+        }
+    }
+    ends.sort_unstable();
+    ends.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
 }

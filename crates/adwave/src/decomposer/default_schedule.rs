@@ -1,7 +1,10 @@
 //! Levels that edits use if none are asked for.
 
 use super::{Decomposer, ResolvedLevels};
+use crate::Progress;
 use crate::bands::{DEFAULT_EXTENT, Schedule, levels_reaching};
+use crate::parallel::expect_not_cancelled;
+use crate::shape::encloses_volume;
 
 /// Number of levels, at most, if already the first is wider than [`DEFAULT_EXTENT`] of the shape: one less than the
 /// fewest of other shapes.
@@ -40,7 +43,7 @@ impl Decomposer {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn default_schedule(&self) -> ResolvedLevels {
-        let (step, extent) = (self.diffusion().step_length(), self.extent);
+        let (step, extent) = (self.operator().step_length(), self.extent);
         let (mut n_levels, mut reason) = levels_reaching(DEFAULT_EXTENT, step, extent);
         let width = |n_levels: usize| step * ((n_levels as f64 - 1.0) / 2.0).exp2();
         if extent > 0.0 && width(1) >= DEFAULT_EXTENT * extent {
@@ -89,7 +92,8 @@ impl Decomposer {
         let radius = 3.0 * volume.abs() / area;
         // The cheapest condition comes first.
         let is_at_risk = radius > 0.0 && width / self.extent > SAFE_WIDTH * radius && !geometry.is_open();
-        (is_at_risk && self.health().volume.is_some()).then_some(volume)
+        let encloses = || expect_not_cancelled(encloses_volume(geometry, Progress::none()));
+        (is_at_risk && encloses()).then_some(volume)
     }
 
     /// Positions of the welded vertices in units of the extent, so that volumes neither overflow nor underflow.

@@ -166,7 +166,7 @@ impl LevelSpec {
             Self::Widths(widths) => {
                 let diagonal = decomposer.extent();
                 let sigma: Vec<f64> = widths.iter().map(|width| width.to_model_units(diagonal)).collect();
-                let schedule = Schedule::lengths(&sigma, decomposer.diffusion().step_length())?;
+                let schedule = Schedule::lengths(&sigma, decomposer.operator().step_length())?;
                 let reason = format!("{}, of the widths asked for", count_levels(schedule.n_levels()));
                 Ok(ResolvedLevels { schedule, reason })
             }

@@ -16,8 +16,8 @@ use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
-    Diffusion, EndPoints, OperatorKind, OperatorParams, Semigroup, SurfaceDiffusion, SurfaceInfo,
-    local_operator, surface_diffusion,
+    Diffusion, EndPoints, NoRows, Operator, OperatorKind, OperatorParams, RowWeights, Semigroup,
+    SurfaceDiffusion, SurfaceInfo, local_operator, surface_diffusion,
 };
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
@@ -82,6 +82,8 @@ impl VertexFunctions {
 pub struct Decomposer {
     geometry: Arc<PreparedGeometry>,
     transform: Transform,
+    /// The rows of the shape's own operator, if those of the given one are not known.
+    own_rows: Option<Arc<Diffusion>>,
     /// Areas of the welded vertices.
     areas: Arc<[f64]>,
     mean_length: f64,
@@ -138,6 +140,7 @@ impl Decomposer {
             extent: geometry.extent(),
             geometry: Arc::new(geometry),
             transform: transform(diffusion),
+            own_rows: None,
             areas,
             mean_length,
             diagonal: shape.diagonal(),
@@ -174,7 +177,8 @@ impl Decomposer {
         let squared_length = |x: usize, y: usize| {
             if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
         };
-        let diffusion = self.diffusion().remove_masked(mask.welded(), squared_length, Progress::none());
+        let rows = self.transform.rows("a mask")?;
+        let diffusion = rows.remove_masked(mask.welded(), squared_length, Progress::none());
         let Ok(diffusion) = diffusion else { unreachable!("there is one flag per welded vertex") };
         let extent = self.geometry.extent_without(mask.welded());
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
@@ -228,7 +232,7 @@ impl Decomposer {
         transform: &'t Transform,
         domain: FitDomain,
         progress: Progress<'_>,
-    ) -> Result<LinearTransform<'t>, Cancelled> {
+    ) -> Result<LinearTransform<'t>, BandsError> {
         let (points, _) = self.geometry.unit_points(progress)?;
         LinearTransform::new(transform, &points, domain, !self.is_cloud(), progress)
     }
@@ -287,9 +291,30 @@ impl Decomposer {
         self.surface_info.as_ref()
     }
 
-    /// The diffusion operator Φ₁ of one step, in the numbering of [`geometry`](Self::geometry).
+    /// The rows of the diffusion operator Φ₁ of one step, in the numbering of [`geometry`](Self::geometry).
+    ///
+    /// # Panics
+    /// If a given operator has none ([`with_operator`](Self::with_operator)); [`rows`](Self::rows) returns an error then.
     pub fn diffusion(&self) -> &Arc<Diffusion> {
         self.transform.diffusion()
+    }
+
+    /// [`diffusion`](Self::diffusion) for a method, which is named with an article in the error.
+    ///
+    /// # Errors
+    /// [`NoRows`] if a given operator has none.
+    pub fn rows(&self, needed_by: &'static str) -> Result<&Arc<Diffusion>, NoRows> {
+        self.transform.rows(needed_by)
+    }
+
+    /// The operator whose bands are computed, with or without rows.
+    pub fn operator(&self) -> &Arc<dyn Operator> {
+        self.transform.operator()
+    }
+
+    /// The rows whose entries join neighbors: those of the operator, or, if it has none, those of the shape's own.
+    fn neighbor_rows(&self) -> &Arc<Diffusion> {
+        self.own_rows.as_ref().unwrap_or_else(|| self.diffusion())
     }
 
     /// The transform with default parameters, in the numbering of [`geometry`](Self::geometry). It shares its tiles
@@ -305,7 +330,7 @@ impl Decomposer {
         if self.has_own_ring() {
             return expect_not_cancelled(self.mesh_ring(Progress::none())).as_ref();
         }
-        self.diffusion().neighbors()
+        self.neighbor_rows().neighbors()
     }
 
     /// Distances along the shape, for regions.
@@ -314,7 +339,7 @@ impl Decomposer {
             let edges = if self.has_own_ring() {
                 MetricEdges::Mesh(Arc::clone(expect_not_cancelled(self.mesh_ring(Progress::none()))))
             } else {
-                MetricEdges::Diffusion(Arc::clone(self.diffusion()))
+                MetricEdges::Diffusion(Arc::clone(self.neighbor_rows()))
             };
             SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.extent, self.mean_length)
         })
@@ -352,7 +377,13 @@ impl Decomposer {
     /// share theirs equally. Smoothing keeps the mean of a signal with these weights
     /// ([`Diffusion::stationary`]).
     pub fn stationary(&self) -> Vec<f64> {
-        self.share_among_copies(self.diffusion().stationary())
+        match self.operator().weights() {
+            RowWeights::Each(weights) => self.share_among_copies(weights),
+            RowWeights::Uniform => {
+                let n = self.geometry.n_vertices();
+                self.share_among_copies(&vec![1.0 / n as f64; n])
+            }
+        }
     }
 
     /// Weights of welded vertices, divided among the vertices of the shape.
@@ -391,7 +422,7 @@ impl Decomposer {
     /// Number of dyadic levels whose last is as wide as a share of the diagonal, and the reason for it (see
     /// [`levels_reaching`]).
     pub fn levels_reaching(&self, share: f64) -> (usize, String) {
-        levels_reaching(share, self.diffusion().step_length(), self.extent)
+        levels_reaching(share, self.operator().step_length(), self.extent)
     }
 
     /// Splits `signal` (n_vertices × n_channels, row-major, in the order of the shape) into bands (eq. 11) with the
@@ -452,8 +483,9 @@ impl Decomposer {
             let free = Self::with_params(self.geometry.shape(), &params, progress)?;
             return free.basis_of_vertex(vertex, schedule, progress);
         }
+        let rows = self.rows("a function of one vertex")?;
         let x = self.geometry.vertex_map().welded(vertex);
-        if self.diffusion().semigroup() != Semigroup::Steps {
+        if rows.semigroup() != Semigroup::Steps {
             return self.heat_of_vertex(x, schedule, progress);
         }
         check_whole(schedule)?;
@@ -461,7 +493,7 @@ impl Decomposer {
             unreachable!("a schedule has a level")
         };
         let (before, last) = (before as u64, last as u64);
-        let functions = one_vertex(self.diffusion(), x, before, last, 0.0, progress)?;
+        let functions = one_vertex(rows, x, before, last, 0.0, progress)?;
         let dense = |row: &SparseRow| {
             self.geometry.vertex_map().scatter(&row.to_dense(self.geometry.n_vertices()), 1)
         };

@@ -229,7 +229,7 @@ impl<'a> BandsRequest<'a> {
         Ok(Wavelets {
             n_channels: d,
             steps: schedule.steps_from_zero(),
-            sigma: schedule.sigma(transform.diffusion().step_length()),
+            sigma: schedule.sigma(transform.operator().step_length()),
             levels,
             info: info.expect("a signal has a channel"),
         })

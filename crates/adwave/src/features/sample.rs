@@ -89,7 +89,7 @@ impl Half {
         }
         let cloud = if geometry.has_separate_sheets() { cloud.with_normals(pick(normals)) } else { cloud };
         let own = Decomposer::with_params(&Shape::Cloud(cloud), decomposer.operator_params(), progress)?;
-        let ratio = (own.diffusion().step_length() / decomposer.diffusion().step_length()).powi(2);
+        let ratio = (own.operator().step_length() / decomposer.operator().step_length()).powi(2);
         let Some(steps) = HalfSteps::new(coordinates.schedule, ratio) else { return Ok(None) };
         let map = own.geometry().vertex_map();
         let mut vertices = vec![0_u32; own.geometry().n_vertices()];

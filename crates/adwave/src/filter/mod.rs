@@ -278,8 +278,10 @@ pub struct Displacement {
 pub fn displacement(before: &[[f64; 3]], after: &[[f64; 3]]) -> Displacement {
     assert_eq!(before.len(), after.len(), "as many points after as before");
     let moved = |x: usize| crate::shape::squared_distance(&before[x], &after[x]);
-    let furthest =
-        (0..before.len()).max_by(|&x, &y| moved(x).total_cmp(&moved(y))).expect("at least one point");
+    let furthest_of = |range: std::ops::Range<usize>| range.max_by(|&x, &y| moved(x).total_cmp(&moved(y)));
+    let chunks = crate::parallel::map_chunks(before.len(), 1 << 14, furthest_of);
+    let furthest = chunks.into_iter().flatten().max_by(|&x, &y| moved(x).total_cmp(&moved(y)));
+    let furthest = furthest.expect("at least one point");
     let mean_square = crate::parallel::sum(before.len(), moved) / before.len() as f64;
     Displacement { rms: mean_square.sqrt(), max: moved(furthest).sqrt(), furthest }
 }

@@ -32,14 +32,18 @@ pub(crate) struct LinearTransform<'a> {
 impl<'a> LinearTransform<'a> {
     /// Prepares the fits of an operator whose vertices are at `points`, in a unit in which squares of lengths
     /// neither overflow nor underflow. `is_surface` excludes that the points fill a volume. O(entries).
+    ///
+    /// # Errors
+    /// [`BandsError::NoRows`] if the operator has no rows, or if the call is cancelled.
     pub(crate) fn new(
         transform: &'a Transform,
         points: &[[f64; 3]],
         domain: FitDomain,
         is_surface: bool,
         progress: Progress<'_>,
-    ) -> Result<Self, Cancelled> {
-        let fit = GradientFit::new(transform.diffusion(), points, domain, is_surface, progress)?;
+    ) -> Result<Self, BandsError> {
+        let rows = transform.rows("a linear fit")?;
+        let fit = GradientFit::new(rows, points, domain, is_surface, progress)?;
         Ok(Self { transform, domain, fit })
     }
 

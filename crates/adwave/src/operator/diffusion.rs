@@ -67,6 +67,24 @@ pub enum DiffusionError {
         /// Number of vertices of the shape.
         n_vertices: usize,
     },
+    /// A row leaves with a probability above ½.
+    #[error(
+        "row {row} of the operator leaves with probability {moves}, and at most 1/2 is allowed; halve the entries, so that the walk stays half of the time"
+    )]
+    NotLazy {
+        /// The row.
+        row: usize,
+        /// Sum of the row without its diagonal.
+        moves: f64,
+    },
+    /// The weight of a row is not positive.
+    #[error("row {row} of the operator has the weight {weight}; weights are finite and above 0")]
+    BadWeight {
+        /// The row.
+        row: usize,
+        /// The weight.
+        weight: f64,
+    },
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -1,17 +1,24 @@
 //! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
-//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk.
+//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk. [`Operator`] is what bands ask of any operator.
 
 mod density;
+mod difference_steps;
 mod diffusion;
 mod given;
 mod guided;
+mod interface;
 mod local;
+mod row_function;
 mod spectrum;
 mod surface;
 
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub(crate) use guided::{Sites, site_diffusion, typical_square};
+pub use interface::{
+    BlockPrecision, Continuation, NoRows, Operator, RowOutput, RowWeights, SignalBlock, Steps, Sum, Weighing,
+};
 pub use local::{LocalOperator, local_operator, local_operator_of_neighbors};
+pub use row_function::RowFunction;
 pub use surface::{SurfaceDiffusion, SurfaceInfo, surface_diffusion};
 
 use crate::named_values;

@@ -6,7 +6,7 @@ pub use part::{NORMAL_STEPS, NormalSign, smoothed_normals};
 
 use crate::named_values;
 use crate::parallel;
-use crate::shape::Shape;
+use crate::shape::{Shape, encloses_volume};
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
@@ -364,7 +364,10 @@ fn with_volume_of(
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let geometry = decomposer.geometry();
     let map = geometry.vertex_map();
-    let Some(wanted) = decomposer.health().volume else { return Err(PositionsError::NoVolume) };
+    if !encloses_volume(geometry, progress)? {
+        return Err(PositionsError::NoVolume);
+    }
+    let wanted = geometry.volume_of(geometry.points());
     let points = map.try_positions(after, progress)?;
     let old = map.try_positions(before, progress)?;
     let mut normals = raw_normals(decomposer, &points, progress)?;

@@ -44,20 +44,55 @@ pub(crate) fn try_one_ring(
     at_vertex: &Pattern,
     progress: Progress<'_>,
 ) -> Result<Adjacency, Cancelled> {
-    Adjacency::from_neighbors(
-        at_vertex.n_rows(),
-        progress,
-        || (),
-        |(), x, out| {
-            // Skipping the corner at `x` itself leaves a third less to sort.
-            let others = |&f: &u32| match triangles[f as usize] {
-                [a, b, c] if a as usize == x => [b, c],
-                [a, b, c] if b as usize == x => [c, a],
-                [a, b, _] => [a, b],
-            };
-            out.extend(at_vertex.row(x).iter().flat_map(others));
-        },
-    )
+    Adjacency::from_rows(at_vertex.n_rows(), progress, Vec::new, |found: &mut Vec<u32>, x, out| {
+        // Skipping the corner at `x` itself leaves a third less to sort.
+        let others = |&f: &u32| match triangles[f as usize] {
+            [a, b, c] if a as usize == x => [b, c],
+            [a, b, c] if b as usize == x => [c, a],
+            [a, b, _] => [a, b],
+        };
+        let around = at_vertex.row(x);
+        if let Some((ring, len)) = closed_ring(x as u32, around.iter().map(others)) {
+            out.extend_from_slice(&ring[..len]);
+            return;
+        }
+        found.clear();
+        found.extend(around.iter().flat_map(others));
+        found.sort_unstable();
+        found.dedup();
+        out.extend(found.iter().copied().filter(|&y| y as usize != x));
+    })
+}
+
+/// Number of triangles around a vertex up to which [`closed_ring`] applies: all that fit into a vector of the processor.
+const SMALL_RING: usize = 8;
+
+/// Neighbors of `x` in ascending order and their number, if each of the few triangles around it begins at a different
+/// neighbor and ends at one at which another begins: those of a closed fan. `None` says nothing.
+fn closed_ring(x: u32, sides: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<([u32; SMALL_RING], usize)> {
+    let n = sides.len();
+    if n > SMALL_RING {
+        return None;
+    }
+    let (mut starts, mut ends) = ([u32::MAX; SMALL_RING], [u32::MAX; SMALL_RING]);
+    for (k, [start, end]) in sides.enumerate() {
+        (starts[k], ends[k]) = (start, end);
+    }
+    // The place of each start is the number of smaller ones; there are no branches for the processor to guess.
+    let mut ring = [u32::MAX; SMALL_RING];
+    let mut is_closed = true;
+    for &start in &starts[..n] {
+        let n_smaller: u32 = starts.iter().map(|&other| u32::from(other < start)).sum();
+        ring[n_smaller as usize] = start;
+        is_closed &= start != x;
+    }
+    for &end in &ends[..n] {
+        let n_equal: u32 = starts.iter().map(|&start| u32::from(start == end)).sum();
+        is_closed &= n_equal == 1;
+    }
+    // Two equal starts leave a place free.
+    is_closed &= !ring[..n].contains(&u32::MAX);
+    is_closed.then_some((ring, n))
 }
 
 /// The first `k` rings: all vertices within `k` edges. O(neighbors found); `k = 1` copies `one_ring`.

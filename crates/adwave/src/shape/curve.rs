@@ -4,8 +4,8 @@
 //! recorder writes the same place twice. [`weld_curve`] joins vertices that an edge of length 0 connects, and the end
 //! of a piece with what lies at its place. Two pieces that only cross at a vertex stay apart.
 
+use super::disjoint_sets::DisjointSets;
 use super::order::reverse_cuthill_mckee;
-use super::participation::DisjointSets;
 use super::{Adjacency, Graph, VertexMap, WeldMode, distance};
 use crate::rows::CompressedRows;
 use crate::{Cancelled, Progress};

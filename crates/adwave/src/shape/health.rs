@@ -1,6 +1,6 @@
 //! Counts of the elements and defects of a shape, which explain surprising results.
 
-use super::adjacency::try_n_components;
+use super::adjacency::{triangles_at_vertices, try_n_components};
 use super::{Adjacency, Mesh, Polygons, PreparedGeometry, Shape};
 use crate::{Cancelled, Progress, parallel};
 use nalgebra::Vector3;
@@ -125,11 +125,13 @@ fn count_faces(
     let welded = geometry.vertex_map().as_slice();
     let class = |corner: u32| welded[corner as usize];
     health.n_repeated_faces = n_repeated(faces, class, progress)?;
-    count_edges(faces, class, health, progress)?;
+    let edges = EdgeCounts::new(faces, class, progress)?;
+    health.n_edges = edges.n_edges;
+    health.n_boundary_edges = edges.n_boundary;
+    health.n_non_manifold_edges = edges.n_non_manifold;
+    health.n_misoriented_edges = edges.n_misoriented;
     health.area = geometry.area_of(geometry.points());
-    let has_edges = health.n_edges > 0;
-    let closed = health.n_boundary_edges == 0 && health.n_non_manifold_edges == 0 && has_edges;
-    if closed && health.n_misoriented_edges == 0 {
+    if edges.enclose_volume() {
         health.volume = Some(geometry.volume_of(geometry.points()));
     }
     if !faces.is_empty() {
@@ -197,51 +199,126 @@ fn n_repeated(
     Ok(repeated + others.windows(2).filter(|pair| pair[0] == pair[1]).count())
 }
 
-/// Counts the edges of all faces by their number of faces.
-fn count_edges(
-    faces: &Polygons,
-    name: impl Fn(u32) -> u32 + Sync + Send,
-    health: &mut Health,
-    progress: Progress<'_>,
-) -> Result<(), Cancelled> {
-    // Every edge of every face as (smaller end, larger end, ascending).
-    let chunks = parallel::try_map_chunks(
-        faces.len(),
-        AT_A_TIME,
-        progress,
-        || (),
-        |(), range| {
-            let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * range.len());
-            for face in range.map(|f| faces.get(f)).filter(|face| face.len() > 2) {
-                for k in 0..face.len() {
-                    let (a, b) = (name(face[k]), name(face[(k + 1) % face.len()]));
-                    if a != b {
-                        edges.push((a.min(b), a.max(b), a < b));
-                    }
+/// True if a mesh encloses a volume: every edge has two faces, which run along it in opposite directions. O(corners) for
+/// triangles, on all threads.
+///
+/// # Errors
+/// [`Cancelled`] if the call is cancelled.
+///
+/// ```
+/// use adwave::Progress;
+/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode, encloses_volume};
+/// let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// for (n_faces, is_closed) in [(4, true), (3, false)] {
+///     let mesh = Mesh::new(points.to_vec(), Polygons::from_triangles(&faces[..n_faces]))?;
+///     let geometry = PreparedGeometry::new(&Shape::Mesh(mesh), WeldMode::default(), Progress::none())?;
+///     assert_eq!(encloses_volume(&geometry, Progress::none())?, is_closed);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn encloses_volume(geometry: &PreparedGeometry, progress: Progress<'_>) -> Result<bool, Cancelled> {
+    let Shape::Mesh(mesh) = geometry.shape() else { return Ok(false) };
+    let welded = geometry.vertex_map().as_slice();
+    match geometry.faces().triangles() {
+        Some(triangles) if triangles.len() == mesh.faces().len() => {
+            edges_cancel(geometry.n_vertices(), triangles, progress)
+        }
+        // Placeholders took faces away, which count.
+        _ => Ok(EdgeCounts::new(mesh.faces(), |c| welded[c as usize], progress)?.enclose_volume()),
+    }
+}
+
+/// True if there is an edge, and each belongs to two triangles, once in each direction.
+fn edges_cancel(n: usize, triangles: &[[u32; 3]], progress: Progress<'_>) -> Result<bool, Cancelled> {
+    let at_vertex = triangles_at_vertices(n, triangles, progress)?;
+    let lists = || (Vec::new(), Vec::new());
+    let counts = parallel::try_map_chunks(n, AT_A_TIME, progress, lists, |(next, before), range| {
+        let mut n_edges = Some(0_usize);
+        for x in range {
+            next.clear();
+            before.clear();
+            let around = at_vertex.row(x);
+            for (k, &f) in around.iter().enumerate() {
+                if k > 0 && around[k - 1] == f {
+                    continue; // a triangle with a repeated corner is listed once for each of them
+                }
+                let triangle = triangles[f as usize];
+                for corner in (0..3).filter(|&corner| triangle[corner] as usize == x) {
+                    let is_other = |y: &u32| *y as usize != x;
+                    next.extend(Some(triangle[(corner + 1) % 3]).filter(is_other));
+                    before.extend(Some(triangle[(corner + 2) % 3]).filter(is_other));
                 }
             }
-            edges
-        },
-    )?;
-    let mut half_edges = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
-    for chunk in chunks {
-        progress.check()?;
-        half_edges.extend(chunk);
+            next.sort_unstable();
+            before.sort_unstable();
+            let cancels = next == before && next.windows(2).all(|pair| pair[0] < pair[1]);
+            n_edges = n_edges.filter(|_| cancels).map(|n_edges| n_edges + next.len());
+        }
+        n_edges
+    })?;
+    Ok(counts.into_iter().sum::<Option<usize>>().is_some_and(|n_edges| n_edges > 0))
+}
+
+/// Numbers of edges by their faces.
+struct EdgeCounts {
+    n_edges: usize,
+    n_boundary: usize,
+    n_non_manifold: usize,
+    n_misoriented: usize,
+}
+
+impl EdgeCounts {
+    /// True if every edge has two faces, which run along it in opposite directions.
+    fn enclose_volume(&self) -> bool {
+        self.n_edges > 0 && self.n_boundary + self.n_non_manifold + self.n_misoriented == 0
     }
-    parallel::sort_unstable_by(&mut half_edges, progress, Ord::cmp)?;
-    health.n_edges = 0;
-    for edge in half_edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-        health.n_edges += 1;
-        if health.n_edges.is_multiple_of(AT_A_TIME) {
+
+    /// Counts the edges of all faces by their number of faces.
+    fn new(
+        faces: &Polygons,
+        name: impl Fn(u32) -> u32 + Sync + Send,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        // Every edge of every face as (smaller end, larger end, ascending).
+        let chunks = parallel::try_map_chunks(
+            faces.len(),
+            AT_A_TIME,
+            progress,
+            || (),
+            |(), range| {
+                let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(3 * range.len());
+                for face in range.map(|f| faces.get(f)).filter(|face| face.len() > 2) {
+                    for k in 0..face.len() {
+                        let (a, b) = (name(face[k]), name(face[(k + 1) % face.len()]));
+                        if a != b {
+                            edges.push((a.min(b), a.max(b), a < b));
+                        }
+                    }
+                }
+                edges
+            },
+        )?;
+        let mut half_edges = Vec::with_capacity(chunks.iter().map(Vec::len).sum());
+        for chunk in chunks {
             progress.check()?;
+            half_edges.extend(chunk);
         }
-        match edge {
-            [_] => health.n_boundary_edges += 1,
-            [e, f] => health.n_misoriented_edges += usize::from(e.2 == f.2),
-            _ => health.n_non_manifold_edges += 1,
+        parallel::sort_unstable_by(&mut half_edges, progress, Ord::cmp)?;
+        let mut counts = Self { n_edges: 0, n_boundary: 0, n_non_manifold: 0, n_misoriented: 0 };
+        for edge in half_edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
+            counts.n_edges += 1;
+            if counts.n_edges.is_multiple_of(AT_A_TIME) {
+                progress.check()?;
+            }
+            match edge {
+                [_] => counts.n_boundary += 1,
+                [e, f] => counts.n_misoriented += usize::from(e.2 == f.2),
+                _ => counts.n_non_manifold += 1,
+            }
         }
+        Ok(counts)
     }
-    Ok(())
 }
 
 /// True if the corners of a face span no area beyond rounding, or are fewer than three.

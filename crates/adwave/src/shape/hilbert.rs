@@ -4,7 +4,7 @@
 pub const HILBERT_BITS: u32 = 21;
 
 /// Position along the Hilbert curve through the cube of 2²¹ cells per side (`skilling2004`), on which successive
-/// cells share a side. Axes count cells and are below 2²¹. One look-up per bit in a table of 1.5 KB: 30 ns.
+/// cells share a side. Axes count cells and are below 2²¹. One look-up per two bits in a table of 12 KB: 15 ns.
 ///
 /// ```
 /// use adwave::shape::hilbert;
@@ -14,11 +14,13 @@ pub const HILBERT_BITS: u32 = 21;
 /// ```
 pub fn hilbert(axes: [u32; 3]) -> u64 {
     let octants = spread(axes[0]) << 2 | spread(axes[1]) << 1 | spread(axes[2]);
-    let (mut key, mut turn) = (0, 0);
-    for bit in (0..HILBERT_BITS).rev() {
-        let step = STEPS[turn][(octants >> (3 * bit) & 7) as usize];
-        key = key << 3 | u64::from(step & 7);
-        turn = usize::from(step >> 3);
+    // The highest bit alone, then two at a time.
+    let first = STEPS[0][(octants >> (3 * (HILBERT_BITS - 1))) as usize & 7];
+    let (mut key, mut turn) = (u64::from(first & 7), usize::from(first >> 3));
+    for pair in (0..HILBERT_BITS / 2).rev() {
+        let step = PAIRS[turn][(octants >> (6 * pair) & 63) as usize];
+        key = key << 6 | u64::from(step & 63);
+        turn = usize::from(step >> 6);
     }
     key
 }
@@ -58,6 +60,26 @@ const fn steps() -> [[u16; 8]; N_TURNS] {
         while octant < 8 {
             all[n][octant] = step(CurveOrientation::from_number(n), octant);
             octant += 1;
+        }
+        n += 1;
+    }
+    all
+}
+
+/// [`STEPS`] for two bits: for each orientation and octant of an octant, 64 times the orientation there plus its position
+/// among the 64.
+static PAIRS: [[u16; 64]; N_TURNS] = pairs();
+
+const fn pairs() -> [[u16; 64]; N_TURNS] {
+    let mut all = [[0; 64]; N_TURNS];
+    let mut n = 0;
+    while n < N_TURNS {
+        let mut octants = 0;
+        while octants < 64 {
+            let upper = STEPS[n][octants >> 3];
+            let lower = STEPS[(upper >> 3) as usize][octants & 7];
+            all[n][octants] = (lower >> 3) << 6 | (upper & 7) << 3 | lower & 7;
+            octants += 1;
         }
         n += 1;
     }

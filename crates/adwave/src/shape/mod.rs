@@ -9,7 +9,9 @@ mod adjacency;
 mod area;
 mod cloud;
 mod curve;
+mod disjoint_sets;
 mod dual;
+mod face_flags;
 mod face_incidence;
 mod given_normals;
 mod graph;
@@ -41,7 +43,7 @@ pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_verte
 pub(crate) use given_normals::welded_normals;
 pub use given_normals::{GivenNormals, NormalCheck, NormalSigns};
 pub use graph::{Graph, GraphError};
-pub use health::{Health, health};
+pub use health::{Health, encloses_volume, health};
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
@@ -60,7 +62,8 @@ pub use vertex_map::{VertexMap, WeldMode};
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, Progress, parallel};
-pub(crate) use participation::{DisjointSets, Participation};
+pub(crate) use disjoint_sets::DisjointSets;
+pub(crate) use participation::Participation;
 use thiserror::Error;
 
 /// Largest magnitude of a coordinate; squares and products of three lengths stay finite below it.

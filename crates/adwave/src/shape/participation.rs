@@ -5,7 +5,8 @@
 //! their place and have no neighbors. The *extent* of a shape is the diagonal of the bounding box of its largest
 //! part, so that it does not depend on the layout of the parts either.
 
-use super::{Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
+use super::{DisjointSets, Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
+use crate::pages::zeros;
 use crate::rows::Pattern;
 use crate::{Cancelled, Progress, parallel};
 use std::convert::Infallible;
@@ -46,6 +47,9 @@ const FRAME_MARGIN: f64 = 0.25;
 /// Size of everything, in frames, from which only the frame is shown: up to that size the shape still fills half of
 /// the picture.
 const FRAME_GAIN: f64 = 2.0;
+
+/// Number of vertices that a thread processes at a time.
+const POINTS_AT_A_TIME: usize = 1 << 14;
 
 /// Reason why a vertex takes no part in the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -167,14 +171,18 @@ pub(crate) struct Participation {
 
 impl Participation {
     /// Roles in a mesh, whose `faces` lose those with a placeholder as corner.
-    pub(super) fn from_mesh(points: &[[f64; 3]], faces: &mut Polygons) -> Self {
+    ///
+    /// `is_used` flags the vertices of faces with two different corners. `at_vertex` has the triangles at each vertex, if
+    /// all faces are triangles; it is taken if faces are lost.
+    pub(super) fn from_mesh(
+        points: &[[f64; 3]],
+        faces: &mut Polygons,
+        is_used: &[bool],
+        at_vertex: &mut Option<Pattern>,
+    ) -> Self {
         let n = points.len();
-        let mut roles = vec![VertexRole::Unused; n];
-        for face in faces.iter().filter(|face| has_side(face)) {
-            for &c in face {
-                roles[c as usize] = VertexRole::Member;
-            }
-        }
+        let role = |&used: &bool| if used { VertexRole::Member } else { VertexRole::Unused };
+        let mut roles: Vec<VertexRole> = is_used.iter().map(role).collect();
         if faces.is_empty() {
             return Self { roles: Vec::new(), parts: vec![0; n], n_parts: 1 };
         }
@@ -182,6 +190,7 @@ impl Participation {
         if mark_placeholders(points, &mut roles, OriginRule::Ordinary) {
             let is_known = |face: &&[u32]| face.iter().all(|&c| roles[c as usize] == VertexRole::Member);
             *faces = faces.iter().filter(is_known).collect();
+            *at_vertex = None;
             let mut is_used = vec![false; n];
             for face in faces.iter().filter(|face| has_side(face)) {
                 for &c in face {
@@ -194,12 +203,18 @@ impl Participation {
                 }
             }
         }
-        let mut sets = DisjointSets::new(n);
-        for face in faces.iter() {
-            for &c in face {
-                sets.join(face[0], c);
+        let sets = match (&at_vertex, faces.triangles()) {
+            (Some(at_vertex), Some(triangles)) => DisjointSets::from_triangles(triangles, at_vertex),
+            _ => {
+                let mut sets = DisjointSets::new(n);
+                for face in faces.iter() {
+                    for &c in face {
+                        sets.join(face[0], c);
+                    }
+                }
+                sets
             }
-        }
+        };
         Self::new(roles, sets)
     }
 
@@ -260,10 +275,17 @@ impl Participation {
         Self::new(roles, sets)
     }
 
-    fn new(roles: Vec<VertexRole>, mut sets: DisjointSets) -> Self {
-        let mut number = vec![u32::MAX; roles.len()];
+    fn new(mut roles: Vec<VertexRole>, mut sets: DisjointSets) -> Self {
+        if roles.iter().all(|role| *role == VertexRole::Member) {
+            roles = Vec::new();
+        }
+        if sets.is_one() {
+            return Self { roles, parts: zeros(sets.len()), n_parts: 1 };
+        }
+        let n = sets.len();
+        let mut number = vec![u32::MAX; n];
         let mut n_parts = 0;
-        let parts = (0..roles.len())
+        let parts = (0..n)
             .map(|x| {
                 let root = sets.root(x as u32) as usize;
                 if number[root] == u32::MAX {
@@ -273,8 +295,7 @@ impl Participation {
                 number[root]
             })
             .collect();
-        let takes_part = roles.iter().all(|role| *role == VertexRole::Member);
-        Self { roles: if takes_part { Vec::new() } else { roles }, parts, n_parts: n_parts as usize }
+        Self { roles, parts, n_parts: n_parts as usize }
     }
 
     /// True if a vertex takes part.
@@ -329,7 +350,8 @@ impl Participation {
     /// Diagonal of the bounding box of the largest part among those with a tenth of the vertices of the most populous
     /// part, without vertices that take no part or are `masked`; 0 if there are none.
     pub(crate) fn extent(&self, points: &[[f64; 3]], masked: Option<&[bool]>) -> f64 {
-        if self.parts.len() != points.len() {
+        let is_whole = self.n_parts == 1 && self.roles.is_empty() && masked.is_none();
+        if self.parts.len() != points.len() || is_whole {
             return super::diagonal(points);
         }
         let mut boxes: Vec<Option<([f64; 3], [f64; 3])>> = vec![None; self.n_parts];
@@ -472,8 +494,10 @@ impl KnownRange {
 /// Marks members whose position stands for an unknown one; returns true if there are any.
 fn mark_placeholders(points: &[[f64; 3]], roles: &mut [VertexRole], origin: OriginRule) -> bool {
     let is_member = |x: &usize| roles[*x] == VertexRole::Member;
-    let suspects: Vec<usize> =
-        (0..points.len()).filter(is_member).filter(|&x| may_be_placeholder(&points[x])).collect();
+    let suspects = parallel::map_chunks(points.len(), POINTS_AT_A_TIME, |range| {
+        range.filter(is_member).filter(|&x| may_be_placeholder(&points[x])).collect::<Vec<usize>>()
+    });
+    let suspects = suspects.concat();
     if suspects.is_empty() {
         return false;
     }
@@ -506,30 +530,4 @@ fn quantiles(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
     let low = (tail * (n - 1) as f64).floor() as usize;
     let mut at = |k: usize| *values.select_nth_unstable_by(k, f64::total_cmp).1;
     Some([at(low), at(n - 1 - low)])
-}
-
-/// Disjoint sets of vertices; the smallest vertex of a set is its root.
-pub(crate) struct DisjointSets {
-    parent: Vec<u32>,
-}
-
-impl DisjointSets {
-    pub(crate) fn new(n: usize) -> Self {
-        Self { parent: (0..n as u32).collect() }
-    }
-
-    /// Root of the set of `x`, with path halving.
-    pub(crate) fn root(&mut self, mut x: u32) -> u32 {
-        while self.parent[x as usize] != x {
-            let next = self.parent[self.parent[x as usize] as usize];
-            self.parent[x as usize] = next;
-            x = next;
-        }
-        x
-    }
-
-    pub(crate) fn join(&mut self, x: u32, y: u32) {
-        let (a, b) = (self.root(x), self.root(y));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
 }

@@ -1,6 +1,8 @@
 //! A shape prepared for the analysis: welded, triangulated, and numbered so that neighbors are close in memory.
 
+use super::adjacency::triangles_at_vertices;
 use super::curve::{WeldedCurve, weld_curve};
+use super::face_flags::FaceFlags;
 use super::order::reverse_cuthill_mckee;
 use super::participation::{Participation, STRAY_NEIGHBORS};
 use super::seams::{SeamMatches, is_open, match_seams};
@@ -10,6 +12,7 @@ use super::{
     Adjacency, FaceIncidence, GivenNormals, Graph, Mesh, Neighborhoods, PointCloud, Polygons, SeamWeld,
     Shape, VertexMap, VertexRole, WeldMode, enclosed_face_volume, face_ring, total_face_area, welded_normals,
 };
+use crate::rows::Pattern;
 use crate::{Cancelled, Progress, parallel};
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex};
@@ -38,6 +41,8 @@ pub struct PreparedGeometry {
     participation: Arc<Participation>,
     /// Neighbors found while looking for strays, for the first that asks for them.
     near: Arc<Mutex<Option<Neighborhoods>>>,
+    /// Triangles at each vertex, found while looking for borders, for the first that asks for them.
+    at_vertex: Arc<Mutex<Option<Pattern>>>,
     /// Neighbors along a curve; `None` for other shapes.
     curve: Option<Arc<Adjacency>>,
     /// Given normals of the points of a cloud, with the signs that they were found to have.
@@ -84,24 +89,32 @@ impl PreparedGeometry {
         progress.step(1, STAGES)?;
         let mut positions = vertex_map.try_positions(points, progress)?;
         progress.step(2, STAGES)?;
-        let is_mesh = faces.is_some();
+        let mut of_vertices = None;
         let mut seams = None;
         let mut faces = match faces {
             Some(given) => {
                 let mut faces = welded_faces(given, vertex_map.as_slice(), progress)?;
-                if let Some(found) = match_weld_mode(weld_mode, &positions, &faces, progress)? {
+                let mut vertex_faces = VertexFaces::new(positions.len(), &faces, progress)?;
+                if let Some(found) =
+                    match_weld_mode(weld_mode, &positions, &faces, &vertex_faces.flags, progress)?
+                {
                     vertex_map = vertex_map.merged(&found.roots);
                     positions = vertex_map.try_positions(points, progress)?;
                     faces = welded_faces(given, vertex_map.as_slice(), progress)?;
+                    vertex_faces = VertexFaces::new(positions.len(), &faces, progress)?;
                     seams = Some(found.weld);
                 }
+                of_vertices = Some(vertex_faces);
                 faces
             }
             None => Polygons::new(),
         }
         .with_canonical_starts(&positions);
-        let (participation, near) = if is_mesh {
-            (Participation::from_mesh(&positions, &mut faces), None)
+        let mut at_vertex = None;
+        let (participation, near) = if let Some(of_vertices) = of_vertices {
+            at_vertex = of_vertices.triangles;
+            let is_used = &of_vertices.flags.is_used;
+            (Participation::from_mesh(&positions, &mut faces, is_used, &mut at_vertex), None)
         } else {
             let (participation, near) = Participation::from_cloud(&positions, progress)?;
             (participation, Some(near))
@@ -127,6 +140,7 @@ impl PreparedGeometry {
             triangles: triangles.map(Arc::new),
             participation: Arc::new(participation),
             near: Arc::new(Mutex::new(near)),
+            at_vertex: Arc::new(Mutex::new(at_vertex)),
             given_normals,
             seams,
             ..Self::empty(shape, weld_mode)
@@ -181,6 +195,7 @@ impl PreparedGeometry {
             triangles: None,
             participation: Arc::default(),
             near: Arc::default(),
+            at_vertex: Arc::default(),
             curve: None,
             given_normals: None,
             weld_mode,
@@ -202,6 +217,7 @@ impl PreparedGeometry {
             triangles: None,
             participation: Arc::default(),
             near: Arc::default(),
+            at_vertex: Arc::default(),
             given_normals: None,
             weld_mode: WeldMode::Off,
             seams: None,
@@ -390,7 +406,11 @@ impl PreparedGeometry {
 
     /// The faces at each welded vertex.
     pub(crate) fn incidence(&self, progress: Progress<'_>) -> Result<FaceIncidence<'_>, Cancelled> {
-        FaceIncidence::new(self.n_vertices(), &self.faces, progress)
+        let known = self.at_vertex.lock().ok().and_then(|mut at_vertex| at_vertex.take());
+        match (self.faces.triangles(), known) {
+            (Some(triangles), Some(at_vertex)) => Ok(FaceIncidence::Triangles { triangles, at_vertex }),
+            _ => FaceIncidence::new(self.n_vertices(), &self.faces, progress),
+        }
     }
 
     /// Number of welded vertices.
@@ -421,14 +441,33 @@ fn match_weld_mode(
     weld_mode: WeldMode,
     positions: &[[f64; 3]],
     faces: &Polygons,
+    flags: &FaceFlags,
     progress: Progress<'_>,
 ) -> Result<Option<SeamMatches>, Cancelled> {
     match weld_mode {
-        WeldMode::Seams => match_seams(positions, faces, None, progress),
+        WeldMode::Seams => match_seams(positions, faces, flags, None, progress),
         WeldMode::Within(tolerance) if tolerance > 0.0 => {
-            match_seams(positions, faces, Some(tolerance), progress)
+            match_seams(positions, faces, flags, Some(tolerance), progress)
         }
         WeldMode::Within(_) | WeldMode::EqualPositions | WeldMode::Off => Ok(None),
+    }
+}
+
+/// What the faces at each vertex tell.
+struct VertexFaces {
+    flags: FaceFlags,
+    /// The triangles at each vertex, if all faces are triangles.
+    triangles: Option<Pattern>,
+}
+
+impl VertexFaces {
+    fn new(n: usize, faces: &Polygons, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let Some(triangles) = faces.triangles() else {
+            return Ok(Self { flags: FaceFlags::new(n, faces), triangles: None });
+        };
+        let at_vertex = triangles_at_vertices(n, triangles, progress)?;
+        let flags = FaceFlags::from_triangles(triangles, &at_vertex, progress)?;
+        Ok(Self { flags, triangles: Some(at_vertex) })
     }
 }
 

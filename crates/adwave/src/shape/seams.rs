@@ -4,6 +4,7 @@
 //! opposite directions and their ends are within a tolerance; the ends become one vertex each. Nothing inside a surface
 //! and no two borders side by side in the same direction are joined, so that sheets stay apart.
 
+use super::face_flags::{FaceFlags, visit_edges};
 use super::{DisjointSets, Polygons, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -51,13 +52,17 @@ struct BorderEdge {
 pub(super) fn match_seams(
     points: &[[f64; 3]],
     faces: &Polygons,
+    flags: &FaceFlags,
     tolerance: Option<f64>,
     progress: Progress<'_>,
 ) -> Result<Option<SeamMatches>, Cancelled> {
+    let FaceFlags { is_open, is_used } = flags;
+    if !is_open.contains(&true) && !is_used.contains(&false) {
+        return Ok(None);
+    }
     let mut sets = DisjointSets::new(points.len());
-    let is_open = open_vertices(points.len(), faces);
-    if let Some(edges) = border_edges(faces, &is_open, progress)? {
-        let tolerances = Tolerances::new(points, faces, &is_open, tolerance);
+    if let Some(edges) = border_edges(faces, is_open, progress)? {
+        let tolerances = Tolerances::new(points, faces, is_open, tolerance);
         if let Some(near) = NearVertices::new(points, &edges, &tolerances, progress)? {
             for (one, other) in matched_edges(&edges, &near, progress)? {
                 sets.join(one.start, other.end);
@@ -65,7 +70,7 @@ pub(super) fn match_seams(
             }
         }
     }
-    for (unused, used) in match_unused(points, faces, tolerance, progress)? {
+    for (unused, used) in match_unused(points, faces, is_used, tolerance, progress)? {
         sets.join(unused, used);
     }
     let mut roots: Vec<u32> = (0..points.len() as u32).map(|x| sets.root(x)).collect();
@@ -84,38 +89,7 @@ pub(super) fn match_seams(
 /// True if edges of faces do not cancel at some vertex: the mesh has a border, or faces that disagree on the orientation.
 /// O(corners).
 pub(super) fn is_open(n: usize, faces: &Polygons) -> bool {
-    open_vertices(n, faces).contains(&true)
-}
-
-/// Flags of the vertices at which the edges of faces do not cancel: those at open borders, and some others.
-fn open_vertices(n: usize, faces: &Polygons) -> Vec<bool> {
-    let mut sums = vec![0_u64; n];
-    visit_edges(faces, |edge| {
-        sums[edge.start as usize] = sums[edge.start as usize].wrapping_add(scramble(edge.end));
-        sums[edge.end as usize] = sums[edge.end as usize].wrapping_sub(scramble(edge.start));
-    });
-    sums.into_iter().map(|sum| sum != 0).collect()
-}
-
-/// Calls `visit` for the directed edges of all faces.
-fn visit_edges(faces: &Polygons, mut visit: impl FnMut(BorderEdge)) {
-    for face in faces.iter() {
-        let mut start = face[face.len() - 1];
-        for &end in face {
-            if start != end {
-                visit(BorderEdge { start, end });
-            }
-            start = end;
-        }
-    }
-}
-
-/// Number with all bits of a vertex mixed (the finalizer of splitmix64).
-fn scramble(x: u32) -> u64 {
-    let mut x = u64::from(x).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
+    FaceFlags::new(n, faces).is_open.contains(&true)
 }
 
 /// Edges of open borders in ascending order; `None` if there are none.
@@ -126,9 +100,9 @@ fn border_edges(
 ) -> Result<Option<Vec<BorderEdge>>, Cancelled> {
     progress.check()?;
     let mut edges = Vec::new();
-    visit_edges(faces, |edge| {
-        if is_open[edge.start as usize] && is_open[edge.end as usize] {
-            edges.push(edge);
+    visit_edges(faces, |[start, end]| {
+        if is_open[start as usize] && is_open[end as usize] {
+            edges.push(BorderEdge { start, end });
         }
     });
     parallel::sort_unstable_by(&mut edges, progress, Ord::cmp)?;
@@ -151,7 +125,7 @@ impl Tolerances {
     fn new(points: &[[f64; 3]], faces: &Polygons, is_open: &[bool], asked: Option<f64>) -> Self {
         let mut limits = vec![f64::INFINITY; points.len()];
         visit_edges(faces, |edge| {
-            let (start, end) = (edge.start as usize, edge.end as usize);
+            let [start, end] = edge.map(|x| x as usize);
             if is_open[start] || is_open[end] {
                 let length = super::distance(&points[start], &points[end]);
                 limits[start] = limits[start].min(length);
@@ -233,17 +207,16 @@ fn unit_scale(points: &[[f64; 3]]) -> f64 {
 fn match_unused(
     points: &[[f64; 3]],
     faces: &Polygons,
+    is_used: &[bool],
     tolerance: Option<f64>,
     progress: Progress<'_>,
 ) -> Result<Vec<(u32, u32)>, Cancelled> {
-    let mut is_used = vec![false; points.len()];
-    visit_edges(faces, |edge| is_used[edge.start as usize] = true);
     let numbered = |flag: bool| (0..points.len() as u32).filter(|&x| is_used[x as usize] == flag).collect();
     let (used, unused): (Vec<u32>, Vec<u32>) = (numbered(true), numbered(false));
     if used.is_empty() || unused.is_empty() {
         return Ok(Vec::new());
     }
-    let tolerances = Tolerances::new(points, faces, &is_used, tolerance);
+    let tolerances = Tolerances::new(points, faces, is_used, tolerance);
     let scale = unit_scale(points);
     let scaled = |x: u32| points[x as usize].map(|c| c * scale);
     let own: Vec<[f64; 3]> = used.iter().map(|&x| scaled(x)).collect();
@@ -297,9 +270,9 @@ fn matched_edges(
 /// Splits the sets that would make two corners of a face one vertex.
 fn split_collapsing_sets(roots: &mut [u32], faces: &Polygons) {
     let mut collapsing = Vec::new();
-    visit_edges(faces, |edge| {
-        let root = roots[edge.start as usize];
-        if root == roots[edge.end as usize] {
+    visit_edges(faces, |[start, end]| {
+        let root = roots[start as usize];
+        if root == roots[end as usize] {
             collapsing.push(root);
         }
     });

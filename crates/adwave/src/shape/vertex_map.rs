@@ -312,7 +312,9 @@ fn sort_along_curve(
     };
     // Unchanged if the points belong to another map.
     if !order.is_sorted_by(|a, b| in_order(a, b).is_lt()) {
-        parallel::sort_unstable_by(order, progress, in_order)?;
+        parallel::sort_by_key_bits(order, 3 * HILBERT_BITS, progress, |entry| entry.0)?;
+        let runs: Vec<_> = order.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1).collect();
+        parallel::try_each(runs, n, progress, |run| parallel::sort_unstable_by(run, progress, in_order))?;
     }
     let is_split = order[0].0 != order[n - 1].0;
     let runs: Vec<_> =

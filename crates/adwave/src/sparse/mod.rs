@@ -1,7 +1,8 @@
 //! Products with the diffusion operator.
 
-mod block_recurrence;
+mod block_width;
 mod kernel;
+mod prepared_diffusion;
 mod product;
 mod recurrence;
 mod single;
@@ -10,16 +11,11 @@ mod tiles;
 mod wide_clenshaw;
 mod wide_recurrence;
 
-pub(crate) use block_recurrence::{
-    BlockPrecision, SumOutputs, WeightedOperator, block_width, is_wide, start_recurrence,
-};
+pub(crate) use block_width::{block_width, is_wide};
+pub(crate) use prepared_diffusion::PreparedDiffusion;
 pub use product::apply;
 pub(crate) use product::{copied, try_apply};
-pub(crate) use recurrence::{Continuation, RowOutput, Sum, Weighing};
-pub(crate) use single::SingleWeights;
-pub(crate) use tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 pub(crate) use wide_clenshaw::{ClenshawTerm, wide_clenshaw};
-pub(crate) use wide_recurrence::WideRecurrence;
 
 /// Values of a signal, n_vertices × n_channels.
 #[derive(Clone, Copy, Debug)]

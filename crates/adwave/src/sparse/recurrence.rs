@@ -4,56 +4,15 @@
 //! place: first the values around every tile are copied, then each tile overwrites `T_{k−1}`, `T_k` at its interior
 //! vertices with `T_{k+n−1}`, `T_{k+n}`.
 
-use super::block_recurrence::BlockRecurrence;
 use super::kernel::{self, PassInput, PassTerm, TilePass};
 use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
 use super::tiles::{Index, TileList, TileView, Tiles};
+use crate::operator::{Continuation, RowOutput, RowWeights, SignalBlock, Steps, Sum, Weighing};
 use crate::parallel;
 use crate::{Cancelled, Progress};
-use std::ops::Range;
-
-/// A sum `Σ_k a_k T_k(Y)u` that is being accumulated.
-pub(crate) struct Sum<'a> {
-    /// Coefficients a_0 … a_d.
-    pub(crate) coefficients: &'a [f64],
-    /// Output, n_vertices × n_channels of the whole signal, of which the channels of the block are written;
-    /// n_vertices for normal components.
-    pub(crate) out: &'a mut [f64],
-    /// Request for the norm after the next pass.
-    pub(crate) weighing: Weighing,
-    /// Squared norm `Σ_x μ(x)|sum(x)|²` after the last pass that computed it.
-    pub(crate) square: f64,
-}
-
-/// Request for the norm of a sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Weighing {
-    /// The norm is computed.
-    Weighed,
-    /// The norm is not computed.
-    Unweighed,
-}
-
-/// Output for each row of a sum.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum RowOutput<'a> {
-    /// All channels.
-    Channels,
-    /// Component along the normal of the vertex, for three channels.
-    AlongNormals(&'a [[f64; 3]]),
-}
-
-/// Continuation of the recurrence after a pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Continuation {
-    /// More steps follow.
-    Continues,
-    /// These are the last steps.
-    Ends,
-}
 
 /// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for up to four channels.
-pub(crate) struct Recurrence<'a> {
+pub(super) struct Recurrence<'a> {
     operator: &'a TiledDiffusion,
     /// Vector `T_k u`, n_vertices × width.
     now: Vec<f64>,
@@ -98,19 +57,35 @@ enum TileOutput<'a> {
 }
 
 impl<'a> Recurrence<'a> {
-    /// Starts at `T_0 u = u = (I − Φ₁)f` for some `channels` of `signal`, which has `n_channels`.
-    /// Norms are weighted by `weights`.
-    pub(crate) fn new(
+    /// Starts at `T_0 u = u = (I − Φ₁)f`.
+    ///
+    /// # Panics
+    /// Unless the weights are those of each row, and there are three channels and one normal per vertex for normal
+    /// components.
+    pub(super) fn new(
         operator: &'a TiledDiffusion,
-        weights: &'a [f64],
-        signal: &[f64],
-        n_channels: usize,
-        channels: Range<usize>,
+        block: SignalBlock<'a>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
+        let SignalBlock { values, n_channels, channels, output, .. } = block;
+        let RowWeights::Each(weights) = block.weights else {
+            panic!("a diffusion has a weight for each row")
+        };
         let (at, width) = (channels.start, channels.len());
         assert!((1..=MAX_CHANNELS).contains(&width) && at + width <= n_channels, "a block of the channels");
         let len = operator.n_vertices() * width;
+        let (normals, stride): (&[_], _) = match output {
+            RowOutput::Channels => (&[], n_channels),
+            RowOutput::AlongNormals(normals) => {
+                let n = operator.n_vertices();
+                assert_eq!(
+                    (width, n_channels, normals.len()),
+                    (3, 3, n),
+                    "a vector and a normal at each vertex"
+                );
+                (normals, 1)
+            }
+        };
         let mut recurrence = Self {
             operator,
             now: operator.take(len),
@@ -122,31 +97,13 @@ impl<'a> Recurrence<'a> {
             k: 0,
             width,
             at,
-            stride: n_channels,
-            normals: &[],
+            stride,
+            normals,
         };
         let u = &mut recurrence.now[..len];
         (recurrence.square, recurrence.moves) =
-            difference(operator.diffusion(), weights, signal, n_channels, at, u, progress)?;
+            difference(operator.diffusion(), weights, values, n_channels, at, u, progress)?;
         Ok(recurrence)
-    }
-
-    /// Sets the output for each row of a sum.
-    ///
-    /// # Panics
-    /// Unless there are three channels and one normal per vertex, for normal components.
-    #[must_use]
-    pub(crate) fn with_kept(mut self, kept: RowOutput<'a>) -> Self {
-        if let RowOutput::AlongNormals(normals) = kept {
-            let n = self.operator.n_vertices();
-            assert_eq!(
-                (self.width, self.stride, normals.len()),
-                (3, 3, n),
-                "a vector and a normal at each vertex"
-            );
-            (self.normals, self.stride) = (normals, 1);
-        }
-        self
     }
 
     fn pass<I: Index>(
@@ -279,7 +236,7 @@ impl<'a> Recurrence<'a> {
     }
 }
 
-impl BlockRecurrence for Recurrence<'_> {
+impl Steps for Recurrence<'_> {
     fn steps_per_pass(&self) -> usize {
         self.operator.steps_per_pass()
     }

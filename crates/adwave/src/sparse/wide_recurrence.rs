@@ -4,12 +4,9 @@
 //! A row of a block is whole cache lines, so a product reads each of them once per entry and nothing else, and needs no
 //! halo. On graphs whose neighborhoods are large or irregular, tiles repeat most rows; this form does not.
 
-use super::SignalView;
-use super::block_recurrence::{BlockRecurrence, WeightedOperator};
 use super::kernel::{InstructionSet, WideNumber, WideProduct, WideRows, WideTerms};
-use super::recurrence::{Continuation, Sum};
 use super::single::SingleWeights;
-use crate::operator::Diffusion;
+use crate::operator::{Continuation, Diffusion, RowWeights, SignalBlock, Steps, Sum};
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
@@ -25,10 +22,10 @@ const MANY_SUMS: usize = 3;
 const STEPS_TOGETHER: usize = 4;
 
 /// Number of channels from which blocks are wide.
-pub(crate) const WIDE_FROM: usize = 16;
+pub(super) const WIDE_FROM: usize = 16;
 
 /// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for 8 to 64 channels.
-pub(crate) struct WideRecurrence<'a, T> {
+pub(super) struct WideRecurrence<'a, T> {
     rows: WideRows<'a, T>,
     single: Option<&'a SingleWeights>,
     target: InstructionSet,
@@ -94,19 +91,18 @@ impl CopiedBlock {
 }
 
 impl<'a> WideRecurrence<'a, f64> {
-    /// Starts at `T_0 u = u = (I − Φ₁)f` for some `channels` of `signal`; `n_sums` sums will be accumulated.
-    pub(crate) fn new(
-        operator: WeightedOperator<'a>,
-        signal: SignalView<'_>,
-        channels: Range<usize>,
-        n_sums: usize,
+    /// Starts at `T_0 u = u = (I − Φ₁)f`.
+    pub(super) fn new(
+        diffusion: &'a Diffusion,
+        block: SignalBlock<'a>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let rows = rows_in(operator.diffusion, operator.diffusion.weights());
-        let channels = ChannelBlock::new::<f64>(channels, signal.n_channels);
-        let n = operator.diffusion.n_vertices();
-        let mut block = CopiedBlock::new(signal.values, channels, n, progress)?.values;
-        let mut recurrence = Self::start(rows, operator.weights, channels, &block, 1.0, progress)?;
+        let rows = rows_in(diffusion, diffusion.weights());
+        let (weights, n_sums) = (each_weight(block.weights), block.n_sums);
+        let channels = ChannelBlock::new::<f64>(block.channels, block.n_channels);
+        let n = diffusion.n_vertices();
+        let mut block = CopiedBlock::new(block.values, channels, n, progress)?.values;
+        let mut recurrence = Self::start(rows, weights, channels, &block, 1.0, progress)?;
         let clear = |_, rows: &mut [f64]| rows.fill(0.0);
         parallel::try_visit_rows(&mut block, channels.lanes, ROWS_AT_A_TIME, progress, clear)?;
         recurrence.before = block;
@@ -117,26 +113,35 @@ impl<'a> WideRecurrence<'a, f64> {
 
 impl<'a> WideRecurrence<'a, f32> {
     /// Starts at u as in double precision, and rounds it.
-    pub(crate) fn new_single(
-        operator: WeightedOperator<'a>,
+    pub(super) fn new_single(
+        diffusion: &'a Diffusion,
         single: &'a SingleWeights,
-        signal: SignalView<'_>,
-        channels: Range<usize>,
+        block: SignalBlock<'a>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let rows = rows_in(operator.diffusion, &single.weights[..]);
-        let channels = ChannelBlock::new::<f32>(channels, signal.n_channels);
-        let n = operator.diffusion.n_vertices();
-        let block = CopiedBlock::new(signal.values, channels, n, progress)?;
+        let rows = rows_in(diffusion, &single.weights[..]);
+        let weights = each_weight(block.weights);
+        let channels = ChannelBlock::new::<f32>(block.channels, block.n_channels);
+        let n = diffusion.n_vertices();
+        let block = CopiedBlock::new(block.values, channels, n, progress)?;
         // The values are then between −1 and 1, and u between −2 and 2.
         let exponent = if block.largest > 0.0 { block.largest.log2().ceil() } else { 0.0 };
         let scale = (-exponent.clamp(-1000.0, 1000.0)).exp2();
-        let mut recurrence = Self::start(rows, operator.weights, channels, &block.values, scale, progress)?;
+        let mut recurrence = Self::start(rows, weights, channels, &block.values, scale, progress)?;
         drop(block);
         recurrence.before = zeros(n * channels.lanes);
         recurrence.single = Some(single);
         Ok(recurrence)
     }
+}
+
+/// The weight of each row.
+///
+/// # Panics
+/// If all rows have the same.
+fn each_weight(weights: RowWeights<'_>) -> &[f64] {
+    let RowWeights::Each(weights) = weights else { panic!("a diffusion has a weight for each row") };
+    weights
 }
 
 /// The rows of an operator with entries in the format of the vectors.
@@ -190,7 +195,7 @@ impl<'a, T: WideNumber> WideRecurrence<'a, T> {
 
     /// Upper bound of the bytes of memory of a recurrence for `n_channels` channels of `n` vertices: the vectors of a
     /// pass of several steps, and the one before.
-    pub(crate) fn bytes(n: usize, n_channels: usize) -> u64 {
+    pub(super) fn bytes(n: usize, n_channels: usize) -> u64 {
         let lanes = n_channels.next_multiple_of(T::PER_LINE).min(T::MAX_LANES);
         (size_of::<T>() * n * (STEPS_TOGETHER + 1) * lanes) as u64
     }
@@ -283,7 +288,7 @@ impl<'a, T: WideNumber> WideRecurrence<'a, T> {
     }
 }
 
-impl<T: WideNumber> BlockRecurrence for WideRecurrence<'_, T> {
+impl<T: WideNumber> Steps for WideRecurrence<'_, T> {
     fn steps_per_pass(&self) -> usize {
         self.steps_per_pass
     }

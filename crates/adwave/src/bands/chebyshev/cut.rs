@@ -1,7 +1,7 @@
 //! Truncation of a series at the degree that its value needs.
 
 use super::super::series::{Series, TruncationBound};
-use crate::sparse::Weighing;
+use crate::operator::Weighing;
 
 /// Degree at which a series is truncated.
 pub(super) struct SeriesCut<'a> {

@@ -9,19 +9,17 @@ mod tests;
 use super::Precision;
 use super::params::FINEST_SINGLE;
 use super::series::{Growth, Series, TruncationBound};
-use crate::operator::Diffusion;
+use crate::operator::{
+    BlockPrecision, Continuation, Diffusion, Operator, RowOutput, RowWeights, SignalBlock, Sum, Weighing,
+};
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
-use crate::sparse::{
-    BlockPrecision, Continuation, MAX_CHANNELS, RowOutput, SignalView, SingleWeights, Sum, SumOutputs,
-    TiledDiffusion, Weighing, WeightedOperator, WideRecurrence, block_width, copied, is_wide,
-    start_recurrence,
-};
+use crate::sparse::{SignalView, copied, is_wide};
 use crate::{Cancelled, Progress};
 use cut::SeriesCut;
 pub(crate) use plan::PassPlan;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Cost and accuracy of an evaluation.
 #[derive(Clone, Debug, Default)]
@@ -71,15 +69,11 @@ pub(crate) struct Polynomials<'a> {
 /// Rounding error of a polynomial of fractional steps, relative to `Σ|a_k|·‖u‖`; no accuracy below it is required.
 const ROUNDING: f64 = 1e-15;
 
-/// A diffusion operator prepared for the recurrence. It is built once, evaluates any number of signals, and can be
-/// used by several threads at a time.
+/// An operator with the norm in which the recurrence bounds errors. It is built once, evaluates any number of signals,
+/// and can be used by several threads at a time.
 #[derive(Debug)]
 pub(crate) struct ChebyshevEvaluator {
-    diffusion: Arc<Diffusion>,
-    /// The operator in tiles, cut by the first call with few channels.
-    tiled: OnceLock<TiledDiffusion>,
-    /// The operator in single precision, rounded by the first call that asks for it; `None` if it has none.
-    single: OnceLock<Option<SingleWeights>>,
+    operator: Arc<dyn Operator>,
     /// Weights μ of the norm that bounds errors, if it is not π.
     weights: Option<Vec<f64>>,
     pub(crate) growth: Growth,
@@ -132,72 +126,38 @@ fn norm_weights(
 }
 
 impl ChebyshevEvaluator {
-    /// Prepares `diffusion`; the first call with few channels does the rest. O(entries).
+    /// Prepares `operator`; the first call does the rest. O(entries).
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
-    pub(crate) fn new(diffusion: Arc<Diffusion>, progress: Progress<'_>) -> Result<Self, Cancelled> {
-        let (weights, growth) = norm_weights(&diffusion, progress)?;
-        Ok(Self { diffusion, tiled: OnceLock::new(), single: OnceLock::new(), weights, growth })
-    }
-
-    /// The operator in tiles. O(entries) for the first call.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if the call is cancelled.
-    pub(crate) fn tiled(&self, progress: Progress<'_>) -> Result<&TiledDiffusion, Cancelled> {
-        if let Some(tiled) = self.tiled.get() {
-            return Ok(tiled);
-        }
-        // If two threads arrive here at once, one of them works in vain.
-        let tiled = TiledDiffusion::new(Arc::clone(&self.diffusion), progress)?;
-        Ok(self.tiled.get_or_init(|| tiled))
-    }
-
-    /// The operator in single precision, if its rounding errors can be bounded. O(entries) for the first call.
-    ///
-    /// # Errors
-    /// [`Cancelled`] if the call is cancelled.
-    pub(crate) fn single(&self, progress: Progress<'_>) -> Result<Option<&SingleWeights>, Cancelled> {
-        if let Some(single) = self.single.get() {
-            return Ok(single.as_ref());
-        }
-        let single = match self.growth {
-            Growth::Bounded => SingleWeights::new(&self.diffusion, self.weights(), progress)?,
-            Growth::Linear => None,
+    pub(crate) fn new(operator: Arc<dyn Operator>, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        // All weights of an operator without rows are positive.
+        let (weights, growth) = match operator.rows() {
+            Some(diffusion) => norm_weights(diffusion, progress)?,
+            None => (None, Growth::Bounded),
         };
-        Ok(self.single.get_or_init(|| single).as_ref())
+        Ok(Self { operator, weights, growth })
     }
 
     /// Weights μ of the norm.
-    fn weights(&self) -> &[f64] {
-        self.weights.as_deref().unwrap_or(self.diffusion.stationary())
+    fn weights(&self) -> RowWeights<'_> {
+        self.weights.as_deref().map_or(self.operator.weights(), RowWeights::Each)
+    }
+
+    /// True if the recurrence can be computed in single precision with a bound of its rounding errors. O(entries) for the
+    /// first call.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    pub(crate) fn has_single(&self, progress: Progress<'_>) -> Result<bool, Cancelled> {
+        Ok(self.growth == Growth::Bounded && self.operator.single_rounding(&[], 0, progress)?.is_some())
     }
 
     /// Bytes that an evaluation of some series needs for a signal of `n_channels` channels beyond the signal and its
-    /// results: the prepared data, including the diffusion operator, and the vectors of the recurrence.
+    /// results: the prepared data, including the operator, and the vectors of the recurrence.
     pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
         let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
-        let tiles = self.tiled.get().map_or(0, TiledDiffusion::bytes);
-        let vectors = match self.tiled.get() {
-            _ if is_wide(n_channels) => WideRecurrence::<f64>::bytes(self.diffusion.n_vertices(), n_channels),
-            Some(tiled) => tiled.vector_bytes(n_channels.min(MAX_CHANNELS)),
-            None => TiledDiffusion::forecast_bytes(&self.diffusion, n_channels.min(MAX_CHANNELS)),
-        };
-        let single = self.single.get().and_then(Option::as_ref).map_or(0, SingleWeights::bytes);
-        self.diffusion.bytes() + tiles + weights + single + vectors
-    }
-
-    /// Upper bound of [`working_bytes`](Self::working_bytes), without the diffusion operator, before it is
-    /// prepared.
-    pub(crate) fn forecast_bytes(diffusion: &Diffusion, n_channels: usize) -> u64 {
-        let weights = size_of_val(diffusion.stationary()) as u64;
-        let vectors = if is_wide(n_channels) {
-            WideRecurrence::<f64>::bytes(diffusion.n_vertices(), n_channels)
-        } else {
-            TiledDiffusion::forecast_bytes(diffusion, n_channels.min(MAX_CHANNELS))
-        };
-        weights + vectors
+        self.operator.bytes(n_channels) + weights
     }
 
     /// Computes `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, each n_vertices × n_channels, with a relative error
@@ -226,21 +186,20 @@ impl ChebyshevEvaluator {
             guard.is_empty() || precision == Precision::Double,
             "a guard is measured in double precision"
         );
-        let mut single = self.single_for(signal, series, precision, accuracy, progress)?;
+        let mut format = self.format_for(signal, series, precision, accuracy, progress)?;
         let (mut at, mut number) = (0, 0);
         while at < signal.n_channels {
-            let format = if single.is_some() { BlockPrecision::Single } else { BlockPrecision::Double };
-            let width = block_width(signal.n_channels, signal.n_channels - at, format);
-            let block = Block { channels: at..at + width, number, single };
+            let width = self.operator.width(signal.n_channels, signal.n_channels - at, format);
+            let block = Block { channels: at..at + width, number, format };
             let polynomials = Polynomials { series, guard, passes: &mut *passes, output, precision };
             let target = BlockTarget { accuracy, outs: &mut *outs, guarded: &mut guarded };
             let Some(done) = self.evaluate_block(signal, polynomials, block, target, progress)? else {
                 return Ok(outcome);
             };
             number += 1;
-            if single.is_some() && precision == Precision::Auto && done.exceeds(accuracy) {
+            if format == BlockPrecision::Single && precision == Precision::Auto && done.exceeds(accuracy) {
                 // The bound is known only now, and that of the other blocks will be about the same.
-                single = None;
+                format = BlockPrecision::Double;
                 continue;
             }
             at += width;
@@ -260,30 +219,36 @@ impl ChebyshevEvaluator {
         Ok(outcome)
     }
 
-    /// The operator in single precision if an evaluation is to use it: it is asked for, or nothing that is known before
-    /// shows that its errors exceed the accuracy.
-    fn single_for(
+    /// Number format of an evaluation: single precision if it is asked for, or nothing that is known before shows that its
+    /// errors exceed the accuracy.
+    fn format_for(
         &self,
         signal: SignalView<'_>,
         series: &[Series],
         precision: Precision,
         accuracy: f64,
         progress: Progress<'_>,
-    ) -> Result<Option<&SingleWeights>, Cancelled> {
-        if precision == Precision::Double || !is_wide(signal.n_channels) {
-            return Ok(None);
+    ) -> Result<BlockPrecision, Cancelled> {
+        let is_out = precision == Precision::Auto && accuracy < FINEST_SINGLE;
+        if precision == Precision::Double
+            || is_out
+            || !is_wide(signal.n_channels)
+            || !self.has_single(progress)?
+        {
+            return Ok(BlockPrecision::Double);
         }
-        if precision == Precision::Auto && accuracy < FINEST_SINGLE {
-            return Ok(None);
+        if precision == Precision::Auto {
+            for series in series {
+                // ‖value‖ ≤ total·‖u‖, so these are lower bounds of the degree and of the relative error.
+                let most = accuracy * series.total;
+                let degree = series.degree_within(most, 0);
+                let rounding = self.operator.single_rounding(&series.coefficients, degree, progress)?;
+                if !rounding.is_some_and(|rounding| rounding <= most) {
+                    return Ok(BlockPrecision::Double);
+                }
+            }
         }
-        let Some(single) = self.single(progress)? else { return Ok(None) };
-        // ‖value‖ ≤ total·‖u‖, so these are lower bounds of the degree and of the relative error.
-        let may_suffice = |series: &Series| {
-            let degree = series.degree_within(accuracy * series.total, 0);
-            single.rounding(&series.coefficients, degree, 1.0) <= accuracy * series.total
-        };
-        let is_tried = precision == Precision::Single || series.iter().all(may_suffice);
-        Ok(is_tried.then_some(single))
+        Ok(BlockPrecision::Single)
     }
 
     /// [`evaluate`](Self::evaluate) for a block of channels; `None` if the passes differ from those of the first call.
@@ -291,21 +256,26 @@ impl ChebyshevEvaluator {
         &self,
         signal: SignalView<'_>,
         polynomials: Polynomials<'_>,
-        block: Block<'_>,
+        block: Block,
         target: BlockTarget<'_, '_>,
         progress: Progress<'_>,
     ) -> Result<Option<BlockInfo>, Cancelled> {
-        let Polynomials { series, guard, passes, output: rows, .. } = polynomials;
+        let Polynomials { series, guard, passes, output, .. } = polynomials;
         let BlockTarget { accuracy, outs, guarded } = target;
         // In single precision the other half is for rounding.
-        let truncated = if block.single.is_some() { 0.5 * accuracy } else { accuracy };
-        let (diffusion, weights) = (&*self.diffusion, self.weights());
-        let operator = WeightedOperator { diffusion, weights, single: block.single };
+        let is_single = block.format == BlockPrecision::Single;
+        let truncated = if is_single { 0.5 * accuracy } else { accuracy };
         let guard_degree = guard.len().saturating_sub(1);
-        let outputs = SumOutputs { n_sums: series.len() + usize::from(!guard.is_empty()), rows };
-        let tiled = || self.tiled(progress);
-        let block_is_double = block.single.is_none();
-        let mut recurrence = start_recurrence(operator, tiled, signal, block.channels, outputs, progress)?;
+        let signal_block = SignalBlock {
+            values: signal.values,
+            n_channels: signal.n_channels,
+            channels: block.channels,
+            weights: self.weights(),
+            n_sums: series.len() + usize::from(!guard.is_empty()),
+            output,
+            precision: block.format,
+        };
+        let mut recurrence = self.operator.start(signal_block, progress)?;
         let start = recurrence.square().sqrt();
         let mut cuts: Vec<SeriesCut> = series.iter().map(SeriesCut::new).collect();
         let mut guard_norm = 0.0;
@@ -356,7 +326,7 @@ impl ChebyshevEvaluator {
             degree: k,
             products: k + 1,
             terms: cuts.iter().map(|cut| (cut.degree as u64).min(k) + 1).sum(),
-            single_products: if block.single.is_some() { k } else { 0 },
+            single_products: if is_single { k } else { 0 },
             ..EvaluationInfo::default()
         };
         let mut errors = vec![WorstError::default(); series.len()];
@@ -365,7 +335,7 @@ impl ChebyshevEvaluator {
                 let rounding = start * recurrence.rounding(&cut.series.coefficients[..=cut.degree]);
                 let (missing, relative) = cut.missing(start, guard_norm, rounding);
                 // Squares of values below 1e-154 or beyond 1e154 say nothing.
-                let has_norm = block_is_double || start.is_normal();
+                let has_norm = !is_single || start.is_normal();
                 error.relative = if has_norm { relative } else { f64::INFINITY };
                 error.falls_short = cut.series.rest != TruncationBound::default()
                     && relative > accuracy
@@ -377,12 +347,11 @@ impl ChebyshevEvaluator {
 }
 
 /// Channels that are evaluated together.
-struct Block<'a> {
+struct Block {
     channels: Range<usize>,
     /// Number of the block in the plan of the passes.
     number: usize,
-    /// The operator in single precision, if the block is to use it.
-    single: Option<&'a SingleWeights>,
+    format: BlockPrecision,
 }
 
 /// Accuracy of a block, and where its results go.
