@@ -206,13 +206,6 @@ impl EditorData {
         layers: Vec<PlainLayer<'py>>,
         out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let given = &recipe.get().recipe;
-        if given.pose.is_some() || !given.clones.is_empty() {
-            return Err(value_error(
-                "recipe: [[clone]] and [pose] are applied by 'adwave filter --recipe' only; remove them, and use clone_detail \
-                 and Shape.deformer",
-            ));
-        }
         let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
         let n_levels = editor.wavelets().n_levels();
         let weighted = weighted_layers(py, &layers, n_levels, editor.decomposer(), self.shape.get())?;
@@ -244,7 +237,14 @@ impl EditorData {
         let mut editor = self.editor.lock().unwrap_or_else(PoisonError::into_inner);
         let (editor, shape) = (&mut *editor, self.shape.get());
         let names = shape.field_names();
-        let layers = &recipe.get().recipe.layers;
+        let given = &recipe.get().recipe;
+        if given.pose.is_some() || !given.clones.is_empty() {
+            return Err(value_error(
+                "recipe: [[clone]] and [pose] are applied by 'adwave filter --recipe' only; remove them, and use clone_detail \
+                 and Shape.deformer",
+            ));
+        }
+        let layers = &given.layers;
         let edited = run(py, editor.decomposer().n_vertices(), None, |progress| {
             let (n_levels, decomposer) = (editor.wavelets().n_levels(), editor.decomposer().clone());
             let lookup = |name: &str| shape.region_field(&decomposer, name);

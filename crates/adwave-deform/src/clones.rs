@@ -144,7 +144,7 @@ mod tests {
             DetailClone { angle: f64::NAN, ..clone_to(&[5]) },
             clone_to(&[99_999]),
         ] {
-            assert!(clones.set(&[bad.clone()], Progress::none()).is_err(), "{bad:?}");
+            assert!(clones.set(std::slice::from_ref(&bad), Progress::none()).is_err(), "{bad:?}");
         }
     }
 }

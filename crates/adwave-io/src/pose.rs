@@ -83,6 +83,7 @@ pub struct DetailClone {
     pub strength: f64,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands the field by reference")]
 fn has_no_turn(value: &f64) -> bool {
     *value == 0.0
 }
@@ -91,6 +92,7 @@ fn one() -> f64 {
     1.0
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands the field by reference")]
 fn is_one(value: &f64) -> bool {
     *value == 1.0
 }

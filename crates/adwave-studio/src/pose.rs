@@ -188,12 +188,11 @@ impl Poser {
             self.add_clones(&by.clones, rest.to_mut(), Progress::none())?;
         }
         let all: Vec<u32>;
-        let vertices = match vertices {
-            Some(vertices) => vertices,
-            None => {
-                all = (0..self.walk.n_vertices() as u32).collect();
-                &all
-            }
+        let vertices = if let Some(vertices) = vertices {
+            vertices
+        } else {
+            all = (0..self.walk.n_vertices() as u32).collect();
+            &all
         };
         if let Some(pose) = by.bending() {
             let bound = self.follow(pose, file, follow, Progress::none())?;

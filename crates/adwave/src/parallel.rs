@@ -302,7 +302,9 @@ pub(crate) fn sort_by_key_bits<T: Copy + Default + Send + Sync>(
         || (),
         |(), range| {
             let mut counts = vec![0_u32; 1 << BUCKET_BITS];
-            own(range).iter().for_each(|value| counts[bucket(value)] += 1);
+            for value in own(range) {
+                counts[bucket(value)] += 1;
+            }
             counts
         },
     )?;

@@ -101,7 +101,8 @@ fn values_of_faces_come_back_from_their_coefficients() {
     let again = json(folder.path(), &format!("transform field.ply -o again.ply {haar} field"));
     assert_eq!(again["elements"], "faces");
     let of = |name: &str, field: &str| {
-        let file = adwave_io::read_path(folder.path().join(name), &adwave_io::ReadLimits::default()).unwrap();
+        let file =
+            adwave_io::read_path(&folder.path().join(name), &adwave_io::ReadLimits::default()).unwrap();
         file.face_fields().iter().find(|f| f.name == field).unwrap().to_f64()
     };
     let (first, second) = (of("means.ply", "coefficient"), of("again.ply", "coefficient"));

@@ -51,7 +51,9 @@ pub(crate) fn incidence<'a>(
     let starts: Vec<usize> =
         ends.iter().scan(0, |sum, end| Some(std::mem::replace(sum, *sum + end))).collect();
     parallel::try_visit_rows(&mut offsets[1..], 1, ROWS_AT_A_TIME, progress, |first, ends| {
-        ends.iter_mut().for_each(|end| *end += starts[first / ROWS_AT_A_TIME]);
+        for end in ends {
+            *end += starts[first / ROWS_AT_A_TIME];
+        }
     })?;
     // What each part has counted becomes the place of its first name in the row.
     let mut before: Vec<u32> = zeros(n_rows);

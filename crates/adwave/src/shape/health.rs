@@ -126,10 +126,10 @@ fn count_faces(
     let class = |corner: u32| welded[corner as usize];
     health.n_repeated_faces = n_repeated(faces, class, progress)?;
     let edges = EdgeCounts::new(faces, class, progress)?;
-    health.n_edges = edges.n_edges;
-    health.n_boundary_edges = edges.n_boundary;
-    health.n_non_manifold_edges = edges.n_non_manifold;
-    health.n_misoriented_edges = edges.n_misoriented;
+    health.n_edges = edges.all;
+    health.n_boundary_edges = edges.boundary;
+    health.n_non_manifold_edges = edges.non_manifold;
+    health.n_misoriented_edges = edges.misoriented;
     health.area = geometry.area_of(geometry.points());
     if edges.enclose_volume() {
         health.volume = Some(geometry.volume_of(geometry.points()));
@@ -262,16 +262,16 @@ fn edges_cancel(n: usize, triangles: &[[u32; 3]], progress: Progress<'_>) -> Res
 
 /// Numbers of edges by their faces.
 struct EdgeCounts {
-    n_edges: usize,
-    n_boundary: usize,
-    n_non_manifold: usize,
-    n_misoriented: usize,
+    all: usize,
+    boundary: usize,
+    non_manifold: usize,
+    misoriented: usize,
 }
 
 impl EdgeCounts {
     /// True if every edge has two faces, which run along it in opposite directions.
     fn enclose_volume(&self) -> bool {
-        self.n_edges > 0 && self.n_boundary + self.n_non_manifold + self.n_misoriented == 0
+        self.all > 0 && self.boundary + self.non_manifold + self.misoriented == 0
     }
 
     /// Counts the edges of all faces by their number of faces.
@@ -305,16 +305,16 @@ impl EdgeCounts {
             half_edges.extend(chunk);
         }
         parallel::sort_unstable_by(&mut half_edges, progress, Ord::cmp)?;
-        let mut counts = Self { n_edges: 0, n_boundary: 0, n_non_manifold: 0, n_misoriented: 0 };
+        let mut counts = Self { all: 0, boundary: 0, non_manifold: 0, misoriented: 0 };
         for edge in half_edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
-            counts.n_edges += 1;
-            if counts.n_edges.is_multiple_of(AT_A_TIME) {
+            counts.all += 1;
+            if counts.all.is_multiple_of(AT_A_TIME) {
                 progress.check()?;
             }
             match edge {
-                [_] => counts.n_boundary += 1,
-                [e, f] => counts.n_misoriented += usize::from(e.2 == f.2),
-                _ => counts.n_non_manifold += 1,
+                [_] => counts.boundary += 1,
+                [e, f] => counts.misoriented += usize::from(e.2 == f.2),
+                _ => counts.non_manifold += 1,
             }
         }
         Ok(counts)

@@ -203,17 +203,16 @@ impl Participation {
                 }
             }
         }
-        let sets = match (&at_vertex, faces.triangles()) {
-            (Some(at_vertex), Some(triangles)) => DisjointSets::from_triangles(triangles, at_vertex),
-            _ => {
-                let mut sets = DisjointSets::new(n);
-                for face in faces.iter() {
-                    for &c in face {
-                        sets.join(face[0], c);
-                    }
+        let sets = if let (Some(at_vertex), Some(triangles)) = (&at_vertex, faces.triangles()) {
+            DisjointSets::from_triangles(triangles, at_vertex)
+        } else {
+            let mut sets = DisjointSets::new(n);
+            for face in faces.iter() {
+                for &c in face {
+                    sets.join(face[0], c);
                 }
-                sets
             }
+            sets
         };
         Self::new(roles, sets)
     }
