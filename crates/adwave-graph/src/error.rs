@@ -22,7 +22,7 @@ pub enum GraphWalkError {
     },
     /// A coordinate is NaN, infinite or beyond 1e100.
     #[error(
-        "coordinate {dimension} of point {point} is {value}; coordinates are finite and at most 1e100 in size"
+        "coordinate {dimension} of point {point} is {value:?}; coordinates are finite and at most 1e100 in size"
     )]
     BadCoordinate {
         /// The point, from 0.
@@ -67,10 +67,10 @@ pub enum GraphWalkError {
         distance: f64,
     },
     /// The exponent of the adaptive kernel is out of range.
-    #[error("the decay of the kernel must be greater than 0 and finite, got {0}")]
+    #[error("the decay of the kernel must be greater than 0 and finite, got {0:?}")]
     BadDecay(f64),
     /// A weight is negative or not finite.
-    #[error("the weight of the edge ({row}, {column}) is {value}; weights are finite and at least 0")]
+    #[error("the weight of the edge ({row}, {column}) is {value:?}; weights are finite and at least 0")]
     BadWeight {
         /// Row of the entry.
         row: usize,
@@ -89,7 +89,7 @@ pub enum GraphWalkError {
     },
     /// Weights that are not symmetric, for a method that needs them to be.
     #[error(
-        "edge ({row}, {column}) has the weight {value} and its reverse {reverse}; {purpose} needs symmetric weights: choose a symmetrization"
+        "edge ({row}, {column}) has the weight {value:?} and its reverse {reverse:?}; {purpose} needs symmetric weights: choose a symmetrization"
     )]
     NotSymmetric {
         /// Row of the entry.
@@ -119,7 +119,7 @@ pub enum GraphWalkError {
         n_columns: usize,
     },
     /// A value of the signal is not finite.
-    #[error("value {channel} of node {node} is {value}; values are finite: leave out such nodes or channels")]
+    #[error("value {channel} of node {node} is {value:?}; values are finite: leave out such nodes or channels")]
     BadValue {
         /// The node.
         node: usize,
@@ -142,7 +142,7 @@ pub enum GraphWalkError {
     },
     /// A square root of negative values.
     #[error(
-        "value {channel} of node {node} is {value}, and its square root was asked for; use values of at least 0"
+        "value {channel} of node {node} is {value:?}, and its square root was asked for; use values of at least 0"
     )]
     NegativeValue {
         /// The node.
@@ -177,7 +177,7 @@ pub enum GraphWalkError {
     #[error("orders of scattering are 0, 1 and 2, got {0}")]
     BadOrder(u32),
     /// A parameter of cross-validation is out of range.
-    #[error("{name} must be {range}, got {value}")]
+    #[error("{name} must be {range}, got {value:?}")]
     BadParameter {
         /// Name of the parameter.
         name: &'static str,

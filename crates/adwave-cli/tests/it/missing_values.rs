@@ -83,13 +83,15 @@ fn noise_models_need_their_values_and_leave_gaps_alone() {
     let column: Vec<String> =
         all[1].iter().map(|b| if b.is_nan() { "nan".to_owned() } else { b.to_string() }).collect();
     fs::write(path.join("b.csv"), format!("b\n{}\n", column.join("\n"))).unwrap();
+    let negative: String = (0..column.len()).map(|x| format!("{}\n", x as f64 - 7.0)).collect();
+    fs::write(path.join("negative.csv"), format!("b\n{negative}")).unwrap();
     for model in ["poisson", "multiplicative"] {
         let line = format!("denoise grid.obj --signal b.csv -o out.csv --noise-model {model}");
         let report = json(path, &line);
         assert_eq!(report["denoise"][0]["model"], model, "{report}");
         let found = &columns(&path.join("out.csv"))[0];
         assert!(found.iter().zip(&all[1]).all(|(f, b)| f.is_nan() == b.is_nan() && (f.is_nan() || *f > 0.0)));
-        let message = refused(path, &line.replace("b.csv", "all.csv"));
+        let message = refused(path, &line.replace("b.csv", "negative.csv"));
         assert!(message.contains("noise needs values"), "{message}");
     }
     let message = refused(path, "denoise grid.obj -o out.obj --noise-model poisson");
