@@ -191,7 +191,7 @@ const ROOMS: [(&str, &[&[&str]]); 4] = [
             &["transaction", "model"],
             &["formats"],
             &["registry"],
-            &["texture", "signal", "region_field", "recipe", "mesh_stream", "cloud_part"],
+            &["texture", "signal", "region_field", "recipe", "pose", "mesh_stream", "cloud_part"],
             &["selection"],
         ],
     ),
