@@ -119,7 +119,9 @@ pub enum GraphWalkError {
         n_columns: usize,
     },
     /// A value of the signal is not finite.
-    #[error("value {channel} of node {node} is {value:?}; values are finite: leave out such nodes or channels")]
+    #[error(
+        "value {channel} of node {node} is {value:?}; values are finite: leave out such nodes or channels"
+    )]
     BadValue {
         /// The node.
         node: usize,

@@ -67,7 +67,7 @@ impl<'a> PointBlocks<'a> {
         let unit = if largest > 0.0 { largest.log2().floor().exp2().max(SMALLEST_UNIT) } else { 1.0 };
         let inverse_unit = unit.recip();
         let mut order: Vec<u32> = (0..n as u32).collect();
-        sort_into_blocks(Frame { points, mean: &mean, inverse_unit }, &mut order, progress)?;
+        sort_into_blocks(CloudFrame { points, mean: &mean, inverse_unit }, &mut order, progress)?;
         let n_blocks = n.div_ceil(BLOCK);
         let mut single = vec![0.0_f32; n_blocks * BLOCK * (d + 1)];
         let mut norms = Vec::with_capacity(n);
@@ -87,7 +87,7 @@ impl<'a> PointBlocks<'a> {
         let largest_norms =
             norms.chunks(BLOCK).map(|norms| norms.iter().copied().fold(0.0, f64::max)).collect();
         let extents = order.chunks(BLOCK).map(|places| Extent::new(points, places)).collect();
-        let frame = Frame { points, mean: &mean, inverse_unit };
+        let frame = CloudFrame { points, mean: &mean, inverse_unit };
         let balls = Balls::new(frame, &order);
         Ok(Self { points, order, single, norms, largest_norms, extents, balls, inverse_unit, unit })
     }
@@ -222,13 +222,13 @@ const SMALLEST_UNIT: f64 = f64::MIN_POSITIVE;
 
 /// Points and the frame in which they are measured.
 #[derive(Clone, Copy)]
-struct Frame<'a> {
+struct CloudFrame<'a> {
     points: DimensionedPoints<'a>,
     mean: &'a [f64],
     inverse_unit: f64,
 }
 
-impl Frame<'_> {
+impl CloudFrame<'_> {
     /// Coordinates of a point minus the mean, in units.
     fn coordinates(&self, x: u32) -> impl Iterator<Item = f64> {
         let d = self.points.n_dimensions;
@@ -246,7 +246,11 @@ const MOST_UNEVEN: usize = 8;
 
 /// Sorts points so that blocks of [`BLOCK`] in that order are close together: cuts them between two means, again and again.
 /// A cut at the median would slice clusters.
-fn sort_into_blocks(frame: Frame<'_>, order: &mut [u32], progress: Progress<'_>) -> Result<(), Cancelled> {
+fn sort_into_blocks(
+    frame: CloudFrame<'_>,
+    order: &mut [u32],
+    progress: Progress<'_>,
+) -> Result<(), Cancelled> {
     let n = order.len();
     if n <= BLOCK {
         return Ok(());
@@ -274,7 +278,7 @@ struct Cut {
     at: f64,
 }
 
-impl Frame<'_> {
+impl CloudFrame<'_> {
     /// The plane between two means of some of the points, which begin at points far from each other.
     fn cut(&self, order: &[u32]) -> Cut {
         let step = order.len().div_ceil(SAMPLE);
@@ -314,7 +318,7 @@ impl Frame<'_> {
 }
 
 impl Balls {
-    fn new(frame: Frame<'_>, order: &[u32]) -> Self {
+    fn new(frame: CloudFrame<'_>, order: &[u32]) -> Self {
         let d = frame.points.n_dimensions;
         let n_blocks = order.len().div_ceil(BLOCK);
         let mut centers = vec![0.0_f32; n_blocks.div_ceil(BLOCK) * BLOCK * (d + 1)];

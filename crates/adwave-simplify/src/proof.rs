@@ -153,7 +153,7 @@ impl Piece {
         let (_, k, outward) = best?;
         let [mut inside, mut outside] = self.cut(triangle[k], outward);
         inside.hint = Some(near);
-        outside.hint = to.beyond(near, k);
+        outside.hint = to.neighbor_across(near, k);
         Some([outside, inside])
     }
 

@@ -19,7 +19,7 @@ pub(crate) trait TriangleSearch {
     fn corners(&self, triangle: u32) -> &[Point; 3];
 
     /// Returns the triangle beyond the edge from corner `k` to the next one, if there is one and if neighbors are known.
-    fn beyond(&self, triangle: u32, k: usize) -> Option<u32>;
+    fn neighbor_across(&self, triangle: u32, k: usize) -> Option<u32>;
 
     /// Returns a triangle near a point, found from `start` over neighbors that are nearer and nearer, and its squared
     /// distance. Another triangle may be nearer.
@@ -30,7 +30,7 @@ pub(crate) trait TriangleSearch {
             let from = best.1;
             // The nearest point lies on the edges opposite to the corners without weight.
             for k in (0..3).filter(|&k| weights[(k + 2) % 3] <= 0.0) {
-                if let Some(next) = self.beyond(from, k) {
+                if let Some(next) = self.neighbor_across(from, k) {
                     let distance = squared_distance(p, self.corners(next));
                     if distance < best.0 {
                         best = (distance, next);
@@ -107,7 +107,7 @@ impl TriangleSearch for TriangleSurface {
         &self.corners[triangle as usize]
     }
 
-    fn beyond(&self, triangle: u32, k: usize) -> Option<u32> {
+    fn neighbor_across(&self, triangle: u32, k: usize) -> Option<u32> {
         Some(self.neighbors[triangle as usize][k]).filter(|&other| other != NONE)
     }
 }
@@ -182,7 +182,7 @@ impl TriangleSearch for TriangleList {
         &self.corners[triangle as usize]
     }
 
-    fn beyond(&self, _: u32, _: usize) -> Option<u32> {
+    fn neighbor_across(&self, _: u32, _: usize) -> Option<u32> {
         None
     }
 }

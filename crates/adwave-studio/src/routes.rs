@@ -293,7 +293,7 @@ async fn follow_pose(
         by.check()?;
         let is_drag = query.get("follow").is_some_and(|follow| follow == "step");
         let follow = if is_drag { Follow::Step } else { Follow::Rest };
-        let drawn = session.drawn();
+        let drawn = session.drawn_vertices();
         let vertices = match query.get("of").map(String::as_str) {
             Some("drawn") => Some(drawn.as_slice()),
             _ => None,

@@ -128,7 +128,7 @@ impl Session {
     }
 
     /// Vertices that the page draws while the shape moves.
-    pub(crate) fn drawn(&self) -> Arc<Vec<u32>> {
+    pub(crate) fn drawn_vertices(&self) -> Arc<Vec<u32>> {
         Arc::clone(&self.drawn.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

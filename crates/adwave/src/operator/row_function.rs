@@ -67,7 +67,7 @@ where
     /// # Errors
     /// [`DiffusionError`] if an entry is negative, not finite or beyond the rows, or a row leaves with more than ½.
     pub fn new(n_rows: usize, row: F) -> Result<Self, DiffusionError> {
-        Self { n_rows, row, weights: None, is_reversible: false, step_length: 1.0 }.checked()
+        Self { n_rows, row, weights: None, is_reversible: false, step_length: 1.0 }.with_checked_rows()
     }
 
     /// This walk with the weights μ of its rows, of any sum, in whose inner product it may be reversible.
@@ -84,7 +84,7 @@ where
         }
         let total: f64 = weights.iter().sum();
         let weights = weights.into_iter().map(|w| w / total).collect();
-        Self { weights: Some(weights), ..self }.checked()
+        Self { weights: Some(weights), ..self }.with_checked_rows()
     }
 
     /// This walk with the root mean square length of a step, in model units; 1 otherwise.
@@ -94,7 +94,7 @@ where
     }
 
     /// Checks the rows, and finds whether the walk is reversible.
-    fn checked(mut self) -> Result<Self, DiffusionError> {
+    fn with_checked_rows(mut self) -> Result<Self, DiffusionError> {
         let n = self.n_rows;
         let parts = parallel::map_chunks(n, ROWS_AT_A_TIME, |rows| {
             let mut wrong = rows.clone().filter_map(|x| self.wrong_row(x));
