@@ -83,8 +83,8 @@ fn noise_models_need_their_values_and_leave_gaps_alone() {
     let column: Vec<String> =
         all[1].iter().map(|b| if b.is_nan() { "nan".to_owned() } else { b.to_string() }).collect();
     fs::write(path.join("b.csv"), format!("b\n{}\n", column.join("\n"))).unwrap();
-    let negative: String = (0..column.len()).map(|x| format!("{}\n", x as f64 - 7.0)).collect();
-    fs::write(path.join("negative.csv"), format!("b\n{negative}")).unwrap();
+    let negative: Vec<String> = (0..column.len()).map(|x| (x as f64 - 7.0).to_string()).collect();
+    fs::write(path.join("negative.csv"), format!("b\n{}\n", negative.join("\n"))).unwrap();
     for model in ["poisson", "multiplicative"] {
         let line = format!("denoise grid.obj --signal b.csv -o out.csv --noise-model {model}");
         let report = json(path, &line);
