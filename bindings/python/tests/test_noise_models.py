@@ -18,7 +18,10 @@ def test_counts_are_smoothed_with_their_noise() -> None:
     shape, truth, noisy = counts()
     found, info = aw.denoise(shape, noisy, noise="poisson")
     assert info["noise_model"] == "poisson"
-    assert info["noise"] == pytest.approx(1.0, abs=0.06)
+    # The estimate has a deviation of 4 %, and the step raises it by 5 % on so few vertices.
+    assert info["noise"] == pytest.approx(1.0, abs=0.15)
+    flat = np.random.default_rng(5).poisson(40.0, len(truth)).astype(float)
+    assert aw.denoise(shape, flat, noise="poisson").info["noise"] == pytest.approx(1.0, abs=0.1)
     assert 0.0 < info["remaining"] < 0.2
     assert np.mean((found - truth) ** 2 / truth) < 0.15 * np.mean((noisy - truth) ** 2 / truth)
     given, info = aw.denoise(shape, noisy, noise=("poisson", 1.0))
