@@ -14,7 +14,7 @@ import {
 } from './support/page';
 import { creature, killStudio, OUT, startStudio } from './support/studio-server';
 
-const N_STROKES = Number(process.env['STUDIO_STROKES'] ?? 100);
+const N_STROKES = Number(process.env['STUDIO_STROKES'] ?? 50);
 const SEED = Number(process.env['STUDIO_SEED'] ?? 1);
 
 /** Differences of the masks of the page and of the server for the last layer. */
