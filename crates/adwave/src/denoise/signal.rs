@@ -284,14 +284,17 @@ impl ChannelGroup<'_> {
         };
         let mixture = mix(&candidates)?;
         if model != NoiseModel::Gaussian {
-            // The response to noise of known size tells the share of it that is left.
+            // The response to noise of known size tells the share of it that is left. Medians pass over the vertices near
+            // steps, where steps of the walk change with the noise.
             let response = mix(&shaken[0])?;
             let apart = |a: &[f64], b: &[f64]| -> f64 {
                 let known = (0..a.len()).filter(|i| (self.is_known)(i / self.d));
-                known.map(|i| (a[i] - b[i]).powi(2)).sum()
+                let mut sizes: Vec<f64> = known.map(|i| (a[i] - b[i]).abs()).collect();
+                median(&mut sizes)
             };
             let added = apart(&shaken[0][0], &candidates[0]);
-            info.remaining = if added > 0.0 { apart(&response, &mixture) / added } else { 1.0 };
+            let share = (apart(&response, &mixture) / added).powi(2);
+            info.remaining = if added > 0.0 { share.min(1.0) } else { 1.0 };
         }
         Ok((mixture, info))
     }
