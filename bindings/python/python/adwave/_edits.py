@@ -635,7 +635,9 @@ def denoise(
     signal = default_signal(part.given, signal)
     if signal is None:
         if noise_model != "gaussian":
-            raise ValueError(f"noise: {noise_model} noise is that of a signal, not of positions; pass a number or leave it out")
+            raise ValueError(
+                f"noise: {noise_model} noise is that of a signal, not of positions; pass a number or leave it out"
+            )
         weld = _only_weld(part, operator)
         with report_progress(progress, "denoising") as report:
             points, info = _native.denoise_points(part.shape._data, settings, weld, report)
