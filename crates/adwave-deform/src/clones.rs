@@ -33,7 +33,7 @@ impl Clones {
     /// Applies a list of clones to the shape as it was opened. On an error the clones before it are applied.
     ///
     /// # Errors
-    /// Those of [`DetailCloner::stamp`].
+    /// Errors of [`DetailCloner::stamp`].
     pub fn set(&mut self, clones: &[DetailClone], progress: Progress<'_>) -> Result<(), DeformError> {
         let single = |clone: &DetailClone| {
             let each = clone.targets.iter();

@@ -14,7 +14,7 @@ use adwave_io::{Pose, PoseHandle};
 /// A vertex of a handle is not fixed, and one of two handles belongs to the later one.
 ///
 /// # Errors
-/// Those of `vertices` and of [`Deformer::bind`]; [`DeformError::BadLength`] if the width is no length.
+/// Errors of `vertices` and of [`Deformer::bind`]; [`DeformError::BadLength`] if the width is no length.
 pub fn bind_pose<E: From<DeformError>>(
     decomposer: &Decomposer,
     pose: &Pose,

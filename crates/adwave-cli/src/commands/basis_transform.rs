@@ -60,7 +60,7 @@ struct BasisJob {
     /// Values of the welded vertices or of the faces.
     values: Vec<f64>,
     n_channels: usize,
-    /// Whether the values of the faces were given, and not those of their corners.
+    /// True if the values are those of a field of the faces, and not means of their corners.
     is_of_faces: bool,
 }
 

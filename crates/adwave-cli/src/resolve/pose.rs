@@ -41,7 +41,7 @@ pub(crate) struct ReshapedBy {
 }
 
 impl ReshapedBy {
-    /// Those of a recipe, if there are any.
+    /// Clones and pose of a recipe; `None` if it has neither.
     pub(crate) fn from_recipe(recipe: &Recipe) -> Option<Self> {
         let pose = recipe.pose.clone().filter(|pose| !pose.handles.is_empty());
         let clones = recipe.clones.clone();

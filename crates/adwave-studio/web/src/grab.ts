@@ -11,7 +11,7 @@ import { text } from './text';
 export type GrabMode = 'pull' | 'pin' | 'unpin';
 export type StrokeMode = 'pin' | 'unpin' | 'clone';
 
-/** What the pointer does; set by the panel. */
+/** Action of the pointer, set by the panel. */
 export const grab: { mode: GrabMode } = { mode: 'pull' };
 
 /** Distance of the pointer from a handle, in pixels, within which it is taken. */

@@ -453,7 +453,7 @@ fn match_weld_mode(
     }
 }
 
-/// What the faces at each vertex tell.
+/// Facts about the faces at each vertex.
 struct VertexFaces {
     flags: FaceFlags,
     /// The triangles at each vertex, if all faces are triangles.
