@@ -25,7 +25,7 @@ faces works as well. Use the same --width for both steps.
 
 Examples:
   adwave rebase scan.ply --write-base base.obj            1. write the base
-  adwave rebase scan.ply --base bent.obj -o posed.ply     2. after editing base.obj elsewhere as bent.obj
+  adwave rebase scan.ply --base bent.obj -o posed.ply     2. base.obj was edited as bent.obj
   adwave rebase scan.ply --write-base base.obj --width 4%     a smoother base: more rides along"
 )]
 pub(crate) struct RebaseArgs {

@@ -30,7 +30,8 @@ command wrote, the region field:name=weight reads them back.
 
 Examples:
   adwave region bust.obj --region 'ball:vertex=120,radius=10%'
-  adwave region bust.obj --region 'ball:point=0 1 0,radius=12%' --region 'vertices:indices=7,radius=5%' -o mask.ply
+  adwave region bust.obj --region 'ball:point=0 1 0,radius=12%' \\
+    --region 'vertices:indices=7,radius=5%' -o mask.ply
   adwave region brain.gii --region 'half-space:point=0 0 0,normal=0 0 1' -o upper.func.gii
   adwave render bust.obj --region 'ball:vertex=120,radius=10%' --focus vertex=120 -o mask.png"))]
 pub(crate) struct RegionArgs {

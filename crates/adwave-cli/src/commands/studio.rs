@@ -26,7 +26,7 @@ The server listens on this machine only and answers only requests with the token
 Examples:
   adwave studio bunny.obj
   adwave studio sample:creature --vertices 50000
-  adwave studio scan.ply --no-open --port 8080        on another machine; then ssh -L 8080:127.0.0.1:8080 HOST")]
+  adwave studio scan.ply --no-open --port 8080     elsewhere, with ssh -L 8080:127.0.0.1:8080")]
 pub(crate) struct StudioArgs {
     /// Shape: a file, '-' for the standard input, or sample:NAME
     #[arg(value_name = "SHAPE", value_parser = file_name())]

@@ -37,7 +37,7 @@ Examples:
   adwave transform brain.ply -o bands.vtp --signal thickness
   adwave transform pial.gii.gz -o bands.func.gii --signal thick.gii.gz --fwhm 4,8,16
   adwave transform scan.laz -o bands.vtp --lengths 0.1,0.2,0.5,1 --signal intensity
-  adwave transform white.gii.gz -o coefficients.npz --basis butterfly --signal thick.gii.gz --keep 0.1
+  adwave transform fsaverage5.gii -o c.npz --basis butterfly --signal sulc5.gii --keep 0.1
 
 With --basis: coefficient (n,d), level (n) and norm (n), 1 for the finest level; as fields of a shape, --inverse reads them back.")]
 pub(crate) struct TransformArgs {

@@ -71,10 +71,22 @@ fn in_help(folder: &Path) -> Vec<Documented> {
     for name in all.iter().map(clap::Command::get_name).chain([""]) {
         let help = run_line(folder, &format!("{name} --help"));
         let examples = help.out.lines().skip_while(|line| !line.starts_with("Examples:")).skip(1);
-        for line in examples.take_while(|line| line.starts_with("  adwave ")) {
+        let mut line = String::new();
+        for row in examples.take_while(|row| !row.is_empty()) {
+            // A line that the help has broken cannot be copied: a long command goes on behind a backslash.
+            let is_whole = line.is_empty() == row.starts_with("  adwave ");
+            assert!(
+                is_whole,
+                "adwave {name} --help: '{row}' is a part of an example; end the line before with \\"
+            );
             // What an example does stands behind it.
-            let line = line.trim().split("   ").next().unwrap_or_default().to_owned();
-            found.push(Documented { place: format!("adwave {name} --help"), line });
+            let part = row.trim().split("   ").next().unwrap_or_default();
+            if let Some(part) = part.strip_suffix('\\') {
+                line += part;
+                continue;
+            }
+            let command = std::mem::take(&mut line) + part;
+            found.push(Documented { place: format!("adwave {name} --help"), line: command });
         }
     }
     found
@@ -186,6 +198,8 @@ fn write_named_files(folder: &Path) {
     fs::create_dir_all(at("FOLDER")).unwrap();
     let recipe = "levels = 4\n[[layer]]\npreset = \"suppress\"\nregion = \"ball:vertex=120,radius=10%\"\n";
     fs::write(at("edit.toml"), recipe).unwrap();
+    let pose = "[pose]\nfixed = 'ball:vertex=7,radius=10%'\n[[pose.handle]]\nregion = 'ball:vertex=1972,radius=5%'\nby = [0.0, 0.0, 0.3]\n";
+    fs::write(at("pose.toml"), pose).unwrap();
 }
 
 fn write_curves_and_graphs(folder: &Path) {

@@ -13,10 +13,13 @@ count where its weight is above 0. With several --move, give as many motions of 
 
 ", regions_help!(), "
 Examples:
-  adwave deform bust.obj -o nod.obj --fix 'ball:vertex=7,radius=30%' --move 'ball:vertex=120,radius=10%' --turn x,20
-  adwave deform cat.ply -o up.ply --fix 'ball:vertex=7,radius=10%' --move 'ball:vertex=1972,radius=5%' --by 0,0,0.3
+  adwave deform bust.obj -o nod.obj --fix 'half-space:point=0 0.4 0,normal=0 -1 0' \\
+    --move 'half-space:point=0 1.6 0,normal=0 1 0' --turn x,20
+  adwave deform cat.ply -o up.ply --fix 'ball:vertex=7,radius=10%' \\
+    --move 'ball:vertex=1972,radius=5%' --by 0,0,0.3
   adwave deform cat.ply -o posed.ply --recipe pose.toml
-  adwave deform cat.ply -o two.ply --move vertices:indices=1972 --to 0,1,2 --move vertices:indices=1500 --to 0,1,3"))]
+  adwave deform cat.ply -o two.ply --move vertices:indices=1972 --to 0,1,2 \\
+    --move vertices:indices=1500 --to 0,1,3"))]
 pub(crate) struct DeformArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,

@@ -19,7 +19,7 @@ Output by extension:
 
 Examples:
   adwave diff before.ply after.ply                      a table by level, in model units
-  adwave diff scan1.ply scan2.ply --align -o diff.html  two scans, aligned first
+  adwave diff scan1.ply scan2.ply --align -o diff.html     two scans, aligned first
   adwave diff part.stl printed.ply --align --limit 5%    points farther away are not compared
   adwave diff a.ply b.ply --lengths 1,2,5,10 -o diff.ply --json")]
 pub(crate) struct DiffArgs {

@@ -14,9 +14,10 @@ Output by extension; without it the features are printed:
 
 Examples:
   adwave features bunny.obj
-  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, such as knees and elbows
+  adwave features bunny.obj -o features.csv --theta 1.8     weaker ones too, such as knees
   adwave features scan.pcd -o features.ply --best 50 --refine
-  adwave features sample:plane --signal mean-curvature --response literal --edge-ratio 10 --mask-border 1
+  adwave features sample:plane --signal mean-curvature --response literal \\
+    --edge-ratio 10 --mask-border 1
 
 'adwave match' pairs the features of two shapes.")]
 pub(crate) struct FeaturesArgs {

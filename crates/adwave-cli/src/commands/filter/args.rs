@@ -25,8 +25,10 @@ Examples:
   adwave filter lidar.laz -o smooth.laz --preset smooth --along z --only classification=2
   adwave filter centerline.vtk -o smooth.vtk --preset smooth --lengths 1,2,4
   adwave filter brain.ply -o even.ply --signal thickness --preset suppress
-  adwave filter land.laz -o even.laz --field classification --as-labels --preset suppress-paper --levels 3
-  adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress --mask lh.cortex.label
+  adwave filter land.laz -o even.laz --field classification --as-labels \\
+    --preset suppress-paper --levels 3
+  adwave filter pial.gii.gz -o smooth.shape.gii --signal thick.gii.gz --preset suppress \\
+    --mask lh.cortex.label
   adwave filter bust.obj -o edit.obj --recipe edit.toml"))]
 pub(crate) struct FilterArgs {
     #[command(flatten)]

@@ -20,7 +20,7 @@ too, and --motion none pairs features by similarity alone, for bent shapes.
 
 Examples:
   adwave match scan1.ply scan2.ply                                  the motion and pairs of features
-  adwave match scan1.ply scan2.ply --picture matches.png            side by side, lines between pairs
+  adwave match scan1.ply scan2.ply --picture matches.png            pairs joined by lines
   adwave match scan1.ply scan2.ply -o pairs.csv --moved scan1-on-2.ply
   adwave match bust.obj bust-in-inches.obj --motion similarity")]
 pub(crate) struct MatchArgs {

@@ -22,14 +22,17 @@ round lines. --region shows the weights that 'adwave filter' would use; its help
 Examples:
   adwave render bunny.obj -o bunny.png
   adwave render bunny.obj -o curvature.png --color mean-curvature --view 30,15
-  adwave features bunny.obj -o features.csv && adwave render bunny.obj -o features.png --features features.csv
-  adwave saliency bunny.obj -o map.ply && adwave render map.ply -o map.png --color saliency --color-map turbo
+  adwave features bunny.obj -o features.csv && \\
+    adwave render bunny.obj -o features.png --features features.csv
+  adwave saliency bunny.obj -o map.ply && \\
+    adwave render map.ply -o map.png --color saliency --color-map turbo
   adwave render scan.las -o plan.png --view top --orthographic
   adwave render bunny.obj -o ear.png --focus vertex=120 --zoom 6
   adwave render bunny.obj -o region.png --region 'ball:vertex=120,radius=10%'
   adwave render scan.las -o ground.png --only classification=2
   adwave render before.obj after.obj -o sheet.png --grid
-  adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature --grid --view left")]
+  adwave render pial.gii.gz -o folds.png --color sulc.gii.gz --color mean-curvature \\
+    --grid --view left")]
 pub(crate) struct RenderArgs {
     /// Files, '-', or sample:NAME; several with --grid
     #[arg(value_name = "SHAPE", required = true, value_parser = file_name())]

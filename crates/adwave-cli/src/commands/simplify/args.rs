@@ -21,7 +21,7 @@ Examples:
   adwave simplify bust.obj -o small.obj --error 0.1%
   adwave simplify part.stl -o part-small.stl --error 0.05
   adwave simplify bunny.ply -o bunny-5k.ply --vertices 5000
-  adwave simplify bunny.ply -o small.ply --ratio 0.1 --weights mean-curvature     or a field, as of 'adwave saliency'
+  adwave simplify bunny.ply -o small.ply --ratio 0.1 --weights mean-curvature     or a field
   adwave simplify fsaverage5.gii -o fsaverage4.gii --level 1
   adwave simplify scan.laz -o thin.laz --error 0.25
   adwave simplify scan.laz -o thin.laz --error 0.5 --only classification=2     all other points stay"

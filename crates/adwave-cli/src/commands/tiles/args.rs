@@ -29,7 +29,7 @@ Examples:
   adwave tiles flight-*.laz -o clean.laz --denoise
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --forecast
   adwave tiles scan.ply -o smooth.ply --gains 0,0.5,1,1,1,1,1,1 --magnitudes 3,6 --memory 1G
-  adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only        then, on any machine with access to the folder:
+  adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only     then, where the folder is:
   adwave tile tiles/ sort && adwave tile tiles/ neighbors 0 && adwave tile tiles/ bands 0")]
 pub(crate) struct TilesArgs {
     /// LAS or LAZ files of one point format and scale, folders of such files (tiles, an EPT), or one PLY or OBJ with faces
