@@ -42,6 +42,13 @@ const storedPositions = (page: Page): Promise<number[]> =>
     return Array.from(new Float32Array(await response.arrayBuffer()));
   });
 
+/** Turns the tool on. */
+async function startGrabbing(page: Page): Promise<void> {
+  const pullMode = page.getByRole('button', { name: 'Pull', exact: true });
+  if (!(await pullMode.isVisible())) await page.keyboard.press('p');
+  await pullMode.click();
+}
+
 /** Pulls the surface from a place of the picture by some pixels, step by step. */
 async function pull(page: Page, from: Point, by: Point, beforeRelease = async () => {}): Promise<void> {
   const path: Point[] = Array.from({ length: 7 }, (_, k) => [
@@ -73,7 +80,7 @@ test.describe('a surface', () => {
 
   test('bends while a handle is pulled, and the far end stays', async () => {
     const rest = await positions(page);
-    await page.keyboard.press('p');
+    await startGrabbing(page);
     const { x, y, size } = await pictureFrame(page);
     let during: number[] = [];
     await pull(page, [x, y], [0.1 * size, -0.15 * size], async () => {
@@ -123,7 +130,7 @@ test.describe('a surface', () => {
   });
 
   test('a click pins, pins are painted and released, and the shape is straightened', async () => {
-    await page.keyboard.press('p');
+    await startGrabbing(page);
     // The surface is in the middle of the picture again.
     await page.getByRole('button', { name: 'Straighten' }).click();
     await waitUntilSaved(page);
@@ -151,8 +158,33 @@ test.describe('a surface', () => {
     expectNoFailures(failures);
   });
 
+  test('no click and no pull is lost, however soon it is released', async () => {
+    await startGrabbing(page);
+    const { x, y, size } = await pictureFrame(page);
+    const nPins = async () => {
+      const { fixed } = await pose(page);
+      return fixed && 'any' in fixed ? fixed.any.length : 0;
+    };
+    for (let k = 0; k < 8; k++) {
+      const before = await nPins();
+      await page.mouse.click(x + 0.01 * (k % 3) * size, y + 0.01 * k * size, { delay: 6 * k });
+      await expect.poll(nPins).toBe(before + 1);
+    }
+    const before = await nHandles(page);
+    await drag(page, [
+      [x, y],
+      [x + 0.05 * size, y],
+    ]);
+    await expect.poll(() => nHandles(page), { timeout: 60_000 }).toBe(before + 1);
+    expect(Math.hypot(...(await pose(page)).handle.at(-1)!.by)).toBeGreaterThan(0.01);
+    await waitUntilSaved(page);
+    await page.getByRole('button', { name: 'Straighten' }).click();
+    await waitUntilSaved(page);
+    expectNoFailures(failures);
+  });
+
   test('a click that is cancelled leaves nothing, and a lost picture ends the pull', async () => {
-    await page.getByRole('button', { name: 'Pull', exact: true }).click();
+    await startGrabbing(page);
     const before = await currentEdit(page);
     const { x, y, size } = await pictureFrame(page);
     await pull(page, [x, y], [0.1 * size, 0], async () => {
@@ -202,7 +234,7 @@ test('the brush clones detail to where it is dragged, live, and undo takes it ba
     // Detail elsewhere stays, and clones bend with the shape.
     const nMoved = cloned.filter((value, i) => Math.abs(value - rest[i]!) > 1e-6).length / 3;
     expect(nMoved).toBeLessThan(0.2 * (rest.length / 3));
-    await page.keyboard.press('p');
+    await startGrabbing(page);
     await pull(page, [x, y], [0, -0.1 * size]);
     await waitUntilSaved(page);
     expect(largestMove(await positions(page), await storedPositions(page))).toBeLessThan(1e-4);
@@ -249,7 +281,7 @@ for (const kind of ['sheet', 'two parts', 'cloud', 'strays'] as const) {
     try {
       const page = await openPage(browser, server.url, failures);
       const rest = await positions(page);
-      await page.keyboard.press('p');
+      await startGrabbing(page);
       const { x, y, size } = await pictureFrame(page);
       const from: Point = kind === 'two parts' ? [x + 0.2 * size, y] : [x + 0.05 * size, y + 0.05 * size];
       await pull(page, from, [0, -0.15 * size]);

@@ -138,20 +138,21 @@ export class Grab {
     const vertex = vertexOf(pose.handle[handle]!);
     if (vertex === null) return false;
     const start = arrays.place(vertex);
-    this.pull = { handle, start, by: pose.handle[handle]!.by, from: camera.pointInPlane(start, x, y) };
+    const pull = { handle, start, by: pose.handle[handle]!.by, from: camera.pointInPlane(start, x, y) };
+    this.pull = pull;
     studio.isPulling = true;
     try {
       // Binds the shape, and finds out if it can be.
       const by = { clones: studio.doc.clones, pose };
       const work = () => studio.engine.call('bend', { by, follow: 'step', drawn: true });
-      if ((await studio.wait(text.binding, work)) === null) this.pull = null;
+      const bound = await studio.wait(text.binding, work);
+      // The pull may have been cancelled meanwhile, or followed by another one.
+      if (this.pull !== pull) return false;
+      if (bound === null) this.pull = null;
     } catch (error) {
-      this.pull = null;
-      studio.isPulling = false;
       studio.showMessage((error as Error).message, 'error');
-      return false;
+      if (this.pull === pull) this.pull = null;
     }
-    // The pull may have been cancelled meanwhile.
     if (!this.pull) {
       studio.isPulling = false;
       return false;

@@ -24,6 +24,20 @@ interface Stroke {
   stamped: number;
 }
 
+/** A press that pulls, pins or clones. It lasts until the pointer is released and the shape is bound. */
+interface Grabbing {
+  pointer: number;
+  handle: number;
+  /** Surface under the press; `null` until it is known. */
+  hit: Hit | null;
+  /** Whether the shape follows the pointer. */
+  began: boolean;
+  /** Last place of the pointer on the canvas, and how far it has moved. */
+  at: { x: number; y: number };
+  moved: number;
+  released: boolean;
+}
+
 /** Largest pointer movement of a click, in pixels. */
 const CLICK = 4;
 
@@ -38,8 +52,7 @@ export class Stage {
   /** Result of the last pick under the cursor. */
   private hoverAnswer: PickAnswer | null = null;
   private pendingPress: { id: number; x: number; y: number; invert: boolean; pressure: number } | null = null;
-  /** Pointer that pulls or pins; `null` before the surface under it is known. */
-  private grabbing: { pointer: number; handle: number; hit: Hit | null; began: boolean } | null = null;
+  private grabbing: Grabbing | null = null;
   private readonly grab: Grab;
   onClick: ((answer: PickAnswer, x: number, y: number) => void) | null = null;
 
@@ -89,7 +102,9 @@ export class Stage {
     if (clones && !pans && !this.studio.onPickVertex && (e.altKey || this.studio.cloneSource === null))
       this.studio.pickCloneSource();
     if ((this.studio.isGrabOn || clones) && !pans && e.button === 0 && !this.studio.onPickVertex) {
-      this.grabbing = { pointer: e.pointerId, handle: -1, hit: null, began: false };
+      this.endGrab('drop');
+      const begun = { hit: null, began: false, at: place, moved: 0, released: false };
+      this.grabbing = { pointer: e.pointerId, handle: -1, ...begun };
       void this.beginGrab(this.grabbing, place);
       return;
     }
@@ -106,21 +121,13 @@ export class Stage {
   }
 
   /** Decides by picking: on the surface the pointer pulls, pins or clones; off the surface it rotates the shape. */
-  private async beginGrab(
-    grabbing: NonNullable<Stage['grabbing']>,
-    { x, y }: { x: number; y: number },
-  ): Promise<void> {
+  private async beginGrab(grabbing: Grabbing, { x, y }: { x: number; y: number }): Promise<void> {
     const { studio } = this;
     const mode = this.grabMode;
     grabbing.handle = mode === 'pull' ? this.grab.handleAt(x, y) : -1;
     const ray = studio.view.camera.ray(x, y);
     const { hit } = await studio.engine.call('pick', { ray, ring: null });
-    if (this.grabbing !== grabbing) {
-      // Released before the answer: a click pins.
-      if (this.grabbing === null && hit && (studio.isGrabOn || mode === 'clone'))
-        this.touchOnce(hit.vertex, mode === 'pull' ? 'pin' : mode);
-      return;
-    }
+    if (this.grabbing !== grabbing) return;
     if (!hit && grabbing.handle < 0) {
       this.grabbing = null;
       if (this.pointers.has(grabbing.pointer)) this.turning = 'turn';
@@ -131,17 +138,21 @@ export class Stage {
       this.grab.beginStroke(mode);
       grabbing.began = true;
       this.grab.touch(hit.vertex);
-      return;
+    } else if (!grabbing.released || grabbing.moved >= CLICK) {
+      // A click needs no bound shape.
+      grabbing.began = await this.grab.begin(grabbing.handle, hit, x, y);
+      if (this.grabbing !== grabbing) {
+        // Cancelled meanwhile.
+        if (grabbing.began) this.grab.end('drop');
+        return;
+      }
+      if (!grabbing.began) {
+        this.grabbing = null;
+        return;
+      }
+      if (grabbing.moved >= CLICK) this.grab.moveTo(grabbing.at.x, grabbing.at.y);
     }
-    const started = await this.grab.begin(grabbing.handle, hit, x, y);
-    if (this.grabbing !== grabbing) {
-      // Released meanwhile.
-      this.grab.end('drop');
-      return;
-    }
-    grabbing.began = started;
-    const now = this.pointers.get(grabbing.pointer);
-    if (started && now && this.moved >= CLICK) this.grab.moveTo(now.x, now.y);
+    if (grabbing.released) this.endGrab('keep');
   }
 
   private get grabMode(): GrabMode | 'clone' {
@@ -158,7 +169,7 @@ export class Stage {
     const { grabbing, studio } = this;
     if (!grabbing?.began) return;
     if (this.grabMode === 'pull') {
-      if (this.moved >= CLICK) this.grab.moveTo(place.x, place.y);
+      if (grabbing.moved >= CLICK) this.grab.moveTo(place.x, place.y);
       return;
     }
     const ray = studio.view.camera.ray(place.x, place.y);
@@ -171,16 +182,21 @@ export class Stage {
   private endGrab(how: 'keep' | 'drop'): void {
     const { grabbing } = this;
     if (!grabbing) return;
+    const clicked = this.grabMode === 'pull' && grabbing.moved < CLICK;
+    if (how === 'keep' && !grabbing.began && !(clicked && grabbing.hit)) {
+      // The surface under the press is not known yet, or the shape is not bound.
+      grabbing.released = true;
+      return;
+    }
     this.grabbing = null;
-    const clicked = this.grabMode === 'pull' && this.moved < CLICK;
     this.grab.end(clicked ? 'drop' : how);
-    if (clicked && how === 'keep' && grabbing.began && grabbing.handle < 0 && grabbing.hit)
+    if (clicked && how === 'keep' && grabbing.handle < 0 && grabbing.hit)
       this.touchOnce(grabbing.hit.vertex, 'pin');
   }
 
   /** Keeps what was pulled so far. */
   interrupt(): void {
-    this.endGrab('keep');
+    this.endGrab(this.grabbing?.began ? 'keep' : 'drop');
   }
 
   /** Decides by picking: the brush paints on the surface; off the surface the pointer rotates the shape. */
@@ -337,6 +353,8 @@ export class Stage {
     if (this.pointers.size === 2) {
       this.movePinch();
     } else if (this.grabbing?.pointer === e.pointerId) {
+      this.grabbing.at = place;
+      this.grabbing.moved += Math.abs(dx) + Math.abs(dy);
       this.moveGrab(place);
       return;
     } else if (this.stroke?.pointer === e.pointerId) {
