@@ -22,9 +22,9 @@ const LEAST_SHARE: f64 = 0.15;
 /// Points of a refinement of all candidates; only the best is refined with more.
 const REFINED_POINTS: usize = 1200;
 /// Rounds of this refinement.
-const REFINED_ROUNDS: usize = 12;
+const REFINED_ROUNDS: usize = 60;
 /// Rounds of the last refinement of the best.
-const LAST_ROUNDS: usize = 6;
+const LAST_ROUNDS: usize = 60;
 /// Largest surplus of conflict of an equal motion.
 const EQUAL_CONFLICT: f64 = 0.02;
 /// Largest surplus of cost of an equal motion.

@@ -64,6 +64,14 @@ const ROUGH_STEP: usize = 30;
 /// Numbers of starts that are tried, and of those that are refined: few first, then all.
 const BATCHES: [(usize, usize); 3] = [(44, 10), (88, 20), (usize::MAX, 48)];
 
+/// Least gain of the rough fit of an alternative, relative to that of the best motion.
+const LEAST_GAIN: f64 = 0.4;
+/// Distance from the motions that were found below which a start is not tried again, as a share of the extent.
+const NEAR: f64 = 0.05;
+/// Most motions whose differences are continued.
+const MAX_CONTINUED: usize = 6;
+/// Most rounds in which they are continued.
+const CONTINUING_ROUNDS: usize = 3;
 /// Starts of the landmarks that come before those of the principal axes.
 const N_FIRST: usize = 16;
 
@@ -109,7 +117,7 @@ pub(crate) fn search_motions(
 }
 
 /// Candidates of one shape, the one with the most information first. If some of the best starts lead to motions that are
-/// plausible, the others are left out.
+/// plausible, only those of the others that fit roughly as well are tried.
 fn refined_candidates(
     first: &RegistrandView<'_>,
     second: &RegistrandView<'_>,
@@ -117,67 +125,153 @@ fn refined_candidates(
     progress: Progress<'_>,
 ) -> Result<Vec<FoundMotion>, Cancelled> {
     let starts = starts(first, second, params, progress)?;
+    let points = first.samples.iter().map(|sample| sample.point).collect();
+    let refinement = Refinement { first, second, points, scaled: params.scaled, progress };
     let mut found = Vec::new();
     for (batch, kept) in BATCHES {
-        let starts = &starts[..batch.min(starts.len())];
-        found = refine_starts(first, second, starts, &StartParams { kept, scaled: params.scaled }, progress)?;
+        let (tried, left) = starts.split_at(batch.min(starts.len()));
+        progress.check()?;
+        let rough = refinement.rough_fits(tried);
+        let typical = typical_distance(&rough);
+        let mut rated: Vec<(f64, Motion)> =
+            rough.iter().map(|fit| fit.gain(typical)).zip(tried.iter().copied()).collect();
+        rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+        found = refinement.refine(rated.into_iter().take(kept).map(|(_, motion)| motion).collect())?;
         if found.first().is_some_and(|found| found.fit.agreement > SURE_AGREEMENT) {
-            break;
+            return refinement.add_alternatives(found, left, typical);
         }
     }
     Ok(found)
 }
 
-/// Options of the refinement of starts.
-struct StartParams {
-    /// Number of starts that are refined: those of the best rough fit.
-    kept: usize,
-    scaled: bool,
-}
-
-/// Refines the best starts on few points, and the best of these on more.
-fn refine_starts(
-    first: &RegistrandView<'_>,
-    second: &RegistrandView<'_>,
-    starts: &[Motion],
-    params: &StartParams,
-    progress: Progress<'_>,
-) -> Result<Vec<FoundMotion>, Cancelled> {
-    progress.check()?;
-    let rough: Vec<RoughFit> =
-        starts.par_iter().map(|motion| RoughFit::new(first, second, motion, ROUGH_STEP)).collect();
+/// Median over the starts of the median distance, in units of the smaller extent. Most motions are wrong.
+fn typical_distance(rough: &[RoughFit]) -> f64 {
     let mut medians: Vec<f64> = rough.iter().map(RoughFit::median).filter(|d| d.is_finite()).collect();
     medians.sort_by(f64::total_cmp);
-    // Most motions are wrong.
-    let typical = medians.get(medians.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
-    let mut rated: Vec<(f64, Motion)> =
-        rough.iter().map(|fit| fit.gain(typical)).zip(starts.iter().copied()).collect();
-    rated.sort_by(|a, b| b.0.total_cmp(&a.0));
-    rated.truncate(params.kept);
-    let mut motions: Vec<Motion> = rated.into_iter().map(|(_, motion)| motion).collect();
-    let points: Vec<[f64; 3]> = first.samples.iter().map(|sample| sample.point).collect();
-    let mut found: Vec<FoundMotion> = Vec::new();
-    for stage in &STAGES {
-        progress.check()?;
-        let refine = |start: &Motion| {
-            let extent = (start.scale() * first.shape.extent).min(second.shape.extent);
-            let align_params = AlignParams {
-                max_points: stage.points,
-                max_rounds: stage.rounds,
-                scaled: params.scaled,
-                reach: (stage.reach * extent).max(10.0 * precision(first, second, start)),
-            };
-            let (motion, _) = align(&points, &second.shape.surface, *start, &align_params, progress)?;
-            Ok(FoundMotion { motion, fit: two_way_fit(first, second, &motion, stage.step) })
-        };
-        let refined: Result<Vec<FoundMotion>, Cancelled> = motions.par_iter().map(refine).collect();
-        found = refined?;
-        found.sort_by(|a, b| b.fit.information.total_cmp(&a.fit.information));
-        found = distinct(found, first, &points, stage.distance);
-        let n_plausible = found.iter().filter(|found| found.fit.agreement > PLAUSIBLE_AGREEMENT).count();
-        motions = found.iter().take(n_plausible.clamp(2, MAX_CANDIDATES)).map(|found| found.motion).collect();
+    medians.get(medians.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE)
+}
+
+/// Refinement of motions on the surfaces.
+struct Refinement<'a> {
+    first: &'a RegistrandView<'a>,
+    second: &'a RegistrandView<'a>,
+    /// Samples of the first shape.
+    points: Vec<[f64; 3]>,
+    /// True for similarities.
+    scaled: bool,
+    progress: Progress<'a>,
+}
+
+impl Refinement<'_> {
+    fn rough_fits(&self, motions: &[Motion]) -> Vec<RoughFit> {
+        let fit = |motion: &Motion| RoughFit::new(self.first, self.second, motion, ROUGH_STEP);
+        motions.par_iter().map(fit).collect()
     }
-    Ok(found)
+
+    /// Refines starts on few points, and the best of these on more. The motion with the most information comes first.
+    fn refine(&self, mut motions: Vec<Motion>) -> Result<Vec<FoundMotion>, Cancelled> {
+        let mut found: Vec<FoundMotion> = Vec::new();
+        for stage in &STAGES {
+            self.progress.check()?;
+            let refined: Result<Vec<FoundMotion>, Cancelled> =
+                motions.par_iter().map(|start| self.refine_start(start, stage)).collect();
+            found = refined?;
+            self.sort_distinct(&mut found, stage.distance);
+            let n_plausible = found.iter().filter(|found| found.fit.agreement > PLAUSIBLE_AGREEMENT).count();
+            let n = n_plausible.clamp(2, MAX_CANDIDATES);
+            motions = found.iter().take(n).map(|found| found.motion).collect();
+        }
+        Ok(found)
+    }
+
+    fn refine_start(&self, start: &Motion, stage: &RefinementStage) -> Result<FoundMotion, Cancelled> {
+        let (first, second) = (self.first, self.second);
+        let extent = (start.scale() * first.shape.extent).min(second.shape.extent);
+        let params = AlignParams {
+            max_points: stage.points,
+            max_rounds: stage.rounds,
+            scaled: self.scaled,
+            reach: (stage.reach * extent).max(10.0 * precision(first, second, start)),
+        };
+        let (motion, _) = align(&self.points, &second.shape.surface, *start, &params, self.progress)?;
+        Ok(FoundMotion { motion, fit: two_way_fit(first, second, &motion, stage.step) })
+    }
+
+    /// Sorts motions by information, and keeps the first of those that differ by less than a share of the extent.
+    fn sort_distinct(&self, found: &mut Vec<FoundMotion>, share: f64) {
+        found.sort_by(|a, b| b.fit.information.total_cmp(&a.fit.information));
+        let mut kept: Vec<FoundMotion> = Vec::new();
+        for candidate in found.drain(..) {
+            if !self.is_near(&candidate.motion, kept.iter().map(|other| &other.motion), share) {
+                kept.push(candidate);
+            }
+        }
+        *found = kept;
+    }
+
+    /// Tells if a motion differs from one of the others by less than a share of the extent.
+    fn is_near<'m>(&self, motion: &Motion, others: impl IntoIterator<Item = &'m Motion>, share: f64) -> bool {
+        let points: Vec<[f64; 3]> = self.points.iter().copied().step_by(100).collect();
+        let least = share * motion.scale() * self.first.shape.extent;
+        others.into_iter().any(|other| motion.difference(other, &points) <= least)
+    }
+
+    /// Adds motions that may fit as well as those that were found: further starts, and motions that continue a row or a
+    /// rotation.
+    ///
+    /// If m and m′ were found, m′·m⁻¹ brings one part of the second shape onto another one that looks alike, and after m it
+    /// leads to the next such part. Only motions whose rough fit is nearly as good as that of the best motion are refined.
+    fn add_alternatives(
+        &self,
+        mut found: Vec<FoundMotion>,
+        starts: &[Motion],
+        typical: f64,
+    ) -> Result<Vec<FoundMotion>, Cancelled> {
+        let mut proposed = starts.to_vec();
+        for _ in 0..CONTINUING_ROUNDS {
+            self.progress.check()?;
+            let plausible = found.iter().filter(|found| found.fit.agreement > SURE_AGREEMENT);
+            let plausible: Vec<Motion> = plausible.take(MAX_CONTINUED).map(|found| found.motion).collect();
+            let Some(best) = plausible.first() else { break };
+            let least = LEAST_GAIN * RoughFit::new(self.first, self.second, best, ROUGH_STEP).gain(typical);
+            proposed.extend(continued(&plausible));
+            let rough = self.rough_fits(&proposed);
+            let rated = rough.iter().map(|fit| fit.gain(typical)).zip(proposed.drain(..));
+            let mut rated: Vec<(f64, Motion)> = rated.filter(|(gain, _)| *gain >= least).collect();
+            rated.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut added: Vec<Motion> = Vec::new();
+            for (_, motion) in rated {
+                let known = found.iter().map(|found| &found.motion).chain(&added);
+                if added.len() < MAX_CANDIDATES && !self.is_near(&motion, known, NEAR) {
+                    added.push(motion);
+                }
+            }
+            let n_before = found.len();
+            if !added.is_empty() {
+                found.extend(self.refine(added)?);
+                self.sort_distinct(&mut found, STAGES[STAGES.len() - 1].distance);
+            }
+            if found.len() == n_before {
+                break;
+            }
+        }
+        found.truncate(MAX_CANDIDATES);
+        Ok(found)
+    }
+}
+
+/// Each motion followed by the difference of each two.
+fn continued(motions: &[Motion]) -> Vec<Motion> {
+    let mut continued = Vec::new();
+    for (i, from) in motions.iter().enumerate() {
+        for (j, to) in motions.iter().enumerate() {
+            if i != j {
+                let step = from.inverse().then(to);
+                continued.extend(motions.iter().map(|motion| motion.then(&step)));
+            }
+        }
+    }
+    continued
 }
 
 /// Starts of all kinds.
@@ -216,24 +310,6 @@ fn starts(
         starts.extend(centered_motions(first, second, &rotation_grid(N_TURNS)));
     }
     Ok(starts)
-}
-
-/// Keeps the first of motions that differ by less than a share of the extent.
-fn distinct(
-    found: Vec<FoundMotion>,
-    first: &RegistrandView<'_>,
-    points: &[[f64; 3]],
-    share: f64,
-) -> Vec<FoundMotion> {
-    let points: Vec<[f64; 3]> = points.iter().copied().step_by(100).collect();
-    let mut kept: Vec<FoundMotion> = Vec::new();
-    for candidate in found {
-        let least = share * candidate.motion.scale() * first.shape.extent;
-        if kept.iter().all(|other| candidate.motion.difference(&other.motion, &points) > least) {
-            kept.push(candidate);
-        }
-    }
-    kept
 }
 
 /// Rotation vectors that cover all rotations evenly, on a spiral.

@@ -27,6 +27,17 @@ pub(crate) fn steps_json(steps: &[f64]) -> Vec<Value> {
     steps.iter().map(|&n| if n.fract() == 0.0 { json!(n as u64) } else { json!(n) }).collect()
 }
 
+/// Number of bytes in kB, MB or GB.
+pub(crate) fn bytes_text(bytes: f64) -> String {
+    if bytes < 1e5 {
+        format!("{:.1} kB", bytes / 1e3)
+    } else if bytes < 1e8 {
+        format!("{:.1} MB", bytes / 1e6)
+    } else {
+        format!("{:.1} GB", bytes / 1e9)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -193,9 +193,10 @@ fn write_named_files(folder: &Path) {
         adwave_io::write_npy(&at(name), &[n], adwave_io::ArrayValues::F64(&values)).unwrap();
     }
     write_texture(folder);
-    fs::create_dir_all(at("models")).unwrap();
-    fs::create_dir_all(at("textured-models")).unwrap();
-    fs::create_dir_all(at("FOLDER")).unwrap();
+    for folder in ["models", "textured-models", "FOLDER"] {
+        fs::create_dir_all(at(folder)).unwrap();
+        save(&model, &format!("{folder}/armadillo.obj"));
+    }
     let recipe = "levels = 4\n[[layer]]\npreset = \"suppress\"\nregion = \"ball:vertex=120,radius=10%\"\n";
     fs::write(at("edit.toml"), recipe).unwrap();
     let pose = "[pose]\nfixed = 'ball:vertex=7,radius=10%'\n[[pose.handle]]\nregion = 'ball:vertex=1972,radius=5%'\nby = [0.0, 0.0, 0.3]\n";

@@ -79,7 +79,9 @@ fn number_faults(line: &str) -> Vec<String> {
         if !is_refusal && (is_number_word("NaN") || is_number_word("inf")) && !line.contains("is NaN") {
             faults.push(format!("says '{word}': {line}"));
         }
-        let digits = word.chars().filter(char::is_ascii_digit).count();
+        // Zeros before the first digit say how small a number is.
+        let significant = word.trim_start_matches(['+', '-', '0', '.']);
+        let digits = significant.chars().filter(char::is_ascii_digit).count();
         let is_number = word.chars().all(|c| c.is_ascii_digit() || "+-.e%".contains(c));
         if is_number && digits > MOST_DIGITS {
             faults.push(format!("has a number of {digits} digits: {line}"));

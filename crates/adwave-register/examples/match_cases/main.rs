@@ -55,6 +55,7 @@ struct Case {
 /// Result of a case.
 struct Outcome {
     kind: &'static str,
+    seed: u64,
     has_truth: bool,
     /// Errors of the best motion and of those that fit equally well, as shares of the extent; empty without a claim. Without a
     /// true motion they are infinite.
@@ -89,10 +90,12 @@ fn main() {
         if start.elapsed() > limit {
             break;
         }
-        outcomes
-            .par_extend(chunk.par_iter().filter_map(|&(seed, kind)| run(kind, &case(kind, seed, &files))));
+        outcomes.par_extend(
+            chunk.par_iter().filter_map(|&(seed, kind)| run(kind, seed, &case(kind, seed, &files))),
+        );
     }
     print_rates(&kinds, &outcomes);
+    print_wrong(&outcomes);
     let tenths = tenths(&outcomes);
     print_calibration(&tenths);
     std::fs::write(curve, curve::draw(&tenths)).unwrap_or_else(|e| panic!("{curve}: {e}"));
@@ -158,7 +161,7 @@ fn turned(a: &[f64; 3], b: &[f64; 3], angle: f64) -> [f64; 3] {
 }
 
 /// Runs a case; `None` if a surface is too small to have features.
-fn run(kind: &'static str, case: &Case) -> Option<Outcome> {
+fn run(kind: &'static str, seed: u64, case: &Case) -> Option<Outcome> {
     if case.first.points.len().min(case.second.points.len()) < 500 {
         return None;
     }
@@ -187,7 +190,7 @@ fn run(kind: &'static str, case: &Case) -> Option<Outcome> {
         RatedPair { confidence: pair.confidence, is_right }
     };
     let pairs = found.pairs(&a, &b, PairParams::default().sigmas).into_iter().map(rate).collect();
-    Some(Outcome { kind, has_truth: case.truth.is_some(), errors, pairs, elapsed })
+    Some(Outcome { kind, seed, has_truth: case.truth.is_some(), errors, pairs, elapsed })
 }
 
 fn print_rates(kinds: &[&str], outcomes: &[Outcome]) {
@@ -210,6 +213,16 @@ fn print_rates(kinds: &[&str], outcomes: &[Outcome]) {
             claimed - right - listed,
             seconds / of_kind.len().max(1) as f64
         );
+    }
+}
+
+/// Prints the seeds of wrong claims, with the least error of the motions that were listed, so that they can be looked into.
+fn print_wrong(outcomes: &[Outcome]) {
+    for outcome in outcomes {
+        let least = outcome.errors.iter().copied().fold(f64::INFINITY, f64::min);
+        if !outcome.errors.is_empty() && least >= RIGHT {
+            println!("wrong: {}, seed {}, off by {least:.4}", outcome.kind, outcome.seed);
+        }
     }
 }
 

@@ -36,7 +36,7 @@ Examples:
   adwave denoise scan.obj -o clean.obj
   adwave denoise tile.obj -o clean.obj --border keep
   adwave denoise lidar.laz -o clean.laz --only classification=2,9
-  adwave denoise scan.ply -o clean.ply --outliers drop
+  adwave denoise scan.laz -o clean.laz --outliers drop
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none

@@ -8,7 +8,9 @@ use crate::global::Global;
 use crate::output::health::{health_json, kind_name};
 use crate::output::progress::with_progress;
 use crate::output::stopwatch::Stopwatch;
-use crate::output::{check_writable, command_line, count, has_extension, print, steps_json, write_file};
+use crate::output::{
+    bytes_text, check_writable, command_line, count, has_extension, print, steps_json, write_file,
+};
 use crate::resolve::levels::check_levels;
 use crate::resolve::shape::load_shape;
 use crate::resolve::signal::{default_signal, field_names, file_normals};
@@ -104,11 +106,11 @@ fn signal_name(field: &str) -> &str {
 fn summary(report: &ShapeReport, bytes: usize, seconds: f64, output: &Path) -> String {
     let features = report.features.as_ref().map_or(0, |f| f.features.len());
     format!(
-        "{}, {}, {} in {:.1} MB; {seconds:.2} s\n{}",
+        "{}, {}, {} in {}; {seconds:.2} s\n{}",
         count(report.bands.len(), "band", "bands"),
         count(features, "feature", "features"),
         count(report.n_pictures, "picture", "pictures"),
-        bytes as f64 / 1e6,
+        bytes_text(bytes as f64),
         output.display(),
     )
 }

@@ -8,7 +8,7 @@ use crate::global::{Global, HeapUse};
 use crate::output::denoising::{SamplingUnit, describe_denoising};
 use crate::output::features_file::{FeatureList, FeaturesFile};
 use crate::output::progress::with_progress;
-use crate::output::{check_writable, count, has_extension, note, number, print, table};
+use crate::output::{bytes_text, check_writable, count, has_extension, note, number, print, table};
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{CoordinateSystem, LasReader};
 use adwave_tiles::{
@@ -267,20 +267,9 @@ fn format_forecast(forecast: &Forecast) -> String {
     format!(
         "{} in {tiles}; about {} of memory, up to {} of temporary files",
         count(*n_points, "point", "points"),
-        format_bytes(*memory as f64),
-        format_bytes(*disk as f64)
+        bytes_text(*memory as f64),
+        bytes_text(*disk as f64)
     )
-}
-
-/// Bytes in MB or GB.
-fn format_bytes(bytes: f64) -> String {
-    if bytes < 1e5 {
-        format!("{:.1} kB", bytes / 1e3)
-    } else if bytes < 1e8 {
-        format!("{:.1} MB", bytes / 1e6)
-    } else {
-        format!("{:.1} GB", bytes / 1e9)
-    }
 }
 
 /// Prints notes on points that take no part.
