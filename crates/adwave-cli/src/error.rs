@@ -75,6 +75,7 @@ by_kind!(
     adwave_io::ReadError,
     adwave_io::ShapeFileError,
     adwave_baselines::compare::CompareError,
+    adwave_graph::AnnDataError,
     adwave_graph::GraphWalkError,
     adwave_deform::DeformError,
     adwave_render::RenderError,

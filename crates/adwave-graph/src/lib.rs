@@ -10,8 +10,12 @@
 //! | geometric scattering, and moments of its coefficients | [`scatter`], [`pool`] |
 //! | large edge lists and matrices | [`read_edges`], [`read_matrix_market`] |
 //!
-//! The results have the same bits on any number of threads. The crate opens no files.
+//! With the feature `anndata`, an `.h5ad` file is read and edited by [`AnnDataFile`] and [`write_replaced`].
+//!
+//! The results have the same bits on any number of threads. Except for `.h5ad`, the crate opens no files.
 
+#[cfg(feature = "anndata")]
+mod anndata;
 mod count_matrix;
 mod cross_validation;
 mod edge_list;
@@ -30,6 +34,8 @@ mod powers;
 mod scattering;
 mod walk;
 
+#[cfg(feature = "anndata")]
+pub use anndata::{AnnDataError, AnnDataFile, AnnDataMatrix, ReplacedMatrix, write_replaced};
 pub use count_matrix::{CountMatrix, CountValues, Transformation};
 pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate, split_counts};
 pub use edge_list::{EdgeList, read_edges};

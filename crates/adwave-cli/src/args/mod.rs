@@ -34,4 +34,4 @@ pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;
 pub(crate) use shape::{ShapeArgs, ShapeKindArg};
 pub(crate) use signal::{SignalArgs, signal_names};
-pub(crate) use walk::{KernelArg, WalkArgs};
+pub(crate) use walk::{GivenWalkArgs, KernelArg, WalkArgs};

@@ -6,11 +6,20 @@ use clap::{ArgGroup, Args, ValueEnum};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+/// A walk as given, for commands on a shape.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Diffusion operator")]
+pub(crate) struct GivenWalkArgs {
+    /// Walk as given, instead of the shape's own: a matrix (.mtx) with a row for each vertex, diagonal included, whose rows sum to 1
+    #[arg(long, value_name = "FILE", conflicts_with = "operator")]
+    pub(crate) walk: Option<PathBuf>,
+}
+
 /// The walk: a graph, a matrix of probabilities, or points.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Walk")]
 #[group(skip)]
-#[command(group(ArgGroup::new("source").required(true).args(["graph", "walk", "points"])))]
+#[command(group(ArgGroup::new("source").args(["graph", "walk", "points"])))]
 pub(crate) struct WalkArgs {
     /// Weights of a graph: a matrix (.mtx), or a list of edges "u v weight" with nodes counted from 0
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,6 @@
 //! Common beginning of `saliency`, `features`, `evaluate` and `report`: a shape, a signal on it, its operator, and bands.
 
-use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs};
+use crate::args::{BorderMaskArgs, GivenWalkArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -10,6 +10,7 @@ use crate::resolve::levels::{check_levels, resolve_spec};
 use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, SignalValues, file_normals, load_signal};
+use crate::resolve::walk::with_given_walk;
 use adwave::bands::{Bands, BandsError, BandsParams, Schedule, Wavelets};
 use adwave::features::{
     CloudCoordinates, CloudFeatures, Feature, FeatureParams, Response, cloud_features, features,
@@ -29,6 +30,8 @@ pub(crate) struct AnalysisArgs<'a> {
     pub(crate) levels: &'a LevelArgs,
     /// Share of the diagonal that the last level reaches if no number of levels is asked for.
     pub(crate) extent: f64,
+    /// A walk as given; `None` for a command without that option.
+    pub(crate) walk: Option<&'a GivenWalkArgs>,
 }
 
 /// A shape that is prepared for a signal.
@@ -103,7 +106,10 @@ impl Analysis {
         // Impossible levels are refused before a large file is read.
         check_levels(args.levels)?;
         let mut watch = Stopwatch::start();
-        let input = load_shape(args.shape, global)?;
+        let mut input = load_shape(args.shape, global)?;
+        if let Some(walk) = args.walk {
+            input = with_given_walk(input, walk, global)?;
+        }
         Self::from_input(input, watch.lap(), args, global)
     }
 
@@ -114,7 +120,7 @@ impl Analysis {
         args: AnalysisArgs<'_>,
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
-        let AnalysisArgs { shape, signal, levels, extent } = args;
+        let AnalysisArgs { shape, signal, levels, extent, .. } = args;
         let params = check_levels(levels)?;
         input.check_lengths(&levels.given_lengths())?;
         let mut watch = Stopwatch::start();
@@ -219,6 +225,10 @@ impl Analysis {
             let features = found.map_err(|e| CliError::classify(&e))?;
             return Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() });
         }
+        global.given.refuse(
+            &["--walk"],
+            "applies to fields and to shapes with edges; features of the points of a cloud come from their own walk",
+        )?;
         let normals = file_normals(&self.input.file);
         let coordinates = CloudCoordinates {
             points: self.input.shape.points().unwrap_or_default(),

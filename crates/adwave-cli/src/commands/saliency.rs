@@ -1,7 +1,9 @@
 //! `adwave saliency`: a map of where a signal stands out.
 
 use super::analysis::{Analysis, AnalysisArgs, Map};
-use crate::args::{BorderMaskArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, number as parse_number};
+use crate::args::{
+    BorderMaskArgs, GivenWalkArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs, number as parse_number,
+};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
@@ -40,6 +42,8 @@ pub(crate) struct SaliencyArgs {
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
+    #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
@@ -62,7 +66,8 @@ pub(crate) struct SaliencyArgs {
 impl SaliencyArgs {
     fn analysis(&self) -> AnalysisArgs<'_> {
         let extent = self.map.weighting.extent();
-        AnalysisArgs { shape: &self.shape, signal: &self.signal, levels: &self.levels, extent }
+        let walk = Some(&self.walk);
+        AnalysisArgs { shape: &self.shape, signal: &self.signal, levels: &self.levels, extent, walk }
     }
 }
 

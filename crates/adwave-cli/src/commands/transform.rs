@@ -1,6 +1,8 @@
 //! `adwave transform`: all bands of a signal.
 
-use crate::args::{LabelArgs, LevelArgs, ShapeArgs, SignalArgs, number as parse_number, parse_named};
+use crate::args::{
+    GivenWalkArgs, LabelArgs, LevelArgs, ShapeArgs, SignalArgs, number as parse_number, parse_named,
+};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -11,9 +13,8 @@ use crate::output::{
     check_writable, clone_for_output, count, fwhm_json, fwhm_text, has_extension, number, peak_memory,
     percent_of, print, steps_json, steps_text, table, write_file_with, write_shape,
 };
-use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::levels::{check_levels, resolve_levels};
-use crate::resolve::operator::{mask_missing, operator_for_levels, prepare, prepare_for_signal};
+use crate::resolve::operator::{operator_for_levels, prepare_for_signal};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{Signal, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::walk::with_given_walk;
@@ -46,9 +47,8 @@ pub(crate) struct TransformArgs {
     /// File for the bands (.npz, .vtp, .ply, .las, .gii and others)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Walk as given, instead of the shape's own: a matrix (.mtx) with a row for each vertex, diagonal included, whose rows sum to 1
-    #[arg(long, value_name = "FILE", conflicts_with = "operator", help_heading = "Diffusion operator")]
-    pub(crate) walk: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]
@@ -122,21 +122,14 @@ fn resolve(
     check_writable(&args.output)?;
     let params = check_levels(&args.levels)?;
     watch.lap();
-    let input = load_shape(&args.shape, global)?;
+    let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     input.check_lengths(&args.levels.given_lengths())?;
     let name = args.signal.name();
     let signal = load_signal(global, &input, name, args.signal.texture.as_deref())?;
     refuse_labels(name, &signal, args.labels, &smooth_labels_hint(name))?;
     let read = watch.lap();
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
-    let decomposer = match &args.walk {
-        None => prepare_for_signal(global, &input, &operator, &signal, name)?,
-        Some(path) => {
-            global.given.refuse(&OPERATOR_OPTIONS, "applies to the shape's own walk (not with --walk)")?;
-            let own = prepare(global, &input, &operator)?;
-            mask_missing(with_given_walk(&own, path, global)?, &signal, name, global)?
-        }
-    };
+    let decomposer = prepare_for_signal(global, &input, &operator, &signal, name)?;
     let levels = resolve_levels(&args.levels, &decomposer, global)?;
     let (schedule, levels_reason) = (levels.schedule, levels.reason);
     Ok((TransformJob { file, input, signal, decomposer, schedule, levels_reason, params }, read))

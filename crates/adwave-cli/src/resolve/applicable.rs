@@ -1,6 +1,6 @@
 //! Refusal of options that apply to nothing on the shapes at hand.
 
-use super::shape::Input;
+use super::shape::{Input, POINTS};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::health::kind_name;
@@ -35,8 +35,11 @@ pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Res
         given
             .refuse(&["--rings", "--mesh-area", "--weld"], &format!("applies to meshes, and {described}"))?;
     }
+    if !any(|input| matches!(input.shape, Shape::Cloud(_)) || input.name.starts_with(POINTS)) {
+        given.refuse(&["--neighbors"], &format!("applies to clouds, and {described}"))?;
+    }
     if !any(|input| matches!(input.shape, Shape::Cloud(_))) {
-        given.refuse(&["--neighbors", "--cloud-area"], &format!("applies to clouds, and {described}"))?;
+        given.refuse(&["--cloud-area"], &format!("applies to clouds, and {described}"))?;
     }
     if !any(|input| matches!(input.shape, Shape::Mesh(_) | Shape::Cloud(_))) {
         given.refuse(&["--no-weld"], &format!("applies to meshes and clouds, and {described}"))?;

@@ -3,6 +3,7 @@
 use super::applicable::check_operator_options;
 use super::shape::Input;
 use super::signal::Signal;
+use super::walk::in_file;
 use crate::args::{LevelArgs, OperatorArgs};
 use crate::error::CliError;
 use crate::global::Global;
@@ -63,7 +64,7 @@ pub(crate) fn prepare(
     params: &OperatorParams,
 ) -> Result<Decomposer, CliError> {
     check_operator(&input.shape, params, global)?;
-    let build = |progress: Progress<'_>| build_operator(&input.shape, params, progress);
+    let build = |progress: Progress<'_>| build_decomposer(input, params, progress);
     let decomposer = with_progress(global, "preparing", build)?;
     note_outsiders(decomposer.geometry(), input, global);
     Ok(decomposer)
@@ -248,7 +249,20 @@ pub(crate) fn check_operator(
     adwave_io::free_memory().map_or(Ok(()), |free| check_neighbors(shape, params, free))
 }
 
-/// Builds the operator.
+/// Builds the operator of an input: the walk that was given for it, or that of its shape.
+pub(crate) fn build_decomposer(
+    input: &Input,
+    params: &OperatorParams,
+    progress: Progress<'_>,
+) -> Result<Decomposer, CliError> {
+    let own = build_operator(&input.shape, params, progress)?;
+    match &input.walk {
+        None => Ok(own),
+        Some(walk) => own.with_walk(&walk.rows, progress).map_err(|e| in_file(&walk.path, &e)),
+    }
+}
+
+/// Builds the operator of a shape.
 pub(crate) fn build_operator(
     shape: &Shape,
     params: &OperatorParams,

@@ -1,6 +1,7 @@
 //! From the SHAPE argument to a shape.
 
 use super::applicable::check_shape_options;
+use super::walk::{GivenWalk, graph_of_points};
 pub(crate) use crate::args::GivenLength;
 use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg, to_path};
 use crate::error::CliError;
@@ -29,6 +30,8 @@ pub(crate) struct Input {
     pub(crate) allows_degrees: bool,
     /// The mesh whose faces the shape has as nodes, for a field of faces.
     pub(crate) mesh_of_cells: Option<Box<ShapeFile>>,
+    /// Walk that takes the place of the shape's own.
+    pub(crate) walk: Option<GivenWalk>,
 }
 
 impl Input {
@@ -94,7 +97,12 @@ pub(crate) struct ShapeSource<'a> {
     pub(crate) part: CloudPart,
     /// The vertices that take part; `None` for all, with those that the file flags.
     pub(crate) selection: Option<&'a SelectionArgs>,
+    /// Neighbors of points of any dimension; `None` for the usual number.
+    pub(crate) neighbors: Option<usize>,
 }
+
+/// Prefix of a table of points of any dimension.
+pub(crate) const POINTS: &str = "points:";
 
 /// Size and noise of a sample.
 #[derive(Clone, Copy)]
@@ -117,7 +125,7 @@ impl<'a> ShapeSource<'a> {
     /// A shape as it is, with all its vertices.
     pub(crate) fn new(shape: &'a str) -> Self {
         let (sample, part) = (SampleSize::default(), CloudPart::default());
-        Self { shape, kind: None, sample, part, selection: None }
+        Self { shape, kind: None, sample, part, selection: None, neighbors: None }
     }
 }
 
@@ -132,7 +140,8 @@ pub(crate) fn load_shape(args: &ShapeArgs, global: &Global<'_>) -> Result<Input,
 pub(crate) fn load_one_of_two(args: &ShapeArgs, global: &Global<'_>) -> Result<Input, CliError> {
     let sample = SampleSize { n_vertices: args.vertices, noise: args.noise, seed: args.seed };
     let (part, selection) = (args.part.to_part(), Some(&args.selection));
-    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection };
+    let neighbors = global.given.has("--neighbors").then(|| args.operator.neighbors.get());
+    let source = ShapeSource { shape: &args.shape, kind: args.kind, sample, part, selection, neighbors };
     let mut input = load_source(&source, global)?;
     input.allows_degrees = args.allow_degrees;
     Ok(input)
@@ -148,6 +157,8 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
             global.inputs.add_unhashed(source.shape);
             make_sample(sample, &source.sample)?
+        } else if let Some(path) = source.shape.strip_prefix(POINTS) {
+            graph_of_points(&to_path(path), source.neighbors, global)?
         } else {
             read(source.shape, &source.part, global)?
         };
@@ -166,7 +177,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         {
             global.inputs.add_remark(format!("{name}: {text}"));
         }
-        Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None })
+        Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, walk: None })
     })
 }
 
@@ -245,7 +256,7 @@ fn note_left_out(file: &ShapeFile, name: &str, global: &Global<'_>) {
 /// Refuses options that do not go with the kind of source.
 fn check_source(source: &ShapeSource<'_>) -> Result<(), CliError> {
     let name = source.shape;
-    if !source.part.is_whole() && (name == "-" || name.starts_with("sample:")) {
+    if !source.part.is_whole() && (name == "-" || name.starts_with("sample:") || name.starts_with(POINTS)) {
         return Err(CliError::Input(format!(
             "--box and --resolution apply to files (LAS, LAZ, COPC, EPT), and '{name}' is not a file"
         )));

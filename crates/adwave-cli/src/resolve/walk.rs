@@ -1,22 +1,24 @@
 //! From the flags of a walk to its powers.
 
-use crate::args::{KernelArg, WalkArgs};
+use super::applicable::OPERATOR_OPTIONS;
+use super::shape::Input;
+use crate::args::{GivenWalkArgs, KernelArg, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::output::{count, has_extension, note};
-use adwave::Decomposer;
-use adwave::operator::Semigroup;
+use adwave::operator::{Diffusion, Semigroup};
+use adwave::rows::CompressedRows;
 use adwave_graph::{
     DimensionedPoints, GraphWalkError, SelfLoops, SparseMatrix, Symmetrization, WalkMatrix, WalkOptions,
     WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
 };
-use adwave_io::read_npy;
+use adwave_io::{Direction, Edges, ShapeFile, read_npy};
 use flate2::bufread::MultiGzDecoder;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Number of nearest neighbors of a point.
 const NEIGHBORS: usize = 15;
@@ -44,13 +46,46 @@ pub(crate) fn load_walk(
     defaults: WalkDefaults,
     global: &Global<'_>,
 ) -> Result<ResolvedWalk, CliError> {
-    if args.points.is_none() {
+    let source = match (&args.graph, &args.walk, &args.points) {
+        (Some(path), _, _) => WalkSource { path, content: WalkContent::Graph(None) },
+        (_, Some(path), _) => WalkSource { path, content: WalkContent::Walk },
+        (_, _, Some(path)) => WalkSource { path, content: WalkContent::Points(None) },
+        _ => return Err(CliError::Input("give --graph, --walk or --points".to_owned())),
+    };
+    load_walk_from(source, args, defaults, global)
+}
+
+/// File of a walk, and what is in it.
+pub(crate) struct WalkSource<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) content: WalkContent,
+}
+
+/// Content of the file of a walk; `None` if it is still to be read.
+pub(crate) enum WalkContent {
+    /// Weights of a graph.
+    Graph(Option<CompressedRows<f64>>),
+    /// Probabilities.
+    Walk,
+    /// Coordinates and their number of dimensions.
+    Points(Option<(Vec<f64>, usize)>),
+}
+
+/// Builds the walk of a source.
+pub(crate) fn load_walk_from(
+    source: WalkSource<'_>,
+    args: &WalkArgs,
+    defaults: WalkDefaults,
+    global: &Global<'_>,
+) -> Result<ResolvedWalk, CliError> {
+    if !matches!(source.content, WalkContent::Points(_)) {
         global.given.refuse(&["--neighbors", "--kernel"], "applies to points (--points)")?;
     }
-    if args.graph.is_none() {
+    if !matches!(source.content, WalkContent::Graph(_)) {
         global.given.refuse(&["--symmetrize"], "applies to a graph (--graph); kernels are symmetric")?;
     }
-    let (walk, source) = if let Some(path) = &args.walk {
+    let (walk, source) = if matches!(source.content, WalkContent::Walk) {
+        let path = source.path;
         let options = ["--self-loops", "--normalize", "--stay"];
         global
             .given
@@ -61,7 +96,7 @@ pub(crate) fn load_walk(
         });
         (built.map_err(|e| in_file(path, &e))?, "as given".to_owned())
     } else {
-        build_walk(args, defaults, global)?
+        build_walk(source, args, defaults, global)?
     };
     let n_isolated = walk.n_isolated();
     if n_isolated > 0 {
@@ -96,6 +131,7 @@ pub(crate) fn load_walk(
 
 /// Builds a walk from weights, with its description.
 fn build_walk(
+    source: WalkSource<'_>,
     args: &WalkArgs,
     defaults: WalkDefaults,
     global: &Global<'_>,
@@ -118,20 +154,26 @@ fn build_walk(
         normalization: args.normalize.map(Into::into).unwrap_or_default(),
         stay: args.stay.unwrap_or(defaults.stay),
     };
-    let (path, weights, source) = match (&args.graph, &args.points) {
-        (Some(path), _) => (path, read_graph(path, global)?.rows, "on the graph".to_owned()),
-        (None, Some(path)) => {
+    let path = source.path;
+    let (weights, source) = match source.content {
+        WalkContent::Graph(Some(rows)) => (rows, "on the graph of the file".to_owned()),
+        WalkContent::Graph(None) | WalkContent::Walk => {
+            (read_graph(path, global)?.rows, "on the graph".to_owned())
+        }
+        WalkContent::Points(points) => {
             let (k, kernel) =
                 (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelArg::Adaptive));
-            let (values, n_dimensions) = read_table(path, global)?;
+            let (values, n_dimensions) = match points {
+                Some(points) => points,
+                None => read_table(path, global)?,
+            };
             let weights = with_progress(global, "finding neighbors", |progress| {
                 let lists = nearest_lists(DimensionedPoints { values: &values, n_dimensions }, k, progress)?;
                 kernel_weights(&lists, kernel.to_kernel(), progress)
             });
             let source = format!("to the {k} nearest neighbors of points in {n_dimensions} dimensions");
-            (path, weights.map_err(|e| in_file(path, &e))?, source)
+            (weights.map_err(|e| in_file(path, &e))?, source)
         }
-        (None, None) => return Err(CliError::Input("give --graph, --walk or --points".to_owned())),
     };
     let walk = with_progress(global, "preparing", |progress| {
         WalkMatrix::from_weights(weights, options, progress).map_err(|e| in_file(path, &e))
@@ -156,21 +198,66 @@ pub(crate) fn in_file(path: &Path, error: &impl adwave::ClassifiedError) -> CliE
     }
 }
 
-/// A shape with a walk as given.
+/// A matrix of probabilities from a file.
+pub(crate) struct GivenWalk {
+    pub(crate) path: PathBuf,
+    pub(crate) rows: CompressedRows<f64>,
+}
+
+/// A shape with the walk that the arguments give, if they do, and notes on its kind.
 pub(crate) fn with_given_walk(
-    decomposer: &Decomposer,
-    path: &Path,
+    mut input: Input,
+    args: &GivenWalkArgs,
     global: &Global<'_>,
-) -> Result<Decomposer, CliError> {
-    let matrix = read_matrix(path, global)?;
-    let walked = with_progress(global, "preparing", |progress| decomposer.with_walk(&matrix.rows, progress))
+) -> Result<Input, CliError> {
+    let Some(path) = &args.walk else { return Ok(input) };
+    global.given.refuse(&OPERATOR_OPTIONS, "applies to the shape's own walk (not with --walk)")?;
+    let rows = read_matrix(path, global)?.rows;
+    let n = input.shape.n_vertices();
+    if rows.n_rows() != n {
+        let rows = count(rows.n_rows(), "row", "rows");
+        return Err(CliError::Input(format!(
+            "{}: a walk needs a row for each of {}, got {rows}",
+            path.display(),
+            input.count_rows()
+        )));
+    }
+    let walk = with_progress(global, "preparing", |progress| Diffusion::from_walk(&rows, progress))
         .map_err(|e| in_file(path, &e))?;
-    if !walked.diffusion().is_reversible() {
+    if !walk.is_reversible() {
         note(global, "the walk is directed: it is applied power by power, in whole steps");
-    } else if walked.diffusion().semigroup() == Semigroup::PlainSteps {
+    } else if walk.semigroup() == Semigroup::PlainSteps {
         note(global, "the walk need not stay where it is: it takes whole steps");
     }
-    Ok(walked)
+    input.walk = Some(GivenWalk { path: path.clone(), rows });
+    Ok(input)
+}
+
+/// The graph of the nearest neighbors of points in any dimension, with the weights of the adaptive kernel.
+pub(crate) fn graph_of_points(
+    path: &Path,
+    neighbors: Option<usize>,
+    global: &Global<'_>,
+) -> Result<ShapeFile, CliError> {
+    let (values, n_dimensions) = read_table(path, global)?;
+    let k = neighbors.unwrap_or(NEIGHBORS);
+    let points = DimensionedPoints { values: &values, n_dimensions };
+    let weights = nearest_lists(points, k, global.progress())
+        .and_then(|lists| kernel_weights(&lists, KernelArg::Adaptive.to_kernel(), global.progress()))
+        .map_err(|e| in_file(path, &e))?;
+    global.inputs.add_remark(format!(
+        "{}: a graph of the {k} nearest neighbors of points in {n_dimensions} dimensions",
+        path.display()
+    ));
+    let mut edges = Edges { direction: Direction::Both, ..Edges::default() };
+    for x in 0..weights.n_rows() {
+        let (others, values) = weights.row(x);
+        for (&y, &w) in others.iter().zip(values).filter(|(y, _)| **y as usize > x) {
+            edges.pairs.push([x as u32, y]);
+            edges.weights.push(w);
+        }
+    }
+    Ok(ShapeFile::from_graph(weights.n_rows(), edges))
 }
 
 /// Text that ends in an error after a number of bytes.
@@ -239,7 +326,7 @@ pub(crate) fn read_table(path: &Path, global: &Global<'_>) -> Result<(Vec<f64>, 
         )));
     }
     global.inputs.add_file(path);
-    let array = read_npy(path, &global.limits).map_err(|e| CliError::classify(&e))?;
+    let array = read_npy(path, &global.limits).map_err(CliError::input)?;
     if array.shape.len() > 2 || array.shape.is_empty() {
         let text = format!("{}: a table has one or two dimensions, got {:?}", path.display(), array.shape);
         return Err(CliError::Input(text));

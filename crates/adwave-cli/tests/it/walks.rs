@@ -1,6 +1,9 @@
 //! Walks without a shape: imputation and scattering against direct computations, and what is refused.
 
+use crate::cells_file::write_cells_file;
 use crate::common::{adwave, json, refused, words};
+use adwave::Progress;
+use adwave_graph::{AnnDataFile, AnnDataMatrix};
 use adwave_io::{ArrayValues, ReadLimits, read_npy, write_npy};
 use std::fmt::Write;
 use std::fs;
@@ -90,6 +93,102 @@ fn imputed_counts_are_those_of_powers_of_the_walk() {
     let errors: Vec<f64> = report["errors"].as_array().unwrap().iter().map(|e| e.as_f64().unwrap()).collect();
     let steps = report["steps"].as_f64().unwrap() as usize;
     assert!(errors.iter().all(|e| *e >= errors[steps]));
+}
+
+#[test]
+fn cells_of_an_anndata_are_imputed_into_a_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_cells_file(&path.join("cells.h5ad"), N, GENES, &count);
+    let mut expected: Vec<f64> = (0..N * GENES).map(|i| count(i / GENES, i % GENES)).collect();
+    for _ in 0..3 {
+        expected = step(&expected, 1.0);
+    }
+    let matrix = |name: &str| {
+        let file = AnnDataFile::open(&path.join(name), 1 << 20).unwrap();
+        let AnnDataMatrix::Dense(values, _) = file.matrix(None, Progress::none()).unwrap() else {
+            panic!("X of {name} is dense")
+        };
+        (values, file.gene_names().unwrap(), file.matrix(Some("counts"), Progress::none()).is_ok())
+    };
+    json(path, "impute cells.h5ad -o all.h5ad --layer counts --time 3");
+    let (values, genes, has_layer) = matrix("all.h5ad");
+    assert_near(&values, &expected);
+    assert_eq!((genes.len(), has_layer), (GENES, true));
+    // X is twice the layer.
+    json(path, "impute cells.h5ad -o one.h5ad --genes g2,CD4 --time 3");
+    let (values, genes, has_layer) = matrix("one.h5ad");
+    let pairs: Vec<f64> = expected.chunks(GENES).flat_map(|row| [2.0 * row[2], 2.0 * row[0]]).collect();
+    assert_near(&values, &pairs);
+    assert_eq!((genes, has_layer), (vec!["g2".to_owned(), "CD4".to_owned()], false));
+    json(path, "impute cells.h5ad -o all.npy --layer counts --time 3");
+    assert_near(&read(path, "all.npy"), &expected);
+    let bytes = fs::read(path.join("cells.h5ad")).unwrap();
+    fs::write(path.join("cut.h5ad"), &bytes[..bytes.len() / 2]).unwrap();
+    fs::write(path.join("text.h5ad"), "no file of this kind").unwrap();
+    for (line, named) in [
+        ("impute cut.h5ad -o o.h5ad", "cannot be read"),
+        ("impute text.h5ad -o o.h5ad", "cannot be read"),
+        ("impute cells.h5ad -o o.h5ad --layer raw", "the file has counts"),
+        ("impute cells.h5ad -o o.h5ad --genes CD3", "`CD3`"),
+        ("impute cells.h5ad -o o.mtx", ".npy or .h5ad"),
+        ("impute cells.h5ad -o o.npy --max-input 100", "--max-input"),
+    ] {
+        let error = refused(path, line);
+        assert!(error.contains(named), "{line}: {error}");
+        assert!(!path.join("o.h5ad").exists());
+    }
+}
+
+#[test]
+fn a_given_walk_and_points_of_any_dimension_take_the_place_of_a_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    let banner = "%%MatrixMarket matrix coordinate real general\n";
+    let entries: String = (0..N).fold(String::new(), |text, x| {
+        let (before, after) = ((x + N - 1) % N + 1, (x + 1) % N + 1);
+        text + &format!("{} {before} 0.25\n{} {} 0.5\n{} {after} 0.25\n", x + 1, x + 1, x + 1, x + 1)
+    });
+    fs::write(path.join("walk.mtx"), format!("{banner}{N} {N} {}\n{entries}", 3 * N)).unwrap();
+    // The walk of the ring is that of its graph, so that all results agree.
+    for command in [
+        "filter ring.mtx -o r.npy --signal points.npy --preset smooth --steps 1,2,4",
+        "denoise ring.mtx -o r.npy --signal points.npy",
+    ] {
+        json(path, command);
+        let own = read(path, "r.npy");
+        json(path, &format!("{command} --walk walk.mtx"));
+        assert_near(&read(path, "r.npy"), &own);
+    }
+    for command in [
+        "info ring.mtx",
+        "saliency ring.mtx -o r.npy --signal points.npy",
+        "features ring.mtx --signal points.npy --theta 0.1",
+        "report ring.mtx -o r.html --signal points.npy",
+    ] {
+        json(path, &format!("{command} --walk walk.mtx"));
+    }
+    // Two neighbors of a point on a circle are those on the ring.
+    let report = json(path, "info points:points.npy --neighbors 2");
+    assert_eq!(report["health"]["vertices"], N);
+    for command in [
+        "filter points:points.npy -o r.npy --signal points.npy --preset smooth",
+        "saliency points:points.npy -o r.npy --signal points.npy",
+    ] {
+        json(path, &format!("{command} --neighbors 2"));
+    }
+    for (line, named) in [
+        (
+            "filter ring.mtx -o o.npy --signal points.npy --preset smooth --walk walk.mtx --density-invariant",
+            "not with --walk",
+        ),
+        ("info ring.mtx --walk counts.mtx", "sums to"),
+        ("info points:none.npy", "none.npy"),
+    ] {
+        let error = refused(path, line);
+        assert!(error.contains(named), "{line}: {error}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Every command in the documents and in the help runs as it is written, in a folder of small files of the names that they use.
 
+use crate::cells_file::write_cells_file;
 use crate::fixtures::levels;
 use crate::harness::{Faults, commands, is_in_sample, run_line, runs_all};
 use crate::wording::wording_faults;
@@ -229,6 +230,7 @@ fn write_cells(folder: &Path) {
             .unwrap();
     };
     save("counts.npy", n_genes, &count);
+    write_cells_file(&folder.join("cells.h5ad"), n, n_genes, &count);
     for name in ["pca.npy", "cells.npy", "genes.npy", "x.npy"] {
         save(name, 6, &|x, c| {
             (x as f64 / 9.5 * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.01 * (x * 31 % 17) as f64

@@ -74,7 +74,9 @@ fn write_cells(folder: &Path) {
     };
     let angle = |x: usize| std::f64::consts::TAU * x as f64 / n as f64;
     let rough = |x: usize, c: usize| ((x * 7919 + c * 31) % 101) as f64 / 100.0;
-    save("counts.npy", 4, &|x, c| (6.0 + 4.0 * (angle(x) + c as f64).sin() + 5.0 * rough(x, c)).floor());
+    let count = |x: usize, c: usize| (6.0 + 4.0 * (angle(x) + c as f64).sin() + 5.0 * rough(x, c)).floor();
+    save("counts.npy", 4, &count);
+    crate::cells_file::write_cells_file(&folder.join("cells.h5ad"), n, 4, &count);
     save("cells.npy", 6, &|x, c| {
         (angle(x) * (1.0 + (c / 2) as f64) + (c % 2) as f64).sin() + 0.1 * rough(x, c)
     });

@@ -3,6 +3,7 @@
 //!
 //! By default each test runs a sample of its cases. `cargo xtask command-check` runs all of them.
 
+mod cells_file;
 mod documented;
 mod equal_inputs;
 mod fixtures;

@@ -53,7 +53,7 @@ pub(crate) fn wording_faults(text: &str) -> Vec<String> {
     let is_help = text.contains("Usage: adwave");
     for line in text.lines() {
         faults.extend(
-            number_faults(line)
+            number_faults(line, is_json)
                 .into_iter()
                 .filter(|fault| !((is_help || line.contains("and NaN")) && fault.contains("'NaN'"))),
         );
@@ -62,7 +62,7 @@ pub(crate) fn wording_faults(text: &str) -> Vec<String> {
 }
 
 /// Faults of the numbers of a line.
-fn number_faults(line: &str) -> Vec<String> {
+fn number_faults(line: &str, is_json: bool) -> Vec<String> {
     let mut faults = Vec::new();
     let words: Vec<&str> = line.split([' ', '(', ')', ',', ';', ':', '\'', '"']).collect();
     for pair in words.windows(2) {
@@ -79,9 +79,9 @@ fn number_faults(line: &str) -> Vec<String> {
         if !is_refusal && (is_number_word("NaN") || is_number_word("inf")) && !line.contains("is NaN") {
             faults.push(format!("says '{word}': {line}"));
         }
-        // Zeros before the first digit say how small a number is.
-        let significant = word.trim_start_matches(['+', '-', '0', '.']);
-        let digits = significant.chars().filter(char::is_ascii_digit).count();
+        // Machines read the zeros of a small number as well as its power of ten.
+        let counted = if is_json { word.trim_start_matches(['+', '-', '0', '.']) } else { word };
+        let digits = counted.chars().filter(char::is_ascii_digit).count();
         let is_number = word.chars().all(|c| c.is_ascii_digit() || "+-.e%".contains(c));
         if is_number && digits > MOST_DIGITS {
             faults.push(format!("has a number of {digits} digits: {line}"));

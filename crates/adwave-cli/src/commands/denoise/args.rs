@@ -1,6 +1,8 @@
 //! The arguments of `adwave denoise`.
 
-use crate::args::{LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region};
+use crate::args::{
+    GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
+};
 use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers};
 use adwave::positions::Borders;
 use adwave::region::Region;
@@ -50,6 +52,8 @@ pub(crate) struct DenoiseArgs {
     /// File for the result; its extension names the format (see above)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]

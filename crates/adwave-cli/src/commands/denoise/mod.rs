@@ -16,6 +16,7 @@ use crate::resolve::operator::{
 use crate::resolve::region::{note_far_points, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
+use crate::resolve::walk::with_given_walk;
 use adwave::denoise::{NoiseModel, Outliers, SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
@@ -29,6 +30,7 @@ use std::fmt::Write;
 pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliError> {
     let result = ResultFile::new(&args.output)?;
     let input = load_shape(&args.shape, global)?.resolve_cells(args.signal.name(), global)?;
+    let input = with_given_walk(input, &args.walk, global)?;
     result.check_cells(&input)?;
     // A region that the shape cannot have is refused before any work.
     region_in_shape(&union_of_regions(&args.region), &input)?;
@@ -36,6 +38,7 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
         global.given.refuse(&["--texture"], "applies to signals of a texture, and the signal is coords")?;
         global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
         global.given.refuse(&["--noise-model"], "applies to a field (--signal), and the signal is coords")?;
+        global.given.refuse(&["--walk"], "applies to a field (--signal), and the signal is coords")?;
         let noise = args
             .noise_sigma
             .map(|noise| GivenLength { option: "--noise-sigma", length: Length::Units(noise) });

@@ -29,7 +29,8 @@ pub(crate) fn run(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliErr
     args.map.to_params(&args.border).check().map_err(CliError::input)?;
     check_task(args, global)?;
     let extent = if args.fixations.is_some() { args.map.weighting.extent() } else { FEATURE_EXTENT };
-    let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels: &args.levels, extent };
+    let (levels, walk) = (&args.levels, None);
+    let what = AnalysisArgs { shape: &args.shape, signal: &args.signal, levels, extent, walk };
     let mut analysis = Analysis::new(what, global)?;
     match &args.fixations {
         Some(fixations) => evaluate_agreement(args, global, &mut analysis, fixations),
@@ -316,6 +317,7 @@ fn find_again(
             name: analysis.input.name.clone(),
             allows_degrees: analysis.input.allows_degrees,
             mesh_of_cells: None,
+            walk: None,
         };
         let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())

@@ -1,6 +1,6 @@
 //! The arguments of `adwave features`.
 
-use crate::args::{BorderMaskArgs, DetectArgs, LevelArgs, ShapeArgs, SignalArgs};
+use crate::args::{BorderMaskArgs, DetectArgs, GivenWalkArgs, LevelArgs, ShapeArgs, SignalArgs};
 use crate::commands::analysis::AnalysisArgs;
 use adwave::features::FEATURE_EXTENT;
 use clap::Args;
@@ -27,6 +27,8 @@ pub(crate) struct FeaturesArgs {
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
+    #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
@@ -46,6 +48,7 @@ impl FeaturesArgs {
             signal: &self.signal,
             levels: &self.levels,
             extent: FEATURE_EXTENT,
+            walk: Some(&self.walk),
         }
     }
 }

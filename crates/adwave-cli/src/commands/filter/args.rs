@@ -1,8 +1,8 @@
 //! The arguments of `adwave filter`.
 
 use crate::args::{
-    LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
-    regions_help,
+    GivenWalkArgs, LabelArgs, LevelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number,
+    parse_named, region, regions_help,
 };
 use adwave::bands::Precision;
 use adwave::filter::{KeepVolume, Preset};
@@ -36,6 +36,8 @@ pub(crate) struct FilterArgs {
     /// File for the result; its extension names the format (see above)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use crate::commands::result_file::EditedSignal;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
-use crate::resolve::operator::{SignalParts, build_operator, note_outsiders};
+use crate::resolve::operator::{SignalParts, build_decomposer, note_outsiders};
 use crate::resolve::region::note_far_points;
 use crate::resolve::signal::{Signal, SignalValues};
 use adwave::{Decomposer, Progress};
@@ -28,7 +28,7 @@ pub(super) fn compute_by_columns(
     global: &Global<'_>,
 ) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
-        let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
+        let decomposer = build_decomposer(&job.input, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), &job.input, global);
         let write = |path: &Path| write_groups(job, columns, &decomposer, path, global, progress);
         global.files.write_with(job.result.path(), write)

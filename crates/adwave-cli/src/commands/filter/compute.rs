@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
-use crate::resolve::operator::{SignalParts, build_operator, note_close_sheets, note_outsiders};
+use crate::resolve::operator::{SignalParts, build_decomposer, note_close_sheets, note_outsiders};
 use crate::resolve::pose::reshaped_points;
 use crate::resolve::region::{note_far_points, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
@@ -72,7 +72,7 @@ pub(super) struct SignalChange {
 /// Filters the signal of a job.
 pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filtered, CliError> {
     with_progress(global, "filtering", |progress| {
-        let decomposer = build_operator(&job.input.shape, &job.operator, progress)?;
+        let decomposer = build_decomposer(&job.input, &job.operator, progress)?;
         note_outsiders(decomposer.geometry(), &job.input, global);
         if job.signal_name == COORDS {
             let sheets = decomposer.close_sheets(progress.quiet()).map_err(|_| CliError::Cancelled)?;

@@ -14,6 +14,7 @@ use crate::resolve::pose::ReshapedBy;
 use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
+use crate::resolve::walk::with_given_walk;
 use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
@@ -85,6 +86,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     let in_recipe = recipe.map_or(COORDS, |recipe| recipe.field.as_str());
     let signal_name = args.signal.asked_name().unwrap_or(in_recipe).to_owned();
     let input = load_shape(&args.shape, global)?.resolve_cells(&signal_name, global)?;
+    let input = with_given_walk(input, &args.walk, global)?;
     result.check_cells(&input)?;
     input.check_lengths(&given_lengths(&levels.spec))?;
     for layer in &layers {

@@ -1,6 +1,6 @@
 //! The arguments of `adwave info`.
 
-use crate::args::{LevelArgs, ShapeArgs, length};
+use crate::args::{GivenWalkArgs, LevelArgs, ShapeArgs, length};
 use crate::resolve::shape::GivenLength;
 use adwave::region::Length;
 use clap::Args;
@@ -18,6 +18,8 @@ Examples:
 pub(crate) struct InfoArgs {
     #[command(flatten)]
     pub(crate) shape: ShapeArgs,
+    #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
     /// Measure how much of the shape is lost if everything finer than each level is dropped

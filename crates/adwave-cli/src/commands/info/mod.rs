@@ -17,6 +17,7 @@ use crate::output::{
 use crate::resolve::levels::{check_levels, resolve_levels};
 use crate::resolve::operator::{operator_for_levels, prepare};
 use crate::resolve::shape::{Input, load_shape};
+use crate::resolve::walk::with_given_walk;
 use adwave::operator::SurfaceInfo;
 use adwave::shape::{Health, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
@@ -52,7 +53,7 @@ fn gather(args: &InfoArgs, global: &Global<'_>) -> Result<ShapeFacts, CliError> 
         global.given.refuse(&["--accuracy"], "applies to bands, which --detail and --error compute")?;
     }
     let params = check_levels(&args.levels)?;
-    let input = load_shape(&args.shape, global)?;
+    let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     input.check_lengths(&args.given_lengths())?;
     let operator = operator_for_levels(&args.shape.operator, &args.levels)?;
     let decomposer = prepare(global, &input, &operator)?;

@@ -207,7 +207,8 @@ fn load_all(args: &RenderArgs, global: &Global<'_>) -> Result<Vec<ShownShape>, C
 fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape, CliError> {
     let (kind, part, selection) = (args.kind, args.part.to_part(), Some(&args.selection));
     let sample = SampleSize { n_vertices: args.vertices, ..SampleSize::default() };
-    let input = load_source(&ShapeSource { shape: name, kind, sample, part, selection }, global)?;
+    let source = ShapeSource { kind, sample, part, selection, ..ShapeSource::new(name) };
+    let input = load_source(&source, global)?;
     let Some(points) = input.shape.points() else {
         return Err(CliError::Input(format!(
             "{name}: a graph has no positions to draw; only nodes with finite positions are drawn, as lines"

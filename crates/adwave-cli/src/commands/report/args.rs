@@ -1,6 +1,6 @@
 //! The arguments of `adwave report`.
 
-use crate::args::{LevelArgs, ShapeArgs, SignalArgs};
+use crate::args::{GivenWalkArgs, LevelArgs, ShapeArgs, SignalArgs};
 use adwave_render::{Up, View};
 use clap::Args;
 use std::path::PathBuf;
@@ -24,6 +24,8 @@ pub(crate) struct ReportArgs {
     /// File for the page (.html)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) walk: GivenWalkArgs,
     #[command(flatten)]
     pub(crate) signal: SignalArgs,
     #[command(flatten)]

@@ -15,6 +15,7 @@ use crate::resolve::levels::check_levels;
 use crate::resolve::shape::load_shape;
 use crate::resolve::signal::{default_signal, field_names, file_normals};
 use crate::resolve::up::UpAxis;
+use crate::resolve::walk::with_given_walk;
 use adwave::bands::Bands;
 use adwave::features::FEATURE_EXTENT;
 use adwave_report::shape_report::{ShapeReport, Subject, Viewpoint, shape_report};
@@ -27,12 +28,12 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     let start = Instant::now();
     check(args)?;
     let mut watch = Stopwatch::start();
-    let input = load_shape(&args.shape, global)?;
+    let input = with_given_walk(load_shape(&args.shape, global)?, &args.walk, global)?;
     let signal = args.signal.with_default(default_signal(&input.file));
     let field = signal.name().to_owned();
     let up = UpAxis::choose(args.up, &input);
-    let what =
-        AnalysisArgs { shape: &args.shape, signal: &signal, levels: &args.levels, extent: FEATURE_EXTENT };
+    let (levels, extent) = (&args.levels, FEATURE_EXTENT);
+    let what = AnalysisArgs { shape: &args.shape, signal: &signal, levels, extent, walk: Some(&args.walk) };
     let mut analysis = Analysis::from_input(input, watch.lap(), what, global)?;
     let bands = analysis.bands(global)?;
     let viewpoint = Viewpoint { view: Some(args.view), up: up.up };

@@ -1,6 +1,8 @@
 //! `adwave impute`: counts averaged over similar cells.
 
-use crate::args::{WalkArgs, count as parse_count, seed as parse_seed};
+mod anndata;
+
+use crate::args::{WalkArgs, seed as parse_seed};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -9,43 +11,51 @@ use crate::output::{
     write_file_with,
 };
 use crate::resolve::walk::{ResolvedWalk, WalkDefaults, in_file, load_walk, read_matrix, read_table};
+use adwave::pages::zeros;
 use adwave_graph::{
-    CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError, ImputationInput,
-    SparseMatrix, Transformation, cross_validate, impute_into,
+    AnnDataMatrix, CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError,
+    ImputationInput, SparseMatrix, Transformation, cross_validate, impute_into,
 };
 use adwave_io::{ArrayValues, write_npy};
+use anndata::CellsFile;
 use clap::Args;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Rows of the printed curve.
 const PRINTED_TIMES: usize = 12;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-COUNTS is a matrix of cells × genes: .npy (numpy.save), or a sparse .mtx. Of an .h5ad, which is HDF5, take aw.impute(adata) in Python.
-The result is .npy, cells × genes, 64-bit floats.
+COUNTS is a matrix of cells × genes: .npy (numpy.save), a sparse .mtx, or the X or a layer of an .h5ad (AnnData).
+The result is .npy, cells × genes, 64-bit floats; of an .h5ad also a copy of it, .h5ad, with the result as X.
+Without --graph, --walk or --points, an .h5ad is walked by its obsp/connectivities, or else by its obsm/X_pca.
 
 The time is a number of steps of the walk. 'auto' chooses it by molecular cross-validation: a tenth of the molecules is held back,
 the others are diffused, and the time whose result predicts the held-back molecules best is taken. This needs raw counts.
 
 Examples:
+  adwave impute cells.h5ad -o imputed.h5ad --layer counts
+  adwave impute cells.h5ad -o imputed.h5ad --genes CD4,CD8A --time 3
   adwave impute counts.npy -o imputed.npy --points pca.npy
   adwave impute counts.mtx -o imputed.npy --graph neighbors.mtx --library-size median --sqrt
   adwave impute counts.mtx -o imputed.npy --walk walk.mtx --time 3 --genes 0,17,42")]
 pub(crate) struct ImputeArgs {
-    /// Matrix of cells × genes (.npy or .mtx, also .mtx.gz)
+    /// Matrix of cells × genes (.npy, .h5ad or .mtx, also .mtx.gz)
     #[arg(value_name = "COUNTS")]
     pub(crate) counts: PathBuf,
-    /// File for the result (.npy)
+    /// File for the result (.npy, or .h5ad of an .h5ad)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Number of steps, or auto
     #[arg(long, value_name = "T", default_value = "auto")]
     pub(crate) time: String,
-    /// Genes of the result, columns counted from 0 [default: all]
-    #[arg(long, value_name = "LIST", value_parser = parse_count, value_delimiter = ',', allow_negative_numbers = true)]
-    pub(crate) genes: Option<Vec<usize>>,
+    /// Genes of the result, columns counted from 0, of an .h5ad also names [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
+    pub(crate) genes: Option<Vec<String>>,
+    /// Layer of an .h5ad that has the counts [default: X]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) layer: Option<String>,
     /// Multiply the counts of each cell so that they sum to this number, or to the median
     #[arg(long, value_name = "SIZE")]
     pub(crate) library_size: Option<String>,
@@ -66,6 +76,7 @@ pub(crate) struct ImputeArgs {
 enum LoadedCounts {
     Dense { values: Vec<f64>, n_channels: usize },
     Sparse(SparseMatrix),
+    InFile(CellsFile, AnnDataMatrix),
 }
 
 impl LoadedCounts {
@@ -77,20 +88,43 @@ impl LoadedCounts {
             Self::Sparse(matrix) => {
                 CountMatrix { values: CountValues::Sparse(&matrix.rows), n_channels: matrix.n_columns }
             }
+            Self::InFile(_, matrix) => matrix.counts(),
         }
+    }
+
+    /// Columns of the genes that are asked for; `None` for all.
+    fn genes(&self, args: &ImputeArgs) -> Result<Option<Vec<usize>>, CliError> {
+        if let Self::InFile(cells, _) = self {
+            return cells.genes(args);
+        }
+        let Some(genes) = &args.genes else { return Ok(None) };
+        let column = |gene: &String| {
+            gene.trim().parse::<usize>().map_err(|_| {
+                CliError::Input(format!(
+                    "--genes: genes of {} are columns counted from 0 (names need an .h5ad), got {gene}",
+                    args.counts.display()
+                ))
+            })
+        };
+        Ok(Some(genes.iter().map(column).collect::<Result<_, _>>()?))
     }
 }
 
 pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError> {
-    check_files(args)?;
+    check_files(args, global)?;
     let given_time = parse_time(&args.time)?;
     if given_time.is_some() {
         global.given.refuse(&["--seed", "--curve"], "applies to cross-validation (--time auto)")?;
     }
-    let counts = load_counts(&args.counts, global)?;
+    let counts = load_counts(args, global)?;
+    let genes = counts.genes(args)?;
     let matrix = counts.matrix();
     let library_size = library_size(args, &matrix)?;
-    let walk = load_walk(&args.walk, WalkDefaults { self_loops: 1.0, stay: 0.0 }, global)?;
+    let defaults = WalkDefaults { self_loops: 1.0, stay: 0.0 };
+    let walk = match &counts {
+        LoadedCounts::InFile(cells, _) => cells.walk(args, defaults, global)?,
+        _ => load_walk(&args.walk, defaults, global)?,
+    };
     let powers = &walk.powers;
     let chosen = if given_time.is_none() {
         Some(choose_time(args, &walk, &matrix, library_size, global)?)
@@ -98,22 +132,24 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
         None
     };
     let steps = given_time.unwrap_or_else(|| chosen.as_ref().map_or(0.0, |found| f64::from(found.steps)));
-    check_memory(powers.n_nodes(), args.genes.as_ref().map_or(matrix.n_channels, Vec::len))?;
-    let channels = match &args.genes {
-        Some(genes) => genes.clone(),
-        None => (0..matrix.n_channels).collect(),
-    };
+    check_memory(powers.n_nodes(), genes.as_ref().map_or(matrix.n_channels, Vec::len))?;
+    let channels = genes.clone().unwrap_or_else(|| (0..matrix.n_channels).collect());
     let transformation = Transformation { library_size, square_root: args.sqrt };
-    let mut out = vec![0.0; powers.n_nodes() * channels.len()];
+    let mut out = zeros::<f64>(powers.n_nodes() * channels.len());
     with_progress(global, "imputing", |progress| {
         let input = ImputationInput { counts: matrix, transformation, channels: &channels };
         impute_into(powers, input, steps, &mut out, progress).map_err(|e| in_file(&args.counts, &e))
     })?;
-    with_spinner(global, "writing", || {
-        write_file_with(global, &args.output, |path| {
-            write_npy(path, &[powers.n_nodes(), channels.len()], ArrayValues::F64(&out))
-        })
-    })?;
+    match &counts {
+        LoadedCounts::InFile(cells, _) if has_extension(&args.output, &["h5ad"]) => {
+            cells.write(&args.output, &out, genes.as_deref(), global)?;
+        }
+        _ => with_spinner(global, "writing", || {
+            write_file_with(global, &args.output, |path| {
+                write_npy(path, &[powers.n_nodes(), channels.len()], ArrayValues::F64(&out))
+            })
+        })?,
+    }
     if let (Some(path), Some(found)) = (&args.curve, &chosen) {
         write_file(global, path, curve_csv(found).as_bytes())?;
     }
@@ -155,15 +191,22 @@ fn choose_time(
     Ok(found)
 }
 
-fn check_files(args: &ImputeArgs) -> Result<(), CliError> {
-    if has_extension(&args.counts, &["h5ad", "h5", "loom"]) {
+fn check_files(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError> {
+    let is_anndata = has_extension(&args.counts, &["h5ad"]);
+    if has_extension(&args.counts, &["h5", "loom"]) {
         return Err(CliError::Input(format!(
-            "{}: the command reads no HDF5; use aw.impute(adata) in Python, or save X as .npy or .mtx",
+            "{}: counts are read from .npy, .mtx and .h5ad; convert it by anndata (read_loom, read_10x_h5, write_h5ad)",
             args.counts.display()
         )));
     }
-    if !has_extension(&args.output, &["npy"]) {
-        return Err(CliError::Input(format!("{}: the result is written as .npy", args.output.display())));
+    let can_write = has_extension(&args.output, if is_anndata { &["npy", "h5ad"] } else { &["npy"] });
+    if !can_write {
+        let also = if is_anndata { " or .h5ad" } else { "" };
+        let text = format!("{}: the result is written as .npy{also}", args.output.display());
+        return Err(CliError::Input(text));
+    }
+    if !is_anndata {
+        global.given.refuse(&["--layer"], "applies to .h5ad files")?;
     }
     if let Some(curve) = &args.curve {
         check_writable(curve)?;
@@ -182,7 +225,13 @@ fn parse_time(text: &str) -> Result<Option<f64>, CliError> {
     }
 }
 
-fn load_counts(path: &Path, global: &Global<'_>) -> Result<LoadedCounts, CliError> {
+fn load_counts(args: &ImputeArgs, global: &Global<'_>) -> Result<LoadedCounts, CliError> {
+    let path = &args.counts;
+    if has_extension(path, &["h5ad"]) {
+        let cells = CellsFile::open(path, global)?;
+        let counts = cells.counts(args.layer.as_deref(), global)?;
+        return Ok(LoadedCounts::InFile(cells, counts));
+    }
     if has_extension(&without_gzip(path), &["mtx"]) {
         return Ok(LoadedCounts::Sparse(read_matrix(path, global)?));
     }
