@@ -1,5 +1,6 @@
 //! The edit of a shape, in the form of the page and as a recipe.
 
+use crate::field_bands::FIELD_FIT;
 use crate::pose::ReshapedBy;
 use crate::response::ApiError;
 use adwave::LevelSpec;
@@ -11,8 +12,10 @@ use adwave::region::Region;
 use adwave_io::{DetailClone, Pose, Recipe};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of layers of an edit.
+/// Largest number of layers of the positions or of a field.
 const MAX_LAYERS: usize = 1000;
+/// Largest number of edited fields.
+const MAX_FIELDS: usize = 200;
 
 /// An edit: layers, whose gains multiply, and constraints on the new positions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,6 +41,19 @@ pub struct Document {
     /// Handles that bend the shape after all else.
     #[serde(default)]
     pub pose: Option<Pose>,
+    /// Edits of fields, which the layers above do not change.
+    #[serde(default)]
+    pub fields: Vec<FieldEdit>,
+}
+
+/// The edit of one field.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldEdit {
+    /// Name of the field.
+    pub field: String,
+    /// Layers of the field; their order does not matter.
+    pub layers: Vec<DocumentLayer>,
 }
 
 /// One layer: `1 + opacity·r(x)·(g_j − 1)` times each band.
@@ -60,37 +76,63 @@ pub struct DocumentLayer {
 impl DocumentLayer {
     /// Converts to the layer of a recipe with the same effect.
     fn to_recipe_layer(&self) -> Layer {
-        let gains = self.gains.iter().map(|g| 1.0 + self.opacity * (g - 1.0)).collect();
+        let faded = |g: &f64| if self.opacity == 1.0 { *g } else { 1.0 + self.opacity * (g - 1.0) };
+        let gains = self.gains.iter().map(faded).collect();
         Layer { gains: Gains::Gains(gains), region: self.region.clone().unwrap_or(Region::Everywhere {}) }
     }
+}
+
+fn to_recipe_layers(layers: &[DocumentLayer]) -> Vec<Layer> {
+    layers.iter().filter(|layer| layer.on).map(DocumentLayer::to_recipe_layer).collect()
+}
+
+/// Checks the layers of the positions or of a field.
+fn check_layers(layers: &[DocumentLayer], n_levels: usize) -> Result<(), ApiError> {
+    if layers.len() > MAX_LAYERS {
+        let n = layers.len();
+        return Err(ApiError::bad_request(format!(
+            "an edit has at most {MAX_LAYERS} layers, got {n}; merge some"
+        )));
+    }
+    for (k, layer) in layers.iter().enumerate() {
+        let label = || format!("layer {} ('{}')", k + 1, layer.name);
+        if !(0.0..=1.0).contains(&layer.opacity) {
+            return Err(ApiError::bad_request(format!(
+                "{}: opacity must be in [0, 1], got {}",
+                label(),
+                layer.opacity
+            )));
+        }
+        if layer.gains.len() != n_levels {
+            let n = layer.gains.len();
+            return Err(ApiError::bad_request(format!(
+                "{}: one gain per level is needed, got {n} gains for {n_levels} levels",
+                label()
+            )));
+        }
+    }
+    Ok(())
 }
 
 impl Document {
     /// Checks the rules that do not depend on the shape.
     pub(crate) fn check(&self, n_levels: usize) -> Result<(), ApiError> {
-        if self.layers.len() > MAX_LAYERS {
-            let n = self.layers.len();
+        self.reshaped_by().check()?;
+        check_layers(&self.layers, n_levels)?;
+        if self.fields.len() > MAX_FIELDS {
+            let n = self.fields.len();
             return Err(ApiError::bad_request(format!(
-                "an edit has at most {MAX_LAYERS} layers, got {n}; merge some"
+                "an edit changes at most {MAX_FIELDS} fields, got {n}; reset some"
             )));
         }
-        self.reshaped_by().check()?;
-        for (k, layer) in self.layers.iter().enumerate() {
-            let label = || format!("layer {} ('{}')", k + 1, layer.name);
-            if !(0.0..=1.0).contains(&layer.opacity) {
+        for (k, edit) in self.fields.iter().enumerate() {
+            let name = &edit.field;
+            if self.fields[..k].iter().any(|other| other.field == *name) {
                 return Err(ApiError::bad_request(format!(
-                    "{}: opacity must be in [0, 1], got {}",
-                    label(),
-                    layer.opacity
+                    "each field has one list of layers, got two for '{name}'; merge them"
                 )));
             }
-            if layer.gains.len() != n_levels {
-                let n = layer.gains.len();
-                return Err(ApiError::bad_request(format!(
-                    "{}: one gain per level is needed, got {n} gains for {n_levels} levels",
-                    label()
-                )));
-            }
+            check_layers(&edit.layers, n_levels).map_err(|e| e.with_prefix(&format!("field '{name}': ")))?;
         }
         Ok(())
     }
@@ -102,14 +144,30 @@ impl Document {
 
     /// Maps the gains of levels of widths `before` to levels of widths `after`; see [`map_gains`].
     pub(crate) fn map_levels(&mut self, before: &[f64], after: &[f64]) {
-        for layer in &mut self.layers {
+        let of_fields = self.fields.iter_mut().flat_map(|edit| &mut edit.layers);
+        for layer in self.layers.iter_mut().chain(of_fields) {
             layer.gains = map_gains(&layer.gains, before, after);
         }
     }
 
     /// Returns the layers that are on.
     pub(crate) fn active_layers(&self) -> Vec<Layer> {
-        self.layers.iter().filter(|layer| layer.on).map(DocumentLayer::to_recipe_layer).collect()
+        to_recipe_layers(&self.layers)
+    }
+
+    /// Returns the layers of a field that are on.
+    pub(crate) fn active_field_layers(&self, name: &str) -> Vec<Layer> {
+        let edit = self.fields.iter().find(|edit| edit.field == name);
+        edit.map_or_else(Vec::new, |edit| to_recipe_layers(&edit.layers))
+    }
+
+    /// Returns the names of fields with a layer that changes something.
+    pub(crate) fn changed_fields(&self) -> Vec<String> {
+        let changes = |layer: &DocumentLayer| {
+            layer.on && layer.opacity > 0.0 && layer.gains.iter().any(|gain| *gain != 1.0)
+        };
+        let changed = self.fields.iter().filter(|edit| edit.layers.iter().any(changes));
+        changed.map(|edit| edit.field.clone()).collect()
     }
 
     pub(crate) fn position_params(&self) -> PositionParams {
@@ -137,7 +195,19 @@ impl Document {
         }
     }
 
-    /// Converts a recipe to an edit of `n_levels` levels.
+    /// Converts the edit of a field to a recipe, which `adwave filter --recipe` replays.
+    pub(crate) fn to_field_recipe(&self, name: &str, levels: &LevelSpec, operator: OperatorKind) -> Recipe {
+        Recipe {
+            field: name.to_owned(),
+            levels: levels.clone(),
+            operator: Some(operator),
+            local_fit: Some(FIELD_FIT),
+            layers: self.active_field_layers(name),
+            ..Recipe::default()
+        }
+    }
+
+    /// Converts a recipe to an edit of `n_levels` levels; fields are not changed by it.
     pub(crate) fn from_recipe(recipe: &Recipe, n_levels: usize, revision: u64) -> Result<Self, ApiError> {
         if recipe.field != "coords" {
             let hint = "the studio edits coordinates only; apply it with `adwave filter --recipe`";
@@ -165,7 +235,7 @@ impl Document {
         let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, ApiError>>()?;
         let PositionParams { along, borders, volume } = recipe.positions;
         let (clones, pose) = (recipe.clones.clone(), recipe.pose.clone());
-        Ok(Self { revision, layers, along, border: borders, volume, clones, pose })
+        Ok(Self { revision, layers, along, border: borders, volume, clones, pose, fields: Vec::new() })
     }
 }
 

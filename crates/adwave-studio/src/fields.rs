@@ -12,62 +12,78 @@ use adwave::saliency::saliency_f32;
 use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
+
+/// Origin of a field, which decides on what the page may do with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FieldOrigin {
+    /// Computed from the edited shape.
+    EditedShape,
+    /// Computed from the bands of the original shape.
+    Bands,
+    /// Values of the file or of an added file, which can be edited.
+    File,
+    /// Colors of the file, which have no single value per vertex.
+    Colors,
+}
 
 /// Description of a field for the page.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub(crate) struct FieldInfo {
     name: String,
     label: String,
     unit: String,
-    /// True for fields of the edited shape.
-    edited: bool,
-    /// True for the colors of the file, which have no single value per vertex.
-    rgb: bool,
-    #[serde(skip)]
+    origin: FieldOrigin,
     diverging: bool,
+}
+
+impl FieldInfo {
+    fn new(name: &str, label: &str, unit: &str, origin: FieldOrigin) -> Self {
+        let (name, label, unit) = (name.to_owned(), label.to_owned(), unit.to_owned());
+        Self { name, label, unit, origin, diverging: false }
+    }
+
+    /// The description in the list of the fields of a shape.
+    pub(crate) fn to_json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "label": self.label,
+            "unit": self.unit,
+            "edited": self.origin == FieldOrigin::EditedShape,
+            "rgb": self.origin == FieldOrigin::Colors,
+            "editable": self.origin == FieldOrigin::File,
+        })
+    }
 }
 
 /// Lists the fields of a shape.
 pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
-    let field = |name: &str, label: &str, unit: &str, edited: bool, diverging: bool| FieldInfo {
-        name: name.to_owned(),
-        label: label.to_owned(),
-        unit: unit.to_owned(),
-        edited,
-        rgb: false,
-        diverging,
-    };
+    use FieldOrigin::{Bands, Colors, EditedShape, File};
     let mut fields = vec![
-        field("change", "Displacement", "model units", true, false),
-        field("saliency", "Saliency", "", true, true),
+        FieldInfo::new("change", "Displacement", "model units", EditedShape),
+        FieldInfo { diverging: true, ..FieldInfo::new("saliency", "Saliency", "", EditedShape) },
     ];
     for kind in [SurfaceSignal::MeanCurvature, SurfaceSignal::GaussianCurvature, SurfaceSignal::ShapeIndex] {
         let label = sentence_case(kind.name());
-        fields.push(field(kind.name(), &label, kind.unit().unwrap_or(""), true, true));
+        let info = FieldInfo::new(kind.name(), &label, kind.unit().unwrap_or(""), EditedShape);
+        fields.push(FieldInfo { diverging: true, ..info });
     }
     if matches!(session.input.shape, Shape::Cloud(_)) {
         let unit = SurfaceSignal::Density.unit().unwrap_or("");
-        fields.push(field("density", "Density", unit, true, false));
+        fields.push(FieldInfo::new("density", "Density", unit, EditedShape));
     }
     for level in 1..=n_levels {
-        fields.push(field(
-            &format!("band-{level}"),
-            &format!("Size of band {level}"),
-            "model units",
-            false,
-            false,
-        ));
+        let (name, label) = (format!("band-{level}"), format!("Size of band {level}"));
+        fields.push(FieldInfo::new(&name, &label, "model units", Bands));
     }
     let file = session.file();
     for stored in file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
         if !fields.iter().any(|known| known.name == stored.name) {
-            fields.push(field(&stored.name, &stored.name, "", false, false));
+            fields.push(FieldInfo::new(&stored.name, &stored.name, "", File));
         }
     }
     if file.field("color").is_some_and(|color| matches!(color.n_channels, 3 | 4)) {
-        fields.push(FieldInfo { rgb: true, ..field("color", "Colors of the file", "", false, false) });
+        fields.push(FieldInfo::new("color", "Colors of the file", "", Colors));
     }
     fields
 }
@@ -102,7 +118,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
     };
     let n = session.points().len();
     let band = name.strip_prefix("band-").and_then(|level| level.parse::<usize>().ok());
-    let content = if info.rgb {
+    let content = if info.origin == FieldOrigin::Colors {
         session.file().field(name).map(encode_colors).unwrap_or_default()
     } else if name == "change" {
         let (before, after) = (session.points(), &prepared.points);
@@ -115,8 +131,11 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         let saliency = compute_saliency(session, &prepared)?;
         encode_f32(n, |x| saliency[x])
     } else {
-        let file =
-            if info.edited { session.edited_file(&prepared)? } else { ShapeFile::clone(&session.file()) };
+        let file = if info.origin == FieldOrigin::EditedShape {
+            session.edited_file(&prepared)?
+        } else {
+            ShapeFile::clone(&session.file())
+        };
         drop(prepared);
         let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
         let source = SignalSource { file: &file, shape: &shape, name: &session.input.name };

@@ -12,10 +12,12 @@ mod autosave;
 mod compare;
 mod document;
 mod export_page;
+mod field_bands;
 mod fields;
 mod guard;
 mod pose;
 mod prepared_shape;
+mod region_weights;
 mod report;
 mod response;
 mod routes;
@@ -24,7 +26,7 @@ mod server;
 mod session;
 mod tasks;
 
-pub use document::Document;
+pub use document::{Document, FieldEdit};
 pub use server::{StudioAddress, StudioOutcome, StudioParams, serve};
 pub use session::StudioInput;
 

@@ -1,11 +1,12 @@
 //! Edits beside those of bands: clones of detail, and a deformation by handles that is bound once and follows a dragged
 //! handle.
 
+use crate::region_weights::region_weights;
 use crate::response::{ApiError, encode_rows};
 use adwave::region::Region;
 use adwave::{Decomposer, Progress};
 use adwave_deform::{CarriedVertex, Clones, Deformer, bind_pose, set_pose};
-use adwave_io::{DetailClone, Pose, ShapeFile, region_field};
+use adwave_io::{DetailClone, Pose, ShapeFile};
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -206,9 +207,7 @@ impl Poser {
 
     /// Vertices of a region: those with a weight above 0.
     fn vertices(&self, region: &Region, file: &ShapeFile) -> Result<Vec<u32>, ApiError> {
-        let field = |name: &str| region_field(file, &self.walk, name);
-        let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
-        let weights = region.weights(self.walk.metric(), &field, &names, Progress::none());
+        let weights = region_weights(region, file, &self.walk, Progress::none());
         let weights = weights.map_err(|e| ApiError::from_classified(&e))?;
         let weights = weights.to_vertices(self.walk.geometry().vertex_map());
         Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())

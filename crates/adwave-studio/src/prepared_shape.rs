@@ -2,7 +2,9 @@
 
 use crate::StudioError;
 use crate::document::Document;
+use crate::field_bands::FieldBands;
 use crate::pose::Poser;
+use crate::region_weights::region_weights;
 use crate::response::{ApiError, encode_rows};
 use adwave::LevelSpec;
 use adwave::bands::{DEFAULT_EXTENT, Schedule};
@@ -13,7 +15,7 @@ use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape};
 use adwave::signal::{OutwardNormals, outward_normals};
 use adwave::{Decomposer, Editor, Progress};
-use adwave_io::{ShapeFile, file_normals, region_field};
+use adwave_io::{ShapeFile, file_normals};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -129,6 +131,8 @@ pub(crate) struct PreparedShape {
     outward_normals: OnceLock<OutwardNormals>,
     /// Regions of the active layers with their weights.
     regions: Vec<(Region, RegionWeights)>,
+    /// Bands of the field that was edited last.
+    pub(crate) field_bands: Option<FieldBands>,
 }
 
 /// Positions after an edit.
@@ -180,6 +184,7 @@ impl PreparedShape {
             health: OnceLock::new(),
             outward_normals: OnceLock::new(),
             regions: Vec::new(),
+            field_bands: None,
             decomposer,
         })
     }
@@ -254,9 +259,7 @@ impl PreparedShape {
         if let Some((_, weights)) = self.regions.iter().find(|(known, _)| known == region) {
             return Ok(weights.clone());
         }
-        let field = |name: &str| region_field(file, &self.decomposer, name);
-        let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
-        let weights = region.weights(self.decomposer.metric(), &field, &names, Progress::none());
+        let weights = region_weights(region, file, &self.decomposer, Progress::none());
         weights.map_err(|source| FilterError::Region { layer: 1, source })
     }
 

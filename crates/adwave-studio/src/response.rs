@@ -28,6 +28,12 @@ impl ApiError {
         Self::new(StatusCode::BAD_REQUEST, message)
     }
 
+    /// Adds words before the message.
+    pub(crate) fn with_prefix(mut self, prefix: &str) -> Self {
+        self.message.insert_str(0, prefix);
+        self
+    }
+
     /// Adds fields to the JSON body beside `error`.
     pub(crate) fn with_fields(mut self, fields: serde_json::Value) -> Self {
         self.fields = fields;

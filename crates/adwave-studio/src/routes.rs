@@ -9,7 +9,7 @@ use crate::save::SaveRequest;
 use crate::server::Studio;
 use crate::session::{Session, StudioInput};
 use crate::tasks::{run_blocking, run_cancellable, run_inline, spawn_blocking_task, with_shape};
-use crate::{assets, compare, export_page, fields, report, save};
+use crate::{assets, compare, export_page, field_bands, fields, report, save};
 use adwave::Progress;
 use adwave::denoise::{DenoiseParams, denoise};
 use adwave::operator::OperatorParams;
@@ -52,6 +52,8 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/drawn", put(set_drawn))
         .route("/weights", post(compute_weights))
         .route("/field", get(send_field))
+        .route("/field-bands", get(send_field_bands))
+        .route("/edited-field", get(send_edited_field))
         .route("/fields", post(add_fields).layer(DefaultBodyLimit::max(MAX_UPLOAD)))
         .route("/features", get(send_features))
         .route("/recipe", get(send_recipe).merge(put(apply_recipe)))
@@ -350,6 +352,35 @@ async fn add_fields(
     .await
 }
 
+/// Sends the bands of a field; other requests are answered while they are computed.
+async fn send_field_bands(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+) -> Response {
+    let name = query.get("name").cloned().unwrap_or_default();
+    let wanted = name.clone();
+    let compute = move |session: &Session, progress: Progress<'_>| {
+        field_bands::compute_bands(session, &wanted, progress)
+    };
+    run_cancellable(studio, id, compute, move |session, computed| {
+        field_bands::bands_response(session, &name, computed)
+    })
+    .await
+}
+
+async fn send_edited_field(
+    State(studio): StudioState,
+    Path(id): Path<u64>,
+    Query(query): QueryParams,
+) -> Response {
+    with_shape(studio, id, move |session| {
+        let name = query.get("name").map_or("", String::as_str);
+        field_bands::edited_field_response(session, name, query.get("format").map(String::as_str))
+    })
+    .await
+}
+
 async fn send_features(
     State(studio): StudioState,
     Path(id): Path<u64>,
@@ -364,10 +395,14 @@ async fn send_features(
     .await
 }
 
-async fn send_recipe(State(studio): StudioState, Path(id): Path<u64>) -> Response {
-    with_shape(studio, id, |session| {
+async fn send_recipe(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
+    with_shape(studio, id, move |session| {
         let prepared = session.lock_prepared()?;
-        let recipe = prepared.document.to_recipe(&prepared.levels, prepared.decomposer.operator_kind());
+        let (levels, operator) = (&prepared.levels, prepared.decomposer.operator_kind());
+        let recipe = match query.get("field") {
+            Some(name) => prepared.document.to_field_recipe(name, levels, operator),
+            None => prepared.document.to_recipe(levels, operator),
+        };
         Ok(bytes_response(recipe_to_text(&recipe)))
     })
     .await
@@ -387,7 +422,10 @@ async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Byt
         }
         let mut prepared = session.lock_prepared()?;
         let revision = prepared.document.revision + 1;
-        let document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
+        let mut document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
+        let mut before = prepared.document.clone();
+        before.map_levels(&prepared.sigmas(), &next.sigmas());
+        document.fields = before.fields;
         next.poser = Arc::clone(&prepared.poser);
         next.apply_edit(document, &session.file())?;
         *prepared = next;

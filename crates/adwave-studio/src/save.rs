@@ -23,8 +23,8 @@ pub(crate) struct SaveRequest {
 /// Writes the edited shape with all other content of its file, and responds with the path.
 pub(crate) fn save(session: &Session, request: &SaveRequest) -> ApiResult {
     let path = target_path(session, request)?;
-    let prepared = session.lock_prepared()?;
-    let file = session.edited_file(&prepared)?;
+    let mut prepared = session.lock_prepared()?;
+    let file = session.saved_file(&mut prepared)?;
     drop(prepared);
     let report = write_path(&file, &path, None).map_err(|e| ApiError::from_classified(&e))?;
     session.written.lock().unwrap_or_else(PoisonError::into_inner).insert(path.clone());
@@ -91,8 +91,8 @@ pub(crate) fn download(session: &Session, format: &str) -> ApiResult {
     let format = Format::from_name(format).ok_or_else(|| {
         ApiError::bad_request(format!("cannot write the format '{format}'; see `formats` of the shape"))
     })?;
-    let prepared = session.lock_prepared()?;
-    let file = session.edited_file(&prepared)?;
+    let mut prepared = session.lock_prepared()?;
+    let file = session.saved_file(&mut prepared)?;
     drop(prepared);
     let mut content = Vec::new();
     write_bytes_with(&file, format, &mut content, Progress::none())

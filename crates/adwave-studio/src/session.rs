@@ -2,6 +2,7 @@
 
 use crate::StudioError;
 use crate::autosave::Autosave;
+use crate::fields::{FieldInfo, list_fields};
 use crate::prepared_shape::{PreparedShape, build_decomposer};
 use crate::response::ApiError;
 use adwave::operator::OperatorKind;
@@ -178,6 +179,10 @@ impl Session {
             autosave.write_field_file(name, content)?;
         }
         *self.file.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(file);
+        if let Some(Ok(prepared)) = self.prepared.get() {
+            // A field of the same name may have been replaced.
+            prepared.lock().unwrap_or_else(PoisonError::into_inner).field_bands = None;
+        }
         Ok(names)
     }
 
@@ -198,6 +203,13 @@ impl Session {
         let mut file = ShapeFile::clone(&self.file());
         file.move_points(prepared.points.to_vec(), MovedNormals::Follow, self.progress())
             .map_err(|e| ApiError::from_classified(&e))?;
+        Ok(file)
+    }
+
+    /// Returns the content of the file with the edited positions and fields.
+    pub(crate) fn saved_file(&self, prepared: &mut PreparedShape) -> Result<ShapeFile, ApiError> {
+        let mut file = self.edited_file(prepared)?;
+        prepared.replace_edited_fields(&mut file, self.progress())?;
         Ok(file)
     }
 
@@ -228,7 +240,7 @@ impl Session {
             "notes": describe_defects(health),
             "levels": prepared.level_infos(),
             "choice": prepared.levels_request(),
-            "fields": crate::fields::list_fields(self, n_levels),
+            "fields": list_fields(self, n_levels).iter().map(FieldInfo::to_json).collect::<Vec<_>>(),
             "presets": presets,
             "resumed": self.was_resumed.get().copied().unwrap_or(false),
         }))

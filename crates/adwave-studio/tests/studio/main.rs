@@ -1,6 +1,7 @@
 //! Tests of the server of the studio, by requests as a browser sends them.
 
 mod client;
+mod field_edits;
 mod guard;
 mod pose;
 mod server;

@@ -143,12 +143,31 @@ export class Api {
     return this.json(path, { method: 'POST', body: file, signal });
   }
 
+  /** Fetches the values of a field and then its bands from fine to coarse, `f32 × n` each. */
+  async fieldBands(id: number, name: string, signal: AbortSignal): Promise<Float32Array<ArrayBuffer>> {
+    const path = `shapes/${id}/field-bands?name=${encodeURIComponent(name)}`;
+    return new Float32Array(await (await this.fetch(path, { signal })).arrayBuffer());
+  }
+
+  /** Fetches a field after the stored edit. */
+  editedField(id: number, name: string): Promise<Float32Array<ArrayBuffer>> {
+    return this.floats(`shapes/${id}/edited-field?name=${encodeURIComponent(name)}`);
+  }
+
+  /** Fetches a field after the stored edit as a file of values, in double precision. */
+  async fieldFile(id: number, name: string, format: string): Promise<Blob> {
+    const path = `shapes/${id}/edited-field?name=${encodeURIComponent(name)}&format=${format}`;
+    return (await this.fetch(path)).blob();
+  }
+
   features(id: number): Promise<Feature[]> {
     return this.json(`shapes/${id}/features`);
   }
 
-  async recipe(id: number): Promise<string> {
-    return (await this.fetch(`shapes/${id}/recipe`)).text();
+  /** Fetches the edit of the positions (`null`) or of a field as a recipe. */
+  async recipe(id: number, field: string | null): Promise<string> {
+    const query = field === null ? '' : `?field=${encodeURIComponent(field)}`;
+    return (await this.fetch(`shapes/${id}/recipe${query}`)).text();
   }
 
   putRecipe(id: number, recipe: string, signal: AbortSignal): Promise<LevelsAnswer> {

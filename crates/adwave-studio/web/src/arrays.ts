@@ -41,6 +41,8 @@ export class ShapeArrays {
   private fewPosed: BufferGeometry | null = null;
   /** Clones and pose of `posed`; `null` without any. */
   by: ReshapedBy | null = null;
+  /** True if the original is colored by other numbers than the edited shape. */
+  hasUneditedScalar = false;
   private hasEdited = false;
   private hasComparison = false;
   private bands: Int16Array[] = [];
@@ -78,6 +80,7 @@ export class ShapeArrays {
     this.coarse = null;
     this.hasEdited = false;
     this.hasComparison = false;
+    this.hasUneditedScalar = false;
     this.setLevels(0);
   }
 
@@ -250,6 +253,14 @@ export class ShapeArrays {
     this.coarse?.edited.copyAttribute('scalar', values, 1, false);
   }
 
+  /** Sets the numbers that color the original, if those of the edited shape differ. */
+  setUneditedScalar(values: Float32Array | null): void {
+    this.hasUneditedScalar = values !== null;
+    if (!values) return;
+    setAttributeArray(this.base, 'unedited', values, 1, false);
+    this.coarse?.base.copyAttribute('unedited', values, 1, false);
+  }
+
   /** Sets the colors of the file, `u8 × 4 × n`. */
   setRgb(colors: Uint8Array): void {
     const attribute = new BufferAttribute(colors, 4, true);
@@ -263,7 +274,10 @@ export class ShapeArrays {
   /** Selects the original (or the compared method) or the edited shape; its coarse version if `few` and available. */
   selectGeometry(before: boolean, few: boolean): DrawnGeometry {
     // The compared method has no coarse version.
-    if (before && this.hasComparison) return { geometry: this.comparison, summed: false, few: false };
+    if (before && this.hasComparison) {
+      shareAttributes(this.comparison, this.base, ['normal']);
+      return { geometry: this.comparison, summed: false, few: false };
+    }
     const summed = !before && this.live && this.nLevels > 0;
     if (summed && this.by) {
       const geometry = this.fewPosed ?? this.posed;

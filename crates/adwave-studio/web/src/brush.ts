@@ -96,6 +96,11 @@ export function lastStamps(region: Region): number[] {
   return 'vertices' in inner ? inner.vertices.indices : [];
 }
 
+/** True for effects that copy the detail of a shape, which fields have not. */
+function isOfShapes(effect: string): boolean {
+  return effect === 'match' || effect === 'clone';
+}
+
 export function brushPanel(studio: Studio): HTMLElement {
   const toggle = h(
     'button',
@@ -158,9 +163,16 @@ export function brushPanel(studio: Studio): HTMLElement {
   const startPick = () => (brush.effect === 'clone' ? studio.pickCloneSource() : studio.detail.startPick());
   const pick = h('button', { type: 'button', onclick: startPick }, text.pickDetail);
   studio.on('tool', () => {
-    for (const b of effects) b.setAttribute('aria-pressed', String(b.dataset['effect'] === brush.effect));
+    for (const b of effects) {
+      b.setAttribute('aria-pressed', String(b.dataset['effect'] === brush.effect));
+      b.hidden = studio.target !== null && isOfShapes(b.dataset['effect']!);
+    }
     effectHint.textContent = text.effectHints[brush.effect];
     pick.hidden = brush.effect !== 'match' && brush.effect !== 'clone';
+  });
+  studio.on('target', () => {
+    if (studio.target !== null && isOfShapes(brush.effect)) brush.effect = 'smooth';
+    studio.emit('tool');
   });
   const front = check(text.frontOnly, false, (on) => {
     brush.frontOnly = on;

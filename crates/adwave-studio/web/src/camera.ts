@@ -77,6 +77,11 @@ export class Camera {
     return this.three.getWorldDirection(new Vector3()).negate().toArray();
   }
 
+  /** Direction to the right of the picture. */
+  right(): number[] {
+    return new Vector3(1, 0, 0).applyQuaternion(this.three.quaternion).toArray();
+  }
+
   frame(): void {
     this.pivot.copy(this.center);
     const half = (FIELD_OF_VIEW * Math.PI) / 360;

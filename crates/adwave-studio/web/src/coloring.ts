@@ -4,6 +4,7 @@ import { classesOf, colorAt, hasValues, type MapName, movedOnly, type RangeRule,
 import { h, select } from './dom';
 import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
+import { areNeutral, type DocLayer, layersOf } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -30,6 +31,10 @@ export function coloring(studio: Studio): Coloring {
   const { view } = studio;
   let colored = 'none';
   let values: Float32Array | null = null;
+  /** Values of the shown field without its edit; `null` if it has none. */
+  let unedited: Float32Array | null = null;
+  /** Layers of the shown field, as far as they are known to the picture. */
+  let shownLayers: readonly DocLayer[] | null = null;
   let title = '';
   let unit = '';
   let diverging = false;
@@ -112,13 +117,15 @@ export function coloring(studio: Studio): Coloring {
       paintClasses(classes);
       return;
     }
-    if (!hasValues(values)) {
+    const ranged = unedited ?? values;
+    if (!hasValues(ranged)) {
       bar.hidden = true;
       numbers.replaceChildren(h('span', {}, text.noValues));
       legend.hidden = false;
       return;
     }
-    const range = rangeOf(colored === 'change' ? movedOnly(values) : values, rule, diverging);
+    // The colors of a field keep their meaning while it is edited.
+    const range = rangeOf(colored === 'change' ? movedOnly(ranged) : ranged, rule, diverging);
     view.setScalarRange(range, map);
     const context = bar.getContext('2d')!;
     for (let i = 0; i < 256; i++) {
@@ -160,8 +167,10 @@ export function coloring(studio: Studio): Coloring {
     colorOptions.hidden = name === 'none';
     classes = null;
     const field = studio.shape?.fields.find((f) => `field-${f.name}` === name);
+    showEditable(field?.editable ? field.name : null);
     if (name === 'none' || field?.rgb) {
       values = null;
+      unedited = null;
       colorOptions.hidden = true;
       if (field?.rgb) {
         try {
@@ -184,17 +193,21 @@ export function coloring(studio: Studio): Coloring {
         const answer = await studio.engine.call('scalar', level ? { band: level } : 'change');
         if (mine !== asked) return;
         values = answer.values;
+        unedited = null;
         title = level ? text.bandSize(level) : text.change;
         unit = '';
         diverging = false;
       } else {
         const answer = await studio.api.field(studio.shape!.id, name.slice(6));
         if (mine !== asked) return;
-        values = answer.values;
+        const after = field?.editable ? await editedValues(field.name) : null;
+        if (mine !== asked) return;
+        values = after ?? answer.values;
+        unedited = after && answer.values;
         title = answer.info.label;
         unit = answer.info.unit;
         diverging = answer.info.diverging;
-        if (!field?.edited) classes = classesOf(values);
+        if (!field?.edited && !after) classes = classesOf(values);
       }
     } catch (error) {
       if (mine !== asked) return;
@@ -216,9 +229,58 @@ export function coloring(studio: Studio): Coloring {
         [0, 255],
         'classes',
       );
-    } else view.setScalar(values, [0, 1], map);
+    } else view.setScalar(values, [0, 1], map, unedited);
     paintLegend();
   }
+
+  /** Tells which field can be edited; one that is not shown any more is edited no longer. */
+  function showEditable(name: string | null): void {
+    if (name !== studio.shownField) {
+      studio.shownField = name;
+      studio.emit('target');
+    }
+    if (studio.target !== null && studio.target !== name) void studio.setTarget(name);
+  }
+
+  /** Values of a field after its edit; `null` if it has none. */
+  async function editedValues(name: string): Promise<Float32Array | null> {
+    const { fieldEditor } = studio;
+    shownLayers = layersOf(studio.doc, name);
+    if (studio.target === name) return fieldEditor.loaded === name ? fieldEditor.values : null;
+    if (!shownLayers || areNeutral(shownLayers)) return null;
+    const id = studio.shape!.id;
+    await studio.saver?.waitUntilSent();
+    return studio.api.editedField(id, name);
+  }
+
+  studio.on('fieldEdited', () => {
+    const { fieldEditor, shownField } = studio;
+    if (!fieldEditor.values || fieldEditor.loaded !== shownField || colored !== `field-${shownField}`) return;
+    if (!values) return;
+    const hadClasses = classes !== null;
+    classes = null;
+    values = fieldEditor.values;
+    shownLayers = layersOf(studio.doc, shownField!);
+    const isFirst = unedited === null;
+    unedited = fieldEditor.before;
+    if (isFirst || hadClasses) {
+      colorOptions.hidden = false;
+      view.setScalar(values, [0, 1], map, unedited);
+      paintLegend();
+    } else view.updateScalar(values);
+  });
+  // A field whose edit changed while the positions are edited, or whose band is not soloed any more.
+  studio.on(['target', 'saving'], () => {
+    const { shownField, target, saver, doc } = studio;
+    if (shownField === null || target !== null || saver?.state !== 'saved') return;
+    if (layersOf(doc, shownField) === shownLayers && !wasTarget) return;
+    wasTarget = false;
+    void color(colored);
+  });
+  let wasTarget = false;
+  studio.on('target', () => {
+    wasTarget ||= studio.target !== null;
+  });
 
   /** Shape whose fields are listed. */
   let listedId = 0;
@@ -266,6 +328,11 @@ export function coloring(studio: Studio): Coloring {
       if ([...colorSelect.options].some((option) => option.value === name)) void color(name);
     },
     toggleChange: () => void color(colored === 'change' ? 'none' : 'change'),
-    valueAt: (v) => (values ? `, ${title} ${formatNumber(values[v]!)}${unit ? ` ${unit}` : ''}` : ''),
+    valueAt: (v) => {
+      if (!values) return '';
+      const before =
+        unedited && unedited[v] !== values[v] ? text.valueBefore(formatNumber(unedited[v]!)) : '';
+      return `, ${title} ${formatNumber(values[v]!)}${unit ? ` ${unit}` : ''}${before}`;
+    },
   };
 }

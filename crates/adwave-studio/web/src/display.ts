@@ -104,7 +104,7 @@ export class Display {
   private showLive(by = reshapedBy(this.studio.doc)): boolean {
     const { doc, nLevels, view } = this.studio;
     if (!sameReshape(view.arrays.by, by)) return false;
-    const layers = soloLayers(doc.layers, this.studio.solo).filter((l) => l.on);
+    const layers = soloLayers(doc.layers, this.positionSolo).filter((l) => l.on);
     const terms = layers.map((l) => ({
       opacity: l.opacity,
       gains: l.gains,
@@ -117,6 +117,17 @@ export class Display {
     const shown = view.setGains(globalGains(terms, nLevels), masked);
     if (shown) this.shownDoc = doc;
     return shown;
+  }
+
+  /** Shows the layer of a brush or a band that is soloed, of what is edited. */
+  showTarget(step: boolean): void {
+    if (this.studio.target === null) this.show(step);
+    else this.studio.fieldEditor.show();
+  }
+
+  /** Notes that the picture shows a document whose positions did not change. */
+  markShown(doc: Doc): void {
+    if (doc === this.studio.doc) this.shownDoc = doc;
   }
 
   /** Computes positions and normals of the present document; a later request waits for the current one. */
@@ -153,7 +164,7 @@ export class Display {
     const { generation } = studio.session;
     const isOld = () => generation !== studio.session.generation;
     const { updates, ids } = regions.updatesFor(doc.layers.map((l) => l.region));
-    const { solo } = studio;
+    const solo = this.positionSolo;
     const layers: WorkerLayer[] = soloLayers(doc.layers, solo).map((l, i) => ({
       key: l.key,
       on: l.on,
@@ -168,7 +179,14 @@ export class Display {
       const began = this.pulledAt;
       this.pulledAt = 0;
       const by = reshapedBy(doc);
-      const answer = await studio.engine.call('edit', { layers, regions: updates, exact, by, follow });
+      const answer = await studio.engine.call('edit', {
+        layers,
+        regions: updates,
+        keep: studio.keptKeys(doc),
+        exact,
+        by,
+        follow,
+      });
       if (isOld()) return;
       if (answer.places && answer.turns) {
         view.arrays.setPosed(by, { places: answer.places, turns: answer.turns });
@@ -193,6 +211,11 @@ export class Display {
       regions.markUnknown(updates);
       if (!isOld()) studio.showMessage((error as Error).message, 'error');
     }
+  }
+
+  /** The band that is shown alone, unless it is one of a field. */
+  private get positionSolo() {
+    return this.studio.target === null ? this.studio.solo : null;
   }
 
   private updateDisplacement({ greatest, rms, volume: after }: EditAnswer): void {

@@ -32,11 +32,11 @@ export class Engine {
     };
   }
 
-  call<C extends Call>(call: C, what: Calls[C][0]): Promise<Calls[C][1]> {
+  call<C extends Call>(call: C, what: Calls[C][0], transfer: Transferable[] = []): Promise<Calls[C][1]> {
     const id = ++this.lastId;
     return new Promise((done, failed) => {
       this.pendingCalls.set(id, { done: done as (x: unknown) => void, failed });
-      this.worker.postMessage({ id, call, with: what });
+      this.worker.postMessage({ id, call, with: what }, transfer);
     });
   }
 }

@@ -1,11 +1,11 @@
 /** Equalizer: one vertical native slider per band with its width, gain, solo and mute. */
 
-import { h } from './dom';
+import { h, segments } from './dom';
 import { GREATEST_TYPED, gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
 import { formatNumber } from './lengths';
 import { openLevels } from './levels-dialog';
 import type { Level } from './protocol';
-import { fitGains, withGain } from './state';
+import { type Doc, fitGains } from './state';
 import type { Studio } from './studio';
 import { text } from './text';
 
@@ -27,7 +27,7 @@ interface BandColumn {
 function setGain(studio: Studio, level: number, gain: number, step: boolean): void {
   studio.timings.startSliderTiming();
   studio.view.markMoving();
-  const doc = withGain(studio.doc, studio.layer.key, level, gain);
+  const doc = studio.withGain(level, gain);
   if (step) {
     studio.history.preview(doc);
     studio.history.end();
@@ -144,7 +144,7 @@ function enableCurveDrawing(
       const r = c.root.getBoundingClientRect();
       return event.clientX >= r.left && event.clientX < r.right;
     });
-    if (hit < 0 || !studio.loadedBands.has(hit + 1)) return;
+    if (hit < 0 || !studio.isBandReady(hit + 1)) return;
     const track = columns()[hit]!.input.getBoundingClientRect();
     const position = Math.round(
       SLIDER_MAX * Math.min(1, Math.max(0, (track.bottom - 8 - event.clientY) / (track.height - 16))),
@@ -152,14 +152,15 @@ function enableCurveDrawing(
     // Positions near the middle snap to gain 1.
     const at = Math.abs(position - 100) < 4 ? 100 : position;
     const from = last ?? { level: hit + 1, position: at };
-    let doc = studio.doc;
+    let doc: Doc | undefined;
     const n = Math.abs(hit + 1 - from.level);
     for (let k = 0; k <= n; k++) {
       const level = from.level + (n ? k * Math.sign(hit + 1 - from.level) : 0);
       const p = n ? from.position + ((at - from.position) * k) / n : at;
-      if (studio.loadedBands.has(level)) doc = withGain(doc, studio.layer.key, level, gainOf(Math.round(p)));
+      if (studio.isBandReady(level)) doc = studio.withGain(level, gainOf(Math.round(p)), doc);
     }
     last = { level: hit + 1, position: at };
+    if (!doc) return;
     studio.timings.startSliderTiming();
     studio.view.markMoving();
     studio.history.preview(doc);
@@ -209,6 +210,35 @@ function showGains(columns: readonly BandColumn[], gains: readonly number[], sol
   }
 }
 
+/** Creates the choice between the positions and the field that colors the shape. */
+function targetChoice(studio: Studio): HTMLElement {
+  const choice = segments<'positions' | 'field'>(
+    text.target,
+    [
+      ['positions', text.positions],
+      ['field', text.fieldTarget],
+    ],
+    'positions',
+    (which) => {
+      if (which === 'positions') void studio.setTarget(null);
+      else if (studio.shownField !== null) void studio.setTarget(studio.shownField);
+      else studio.showFirstField();
+    },
+  );
+  choice.classList.add('target');
+  const field = choice.querySelector<HTMLButtonElement>('button:last-child')!;
+  const show = () => {
+    const { target, shownField, shape } = studio;
+    choice.hidden = !shape?.fields.some((f) => f.editable);
+    choice.set(target === null ? 'positions' : 'field');
+    field.textContent = target ?? shownField ?? text.fieldTarget;
+    field.title = text.fieldTargetHint;
+  };
+  studio.on(['shape', 'levels', 'fields', 'target'], show);
+  show();
+  return choice;
+}
+
 export function equalizer(studio: Studio): HTMLElement {
   let columns: BandColumn[] = [];
   let drawing = false;
@@ -254,7 +284,7 @@ export function equalizer(studio: Studio): HTMLElement {
 
   function enable(): void {
     for (const [j, c] of columns.entries()) {
-      const there = studio.loadedBands.has(j + 1);
+      const there = studio.isBandReady(j + 1);
       c.input.disabled = !there;
       c.number.disabled = !there;
       c.root.classList.toggle('waiting', !there);
@@ -264,9 +294,9 @@ export function equalizer(studio: Studio): HTMLElement {
   function refresh(): void {
     const { solo } = studio;
     showGains(columns, studio.layer.gains, solo?.key === studio.selected ? solo.level : null);
-    const { layer, doc } = studio;
-    const index = doc.layers.indexOf(layer);
-    whose.textContent = doc.layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
+    const { layer, layers } = studio;
+    const index = layers.findIndex((l) => l.key === layer.key);
+    whose.textContent = layers.length > 1 ? layer.name || text.layerName(index + 1) : '';
   }
 
   enableCurveDrawing(
@@ -277,7 +307,7 @@ export function equalizer(studio: Studio): HTMLElement {
   );
   studio.on('levels', rebuild);
   studio.on('band', enable);
-  studio.on(['doc', 'selected', 'solo'], refresh);
+  studio.on(['doc', 'selected', 'solo', 'target'], refresh);
   studio.on('spectrum', () => showSpectrum(columns, studio.spectrum));
 
   return h(
@@ -287,6 +317,7 @@ export function equalizer(studio: Studio): HTMLElement {
       'header',
       {},
       h('h2', {}, text.equalizer),
+      targetChoice(studio),
       whose,
       h('span', { class: 'space' }),
       drawButton,

@@ -194,6 +194,7 @@ export class Files {
       text.file,
       ...this.saveSection(close),
       ...this.downloadSection(shape, close),
+      ...this.fieldSection(shape),
       ...this.recipeSection(shape, close),
       // On wide screens the tools have a button of their own.
       button(
@@ -297,12 +298,47 @@ export class Files {
     ];
   }
 
+  /** Creates the downloads of the field that colors the shape. */
+  private fieldSection(shape: Shape): Node[] {
+    const { studio } = this;
+    const name = studio.shownField;
+    if (name === null) return [];
+    const format = h(
+      'select',
+      { 'aria-label': text.fieldFormat },
+      ...text.fieldFormats.map(([id, title]) => h('option', { value: id }, title)),
+    );
+    const save = (what: () => Promise<void>) => () =>
+      void this.reportErrors(async () => {
+        await studio.saver?.waitUntilSent();
+        await what();
+      });
+    const values = save(async () => {
+      const extension = format.value;
+      download(await studio.api.fieldFile(shape.id, name, extension), `${name}-edited.${extension}`);
+    });
+    const recipe = save(async () => {
+      const content = await studio.api.recipe(shape.id, name);
+      download(new Blob([content], { type: 'application/toml' }), `${name}.toml`);
+    });
+    return [
+      h('h3', {}, text.fieldValues(name)),
+      h(
+        'div',
+        { class: 'row' },
+        format,
+        button(text.fieldDownload, values),
+        button(text.recipeOf(name), recipe),
+      ),
+    ];
+  }
+
   private recipeSection(shape: Shape, close: () => void): Node[] {
     const { studio } = this;
     const downloadRecipe = () =>
       void this.reportErrors(async () => {
         await studio.saver?.waitUntilSent();
-        const recipe = await studio.api.recipe(shape.id);
+        const recipe = await studio.api.recipe(shape.id, null);
         download(new Blob([recipe], { type: 'application/toml' }), `${this.stem}.toml`);
       });
     const openRecipe = () =>

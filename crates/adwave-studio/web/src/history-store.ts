@@ -1,7 +1,7 @@
 /** Storage of the undo history over a reload of the page, for as long as the browser keeps the tab. */
 
-import type { Edit, Region, Shape } from './protocol';
-import { type Doc, type DocLevels, fromEdit, type History, toEdit } from './state';
+import type { Edit, Layer, Region, Shape } from './protocol';
+import { type Doc, type DocLayer, type DocLevels, fromEdit, type History, layersOf, toEdit } from './state';
 
 /** Largest stored text; browsers give a page about five million characters. */
 const MOST = 2_000_000;
@@ -13,7 +13,7 @@ interface Stored {
   /** Regions of all documents, which share most of them. */
   regions: Region[];
   /** Past documents, the present one, and those that a redo leads to. */
-  docs: { levels: number; edit: Edit; regions: (number | null)[] }[];
+  docs: { levels: number; edit: Edit; regions: (number | null)[]; fieldRegions: (number | null)[][] }[];
   present: number;
 }
 
@@ -46,13 +46,23 @@ function pack(shape: Shape, docs: readonly Doc[], present: number): Stored {
   const packed = docs.map((doc) => {
     if (!levels.includes(doc.levels)) levels.push(doc.levels);
     const edit = toEdit(doc, 0);
-    const ids = edit.layers.map(({ region }) => {
+    const number = ({ region }: Layer) => {
       if (!region) return null;
       if (!numbers.has(region)) numbers.set(region, regions.push(region) - 1);
       return numbers.get(region)!;
-    });
-    const layers = edit.layers.map((l) => ({ ...l, region: null }));
-    return { levels: levels.indexOf(doc.levels), edit: { ...edit, layers }, regions: ids };
+    };
+    const bare = (list: readonly Layer[]) => list.map((l) => ({ ...l, region: null }));
+    const fields = edit.fields ?? [];
+    return {
+      levels: levels.indexOf(doc.levels),
+      edit: {
+        ...edit,
+        layers: bare(edit.layers),
+        fields: fields.map((f) => ({ ...f, layers: bare(f.layers) })),
+      },
+      regions: edit.layers.map(number),
+      fieldRegions: fields.map((f) => f.layers.map(number)),
+    };
   });
   return { name: shape.name, nVertices: shape.n_vertices, levels, regions, docs: packed, present };
 }
@@ -83,13 +93,19 @@ function unpack(stored: Stored, current: Doc): Doc[] {
   const presentLevels = stored.docs[stored.present]!.levels;
   const levels = stored.levels.map((l, i) => (i === presentLevels ? current.levels : l));
   const docs: Doc[] = [];
-  for (const { edit, levels: which, regions } of stored.docs) {
-    const layers = edit.layers.map((l, i) => ({
-      ...l,
-      region: regions[i] === null ? null : stored.regions[regions[i]!]!,
-    }));
-    const doc = fromEdit({ ...edit, layers }, levels[which]!.sigmas.length, levels[which]!);
-    docs.push({ ...doc, layers: doc.layers.map((l, i) => ({ ...l, key: current.layers[i]?.key ?? l.key })) });
+  for (const { edit, levels: which, regions, fieldRegions } of stored.docs) {
+    const whole = (layers: Layer[], ids: (number | null)[]) =>
+      layers.map((l, i) => ({ ...l, region: ids[i] === null ? null : stored.regions[ids[i]!]! }));
+    const layers = whole(edit.layers, regions);
+    const fields = (edit.fields ?? []).map((f, i) => ({ ...f, layers: whole(f.layers, fieldRegions[i]!) }));
+    const doc = fromEdit({ ...edit, layers, fields }, levels[which]!.sigmas.length, levels[which]!);
+    const keyed = (own: readonly DocLayer[], as: readonly DocLayer[] | null) =>
+      own.map((l, i) => ({ ...l, key: as?.[i]?.key ?? l.key }));
+    docs.push({
+      ...doc,
+      layers: keyed(doc.layers, current.layers),
+      fields: doc.fields.map((f) => ({ ...f, layers: keyed(f.layers, layersOf(current, f.field)) })),
+    });
   }
   return docs;
 }

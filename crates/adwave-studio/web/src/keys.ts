@@ -74,11 +74,11 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
       if (key === 'Home' && target instanceof HTMLInputElement) return;
       view.camera.frame();
       view.markMoving();
-    } else if (key === 'l') studio.addLayer(text.layerName(studio.doc.layers.length + 1), null);
+    } else if (key === 'l') studio.addLayer(text.layerName(studio.layers.length + 1), null);
     else if (key === 'e')
       document.querySelector<HTMLInputElement>('.band input.gain:not(:disabled)')?.focus();
     else if (key === ',' || key === '.') {
-      const { layers } = studio.doc;
+      const { layers } = studio;
       const i = layers.indexOf(studio.layer) + (key === '.' ? 1 : -1);
       if (layers[i]) studio.select(layers[i].key);
     } else if (key === 'Escape') {

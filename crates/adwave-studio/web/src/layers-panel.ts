@@ -8,17 +8,17 @@ import type { Studio } from './studio';
 import { text } from './text';
 
 function removeLayer(studio: Studio, key: number): void {
-  if (studio.doc.layers.length === 1) {
+  if (studio.layers.length === 1) {
     studio.showMessage(text.lastLayer);
     return;
   }
-  studio.history.commit({ ...studio.doc, layers: studio.doc.layers.filter((l) => l.key !== key) });
+  studio.history.commit(studio.withLayers(studio.layers.filter((l) => l.key !== key)));
 }
 
 function duplicateLayer(studio: Studio, layer: DocLayer): void {
-  const i = studio.doc.layers.indexOf(layer);
+  const i = studio.layers.findIndex((l) => l.key === layer.key);
   const copy = { ...layer, key: newKey(), name: text.copyName(layer.name || text.layerName(i + 1)) };
-  studio.history.commit({ ...studio.doc, layers: studio.doc.layers.toSpliced(i + 1, 0, copy) });
+  studio.history.commit(studio.withLayers(studio.layers.toSpliced(i + 1, 0, copy)));
   studio.select(copy.key);
 }
 
@@ -94,6 +94,7 @@ function layerSettings(studio: Studio) {
   const tint = check(text.tint, studio.tint.region, (on) => {
     studio.tint[studio.tintKind] = on;
     studio.updateTint();
+    studio.emit('tint');
   });
   const tintBox = tint.querySelector('input')!;
   const where = h('div', { class: 'where' });
@@ -147,7 +148,7 @@ export function layersPanel(studio: Studio): HTMLElement {
   const settings = layerSettings(studio);
   const rebuild = () => {
     list.replaceChildren(
-      ...studio.doc.layers.map((layer, i) =>
+      ...studio.layers.map((layer, i) =>
         layerItem(studio, layer, i, (name) => renameLayer(studio, list, layer, name, rebuild)),
       ),
     );
@@ -159,6 +160,12 @@ export function layersPanel(studio: Studio): HTMLElement {
   });
   studio.on(['doc', 'selected', 'shape'], rebuild);
   const rules = constraints(studio);
+  studio.on('target', () => {
+    // Constraints hold for positions.
+    rules.hidden = studio.target !== null;
+    settings.reset();
+    rebuild();
+  });
   return h(
     'section',
     { class: 'layers-panel', id: 'layers', 'aria-label': text.layers },
@@ -168,7 +175,7 @@ export function layersPanel(studio: Studio): HTMLElement {
       h('h2', {}, text.layers),
       h('span', { class: 'space' }),
       iconButton('plus', text.addLayer, () => {
-        studio.addLayer(text.layerName(studio.doc.layers.length + 1), null);
+        studio.addLayer(text.layerName(studio.layers.length + 1), null);
       }),
     ),
     list,

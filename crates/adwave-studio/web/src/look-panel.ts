@@ -150,7 +150,7 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
           {
             type: 'button',
             onclick: () =>
-              studio.addLayer(text.layerName(studio.doc.layers.length + 1), {
+              studio.addLayer(text.layerName(studio.layers.length + 1), {
                 ball: { center: { vertex }, radius: sigma },
               }),
           },
@@ -301,6 +301,13 @@ function createReadouts(studio: Studio): HTMLElement {
     const pair = (name: string, value: string) => h('div', {}, h('dt', {}, name), h('dd', {}, value));
     const percent = (x: number) => ` (${formatNumber((100 * x) / shape.diagonal, 2)} %)`;
     const items = [pair(text.vertices, formatCount(shape.n_vertices))];
+    if (studio.target !== null) {
+      const { change } = studio.fieldEditor;
+      items.push(pair(text.fieldGreatest, change ? formatNumber(change.greatest) : '–'));
+      items.push(pair(text.fieldRms, change ? formatNumber(change.rms) : '–'));
+      readouts.replaceChildren(...items);
+      return;
+    }
     items.push(pair(text.greatest, moved ? formatNumber(moved.greatest) + percent(moved.greatest) : '0'));
     items.push(pair(text.rms, moved ? formatNumber(moved.rms) : '0'));
     const volume = moved?.volume ?? (shape.volume === null ? null : [shape.volume, shape.volume]);
@@ -317,7 +324,7 @@ function createReadouts(studio: Studio): HTMLElement {
     }
     readouts.replaceChildren(...items);
   }
-  studio.on(['shape', 'moved'], read);
+  studio.on(['shape', 'moved', 'target', 'fieldEdited'], read);
   return readouts;
 }
 
@@ -325,14 +332,16 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const style = styleControl(studio);
   const colors = coloring(studio);
   let recalled: string | null = null;
+  let recalledTarget: string | null = null;
   const showLook = (memory: ViewMemory | null) => {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
     recalled = memory?.colors ?? null;
+    recalledTarget = memory?.target ?? null;
   };
   studio.shownView = {
     get: () => {
       const { camera, style } = studio.view;
-      return { camera: camera.state, style, colors: colors.shown };
+      return { camera: camera.state, style, colors: colors.shown, target: studio.target };
     },
     set: (memory) => {
       studio.view.camera.restore(memory.camera);
@@ -348,6 +357,8 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     if (recalled === null || studio.loadedBands.size < studio.nLevels) return;
     colors.show(recalled);
     recalled = null;
+    if (recalledTarget !== null) studio.showTarget(recalledTarget);
+    recalledTarget = null;
   };
   studio.on(['levels', 'band'], recallColors);
   studio.showField = (name) => colors.show(`field-${name}`);

@@ -75,6 +75,13 @@ export interface Edit {
   volume: VolumeRule | null;
   clones?: readonly DetailClone[];
   pose?: Pose | null;
+  /** Edits of fields, each by layers of its own. */
+  fields?: readonly FieldEdit[];
+}
+
+export interface FieldEdit {
+  field: string;
+  layers: Layer[];
 }
 
 export interface Level {
@@ -106,6 +113,8 @@ export interface FieldName {
   edited: boolean;
   /** True for the colors of the file, which have no single value per vertex. */
   rgb?: boolean;
+  /** True for fields with bands of their own, which can be edited. */
+  editable?: boolean;
 }
 
 export interface Shape {

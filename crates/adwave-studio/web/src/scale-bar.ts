@@ -48,7 +48,7 @@ export function scaleBar(view: View): HTMLElement {
     h('span', { class: 'bar-box' }, length, bar),
   );
   let shown = '';
-  view.onFrame = () => {
+  view.afterFrame(() => {
     const { camera } = view;
     const q = camera.three.quaternion;
     const pixel = camera.pixel;
@@ -68,6 +68,6 @@ export function scaleBar(view: View): HTMLElement {
     const size = roundLength(pixel * BAR.most);
     bar.style.width = `${Math.max(BAR.least, size / pixel).toFixed(1)}px`;
     length.textContent = `${formatNumber(size)} ${text.units}`;
-  };
+  });
   return element;
 }

@@ -103,6 +103,7 @@ export class Session {
       studio.displacement = moved;
       studio.emit('moved');
       if (needsServer(studio.doc, studio.shape!)) studio.display.settle();
+      void studio.fieldEditor.refine().catch(() => {});
     }
     studio.emit('saving');
   }
@@ -188,13 +189,16 @@ export class Session {
   private async readLevels(): Promise<void> {
     const { generation } = this;
     await this.readBands(generation);
-    if (generation === this.generation) this.studio.display.settle();
+    if (generation !== this.generation) return;
+    this.studio.display.settle();
+    await this.studio.loadTarget();
   }
 
   /** Applies an edit from a file as one step. */
   applyEdit(edit: Edit): void {
     const { nLevels, history } = this.studio;
-    const fits = Array.isArray(edit.layers) && edit.layers.every((l) => l.gains.length === nLevels);
+    const lists = [edit, ...(edit.fields ?? [])].map((list) => list.layers);
+    const fits = lists.every((l) => Array.isArray(l) && l.every((layer) => layer.gains.length === nLevels));
     if (!fits) throw new Error(text.badEdit(nLevels));
     history.commit(fromEdit(edit, nLevels, this.studio.doc.levels));
   }

@@ -26,6 +26,8 @@ export interface Variant {
   scalar: boolean;
   /** The scalar is the number of a class, the same over a triangle. */
   classes: boolean;
+  /** The scalar is the one without an edit. */
+  original: boolean;
   /** Colors of the file instead of a scalar. */
   rgb: boolean;
   tint: boolean;
@@ -39,9 +41,11 @@ export function vertexShader({
   flat,
   scalar,
   classes,
+  original,
   rgb,
   tint,
 }: Variant): string {
+  const number = original ? 'unedited' : 'scalar';
   const levels = Array.from({ length: nLevels }, (_, j) => j);
   const components = ['x', 'y', 'z', 'w'];
   const nMasks = 4 * packs;
@@ -62,7 +66,7 @@ ${nLevels && nMasks ? `uniform float slopes[${nLevels * nMasks}];` : ''}
 in vec3 position;
 in vec4 normal;
 ${posed ? TURNED : ''}
-${scalar ? `in float scalar;\n${classes ? 'flat ' : ''}out float vScalar;` : ''}
+${scalar ? `in float ${number};\n${classes ? 'flat ' : ''}out float vScalar;` : ''}
 ${rgb ? 'in vec4 paint;\nout vec3 vPaint;' : ''}
 ${tint || packs > 0 ? 'in vec4 masks0;' : ''}
 ${tint || packs > 1 ? 'in vec4 masks1;' : ''}
@@ -77,7 +81,7 @@ ${nLevels ? `  p += ${posed ? 'turned(d)' : 'd'};` : ''}
   vec4 place = modelViewMatrix * vec4(p, 1.0);
   vPlace = place.xyz;
 ${flat && !cloud ? '' : `  vNormal = normalMatrix * ${posed ? 'turned(normal.xyz)' : 'normal.xyz'};`}
-${scalar ? '  vScalar = scalar;' : ''}
+${scalar ? `  vScalar = ${number};` : ''}
 ${rgb ? '  vPaint = paint.rgb;' : ''}
 ${tint ? '  vTint = dot(masks0, tint) + dot(masks1, tint1);' : ''}
   gl_Position = projectionMatrix * place;

@@ -246,13 +246,13 @@ export class Stage {
     const { effect } = brush;
     if (effect === 'region') {
       if (studio.layer.region) return true;
-      studio.addLayer(text.layerName(studio.doc.layers.length + 1), { painted: [] }, false);
+      studio.addLayer(text.layerName(studio.layers.length + 1), { painted: [] }, false);
       studio.showMessage(text.paintedLayer);
       return true;
     }
     if (effect === 'clone') return false;
     if (effectOf(studio.layer) === effect) return true;
-    const painted = studio.doc.layers.findLast((l) => effectOf(l) === effect);
+    const painted = studio.layers.findLast((l) => effectOf(l) === effect);
     // Detail is matched where the layer was begun.
     if (painted && effect !== 'match') {
       studio.select(painted.key);
@@ -297,7 +297,7 @@ export class Stage {
       studio.showSpectrum(answer.spectrum);
       if (answer.stamped) {
         studio.view.markMoving();
-        studio.display.show(false);
+        studio.display.showTarget(false);
       }
     } catch (error) {
       studio.showMessage((error as Error).message, 'error');
@@ -318,7 +318,7 @@ export class Stage {
     const { studio } = this;
     this.stroke = null;
     const keep = stroke.ended === 'keep' && stroke.stamped > 0;
-    const layer = studio.doc.layers.find((l) => l.key === stroke.key);
+    const layer = studio.findLayer(stroke.key);
     const region = layer ? appendStroke(layer.region, [], stroke.shape) : null;
     const child = region ? studio.regions.id(region) : -1;
     const { indices } = await studio.engine.call('paintEnd', {
@@ -329,7 +329,7 @@ export class Stage {
     });
     if (!keep || !region) {
       studio.history.cancel();
-      studio.display.settle();
+      studio.display.showTarget(true);
       return;
     }
     lastStamps(region).push(...indices);
@@ -396,6 +396,13 @@ export class Stage {
     if (this.pointers.size === 0) this.turning = null;
     else this.turning = 'turn';
     if (clicked) void this.click(this.canvasPoint(e));
+  }
+
+  /** Vertex under a point of the canvas; `null` off the surface. */
+  async vertexAt(x: number, y: number): Promise<number | null> {
+    const { engine, view } = this.studio;
+    const { hit } = await engine.call('pick', { ray: view.camera.ray(x, y), ring: null });
+    return hit?.vertex ?? null;
   }
 
   private async click(place: { x: number; y: number }): Promise<void> {

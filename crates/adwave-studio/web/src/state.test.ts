@@ -12,9 +12,11 @@ import type { Shape } from './protocol';
 import { roundLength } from './scale-bar';
 import { maskPacks, vertexShader } from './shader';
 import {
+  changedTarget,
   fromEdit,
   History,
   isNeutral,
+  layersOf,
   mapGains,
   needsServer,
   newLayer,
@@ -22,6 +24,7 @@ import {
   toEdit,
   withGain,
   withLayer,
+  withLayersOf,
   withLevels,
 } from './state';
 import { text } from './text';
@@ -35,6 +38,7 @@ const edit = {
   volume: 'free' as const,
   clones: [],
   pose: null,
+  fields: [],
 };
 
 describe('the document', () => {
@@ -45,6 +49,40 @@ describe('the document', () => {
   test('always has a layer, with a gain a band', () => {
     expect(fromEdit({ ...edit, layers: [] }, 3).layers[0]!.gains).toEqual([1, 1, 1]);
     expect(fromEdit(edit, 3).layers[0]!.gains).toEqual([1, 2, 1]);
+  });
+
+  test('keeps an edit of its own for each field', () => {
+    const layers = [{ name: '', on: true, opacity: 1, gains: [0.5, 1], region: null }];
+    const withField = { ...edit, fields: [{ field: 'thickness', layers }] };
+    const doc = fromEdit(withField, 2);
+    expect(toEdit(doc, 3)).toEqual(withField);
+    expect(isNeutral({ ...doc, layers: [newLayer('', 2)] }), 'positions do not move').toBe(true);
+    const { key } = layersOf(doc, 'thickness')![0]!;
+    const next = withGain(doc, key, 2, 3);
+    expect(layersOf(next, 'thickness')![0]!.gains).toEqual([0.5, 3]);
+    expect(next.layers, 'the other layers are the same').toBe(doc.layers);
+    expect([changedTarget(doc, next), changedTarget(doc, doc)]).toEqual(['thickness', undefined]);
+    const moved = withGain(doc, doc.layers[0]!.key, 1, 3);
+    expect([changedTarget(doc, moved), changedTarget(next, moved)]).toEqual([null, undefined]);
+    const curvature = withLayersOf(doc, 'curvature', [newLayer('', 2)]);
+    expect(layersOf(curvature, 'curvature')).toHaveLength(1);
+    expect(layersOf(doc, 'curvature')).toBe(null);
+    const halved = withLevels(
+      { ...doc, levels: { choice: {}, sigmas: [1, 2] } },
+      { choice: {}, sigmas: [1, 2, 4] },
+    );
+    expect(layersOf(halved, 'thickness')![0]!.gains).toEqual([0.5, 1, 1]);
+  });
+
+  test('a field that is touched and left as it was is no step', () => {
+    const doc = fromEdit(edit, 2);
+    const history = new History(doc, () => {});
+    const layer = newLayer('', 2);
+    const touched = withLayersOf(doc, 'thickness', [layer]);
+    history.preview(withGain(touched, layer.key, 1, 2));
+    history.preview(withGain(history.doc, layer.key, 1, 1));
+    history.end();
+    expect(history.nSteps).toBe(0);
   });
 
   test('a gesture is one step, and one that ends where it began is none', () => {
@@ -146,6 +184,7 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     flat: true,
     scalar: false,
     classes: false,
+    original: false,
     rgb: false,
     tint: false,
   });

@@ -8,6 +8,7 @@ import type {
   Border,
   DetailClone,
   Edit,
+  FieldEdit,
   Layer,
   LevelsChoice,
   Pose,
@@ -27,6 +28,12 @@ export interface DocLevels {
   readonly sigmas: readonly number[];
 }
 
+/** Layers of a field. */
+export interface DocField {
+  readonly field: string;
+  readonly layers: readonly DocLayer[];
+}
+
 export interface Doc {
   readonly layers: readonly DocLayer[];
   readonly along: Along | null;
@@ -34,12 +41,15 @@ export interface Doc {
   readonly volume: VolumeRule | null;
   readonly clones: readonly DetailClone[];
   readonly pose: Pose | null;
+  /** Edits of fields; a field without an edit is not listed. */
+  readonly fields: readonly DocField[];
   readonly levels: DocLevels;
 }
 
 /** Levels of a document without a shape. */
 export const NO_LEVELS: DocLevels = { choice: {}, sigmas: [] };
 export const NO_CLONES: readonly DetailClone[] = [];
+export const NO_FIELDS: readonly DocField[] = [];
 
 let lastKey = 0;
 
@@ -48,22 +58,86 @@ export function newKey(): number {
 }
 
 export function fromEdit(edit: Edit, nLevels: number, levels: DocLevels = NO_LEVELS): Doc {
-  const layers = edit.layers.map((l) => ({ ...l, key: newKey(), gains: fitGains(l.gains, nLevels) }));
-  if (layers.length === 0) layers.push(newLayer('', nLevels));
+  const layers = keyedLayers(edit.layers, nLevels);
   const { along, border, volume, clones, pose } = edit;
-  return { layers, along, border, volume, clones: clones ?? NO_CLONES, pose: pose ?? null, levels };
+  const fields = (edit.fields ?? []).map(({ field, layers }) => ({
+    field,
+    layers: keyedLayers(layers, nLevels),
+  }));
+  return {
+    layers,
+    along,
+    border,
+    volume,
+    clones: clones ?? NO_CLONES,
+    pose: pose ?? null,
+    fields: fields.length > 0 ? fields : NO_FIELDS,
+    levels,
+  };
+}
+
+/** Layers of an edit as those of a document, at least one. */
+function keyedLayers(layers: readonly Layer[], nLevels: number): DocLayer[] {
+  if (layers.length === 0) return [newLayer('', nLevels)];
+  return layers.map((l) => ({ ...l, key: newKey(), gains: fitGains(l.gains, nLevels) }));
 }
 
 export function toEdit(doc: Doc, revision: number): Edit {
   return {
     revision,
-    layers: doc.layers.map(({ name, on, opacity, gains, region }) => ({ name, on, opacity, gains, region })),
+    layers: doc.layers.map(toLayer),
     along: doc.along,
     border: doc.border,
     volume: doc.volume,
     clones: doc.clones,
     pose: doc.pose,
+    fields: doc.fields.map(({ field, layers }): FieldEdit => ({ field, layers: layers.map(toLayer) })),
   };
+}
+
+function toLayer({ name, on, opacity, gains, region }: DocLayer): Layer {
+  return { name, on, opacity, gains, region };
+}
+
+/** Layers of the positions (`null`) or of a field; `null` if the field has no edit. */
+export function layersOf(doc: Doc, target: string | null): readonly DocLayer[] | null {
+  if (target === null) return doc.layers;
+  return doc.fields.find(({ field }) => field === target)?.layers ?? null;
+}
+
+/** The document with other layers of the positions (`null`) or of a field. */
+export function withLayersOf(doc: Doc, target: string | null, layers: readonly DocLayer[]): Doc {
+  if (target === null) return { ...doc, layers };
+  const known = doc.fields.some(({ field }) => field === target);
+  const changed = { field: target, layers };
+  const fields = known ? doc.fields.map((f) => (f.field === target ? changed : f)) : [...doc.fields, changed];
+  return { ...doc, fields };
+}
+
+/** All layers of a document, those of fields too. */
+export function allLayers(doc: Doc): DocLayer[] {
+  return [...doc.layers, ...doc.fields.flatMap(({ layers }) => layers)];
+}
+
+/** What differs between two documents: the edit of the positions (`null`), or that of a field; `undefined` if both or none. */
+export function changedTarget(a: Doc, b: Doc): string | null | undefined {
+  const fields = new Set([...a.fields, ...b.fields].map(({ field }) => field));
+  const changed = [...fields].filter((f) => layersOf(a, f) !== layersOf(b, f));
+  if (samePositions(a, b)) return changed.length === 1 ? changed[0] : undefined;
+  return changed.length === 0 ? null : undefined;
+}
+
+/** True if two documents lead to the same positions because nothing of them was touched. */
+export function samePositions(a: Doc, b: Doc): boolean {
+  return (
+    a.layers === b.layers &&
+    a.along === b.along &&
+    a.border === b.border &&
+    a.volume === b.volume &&
+    a.clones === b.clones &&
+    a.pose === b.pose &&
+    a.levels === b.levels
+  );
 }
 
 export function newLayer(name: string, nLevels: number, region: Region | null = null): DocLayer {
@@ -106,7 +180,9 @@ export function mapGains(
 /** The document with the gains of other levels. */
 export function withLevels(doc: Doc, levels: DocLevels): Doc {
   const map = (gains: readonly number[]) => mapGains(gains, doc.levels.sigmas, levels.sigmas);
-  return { ...doc, levels, layers: doc.layers.map((l) => ({ ...l, gains: map(l.gains) })) };
+  const mapAll = (layers: readonly DocLayer[]) => layers.map((l) => ({ ...l, gains: map(l.gains) }));
+  const fields = doc.fields.map(({ field, layers }) => ({ field, layers: mapAll(layers) }));
+  return { ...doc, levels, layers: mapAll(doc.layers), fields: fields.length > 0 ? fields : NO_FIELDS };
 }
 
 /** The layers with only one band of one of them, for listening to it; the document keeps its gains. */
@@ -120,12 +196,17 @@ export function soloLayers(
   );
 }
 
+/** The document with a change of one layer, of the positions or of a field. */
 export function withLayer(doc: Doc, key: number, change: Partial<DocLayer>): Doc {
-  return { ...doc, layers: doc.layers.map((l) => (l.key === key ? { ...l, ...change, key } : l)) };
+  const changed = (layers: readonly DocLayer[]) =>
+    layers.map((l) => (l.key === key ? { ...l, ...change, key } : l));
+  const owner = doc.fields.find(({ layers }) => layers.some((l) => l.key === key));
+  if (owner) return withLayersOf(doc, owner.field, changed(owner.layers));
+  return { ...doc, layers: changed(doc.layers) };
 }
 
 export function withGain(doc: Doc, key: number, level: number, gain: number): Doc {
-  const layer = doc.layers.find((l) => l.key === key);
+  const layer = allLayers(doc).find((l) => l.key === key);
   if (!layer || layer.gains[level - 1] === gain) return doc;
   return withLayer(doc, key, { gains: layer.gains.with(level - 1, gain) });
 }
@@ -146,7 +227,12 @@ export function sameReshape(a: ReshapedBy | null, b: ReshapedBy | null): boolean
 }
 
 function hasNeutralLayers(doc: Doc): boolean {
-  return doc.layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
+  return areNeutral(doc.layers);
+}
+
+/** True if layers change nothing. */
+export function areNeutral(layers: readonly DocLayer[]): boolean {
+  return layers.every((l) => !l.on || l.opacity === 0 || l.gains.every((g) => g === 1));
 }
 
 /**
@@ -265,9 +351,32 @@ function sameEdit(a: Doc, b: Doc): boolean {
     a.clones === b.clones &&
     a.pose === b.pose &&
     a.levels === b.levels &&
-    a.layers.length === b.layers.length &&
-    a.layers.every((l, i) => {
-      const m = b.layers[i]!;
+    sameLayers(a.layers, b.layers) &&
+    sameFields(a, b)
+  );
+}
+
+/** True if the fields have equal edits; one that changes nothing is as good as none. */
+function sameFields(a: Doc, b: Doc): boolean {
+  return [...a.fields, ...b.fields].every(({ field }) => {
+    const [p, q] = [layersOf(a, field) ?? [], layersOf(b, field) ?? []];
+    return sameLayers(p, q) || (isBlank(p) && isBlank(q));
+  });
+}
+
+/** True for no layers, and for a single one as it is made for a new edit. */
+function isBlank(layers: readonly DocLayer[]): boolean {
+  return (
+    layers.length === 0 ||
+    (layers.length === 1 && !layers[0]!.name && !layers[0]!.region && areNeutral(layers))
+  );
+}
+
+function sameLayers(a: readonly DocLayer[], b: readonly DocLayer[]): boolean {
+  return (
+    a.length === b.length &&
+    a.every((l, i) => {
+      const m = b[i]!;
       return (
         l.key === m.key &&
         l.name === m.name &&

@@ -1,18 +1,35 @@
 /** Shared state of the page: the shape, its document, the worker, the picture and the selection. */
 
 import type { Api } from './api';
-import { rangeOf } from './colors';
+import { hasValues, rangeOf } from './colors';
 import type { WorkerEvent } from './compute/messages';
 import { DetailTransfer } from './detail-transfer';
 import { Display } from './display';
 import { effectOf } from './effects';
 import { Engine } from './engine';
+import { FieldEditor, keysOf } from './field-editor';
+import { formatCount } from './lengths';
 import { Masks } from './masks';
 import type { Region, Shape, ShapeList } from './protocol';
 import { Regions } from './regions';
 import type { Saver } from './saver';
 import { Session } from './session';
-import { type Doc, type DocLayer, History, NO_LEVELS, newLayer, withLayer } from './state';
+import {
+  allLayers,
+  changedTarget,
+  type Doc,
+  type DocLayer,
+  History,
+  layersOf,
+  NO_FIELDS,
+  NO_LEVELS,
+  newKey,
+  newLayer,
+  samePositions,
+  withGain,
+  withLayer,
+  withLayersOf,
+} from './state';
 import { text } from './text';
 import { Timings } from './timings';
 import type { ShownComparison } from './tools';
@@ -35,6 +52,9 @@ export type Topic =
   | 'drawing'
   | 'waiting'
   | 'fields'
+  | 'target'
+  | 'fieldEdited'
+  | 'tint'
   | 'camera'
   | 'solo'
   | 'theme';
@@ -56,12 +76,21 @@ export class Studio {
       volume: null,
       clones: [],
       pose: null,
+      fields: NO_FIELDS,
       levels: NO_LEVELS,
     },
     () => {},
   );
   saver: Saver | null = null;
   selected = 0;
+  /** Field that the equalizer edits; `null` for the positions. Part of the view. */
+  target: string | null = null;
+  /** Field that colors the shape and can be edited. */
+  shownField: string | null = null;
+  /** Keys of the layers of fields that have no edit yet. */
+  private readonly blankKeys = new Map<string, number>();
+  /** Document that was handled last. */
+  private lastDoc: Doc | null = null;
   readonly loadedBands = new Set<number>();
   /** Displacement from the last computation; replaced by the server's double precision values. */
   displacement: { greatest: number; rms: number; volume: [number, number] | null } | null = null;
@@ -90,6 +119,7 @@ export class Studio {
   readonly detail = new DetailTransfer(this);
   readonly session = new Session(this);
   readonly display: Display;
+  readonly fieldEditor = new FieldEditor(this);
   /** True if the mask of the selected layer is tinted; for layers of an effect, which show it, by its own switch. */
   tint = { region: true, effect: false };
   /** Last clicked vertex, the default center of a ball. */
@@ -110,7 +140,7 @@ export class Studio {
     this.on('selected', () => {
       if (!this.solo || this.solo.key === this.selected) return;
       this.solo = null;
-      this.display.show(true);
+      this.display.showTarget(true);
       this.emit('solo');
     });
     this.engine = new Engine(worker, (event) => this.handleWorkerEvent(event));
@@ -134,8 +164,93 @@ export class Studio {
     return this.history.doc;
   }
 
+  /** Layers of the positions or of the field that is edited, at least one. */
+  get layers(): readonly DocLayer[] {
+    return this.layersIn(this.doc);
+  }
+
+  private layersIn(doc: Doc): readonly DocLayer[] {
+    const { target } = this;
+    const layers = layersOf(doc, target);
+    if (layers && layers.length > 0) return layers;
+    const key = this.blankKeys.get(target ?? '') ?? newKey();
+    this.blankKeys.set(target ?? '', key);
+    return [{ ...newLayer('', this.nLevels), key }];
+  }
+
   get layer(): DocLayer {
-    return this.doc.layers.find((l) => l.key === this.selected) ?? this.doc.layers[0]!;
+    return this.layers.find((l) => l.key === this.selected) ?? this.layers[0]!;
+  }
+
+  /** The layer of that key, of the positions or of any field. */
+  findLayer(key: number): DocLayer | undefined {
+    return this.layers.find((l) => l.key === key) ?? allLayers(this.doc).find((l) => l.key === key);
+  }
+
+  /** The document in which a field that is edited for the first time has its layer. */
+  private get docWithTarget(): Doc {
+    const { doc, target } = this;
+    return layersOf(doc, target) ? doc : withLayersOf(doc, target, this.layers);
+  }
+
+  /** The document with other layers of what is edited. */
+  withLayers(layers: readonly DocLayer[]): Doc {
+    return withLayersOf(this.doc, this.target, layers);
+  }
+
+  /** A document with another gain of the selected layer; `doc` is the present one or one made from it. */
+  withGain(level: number, gain: number, doc = this.doc): Doc {
+    if (this.layer.gains[level - 1] === gain && doc === this.doc) return doc;
+    const whole = doc === this.doc ? this.docWithTarget : doc;
+    return withGain(whole, this.layer.key, level, gain);
+  }
+
+  /** Keys of the layers whose masks are kept. */
+  keptKeys(doc: Doc): number[] {
+    return [...keysOf(doc), ...this.layers.map((l) => l.key)];
+  }
+
+  /** True if the band of a level is loaded, of the positions or of the field that is edited. */
+  isBandReady(level: number): boolean {
+    return this.target === null ? this.loadedBands.has(level) : this.fieldEditor.loaded === this.target;
+  }
+
+  /** Edits a field, or the positions (`null`), from now on. */
+  async setTarget(target: string | null): Promise<void> {
+    if (target === this.target) return;
+    this.cancelPick();
+    this.target = target;
+    this.solo = null;
+    this.showSpectrum([]);
+    this.selected = this.layers[0]!.key;
+    this.masks.assignSlots(this.slottedLayers);
+    this.updateTint();
+    for (const topic of ['target', 'selected', 'band', 'solo'] as const) this.emit(topic);
+    if (target === null) {
+      this.fieldEditor.drop();
+      // Bands that were soloed or masks that changed meanwhile.
+      this.display.settle();
+      return;
+    }
+    await this.loadTarget();
+  }
+
+  /** Loads the bands of the field that is edited; returns to the positions if there are none. */
+  async loadTarget(): Promise<void> {
+    const { target } = this;
+    if (target === null) return;
+    let isLoaded = false;
+    try {
+      isLoaded = await this.fieldEditor.load(target);
+    } catch (error) {
+      this.showMessage((error as Error).message, 'error');
+    }
+    if (!isLoaded && this.target === target && this.fieldEditor.loaded === null) await this.setTarget(null);
+  }
+
+  /** Layers whose masks the shader gets, those of what is edited first. */
+  private get slottedLayers(): DocLayer[] {
+    return this.target === null ? [...this.doc.layers] : [...this.layers, ...this.doc.layers];
   }
 
   get nLevels(): number {
@@ -153,15 +268,20 @@ export class Studio {
     this.lastVertex = null;
     this.cloneSource = null;
     this.isPulling = false;
+    this.target = null;
+    this.blankKeys.clear();
+    this.fieldEditor.close();
     this.cancelPick();
     this.emit('compared');
+    this.emit('target');
   }
 
   /** Replaces the document and clears the undo history. */
   resetDocument(doc: Doc): void {
     this.history = new History(doc, (committed) => this.handleDocumentChange(committed));
-    this.selected = doc.layers[0]!.key;
-    this.masks.assignSlots(doc.layers);
+    this.lastDoc = doc;
+    this.selected = this.layers[0]!.key;
+    this.masks.assignSlots(this.slottedLayers);
     this.updateTint();
     this.emit('doc');
     this.emit('selected');
@@ -182,13 +302,17 @@ export class Studio {
 
   /** Handles a change of the document: a step if `committed`, otherwise part of a gesture. */
   private handleDocumentChange(committed: boolean): void {
-    if (!this.doc.layers.some((l) => l.key === this.selected)) {
-      this.selected = this.doc.layers.at(-1)!.key;
+    const before = this.lastDoc;
+    this.lastDoc = this.doc;
+    if (!this.layers.some((l) => l.key === this.selected)) {
+      this.selected = this.layers.at(-1)!.key;
       this.emit('selected');
     }
-    this.masks.assignSlots(this.doc.layers);
+    this.masks.assignSlots(this.slottedLayers);
     this.updateTint();
-    this.display.show(committed);
+    // An edit of a field leaves the positions as they are.
+    if (this.target !== null) this.fieldEditor.show();
+    if (this.target === null || !before || !samePositions(before, this.doc)) this.display.show(committed);
     if (committed) this.saver?.saveStep(this.doc, this.display.waitUntilSettled());
     this.emit('doc');
   }
@@ -236,7 +360,25 @@ export class Studio {
       return;
     }
     this.timings.startSliderTiming();
+    const changed = changedTarget(this.doc, next);
     if (!this.history[to]()) this.timings.cancelSliderTiming();
+    // The step is shown where it acts.
+    else if (changed !== undefined && changed !== this.target) this.showTarget(changed);
+  }
+
+  /** Edits the first field of the file. */
+  showFirstField(): void {
+    const field = this.shape?.fields.find((f) => f.editable);
+    if (field) this.showTarget(field.name);
+  }
+
+  /** Edits a field and colors the shape by it, or edits the positions (`null`). */
+  showTarget(target: string | null): void {
+    if (target !== null && target !== this.shownField) {
+      if (!this.shape?.fields.some((f) => f.name === target && f.editable)) return;
+      this.showField(target);
+    }
+    void this.setTarget(target);
   }
 
   /** Lets the next click choose the spot from which the brush clones detail. */
@@ -281,13 +423,13 @@ export class Studio {
     const { solo, selected: key } = this;
     this.solo = solo?.key === key && solo.level === level ? null : { key, level };
     this.view.markMoving();
-    this.display.show(true);
+    this.display.showTarget(true);
     this.emit('solo');
   }
 
   /** Changes a layer, as one step or as part of a gesture. */
   changeLayer(change: Partial<DocLayer>, step: boolean, key = this.selected): void {
-    const doc = withLayer(this.doc, key, change);
+    const doc = withLayer(this.docWithTarget, key, change);
     if (step) this.history.commit(doc);
     else this.history.preview(doc);
   }
@@ -296,7 +438,7 @@ export class Studio {
     this.cancelPick();
     const empty = newLayer(name, this.nLevels, region);
     const layer = gains ? { ...empty, gains } : empty;
-    const doc = { ...this.doc, layers: [...this.doc.layers, layer] };
+    const doc = this.withLayers([...this.layers, layer]);
     this.selected = layer.key;
     if (step) this.history.commit(doc);
     else this.history.preview(doc);
@@ -336,6 +478,9 @@ export class Studio {
   /** Range of a field from the 2nd to the 98th percentile. */
   async fieldRange(name: string): Promise<[number, number]> {
     const { values } = await this.api.field(this.shape!.id, name, 'region');
+    if (!hasValues(values)) throw new Error(text.emptyField(name));
+    const nMissing = values.reduce((n, x) => n + Number(Number.isNaN(x)), 0);
+    if (nMissing > 0) this.showMessage(text.outsideField(name, formatCount(nMissing)));
     return rangeOf(values, 'most', false);
   }
 }

@@ -20,6 +20,8 @@ export interface TestHooks {
   saved(): Promise<void>;
   /** Returns the mask of the last layer after all computation has finished. */
   mask(): Promise<Uint8Array>;
+  /** Returns the displayed values of the field that is edited; `null` if the positions are. */
+  fieldValues(): Promise<Float32Array | null>;
   /** Name of the WebGL renderer. */
   renderer: string;
 }
@@ -49,7 +51,11 @@ export function installTestHooks(studio: Studio, ready: Promise<void>): void {
     },
     mask: async () => {
       await studio.display.waitUntilSettled();
-      return (await studio.engine.call('maskBytes', { key: studio.doc.layers.at(-1)!.key })).bytes;
+      return (await studio.engine.call('maskBytes', { key: studio.layers.at(-1)!.key })).bytes;
+    },
+    fieldValues: async () => {
+      await studio.fieldEditor.waitUntilShown();
+      return studio.fieldEditor.values;
     },
     saved: () => (isSaved() ? Promise.resolve() : new Promise((resolve) => waiters.push(resolve))),
     renderer: studio.view.rendererName,

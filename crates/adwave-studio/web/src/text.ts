@@ -23,6 +23,11 @@ export const text = {
 
   // Equalizer
   equalizer: 'Equalizer',
+  target: 'Edit',
+  positions: 'Positions',
+  fieldTarget: 'Field',
+  fieldTargetHint: 'Edit the values of the field that colors the shape',
+  computingField: (name: string) => `Computing the bands of ${name}…`,
   presets: 'Presets',
   presetNames: {
     smooth: 'Smooth',
@@ -49,6 +54,25 @@ export const text = {
   solo: (band: string) => `Solo ${band}`,
   mute: (band: string) => `Mute ${band}`,
   detailHere: (size: string) => `Detail under the cursor: ${size}`,
+
+  fieldOfClasses: (name: string) =>
+    `${name} holds whole numbers. The equalizer smooths them as numbers, not as classes.`,
+  fieldWithGaps: (name: string, n: string) =>
+    `${name} has no value at ${n} vertices. They stay without, and nothing flows across them.`,
+  emptyField: (name: string) => `${name} has no value at any vertex. Choose another field.`,
+  fieldGreatest: 'Max change',
+  fieldRms: 'RMS change',
+  fieldValues: (name: string) => `Values of ${name}`,
+  fieldFormats: [
+    ['npy', 'NumPy (.npy)'],
+    ['csv', 'Text (.csv)'],
+    ['gii', 'GIFTI (.gii)'],
+  ] as const,
+  fieldFormat: 'Format of values',
+  fieldDownload: 'Download values',
+  valueBefore: (x: string) => ` (before: ${x})`,
+  outsideField: (name: string, n: string) =>
+    `${name} has no value at ${n} vertices. They are outside the region.`,
 
   // Bands dialog
   computingBands: 'Computing bands…',
@@ -129,6 +153,12 @@ export const text = {
   invert: 'Invert region',
   ballHint: 'Measured along the surface.',
   moveCenter: 'Choose center',
+  moveRegion: 'Move the region',
+  moveCenterHandle: 'Move the center',
+  movePlane: 'Move the plane',
+  turnPlane: 'Turn the plane',
+  tilted: 'Tilted',
+  handlesHint: 'Drag the handles in the picture, or move them with the arrow keys.',
   clickCenter: 'Click the new center on the shape.',
   missed: 'No surface there. Click on the shape.',
   from: 'From',
@@ -290,7 +320,7 @@ export const text = {
     return variant ? `${title} (${variant === 'ascii' ? 'text' : variant})` : title;
   },
   fieldAdded: (name: string) =>
-    `Added the field ${name}. It colors the shape, and a layer can act by it: choose Where, By field.`,
+    `Added the field ${name}. It colors the shape. The equalizer can edit it, and a layer can act by it.`,
   reading: (name: string) => `Reading ${name}…`,
   saveNote: 'Saves next to the opened file, in double precision and with all other content of the file.',
   saveName: 'File name',
@@ -306,6 +336,7 @@ export const text = {
   badView: (name: string) => `${name} holds no view. Download one with File, View (JSON).`,
   pointSize: 'Point size',
   recipe: 'Recipe',
+  recipeOf: (name: string) => `Recipe of ${name}`,
   recipeNote: 'The edit as a text file. Apply it to this or another shape with adwave filter --recipe.',
   recipeSave: 'Download',
   recipeOpen: 'Open',

@@ -7,6 +7,8 @@ export interface ViewMemory {
   camera: CameraState;
   style: string;
   colors: string;
+  /** Field that the equalizer edits; `null` for the positions. */
+  target?: string | null;
 }
 
 const KEY = 'adwave-views';

@@ -49,8 +49,7 @@ export class View {
   split: number | null = null;
   /** Called after each frame. */
   onDrawn: ((began: number) => void) | null = null;
-  /** Called after each frame, for what is drawn over the picture. */
-  onFrame: (() => void) | null = null;
+  private readonly frameListeners: (() => void)[] = [];
   private readonly software: boolean;
   private readonly scene = new Scene();
   private readonly materials = new Materials();
@@ -137,13 +136,26 @@ export class View {
     this.request();
   }
 
-  setScalar(values: Float32Array | null, range: [number, number] = [0, 1], map: MapName = 'viridis'): void {
+  /** Colors the shape by one number per vertex; `unedited` are the numbers that the original has, if they differ. */
+  setScalar(
+    values: Float32Array | null,
+    range: [number, number] = [0, 1],
+    map: MapName = 'viridis',
+    unedited: Float32Array | null = null,
+  ): void {
     this.materials.hasScalar = values !== null;
     this.materials.hasRgb = false;
+    this.arrays.setUneditedScalar(values && unedited);
     if (values) {
       this.arrays.setScalar(values);
       this.materials.setScalarRange(range, map);
     }
+    this.request();
+  }
+
+  /** Replaces the numbers that color the edited shape. */
+  updateScalar(values: Float32Array): void {
+    this.arrays.setScalar(values);
     this.request();
   }
 
@@ -211,6 +223,11 @@ export class View {
     });
   }
 
+  /** Calls a listener after each frame, for what is drawn over the picture. */
+  afterFrame(listener: () => void): void {
+    this.frameListeners.push(listener);
+  }
+
   /** Draws now instead of in the requested frame. */
   draw(): void {
     cancelAnimationFrame(this.frame);
@@ -242,7 +259,7 @@ export class View {
       renderer.setScissorTest(false);
     }
     this.onDrawn?.(began);
-    this.onFrame?.();
+    for (const listener of this.frameListeners) listener();
   }
 
   /**
@@ -270,6 +287,7 @@ export class View {
       flat: summed || this.style === 'flat' || !geometry.hasAttribute('normal'),
       scalar: materials.hasScalar,
       classes: materials.hasScalar && materials.hasClasses,
+      original: materials.hasScalar && before && arrays.hasUneditedScalar,
       rgb: materials.hasRgb,
       tint: materials.tinted && !before,
     });

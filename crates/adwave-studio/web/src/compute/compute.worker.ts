@@ -3,6 +3,7 @@
 import type { ReshapedBy } from '../protocol';
 import { type Rows, trianglesOfVertices } from './adjacency';
 import { edgePairs } from './coarse';
+import { type EditableField, editedField, fieldChange, splitField } from './field';
 import type { Bent, Call, Calls, Follow, FromWorker, PickAnswer, ToWorker, WorkerLayer } from './messages';
 import { cloudNormals, meshNormals } from './normals';
 import { Painter } from './painter';
@@ -26,6 +27,8 @@ class Shape {
   readonly ground: RegionContext;
   readonly painter: Painter;
   bands: (Band | null)[] = [];
+  /** The field that is edited; `null` while the positions are. */
+  field: EditableField | null = null;
   private readonly sums: Float32Array;
   private aroundRows: Rows | null = null;
   private surfaceOnce: Surface | null = null;
@@ -179,6 +182,21 @@ class Shape {
     this.isBentNew = true;
   }
 
+  /** Updates the masks of layers; returns a message about one whose region cannot be computed. The others have an effect. */
+  async showMasks(layers: readonly WorkerLayer[]): Promise<string | null> {
+    let problem: string | null = null;
+    for (const l of layers) {
+      if (l.region === null) continue;
+      try {
+        await this.prepare();
+        await this.painter.show(l.key, l.region);
+      } catch (error) {
+        problem = (error as Error).message;
+      }
+    }
+    return problem;
+  }
+
   terms(layers: readonly WorkerLayer[]): LayerTerm[] {
     return layers
       .filter((l) => l.on && (l.region === null || this.painter.mask(l.key)))
@@ -198,6 +216,7 @@ class Shape {
   }
 
   spectrum(v: number): number[] {
+    if (this.field) return this.field.bands.map((band) => Math.abs(band[v]!));
     return this.bands.map((b) =>
       b ? b.scale * Math.hypot(b.values[4 * v]!, b.values[4 * v + 1]!, b.values[4 * v + 2]!) : 0,
     );
@@ -268,21 +287,25 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
     await shape().readBands(nLevels, shared);
     return { seconds: (performance.now() - started) / 1000 };
   },
-  async edit({ layers, regions, exact, by, follow }) {
+  field({ values }) {
+    const s = shape();
+    s.field = values && splitField(values, s.n);
+    return {};
+  },
+  async fieldEdit({ layers, regions, keep }) {
     const s = shape();
     s.painter.updateRegions(regions);
-    s.painter.retainLayers(new Set(layers.map((l) => l.key)));
-    let problem: string | null = null;
-    for (const l of layers) {
-      if (l.region === null) continue;
-      try {
-        await s.prepare();
-        await s.painter.show(l.key, l.region);
-      } catch (error) {
-        // A layer whose region cannot be computed has no effect; the others do.
-        problem = (error as Error).message;
-      }
-    }
+    s.painter.retainLayers(new Set(keep));
+    const problem = await s.showMasks(layers);
+    if (!s.field) throw new Error('The bands of the field are not loaded yet. Try again.');
+    const values = editedField(s.field, s.terms(layers));
+    return { values, ...fieldChange(s.field.values, values), problem };
+  },
+  async edit({ layers, regions, keep, exact, by, follow }) {
+    const s = shape();
+    s.painter.updateRegions(regions);
+    s.painter.retainLayers(new Set(keep));
+    let problem = await s.showMasks(layers);
     try {
       await s.bend(by, follow);
     } catch (error) {

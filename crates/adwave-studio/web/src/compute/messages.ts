@@ -49,9 +49,21 @@ export interface Calls {
   edges: [Record<string, never>, { pairs: Uint32Array }];
   bands: [{ nLevels: number; shared: boolean }, { seconds: number }];
   edit: [
-    { layers: WorkerLayer[]; regions: RegionUpdate[]; exact: boolean; by: ReshapedBy | null; follow: Follow },
+    {
+      layers: WorkerLayer[];
+      regions: RegionUpdate[];
+      /** Keys of all layers of the document, whose masks are kept. */
+      keep: number[];
+      exact: boolean;
+      by: ReshapedBy | null;
+      follow: Follow;
+    },
     EditAnswer,
   ];
+  /** Takes the values of a field and then its bands, `f32 × n` each, to be edited; `null` drops those of the last one. */
+  field: [{ values: Float32Array | null }, Record<string, never>];
+  /** Values of the field after layers. */
+  fieldEdit: [{ layers: WorkerLayer[]; regions: RegionUpdate[]; keep: number[] }, FieldAnswer];
   /** Sets the vertices that are drawn while the shape moves. */
   drawn: [{ vertices: Uint32Array }, Record<string, never>];
   /** Clones and bends the shape with unchanged bands: all vertices, or those that are drawn while it moves. */
@@ -101,9 +113,18 @@ export interface EditAnswer {
   took: number;
 }
 
+export interface FieldAnswer {
+  values: Float32Array;
+  /** Largest and root mean square change, of the vertices with a value. */
+  greatest: number;
+  rms: number;
+  /** Message about a layer that was skipped. */
+  problem: string | null;
+}
+
 export interface PickAnswer {
   hit: Hit | null;
-  /** |W_j| at the hit vertex. */
+  /** |W_j| at the hit vertex, of the field that is edited or of the positions. */
   spectrum: number[];
   /** Segments of the circle at the radius of the brush and at half weight (`inner`): [x, y, z] of both ends. */
   outer: Float32Array | null;

@@ -1,0 +1,163 @@
+//! Edits of fields: their bands, their files, and regions of fields with gaps.
+
+use crate::client::{Studio, opened};
+use crate::server::{creature, edit, layer};
+use adwave::bands::Schedule;
+use adwave::filter::Edit;
+use adwave::local_fit::LocalFit;
+use adwave::{Decomposer, LevelSpec};
+use adwave_io::{FieldValues, ReadLimits, parse_recipe, read_npy_bytes, read_path};
+use serde_json::{Value, json};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A field of slow and fast waves, with a wall of missing values.
+fn thickness(n: usize) -> Vec<f64> {
+    let value = |v: usize| 2.5 + (v as f64 / 40.0).sin() + 0.25 * (v as f64 * 1.7).sin();
+    (0..n).map(|v| if v % 900 < 60 { f64::NAN } else { value(v) }).collect()
+}
+
+fn table(values: &[f64]) -> String {
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join("\n")
+}
+
+/// Applies the recipe of a field, like `adwave filter --recipe --signal`.
+fn replayed(path: &Path, values: &[f64], recipe: &str) -> Vec<f64> {
+    let recipe = parse_recipe(recipe).unwrap();
+    let LevelSpec::Dyadic(n_levels) = recipe.levels else { panic!("{:?}", recipe.levels) };
+    let missing: Vec<bool> = values.iter().map(|v| v.is_nan()).collect();
+    let decomposer = Decomposer::new(&opened(path).shape).masked(&missing).unwrap();
+    let schedule = Schedule::dyadic(n_levels).unwrap();
+    let mut editor = decomposer.request(values, 1, &schedule).local_fit(LocalFit::Linear).editor().unwrap();
+    editor.set_edit(&Edit::new(&recipe.layers)).unwrap();
+    editor.into_edited()
+}
+
+#[test]
+fn a_field_is_edited_by_its_own_layers_and_exported_in_double_precision() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let kept = folder.path().join("kept");
+    let studio = Studio::on(&path, &kept);
+    let values = thickness(opened(&path).file.n_vertices());
+    let n = values.len();
+    studio.ask("POST", "/api/shapes/1/fields?name=thickness.csv", table(&values).as_bytes());
+    let info = studio.get("/api/shapes/1").json();
+    let listed = info["fields"].as_array().unwrap().iter().find(|f| f["name"] == "thickness").unwrap();
+    assert_eq!((&listed["editable"], &listed["edited"]), (&json!(true), &json!(false)));
+    let n_levels = info["levels"].as_array().unwrap().len();
+
+    let bands = studio.get("/api/shapes/1/field-bands?name=thickness").floats();
+    assert_eq!(bands.len(), (n_levels + 1) * n);
+    let mut gains = vec![1.0; n_levels];
+    gains[..3].copy_from_slice(&[0.1, 0.3, 2.0]);
+    let ball = json!({"ball": {"center": {"vertex": 2000}, "radius": 0.5}});
+    let mut document = edit(1, &[layer(&vec![1.0; n_levels], &Value::Null)]);
+    document["fields"] =
+        json!([{"field": "thickness", "layers": [layer(&gains, &Value::Null), layer(&gains, &ball)]}]);
+    let summary = studio.put("/api/shapes/1/edit", &document).json();
+    assert_eq!(summary["greatest"], 0.0, "positions have an edit of their own");
+
+    let recipe = studio.get("/api/shapes/1/recipe?field=thickness").text();
+    let expected = replayed(&path, &values, &recipe);
+    assert!(expected.iter().zip(&values).any(|(a, b)| (a - b).abs() > 0.1));
+    let exported = studio.get("/api/shapes/1/edited-field?name=thickness&format=npy").body;
+    let exported = read_npy_bytes(&exported).unwrap();
+    assert_eq!(exported.shape, [n]);
+    let exported = exported.into_field("t").to_f64();
+    for (x, (a, b)) in exported.iter().zip(&expected).enumerate() {
+        assert!(a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()), "vertex {x}: {a} and {b}");
+        assert_eq!(a.is_nan(), values[x].is_nan(), "vertex {x}");
+    }
+    let shown = studio.get("/api/shapes/1/edited-field?name=thickness").floats();
+    assert!(shown.iter().zip(&expected).all(|(a, b)| *a == *b as f32 || a.is_nan()));
+    let text = studio.get("/api/shapes/1/edited-field?name=thickness&format=csv").text();
+    assert_eq!(text.lines().next(), Some("thickness"));
+    assert_eq!(text.lines().count(), n + 1);
+    // A saved shape has the edited field.
+    let saved = studio.post("/api/shapes/1/save", &json!({"name": "out.ply"})).json();
+    let saved = read_path(Path::new(saved["path"].as_str().unwrap()), &ReadLimits::default()).unwrap();
+    let field = saved.field("thickness").unwrap();
+    assert!(matches!(&field.values, FieldValues::F64(stored) if stored[100] == expected[100]));
+
+    // Gains follow their widths to other levels, and the edit is there on the next visit.
+    studio.put("/api/shapes/1/levels", &json!({"levels": n_levels - 1}));
+    let again = studio.get("/api/shapes/1/edit").json();
+    assert_eq!(again["fields"][0]["layers"][0]["gains"], json!(gains[..n_levels - 1]));
+    assert_eq!(studio.get("/api/shapes/1/field-bands?name=thickness").floats().len(), n_levels * n);
+    studio.end();
+    let studio = Studio::on(&path, &kept);
+    assert_eq!(studio.get("/api/shapes/1/edit").json()["fields"], again["fields"]);
+}
+
+#[test]
+fn the_bands_of_a_field_sum_to_what_a_gain_does() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let studio = Studio::on(&path, folder.path());
+    let values = thickness(opened(&path).file.n_vertices());
+    let n = values.len();
+    studio.ask("POST", "/api/shapes/1/fields?name=t.csv", table(&values).as_bytes());
+    let bands = studio.get("/api/shapes/1/field-bands?name=t").floats();
+    let n_levels = bands.len() / n - 1;
+    for level in [1, n_levels] {
+        let mut gains = vec![1.0; n_levels];
+        gains[level - 1] = 0.0;
+        let mut document = edit(level as u64, &[]);
+        document["fields"] = json!([{"field": "t", "layers": [layer(&gains, &Value::Null)]}]);
+        assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+        let edited = studio.get("/api/shapes/1/edited-field?name=t").floats();
+        for x in 0..n {
+            assert_eq!(values[x].is_nan(), edited[x].is_nan(), "vertex {x}");
+            let sum = bands[x] - bands[level * n + x];
+            // Rounding of two numbers in single precision.
+            assert!(edited[x].is_nan() || (edited[x] - sum).abs() < 2e-6, "vertex {x}: {sum}");
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_field_is_said_in_one_line() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let studio = Studio::on(&path, folder.path());
+    let n = opened(&path).file.n_vertices();
+    let add = |name: &str, values: &[f64]| {
+        let path = format!("/api/shapes/1/fields?name={name}.csv");
+        assert_eq!(studio.ask("POST", &path, table(values).as_bytes()).status, 200);
+    };
+    add("nothing", &vec![f64::NAN; n]);
+    add("label", &vec![3.0; n]);
+    add("half", &(0..n).map(|v| if v < n / 2 { f64::NAN } else { 1.0 }).collect::<Vec<_>>());
+    let bands = |name: &str| studio.ask("GET", &format!("/api/shapes/1/field-bands?name={name}"), b"");
+    for (name, message) in [
+        ("nothing", "'nothing'"),
+        ("label", "a mean of labels is none"),
+        ("saliency", "got 'saliency'"),
+        ("", "got ''"),
+    ] {
+        let answer = bands(name);
+        assert_eq!(answer.status, 400, "{name}");
+        assert!(answer.error().contains(message), "{}", answer.error());
+    }
+    let other = studio.ask("GET", "/api/shapes/1/edited-field?name=half&format=exe", b"");
+    assert!(other.status == 400 && other.error().contains("npy, csv or gii"), "{}", other.error());
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let mut document = edit(1, &[]);
+    document["fields"] = json!([{"field": "half", "layers": [layer(&[1.0], &Value::Null)]}]);
+    let refused = studio.put("/api/shapes/1/edit", &document);
+    let message = format!(
+        "field 'half': layer 1 ('a layer'): one gain per level is needed, got 1 gains for {n_levels}"
+    );
+    assert!(refused.status == 400 && refused.error().starts_with(&message), "{}", refused.error());
+    document["fields"] = json!([{"field": "half", "layers": []}, {"field": "half", "layers": []}]);
+    assert!(studio.put("/api/shapes/1/edit", &document).error().contains("got two for 'half'"));
+    // A vertex without a value is outside of the region, whichever way the weight goes.
+    for (low, high, inside) in [(0.0, 1.0, 255), (2.0, 1.0, 255), (1.0, 2.0, 0)] {
+        let region = json!({"field": {"name": "half", "low": low, "high": high}});
+        let weights = studio.post("/api/shapes/1/weights", &region);
+        assert_eq!(weights.status, 200, "{}", weights.text());
+        assert!(weights.body[..n / 2].iter().all(|w| *w == 0));
+        assert!(weights.body[n / 2..].iter().all(|w| *w == inside), "{low} {high}");
+    }
+}

@@ -1,0 +1,234 @@
+/** The equalizer of a field: live colors, an edit of its own, and files that equal those of `adwave filter`. */
+
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { expect, type Page, test } from '@playwright/test';
+import {
+  currentEdit,
+  expectNoFailures,
+  openPage,
+  setSlider,
+  waitUntilReady,
+  waitUntilSaved,
+} from './support/page';
+import { ADWAVE, creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+
+/** Header of a NumPy array of `n` doubles. */
+const NPY_HEADER = 128;
+
+/** A NumPy array of doubles as bytes. */
+function npy(values: Float64Array): Buffer {
+  const head = `{'descr': '<f8', 'fortran_order': False, 'shape': (${values.length},), }`;
+  const file = Buffer.alloc(NPY_HEADER, ' ');
+  file.set([0x93, 0x4e, 0x55, 0x4d, 0x50, 0x59, 1, 0, NPY_HEADER - 10, 0]);
+  file.write(head, 10);
+  file[NPY_HEADER - 1] = 10;
+  return Buffer.concat([file, Buffer.from(values.buffer)]);
+}
+
+const doubles = (file: Buffer) =>
+  new Float64Array(file.buffer.slice(file.byteOffset + NPY_HEADER, file.byteOffset + file.length));
+
+/** Drops a file on the page. */
+async function drop(page: Page, name: string, content: Buffer): Promise<void> {
+  await page.evaluate(
+    ([name, base64]) => {
+      const bytes = Uint8Array.from(atob(base64!), (c) => c.charCodeAt(0));
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([bytes], name!));
+      document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
+    },
+    [name, content.toString('base64')],
+  );
+}
+
+/** Displayed values of the field; the longest distance of a value from another list of them, and the number of NaN. */
+const fieldValues = (page: Page) => page.evaluate(async () => [...(await window.studio.fieldValues())!]);
+
+const waitForBands = (page: Page) => page.locator('.band input.gain:enabled').nth(7).waitFor();
+
+/** Downloads the values of the shown field. */
+async function downloadValues(page: Page, format: string): Promise<Buffer> {
+  await page.getByRole('button', { name: 'File', exact: true }).click();
+  await page.getByLabel('Format of values').selectOption(format);
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Download values' }).click(),
+  ]);
+  expect(download.suggestedFilename()).toBe(`thickness-edited.${format}`);
+  await page.keyboard.press('Escape');
+  return readFileSync((await download.path())!);
+}
+
+test.describe
+  .serial('fields', () => {
+    const failures: string[] = [];
+    const folder = join(OUT, `fields-${Date.now()}`);
+    const shape = creature(20_000);
+    let server: StudioServer;
+    let page: Page;
+    let n = 0;
+
+    /** Runs `adwave filter` on the dropped field, and reads its output. */
+    const filtered = (gains: number[], name: string, ...more: string[]) => {
+      const out = join(folder, name);
+      const input = join(folder, 'thickness.npy');
+      const args = [
+        'filter',
+        shape,
+        '--signal',
+        input,
+        '--gains',
+        gains.join(),
+        '--quiet',
+        '-o',
+        out,
+        ...more,
+      ];
+      execFileSync(ADWAVE, args);
+      return readFileSync(out);
+    };
+
+    test.beforeAll(async ({ browser }) => {
+      mkdirSync(folder, { recursive: true });
+      server = await startStudio(shape, folder);
+      page = await openPage(browser, server.url, failures);
+      n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
+      const values = new Float64Array(n).map((_, v) =>
+        v % 1500 < 120 ? Number.NaN : 2.5 + Math.sin(v / 300) + 0.4 * Math.sin(1.7 * v),
+      );
+      writeFileSync(join(folder, 'thickness.npy'), npy(values));
+    });
+
+    test.afterAll(async () => {
+      await killStudio(server);
+      expectNoFailures(failures);
+    });
+
+    test('a slider changes the colors and no position', async () => {
+      const target = page.getByRole('group', { name: 'Edit', exact: true });
+      await expect(target, 'there is nothing to choose without a field').toBeHidden();
+      await drop(page, 'thickness.npy', readFileSync(join(folder, 'thickness.npy')));
+      await page.locator('.legend:not([hidden])').waitFor();
+      await target.getByRole('button', { name: 'thickness' }).click();
+      await waitForBands(page);
+      const before = await fieldValues(page);
+      await page.waitForTimeout(300);
+      const noisy = await page.locator('canvas.picture').screenshot();
+      await page.screenshot({ path: join(OUT, '20-field.png') });
+      // The slider is held: the colors follow, and no step is made.
+      const track = (await page.locator('.band input.gain').first().boundingBox())!;
+      await page.mouse.move(track.x + track.width / 2, track.y + track.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(track.x + track.width / 2, track.y + track.height - 4, { steps: 5 });
+      const held = await fieldValues(page);
+      await page.mouse.up();
+      await waitUntilSaved(page);
+      expect(held.filter((x, v) => Math.abs(x - before[v]!) > 0.1).length, 'live').toBeGreaterThan(n / 2);
+      expect(
+        held.every((x, v) => Number.isNaN(x) === Number.isNaN(before[v]!)),
+        'walls stay',
+      ).toBe(true);
+      await page.waitForTimeout(300);
+      expect((await page.locator('canvas.picture').screenshot()).equals(noisy), 'other colors').toBe(false);
+      await page.screenshot({ path: join(OUT, '21-field-smooth.png') });
+      const edit = await currentEdit(page);
+      expect(edit.fields!.map((f) => f.field)).toEqual(['thickness']);
+      expect(
+        edit.layers[0]!.gains.every((g) => g === 1),
+        'positions have their own gains',
+      ).toBe(true);
+      await expect(page.locator('.readouts')).toContainText('Max change');
+    });
+
+    test('values are exported as the command writes them', async () => {
+      await setSlider(page, 1, 30);
+      await setSlider(page, 6, 130);
+      await waitUntilSaved(page);
+      const { gains } = (await currentEdit(page)).fields![0]!.layers[0]!;
+      expect(new Set(gains).size).toBeGreaterThan(3);
+      const exported = await downloadValues(page, 'npy');
+      expect(exported.equals(filtered(gains, 'out.npy')), 'equal bytes').toBe(true);
+      const shown = await fieldValues(page);
+      const far = doubles(exported).filter((x, v) => Math.abs(x - shown[v]!) > 2e-5);
+      expect(far.length, 'the picture shows what is exported').toBe(0);
+      expect((await downloadValues(page, 'csv')).equals(filtered(gains, 'out.csv')), 'equal text').toBe(true);
+      expect((await downloadValues(page, 'gii')).equals(filtered(gains, 'out.gii')), 'equal GIFTI').toBe(
+        true,
+      );
+    });
+
+    test('layers of a field have regions, around its gaps', async () => {
+      const { gains } = (await currentEdit(page)).fields![0]!.layers[0]!;
+      await page.locator('#layers select').first().selectOption('ball');
+      await waitUntilSaved(page);
+      const { region } = (await currentEdit(page)).fields![0]!.layers[0]!;
+      const { center, radius } = (region as { ball: { center: { vertex: number }; radius: number } }).ball;
+      const where = `ball:vertex=${center.vertex},radius=${radius}`;
+      const exported = await downloadValues(page, 'npy');
+      expect(exported.equals(filtered(gains, 'ball.npy', '--region', where)), 'equal bytes').toBe(true);
+      const expected = doubles(exported);
+      await expect
+        .poll(
+          async () => (await fieldValues(page)).filter((x, v) => Math.abs(x - expected[v]!) > 2e-5).length,
+        )
+        .toBe(0);
+    });
+
+    test('undo goes to where the step acts, and a reload keeps both edits', async () => {
+      const target = page.getByRole('group', { name: 'Edit', exact: true });
+      const chosen = () => target.locator('[aria-pressed="true"]').textContent();
+      const smoothed = await fieldValues(page);
+      await target.getByRole('button', { name: 'Positions' }).click();
+      await setSlider(page, 0, 0);
+      await waitUntilSaved(page);
+      await page.locator('canvas.picture').focus();
+      await page.keyboard.press('Control+z');
+      expect(await chosen()).toBe('Positions');
+      await page.keyboard.press('Control+z');
+      await waitForBands(page);
+      expect(await chosen()).toBe('thickness');
+      expect((await currentEdit(page)).fields![0]!.layers[0]!.region, 'the region is undone').toBe(null);
+      await page.keyboard.press('Control+Shift+z');
+      await page.keyboard.press('Control+Shift+z');
+      expect(await chosen()).toBe('Positions');
+      await target.getByRole('button', { name: 'thickness' }).click();
+      await waitForBands(page);
+      await waitUntilSaved(page);
+      const edit = await currentEdit(page);
+      await page.reload();
+      await waitUntilReady(page);
+      await expect(target.locator('[aria-pressed="true"]')).toHaveText('thickness');
+      await waitForBands(page);
+      expect(await currentEdit(page)).toEqual(edit);
+      await expect
+        .poll(
+          async () => (await fieldValues(page)).filter((x, v) => Math.abs(x - smoothed[v]!) > 2e-5).length,
+        )
+        .toBe(0);
+      await page.locator('canvas.picture').focus();
+      await page.keyboard.press('Control+z');
+      await waitUntilSaved(page);
+      expect((await currentEdit(page)).layers[0]!.gains[0], 'the last step is undone').toBe(1);
+    });
+
+    test('other bands, narrow windows, and a field without values', async () => {
+      await page.getByRole('group', { name: 'Edit', exact: true }).getByRole('button').last().click();
+      await waitForBands(page);
+      await page.setViewportSize({ width: 390, height: 844 });
+      await page.waitForTimeout(400);
+      await page.screenshot({ path: join(OUT, '22-field-390.png') });
+      const scrollWidth = await page.evaluate(() => document.documentElement.scrollWidth);
+      expect(scrollWidth, 'nothing is wider than the window').toBeLessThanOrEqual(390);
+      await page.setViewportSize({ width: 1200, height: 900 });
+      await drop(page, 'nothing.npy', npy(new Float64Array(n).fill(Number.NaN)));
+      await expect(page.locator('.legend')).toContainText('No values');
+      await expect(
+        page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),
+      ).toHaveText('Positions');
+      await page.getByLabel('Where').first().selectOption('field');
+      await page.waitForTimeout(300);
+      await expect(page.locator('.toasts')).toContainText(/no value/);
+    });
+  });
