@@ -6,6 +6,7 @@ import { brushPanel } from './brush';
 import { h, iconButton } from './dom';
 import { equalizer } from './equalizer';
 import { Files } from './files';
+import { Gizmo } from './gizmo';
 import { listenToKeys, showKeys } from './keys';
 import { layersPanel } from './layers-panel';
 import { type LookPanel, lookPanel } from './look-panel';
@@ -265,6 +266,7 @@ export function start(options: StartOptions): void {
     'main',
     { class: 'stage' },
     canvas,
+    new Gizmo(studio, stage).element,
     look.divider,
     look.readouts,
     look.legend,

@@ -157,7 +157,7 @@ function coordinateSlider(
 function ballControls(context: RegionContext, ball: Content<'ball'>): Node[] {
   const { studio, shape, set } = context;
   return [
-    h('p', { class: 'hint' }, text.ballHint),
+    h('p', { class: 'hint' }, `${text.ballHint} ${text.handlesHint}`),
     lengthSlider(context, {
       label: text.radius,
       value: toModelUnits(ball.radius, shape.diagonal),
@@ -204,7 +204,7 @@ function boxControls(context: RegionContext, box: Content<'box'>): Node[] {
     max: 30,
     toRegion: (value) => ({ box: { ...box, falloff: value } }),
   });
-  return [...bounds, falloff];
+  return [h('p', { class: 'hint' }, text.handlesHint), ...bounds, falloff];
 }
 
 function halfSpaceControls(context: RegionContext, half: Content<'half-space'>): Node[] {
@@ -213,23 +213,26 @@ function halfSpaceControls(context: RegionContext, half: Content<'half-space'>):
     0,
     half.normal.findIndex((x) => x !== 0),
   );
-  const side = `${(half.normal[axis] ?? 1) < 0 ? '-' : '+'}${'xyz'[axis]}`;
+  const isTilted = half.normal.filter((x) => x !== 0).length > 1;
+  const side = isTilted ? 'tilted' : `${(half.normal[axis] ?? 1) < 0 ? '-' : '+'}${'xyz'[axis]}`;
+  const sides = ['+x', '-x', '+y', '-y', '+z', '-z'].map((s) => [s, s.replace('-', '−')] as const);
   return [
-    select(
-      text.toward,
-      ['+x', '-x', '+y', '-y', '+z', '-z'].map((s) => [s, s.replace('-', '−')] as const),
-      side,
-      (s) => {
-        const normal = [0, 0, 0].with('xyz'.indexOf(s[1]!), s[0] === '-' ? -1 : 1);
-        set({ 'half-space': { ...half, point: [...shape.center], normal } });
-      },
-    ),
-    coordinateSlider(context, {
-      label: text.plane,
-      value: half.point[axis] ?? 0,
-      axis,
-      toRegion: (value) => ({ 'half-space': { ...half, point: half.point.with(axis, value) } }),
+    h('p', { class: 'hint' }, text.handlesHint),
+    select(text.toward, isTilted ? [...sides, ['tilted', text.tilted] as const] : sides, side, (s) => {
+      if (s === 'tilted') return;
+      const normal = [0, 0, 0].with('xyz'.indexOf(s[1]!), s[0] === '-' ? -1 : 1);
+      set({ 'half-space': { ...half, point: [...shape.center], normal } });
     }),
+    ...(isTilted
+      ? []
+      : [
+          coordinateSlider(context, {
+            label: text.plane,
+            value: half.point[axis] ?? 0,
+            axis,
+            toRegion: (value) => ({ 'half-space': { ...half, point: half.point.with(axis, value) } }),
+          }),
+        ]),
     lengthSlider(context, {
       label: text.falloff,
       value: toModelUnits(half.falloff ?? '5%', shape.diagonal),

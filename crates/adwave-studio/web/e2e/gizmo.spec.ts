@@ -1,0 +1,124 @@
+/** Handles of a region in the picture: dragging moves and resizes a box, a ball and a half-space, one step each. */
+
+import { join } from 'node:path';
+import { expect, type Page, test } from '@playwright/test';
+import { currentEdit, drag, expectNoFailures, openPage, type Point, waitUntilSaved } from './support/page';
+import { creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+
+type Box = { min: number[]; max: number[]; falloff: number };
+type Half = { point: number[]; normal: number[] };
+type Ball = { center: { vertex: number }; radius: number };
+
+const region = async (page: Page) => (await currentEdit(page)).layers.at(-1)!.region as unknown;
+const handle = (page: Page, name: string) => page.getByRole('button', { name, exact: true });
+
+/** Drags a handle by pixels; `beforeRelease` is awaited before the pointer is lifted. */
+async function pull(page: Page, name: string, dx: number, dy: number, beforeRelease?: () => Promise<void>) {
+  const box = (await handle(page, name).boundingBox())!;
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const points: Point[] = [0, 0.3, 0.7, 1].map((t) => [x + t * dx, y + t * dy]);
+  await drag(page, points, async () => {
+    await page.waitForTimeout(80);
+    await beforeRelease?.();
+  });
+  await waitUntilSaved(page);
+  await page.waitForTimeout(50);
+}
+
+/** Sum of the mask of the last layer. */
+const coverage = (page: Page) =>
+  page.evaluate(async () => (await window.studio.mask()).reduce((sum, w) => sum + w, 0));
+
+test.describe
+  .serial('handles of regions', () => {
+    const failures: string[] = [];
+    let server: StudioServer;
+    let page: Page;
+
+    test.beforeAll(async ({ browser }) => {
+      server = await startStudio(creature(20_000), `${OUT}/gizmo-${Date.now()}`);
+      page = await openPage(browser, server.url, failures);
+      await page.keyboard.press('l');
+      await page.keyboard.press('1');
+    });
+
+    test.afterAll(async () => {
+      await killStudio(server);
+      expectNoFailures(failures);
+    });
+
+    const choose = (kind: string) => page.locator('#layers select').first().selectOption(kind);
+
+    test('a box is resized by its faces and moved by its center', async () => {
+      await choose('box');
+      await waitUntilSaved(page);
+      const before = ((await region(page)) as { box: Box }).box;
+      const all = await coverage(page);
+      let during = 0;
+      await pull(page, 'To x', -90, 0, async () => {
+        during = await coverage(page);
+      });
+      const narrow = ((await region(page)) as { box: Box }).box;
+      expect(narrow.max[0]).toBeLessThan(before.max[0]! - 0.05);
+      expect({ ...narrow, max: narrow.max.with(0, 0) }).toEqual({ ...before, max: before.max.with(0, 0) });
+      expect(during, 'the mask follows the handle').toBeLessThan(all);
+      expect(await coverage(page), 'and stays when it is released').toBe(during);
+      // From the front the third axis points at the viewer.
+      await expect(handle(page, 'To z')).toBeHidden();
+      await pull(page, 'Move the region', 60, -40);
+      const moved = ((await region(page)) as { box: Box }).box;
+      for (const end of ['min', 'max'] as const) {
+        const by = moved[end].map((x, c) => x - narrow[end][c]!);
+        expect(by[0]).toBeGreaterThan(0.05);
+        expect(by[1]).toBeGreaterThan(0.03);
+        expect(Math.abs(by[2]!)).toBeLessThan(1e-6);
+      }
+      await page.keyboard.press('Control+z');
+      expect(((await region(page)) as { box: Box }).box, 'one step a drag').toEqual(narrow);
+      await handle(page, 'To y').press('ArrowDown');
+      const lower = ((await region(page)) as { box: Box }).box;
+      expect(lower.max[1]).toBeLessThan(narrow.max[1]!);
+      await page.keyboard.press('3');
+      await page.screenshot({ path: join(OUT, '23-box.png') });
+      await page.keyboard.press('1');
+    });
+
+    test('a plane is moved and turned', async () => {
+      await choose('half-space');
+      await waitUntilSaved(page);
+      const before = ((await region(page)) as { 'half-space': Half })['half-space'];
+      await pull(page, 'Move the plane', 70, 30);
+      const moved = ((await region(page)) as { 'half-space': Half })['half-space'];
+      expect(moved.point[0]).toBeGreaterThan(before.point[0]! + 0.05);
+      expect([moved.point[1], moved.normal]).toEqual([before.point[1], before.normal]);
+      await pull(page, 'Turn the plane', -60, -80);
+      const turned = ((await region(page)) as { 'half-space': Half })['half-space'];
+      expect(Math.hypot(...turned.normal)).toBeCloseTo(1, 9);
+      expect(turned.normal[1]).toBeGreaterThan(0.4);
+      await expect(page.getByLabel('Toward')).toHaveValue('tilted');
+      await page.screenshot({ path: join(OUT, '24-plane.png') });
+    });
+
+    test('a ball is moved over the surface and resized', async () => {
+      await choose('ball');
+      await waitUntilSaved(page);
+      await page.keyboard.press('1');
+      const before = ((await region(page)) as { ball: Ball }).ball;
+      await pull(page, 'Move the center', -20, 25);
+      const moved = ((await region(page)) as { ball: Ball }).ball;
+      expect(moved.center.vertex).not.toBe(before.center.vertex);
+      expect(moved.radius).toBe(before.radius);
+      const all = await coverage(page);
+      await pull(page, 'Radius', 60, 0);
+      expect(((await region(page)) as { ball: Ball }).ball.radius).toBeGreaterThan(1.2 * before.radius);
+      expect(await coverage(page)).toBeGreaterThan(all);
+      await page.screenshot({ path: join(OUT, '25-ball.png') });
+      await page.setViewportSize({ width: 390, height: 844 });
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: join(OUT, '26-ball-390.png') });
+      await page.setViewportSize({ width: 1200, height: 900 });
+      await page.keyboard.press('b');
+      await expect(handle(page, 'Move the center'), 'the brush needs the picture').toBeHidden();
+      await page.keyboard.press('b');
+    });
+  });
