@@ -1,8 +1,17 @@
-/** Handles of a region in the picture: dragging moves and resizes a box, a ball and a half-space, one step each. */
+/** Handles of a region in the picture: dragging moves and resizes a box, a ball and a half-space, one step each; clipping. */
 
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
-import { currentEdit, drag, expectNoFailures, openPage, type Point, waitUntilSaved } from './support/page';
+import {
+  currentEdit,
+  drag,
+  expectNoFailures,
+  openPage,
+  type Point,
+  pictureFrame,
+  waitUntilReady,
+  waitUntilSaved,
+} from './support/page';
 import { creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
 
 type Box = { min: number[]; max: number[]; falloff: number };
@@ -120,5 +129,35 @@ test.describe
       await page.keyboard.press('b');
       await expect(handle(page, 'Move the center'), 'the brush needs the picture').toBeHidden();
       await page.keyboard.press('b');
+    });
+
+    test('a clipping plane cuts the picture and what is picked', async () => {
+      await page.keyboard.press('1');
+      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      const { x, y } = await pictureFrame(page);
+      const pick = async () => {
+        await page.mouse.click(x, y);
+        await page.waitForTimeout(200);
+        await page.locator('output.feature').waitFor();
+        return page.locator('output.feature').textContent();
+      };
+      const whole = await pick();
+      const clip = page.getByRole('group', { name: 'Clip', exact: true });
+      await clip.getByRole('button', { name: 'z' }).click();
+      const cut = await pick();
+      const depth = (line: string | null) =>
+        Number(line!.match(/At .*, (\S+?)(Distance|$)/)![1]!.replace('−', '-'));
+      expect(depth(cut), 'the surface behind the plane is picked').toBeLessThan(depth(whole) - 0.1);
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: join(OUT, '27-clip.png') });
+      await page.getByLabel('Keep the other side').check();
+      expect(depth(await pick())).toBe(depth(whole));
+      await page.keyboard.press('x');
+      await expect(clip.locator('[aria-pressed="true"]')).toHaveText('Off');
+      await page.keyboard.press('x');
+      await page.reload();
+      await waitUntilReady(page);
+      await page.getByRole('button', { name: 'View', exact: true }).first().click();
+      await expect(clip.locator('[aria-pressed="true"]'), 'kept').toHaveText('z');
     });
   });

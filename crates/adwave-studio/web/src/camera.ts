@@ -1,6 +1,7 @@
 /** Camera: rotates about a pivot, pans, and zooms to the cursor. */
 
 import { Matrix4, PerspectiveCamera, Quaternion, Vector3 } from 'three';
+import type { ClipEquation } from './clip';
 import type { Ray } from './compute/pick';
 
 export type ViewName = 'front' | 'back' | 'right' | 'left' | 'top' | 'bottom';
@@ -44,6 +45,8 @@ export function isCameraState(x: unknown): x is CameraState {
 export class Camera {
   readonly three = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
   readonly pivot = new Vector3();
+  /** Plane beyond which nothing is picked. */
+  clip: ClipEquation | null = null;
   distance = 1;
   trackball = false;
   /** Upright axis. */
@@ -237,6 +240,7 @@ export class Camera {
       origin: [from.x, from.y, from.z],
       direction: [direction.x, direction.y, direction.z],
       pixel: this.pixel / this.distance,
+      clip: this.clip,
     };
   }
 

@@ -2,8 +2,13 @@
 
 import { BufferAttribute, type BufferGeometry } from 'three';
 
-/** Center of the bounding box, and the largest distance of a vertex from it. */
-export function boundingSphere(p: Float32Array): { center: number[]; radius: number } {
+/** Corners and center of the bounding box, and the largest distance of a vertex from the center. */
+export function boundsOf(p: Float32Array): {
+  low: number[];
+  high: number[];
+  center: number[];
+  radius: number;
+} {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < p.length; i += 3) {
@@ -20,7 +25,7 @@ export function boundingSphere(p: Float32Array): { center: number[]; radius: num
     const d = (p[i]! - cx) ** 2 + (p[i + 1]! - cy) ** 2 + (p[i + 2]! - cz) ** 2;
     if (d > radius) radius = d;
   }
-  return { center, radius: Math.sqrt(radius) };
+  return { low, high, center, radius: Math.sqrt(radius) };
 }
 
 /** Sets the array of an attribute; reuses the buffer if size and type are the same. */

@@ -70,6 +70,7 @@ export function listenToKeys(studio: Studio, stage: Stage, look: LookPanel, file
     else if (key === 's') look.toggleSplit();
     else if (key === 'm') look.cycleStyle();
     else if (key === 'c') look.toggleChange();
+    else if (key === 'x') look.toggleClip();
     else if (key === 'f' || key === 'Home') {
       if (key === 'Home' && target instanceof HTMLInputElement) return;
       view.camera.frame();

@@ -1,5 +1,6 @@
 /** View panel: style, colors, features, camera, and the wipe between before and after. */
 
+import { type Clip, parseClip } from './clip';
 import { coloring } from './coloring';
 import { check, h, iconButton, segments, slider } from './dom';
 import { formatCount, formatNumber } from './lengths';
@@ -22,6 +23,7 @@ export interface LookPanel {
   divider: HTMLElement;
   style(next: Style): void;
   cycleStyle(): void;
+  toggleClip(): void;
   toggleChange(): void;
   toggleSplit(): void;
 }
@@ -134,6 +136,7 @@ function featureControls(studio: Studio, stage: Stage, valueAt: (v: number) => s
     let best: Feature | null = null;
     let least = 18;
     for (const f of features) {
+      if (view.hides(f.position)) continue;
       const p = view.camera.project(f.position);
       const d = Math.hypot(p.x - x, p.y - y);
       if (d < least) {
@@ -241,6 +244,52 @@ function cameraControls(studio: Studio): HTMLElement[] {
   ];
 }
 
+/** Creates the settings of the plane that cuts the shape. */
+function clipControls(studio: Studio) {
+  const { view } = studio;
+  /** The last plane, which comes back when it is turned on again. */
+  let last: Clip = { axis: 0, at: 0.5, flipped: false };
+  const set = (clip: Clip | null) => {
+    if (clip) last = clip;
+    view.setClip(clip);
+    view.markMoving();
+    show();
+  };
+  const axis = segments<'off' | 'x' | 'y' | 'z'>(
+    text.clip,
+    [
+      ['off', text.clipOff],
+      ['x', 'x'],
+      ['y', 'y'],
+      ['z', 'z'],
+    ],
+    'off',
+    (which) => set(which === 'off' ? null : { ...last, axis: 'xyz'.indexOf(which) as Clip['axis'] }),
+  );
+  const at = slider(
+    text.clipAt,
+    { min: 0, max: 100, step: 0.5, value: 50 },
+    (v) =>
+      studio.shape
+        ? formatNumber(view.clipPlace({ ...last, at: v / 100 }) + studio.shape.center[last.axis]!)
+        : '',
+    (v) => set({ ...last, at: v / 100 }),
+  );
+  const flip = check(text.clipFlip, false, (flipped) => set({ ...last, flipped }));
+  const show = () => {
+    const { clip } = view;
+    axis.set(clip ? (['x', 'y', 'z'] as const)[clip.axis] : 'off');
+    at.hidden = clip === null;
+    flip.hidden = clip === null;
+    at.set(100 * last.at);
+    flip.querySelector('input')!.checked = last.flipped;
+  };
+  studio.on('shape', show);
+  show();
+  const row = h('div', { class: 'field' }, h('span', {}, text.clip), axis);
+  return { controls: [row, at, flip], set, toggle: () => set(view.clip ? null : last) };
+}
+
 /** Creates the divider of the wipe between before and after. */
 function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void } {
   const { view } = studio;
@@ -331,17 +380,25 @@ function createReadouts(studio: Studio): HTMLElement {
 export function lookPanel(studio: Studio, stage: Stage): LookPanel {
   const style = styleControl(studio);
   const colors = coloring(studio);
+  const clip = clipControls(studio);
   let recalled: string | null = null;
   let recalledTarget: string | null = null;
   const showLook = (memory: ViewMemory | null) => {
     if (memory && memory.style in text.styles) style.setStyle(memory.style as Style);
+    clip.set(parseClip(memory?.clip));
     recalled = memory?.colors ?? null;
     recalledTarget = memory?.target ?? null;
   };
   studio.shownView = {
     get: () => {
       const { camera, style } = studio.view;
-      return { camera: camera.state, style, colors: colors.shown, target: studio.target };
+      return {
+        camera: camera.state,
+        style,
+        colors: colors.shown,
+        target: studio.target,
+        clip: studio.view.clip,
+      };
     },
     set: (memory) => {
       studio.view.camera.restore(memory.camera);
@@ -371,6 +428,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     style.points,
     ...colors.controls,
     ...featureControls(studio, stage, colors.valueAt),
+    ...clip.controls,
     ...cameraControls(studio),
   );
   return {
@@ -380,6 +438,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     divider,
     style: style.setStyle,
     cycleStyle: style.cycle,
+    toggleClip: clip.toggle,
     toggleChange: colors.toggleChange,
     toggleSplit,
   };

@@ -11,6 +11,7 @@ import {
   Vector3,
   Vector4,
 } from 'three';
+import { type ClipEquation, WHOLE } from './clip';
 import { colorTable, type MapName } from './colors';
 import { fragmentShader, maskPacks, type Variant, vertexShader } from './shader';
 
@@ -44,6 +45,7 @@ export class Materials {
       tint: { value: this.tints[0] },
       tint1: { value: this.tints[1] },
       pointSize: { value: 1 },
+      clip: { value: new Vector4() },
     };
   }
 
@@ -66,6 +68,10 @@ export class Materials {
   setColors(surface: [number, number, number], accent: [number, number, number]): void {
     (this.shared['surface']!.value as Vector3).set(...surface);
     (this.shared['accent']!.value as Vector3).set(...accent);
+  }
+
+  setClip(equation: ClipEquation | null): void {
+    (this.shared['clip']!.value as Vector4).set(...(equation ?? WHOLE));
   }
 
   setPointSize(size: number): void {

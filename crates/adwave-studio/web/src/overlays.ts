@@ -11,6 +11,7 @@ import {
   Vector3,
   Vector4,
 } from 'three';
+import { type ClipEquation, WHOLE } from './clip';
 import type { Feature } from './protocol';
 import { ballFragment, ballVertex, lineFragment, lineVertex } from './shader';
 
@@ -26,18 +27,19 @@ export class Overlays {
   private readonly lines = new BufferGeometry();
   private wires: Lines | null = null;
   private edgeInk: Ink = [0, 0, 0];
+  private readonly clip = new Vector4(...WHOLE);
 
   constructor(private readonly scene: Scene) {
     for (const opacity of [1, 0.45]) {
-      const ring = new LineSegments(new BufferGeometry(), lineMaterial(opacity, 0.0015));
+      const ring = new LineSegments(new BufferGeometry(), lineMaterial(opacity, 0.0015, this.clip));
       ring.frustumCulled = false;
       ring.visible = false;
       ring.renderOrder = 2;
       this.ring.push(ring);
       scene.add(ring);
     }
-    this.balls = coloredBalls([0.87, 0.43, 0.2], [0.22, 0.48, 0.78]);
-    this.handles = coloredBalls([0.95, 0.52, 0.1], [0.13, 0.42, 0.82]);
+    this.balls = coloredBalls([0.87, 0.43, 0.2], [0.22, 0.48, 0.78], this.clip);
+    this.handles = coloredBalls([0.95, 0.52, 0.1], [0.13, 0.42, 0.82], new Vector4(...WHOLE));
     this.handles.material.depthTest = false;
     this.handles.material.uniforms['smallest']!.value = 14;
     this.handles.renderOrder = 3;
@@ -47,6 +49,11 @@ export class Overlays {
   setInk(ring: Ink, edges: Ink): void {
     for (const [i, lines] of this.ring.entries()) ink(lines).set(...ring, i === 0 ? 1 : 0.5);
     this.edgeInk = edges;
+  }
+
+  /** Sets the plane that cuts edges, circles and features; pins and handles are always seen. */
+  setClip(equation: ClipEquation | null): void {
+    this.clip.set(...(equation ?? WHOLE));
   }
 
   /** Pixels per model unit at distance 1. */
@@ -108,7 +115,7 @@ export class Overlays {
 
   setEdges(pairs: Uint32Array): void {
     this.lines.setIndex(new BufferAttribute(pairs, 1));
-    this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002));
+    this.wires = new LineSegments(this.lines, lineMaterial(0.35, 0.0002, this.clip));
     this.wires.frustumCulled = false;
     this.wires.renderOrder = 1;
     this.scene.add(this.wires);
@@ -139,7 +146,7 @@ export class Overlays {
   }
 }
 
-function coloredBalls(high: Ink, low: Ink): Balls {
+function coloredBalls(high: Ink, low: Ink, clip: Vector4): Balls {
   const balls = new Points(
     new BufferGeometry(),
     new RawShaderMaterial({
@@ -149,6 +156,7 @@ function coloredBalls(high: Ink, low: Ink): Balls {
       uniforms: {
         pixels: { value: 1 },
         smallest: { value: 8 },
+        clip: { value: clip },
         high: { value: new Vector3(...high) },
         low: { value: new Vector3(...low) },
       },
@@ -163,12 +171,16 @@ function ink(lines: Lines): Vector4 {
   return lines.material.uniforms['ink']!.value as Vector4;
 }
 
-function lineMaterial(opacity: number, bias: number): RawShaderMaterial {
+function lineMaterial(opacity: number, bias: number, clip: Vector4): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: lineVertex,
     fragmentShader: lineFragment,
-    uniforms: { ink: { value: new Vector4(0, 0, 0, opacity) }, bias: { value: bias } },
+    uniforms: {
+      ink: { value: new Vector4(0, 0, 0, opacity) },
+      bias: { value: bias },
+      clip: { value: clip },
+    },
     transparent: true,
     depthWrite: false,
   });

@@ -31,6 +31,8 @@ export interface Variant {
   /** Colors of the file instead of a scalar. */
   rgb: boolean;
   tint: boolean;
+  /** Leaves out what lies beyond a plane. */
+  clip: boolean;
 }
 
 export function vertexShader({
@@ -44,6 +46,7 @@ export function vertexShader({
   original,
   rgb,
   tint,
+  clip,
 }: Variant): string {
   const number = original ? 'unedited' : 'scalar';
   const levels = Array.from({ length: nLevels }, (_, j) => j);
@@ -73,6 +76,7 @@ ${tint || packs > 1 ? 'in vec4 masks1;' : ''}
 ${levels.map((j) => `in vec4 band${j};`).join('\n')}
 ${flat && !cloud ? '' : 'out vec3 vNormal;'}
 out vec3 vPlace;
+${clip ? 'out vec3 vModel;' : ''}
 void main() {
   vec3 p = position;
 ${nLevels ? '  vec3 d = vec3(0.0);' : ''}
@@ -80,6 +84,7 @@ ${sum.join('\n')}
 ${nLevels ? `  p += ${posed ? 'turned(d)' : 'd'};` : ''}
   vec4 place = modelViewMatrix * vec4(p, 1.0);
   vPlace = place.xyz;
+${clip ? '  vModel = p;' : ''}
 ${flat && !cloud ? '' : `  vNormal = normalMatrix * ${posed ? 'turned(normal.xyz)' : 'normal.xyz'};`}
 ${scalar ? `  vScalar = ${number};` : ''}
 ${rgb ? '  vPaint = paint.rgb;' : ''}
@@ -107,7 +112,10 @@ const SHADED = `  float key = max(0.0, dot(n, vec3(-0.42, 0.56, 0.71)));
 /** On a color map the tint is hatched, so that both are seen. */
 const HATCHED = '(0.1 + 0.75 * step(0.6, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0)))';
 
-export function fragmentShader({ cloud, clay, flat, scalar, classes, rgb, tint }: Variant): string {
+const CLIP_INPUTS = 'uniform vec4 clip;\nin vec3 vModel;';
+const CLIP = '  if (dot(vec4(vModel, 1.0), clip) > 0.0) discard;';
+
+export function fragmentShader({ cloud, clay, flat, scalar, classes, rgb, tint, clip }: Variant): string {
   const round = `  vec2 q = 2.0 * gl_PointCoord - 1.0;
   if (dot(q, q) > 1.0) discard;
   vec3 n = dot(vNormal, vNormal) > 1e-6 ? normalize(vNormal) : vec3(0.0, 0.0, 1.0);
@@ -123,8 +131,10 @@ ${scalar ? `uniform vec2 range;\nuniform sampler2D colors;\n${classes ? 'flat ' 
 ${rgb ? 'in vec3 vPaint;' : ''}
 ${flat && !cloud ? '' : 'in vec3 vNormal;'}
 in vec3 vPlace;
+${clip ? CLIP_INPUTS : ''}
 out vec4 color;
 void main() {
+${clip ? CLIP : ''}
 ${cloud ? round : facing}
   vec3 base = surface;
 ${rgb ? '  base = vPaint;' : ''}
@@ -141,15 +151,21 @@ uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform float bias;
 in vec3 position;
+out vec3 vModel;
 void main() {
+  vModel = position;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   gl_Position.z -= bias * gl_Position.w;
 }`;
 
 export const lineFragment = `precision highp float;
 uniform vec4 ink;
+${CLIP_INPUTS}
 out vec4 color;
-void main() { color = ink; }`;
+void main() {
+${CLIP}
+  color = ink;
+}`;
 
 /** Points with a diameter in model units, shaded as balls. */
 export const ballVertex = `precision highp float;
@@ -161,8 +177,10 @@ in vec3 position;
 in float size;
 in float sign;
 out float vSign;
+out vec3 vModel;
 void main() {
   vSign = sign;
+  vModel = position;
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   gl_PointSize = clamp(size * pixels / gl_Position.w, smallest, 48.0);
   gl_Position.z -= 0.002 * gl_Position.w;
@@ -172,8 +190,10 @@ export const ballFragment = `precision highp float;
 uniform vec3 high;
 uniform vec3 low;
 in float vSign;
+${CLIP_INPUTS}
 out vec4 color;
 void main() {
+${CLIP}
   vec2 q = 2.0 * gl_PointCoord - 1.0;
   float r = dot(q, q);
   if (r > 1.0) discard;

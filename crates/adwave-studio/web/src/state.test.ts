@@ -1,6 +1,7 @@
 import { describe, expect, test, vi } from 'vitest';
 import { appendStroke } from './brush';
 import { Camera } from './camera';
+import { clipEquation, isClipped, parseClip } from './clip';
 import { classesOf, colorAt, hasValues, movedOnly, rangeOf } from './colors';
 import { effectGains, effectOf, matchingGains } from './effects';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
@@ -40,6 +41,31 @@ const edit = {
   pose: null,
   fields: [],
 };
+
+describe('a clipping plane', () => {
+  const box = { low: [-1, 0, 2], high: [3, 4, 6] };
+
+  test('cuts away one side', () => {
+    const equation = clipEquation({ axis: 0, at: 0.25, flipped: false }, box);
+    expect([isClipped(equation, [0.1, 9, 9]), isClipped(equation, [-0.1, 9, 9])]).toEqual([true, false]);
+    const other = clipEquation({ axis: 2, at: 0.5, flipped: true }, box);
+    expect([isClipped(other, [0, 0, 4.1]), isClipped(other, [9, 0, 0, 3.9], 1)]).toEqual([false, true]);
+  });
+
+  test('is read from storage only if it is one', () => {
+    const clip = { axis: 1, at: 0.5, flipped: true };
+    expect(parseClip({ ...clip, more: 1 })).toEqual(clip);
+    for (const bad of [
+      null,
+      undefined,
+      3,
+      { ...clip, axis: 3 },
+      { ...clip, at: 1.5 },
+      { ...clip, flipped: 1 },
+    ])
+      expect(parseClip(bad)).toBe(null);
+  });
+});
 
 describe('the document', () => {
   test('goes to the server as it came', () => {
@@ -185,6 +211,7 @@ test('the shader holds 13 bands, fewer with many masks', () => {
     scalar: false,
     classes: false,
     original: false,
+    clip: false,
     rgb: false,
     tint: false,
   });

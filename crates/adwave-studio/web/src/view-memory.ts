@@ -1,6 +1,7 @@
 /** Camera, shading and colors of each shape, remembered by the browser from one visit to the next. */
 
 import { type Camera, type CameraState, isCameraState } from './camera';
+import type { Clip } from './clip';
 import type { Shape } from './protocol';
 
 export interface ViewMemory {
@@ -9,6 +10,8 @@ export interface ViewMemory {
   colors: string;
   /** Field that the equalizer edits; `null` for the positions. */
   target?: string | null;
+  /** Plane that cuts the shape; `null` if it is whole. */
+  clip?: Clip | null;
 }
 
 const KEY = 'adwave-views';

@@ -15,8 +15,9 @@ import {
 } from 'three';
 import { ShapeArrays } from './arrays';
 import { Camera } from './camera';
+import { type Clip, clipEquation, isClipped } from './clip';
 import type { MapName } from './colors';
-import { boundingSphere } from './geometry';
+import { boundsOf } from './geometry';
 import { type Masked, Materials } from './materials';
 import { Overlays } from './overlays';
 import type { Feature } from './protocol';
@@ -54,6 +55,9 @@ export class View {
   private readonly scene = new Scene();
   private readonly materials = new Materials();
   private readonly overlays: Overlays;
+  /** Plane that cuts the shape; `null` if it is whole. */
+  clip: Clip | null = null;
+  private bounds = { low: [0, 0, 0], high: [0, 0, 0] };
   private body: Mesh<BufferGeometry, RawShaderMaterial> | Points<BufferGeometry, RawShaderMaterial> | null =
     null;
   private pointSize = 1;
@@ -100,8 +104,10 @@ export class View {
     this.body = cloud ? new Points(geometry, material) : new Mesh(geometry, material);
     this.body.frustumCulled = false;
     this.scene.add(this.body);
-    const { center, radius } = boundingSphere(positions);
+    const { low, high, center, radius } = boundsOf(positions);
+    this.bounds = { low, high };
     this.camera.setBounds(center, radius);
+    this.setClip(null);
     this.camera.start();
     this.request();
   }
@@ -172,6 +178,26 @@ export class View {
     arrays.live = true;
     this.request();
     return true;
+  }
+
+  /** Cuts the shape; `null` shows it whole. Picking leaves out what is cut away. */
+  setClip(clip: Clip | null): void {
+    this.clip = clip;
+    const equation = clip && clipEquation(clip, this.bounds);
+    this.camera.clip = equation;
+    this.materials.setClip(equation);
+    this.overlays.setClip(equation);
+    this.request();
+  }
+
+  /** Coordinate of a plane along its axis, relative to the center of the shape. */
+  clipPlace(clip: Clip): number {
+    return -clipEquation({ ...clip, flipped: false }, this.bounds)[3];
+  }
+
+  /** True if a place is cut away. */
+  hides(place: readonly number[]): boolean {
+    return this.camera.clip !== null && isClipped(this.camera.clip, place);
   }
 
   setEdges(pairs: Uint32Array): void {
@@ -290,6 +316,7 @@ export class View {
       original: materials.hasScalar && before && arrays.hasUneditedScalar,
       rgb: materials.hasRgb,
       tint: materials.tinted && !before,
+      clip: this.clip !== null,
     });
     this.overlays.placeEdges(this.style === 'edges' && !summed && !few, geometry);
     this.renderer.render(this.scene, this.camera.three);

@@ -1,5 +1,6 @@
 /** Picking: vertices in a thin cone around the ray, then the triangles around them. */
 
+import { type ClipEquation, isClipped } from '../clip';
 import type { Rows } from './adjacency';
 
 export interface Ray {
@@ -8,6 +9,8 @@ export interface Ray {
   direction: readonly [number, number, number];
   /** Width of a pixel at distance 1, in model units. */
   pixel: number;
+  /** Plane beyond which nothing is hit. */
+  clip?: ClipEquation | null;
 }
 
 export interface Hit {
@@ -86,7 +89,7 @@ export function pickCloud(positions: Float32Array, balls: Balls, meanLength: num
     const v = candidates[i]!;
     const t =
       (positions[3 * v]! - ox) * dx + (positions[3 * v + 1]! - oy) * dy + (positions[3 * v + 2]! - oz) * dz;
-    if (t < depth) {
+    if (t < depth && !(ray.clip && isClipped(ray.clip, positions, 3 * v))) {
       depth = t;
       best = v;
     }
@@ -160,6 +163,12 @@ function nearer(best: Hit | null, p: Float32Array, triangles: Uint32Array, t: nu
   if (v < 0 || u + v > 1) return best;
   const depth = (vx * rx + vy * ry + vz * rz) / det;
   if (depth <= 0 || (best && depth >= best.depth)) return best;
+  const point: [number, number, number] = [
+    ray.origin[0] + depth * dx,
+    ray.origin[1] + depth * dy,
+    ray.origin[2] + depth * dz,
+  ];
+  if (ray.clip && isClipped(ray.clip, point)) return best;
   const nx = uy * vz - uz * vy;
   const ny = uz * vx - ux * vz;
   const nz = ux * vy - uy * vx;
@@ -169,7 +178,7 @@ function nearer(best: Hit | null, p: Float32Array, triangles: Uint32Array, t: nu
   const corner = w >= u && w >= v ? 0 : u >= v ? 1 : 2;
   return {
     vertex: triangles[3 * t + corner]!,
-    point: [ray.origin[0] + depth * dx, ray.origin[1] + depth * dy, ray.origin[2] + depth * dz],
+    point,
     normal: [nx * sign, ny * sign, nz * sign],
     depth,
   };
