@@ -10,6 +10,7 @@
 mod assets;
 mod autosave;
 mod compare;
+mod deviation;
 mod document;
 mod export_page;
 mod field_bands;

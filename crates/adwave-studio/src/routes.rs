@@ -1,6 +1,7 @@
 //! Handlers of the requests; see `PROTOCOL.md`.
 
 use crate::compare::CompareRequest;
+use crate::deviation::{DeviationRequest, deviation_response};
 use crate::document::Document;
 use crate::pose::{Follow, ReshapedBy, encode_carried};
 use crate::prepared_shape::{LevelsRequest, PreparedShape};
@@ -62,7 +63,8 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
         .route("/page", get(download_page))
         .route("/report", post(create_report))
         .route("/compare", post(compare_methods))
-        .route("/denoise", post(denoise_shape));
+        .route("/denoise", post(denoise_shape))
+        .route("/deviation", post(measure_deviation));
     let upload = post(upload_shape).layer(DefaultBodyLimit::max(MAX_UPLOAD));
     Router::new()
         .route("/api/shapes", get(list_shapes).merge(upload))
@@ -516,6 +518,23 @@ async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64>, body: By
         // Saved in the same folder, with an edit of its own.
         let session = studio.open(StudioInput { name, path: None, file, shape })?;
         json_response(&json!({"id": session.id, "name": session.input.name, "noise": clean.info.noise}))
+    })
+    .await
+}
+
+/// Measures the distances of the edited shape from another open one.
+async fn measure_deviation(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
+    run_blocking(studio, move |studio| {
+        let request: DeviationRequest = parse_body(&body, "other shape")?;
+        let edited = |id: u64| {
+            let session = studio.session(id)?;
+            let turn = session.wait_turn();
+            let file = studio.pool.install(|| session.edited_file(&*session.lock_prepared()?))?;
+            drop(turn);
+            Ok::<_, ApiError>((session, file))
+        };
+        let ((session, file), (_, other)) = (edited(id)?, edited(request.from)?);
+        studio.pool.install(|| deviation_response(&file, &other, session.progress()))
     })
     .await
 }

@@ -89,6 +89,44 @@ fn other_methods_are_as_smooth_as_the_edit() {
 }
 
 #[test]
+fn distances_from_another_tab_are_signed_and_summed_up() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let studio = Studio::on(&path, folder.path());
+    let moved = std::fs::read(&path).unwrap();
+    studio.ask("POST", "/api/shapes?name=other.ply", &moved);
+    let ask = |id: u64, from: u64| {
+        let answer = studio.post(&format!("/api/shapes/{id}/deviation"), &json!({"from": from}));
+        let about =
+            answer.head.lines().find_map(|line| line.strip_prefix("x-deviation: ").map(str::to_owned));
+        let about: Value =
+            serde_json::from_str(&about.unwrap_or_else(|| panic!("{}", answer.text()))).unwrap();
+        (answer.floats(), about)
+    };
+    let (values, about) = ask(1, 2);
+    assert!(values.iter().all(|v| v.abs() < 1e-6));
+    assert_eq!((&about["signed"], &about["beyond_border"]), (&json!(true), &json!(0)));
+    // Without its finest band the other surface lies inside of bumps and outside of hollows of the first.
+    let n_levels = studio.get("/api/shapes/2").json()["levels"].as_array().unwrap().len();
+    let mut gains = vec![1.0; n_levels];
+    gains[..2].fill(0.0);
+    studio.put("/api/shapes/2/edit", &edit(1, &[layer(&gains, &Value::Null)]));
+    let (values, about) = ask(1, 2);
+    let (back, _) = ask(2, 1);
+    assert_eq!(values.len(), back.len());
+    assert!(values.iter().any(|v| *v > 1e-3) && values.iter().any(|v| *v < -1e-3));
+    let greatest = values.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
+    assert_eq!(about["greatest"].as_f64().unwrap() as f32, greatest);
+    let rms = about["rms"].as_f64().unwrap();
+    assert!(rms > 0.0 && rms < f64::from(greatest), "{about}");
+    // Where a point of one lies outside, the nearest of the other is mostly inside.
+    let opposite = values.iter().zip(&back).filter(|(a, b)| **a * **b <= 0.0).count();
+    assert!(opposite > values.len() * 9 / 10, "{opposite}");
+    let missing = studio.post("/api/shapes/1/deviation", &json!({"from": 7}));
+    assert!(missing.status == 404 && missing.error().contains("shape 7 is not open"));
+}
+
+#[test]
 fn a_report_is_at_an_address_that_nobody_guesses() {
     let folder = TempDir::new().unwrap();
     let studio = Studio::on(&creature(&folder, 2000), folder.path());

@@ -3,6 +3,7 @@
 import type {
   CompareMethod,
   Comparison,
+  Deviation,
   Edit,
   EditSummary,
   Feature,
@@ -198,6 +199,18 @@ export class Api {
     const response = await this.fetch(`shapes/${id}/compare`, { method: 'POST', body });
     const about = JSON.parse(response.headers.get('X-Compare')!) as Comparison;
     return { positions: new Float32Array(await response.arrayBuffer()), about };
+  }
+
+  /** Fetches the distance of each vertex of a shape from another one, and a summary. */
+  async deviation(
+    id: number,
+    from: number,
+    signal: AbortSignal,
+  ): Promise<{ values: Float32Array<ArrayBuffer>; about: Deviation }> {
+    const body = JSON.stringify({ from });
+    const response = await this.fetch(`shapes/${id}/deviation`, { method: 'POST', body, signal });
+    const about = JSON.parse(response.headers.get('X-Deviation')!) as Deviation;
+    return { values: new Float32Array(await response.arrayBuffer()), about };
   }
 
   /** Creates the report of the edited shape; returns its path. */

@@ -94,7 +94,12 @@ export class ShapeArrays {
 
   /** True if the shape needs a coarse version during motion. */
   get heavy(): boolean {
-    return this.nTriangles > (this.software ? MOVING_LIMIT.software : MOVING_LIMIT.hardware);
+    return this.isHeavy(this.nTriangles);
+  }
+
+  /** True if a shape of so many triangles needs a coarse version during motion. */
+  isHeavy(nTriangles: number): boolean {
+    return nTriangles > (this.software ? MOVING_LIMIT.software : MOVING_LIMIT.hardware);
   }
 
   /** True if a coarse version is needed and available. */

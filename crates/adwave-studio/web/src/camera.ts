@@ -53,6 +53,7 @@ export class Camera {
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
   private radius = 1;
+  private company: { center: readonly number[]; radius: number } | null = null;
   /** Distance beyond the bounds at which vertices may be. */
   private reach = 0;
   private width = 1;
@@ -60,8 +61,23 @@ export class Camera {
 
   setBounds(center: readonly number[], radius: number): void {
     this.reach = 0;
+    this.company = null;
     this.center.set(center[0]!, center[1]!, center[2]!);
     this.radius = radius || 1;
+  }
+
+  /** Sets the bounds of a shape that is shown beside, so that both are framed and none is clipped. */
+  setCompany(bounds: { center: readonly number[]; radius: number } | null): void {
+    this.company = bounds;
+    this.update();
+  }
+
+  /** Radius about the center of the shape that holds the one beside it too. */
+  private get wholeRadius(): number {
+    const { company } = this;
+    if (!company) return this.radius;
+    const away = this.center.distanceTo(new Vector3(...(company.center as [number, number, number])));
+    return Math.max(this.radius, away + company.radius);
   }
 
   resize(width: number, height: number): void {
@@ -89,7 +105,7 @@ export class Camera {
     this.pivot.copy(this.center);
     const half = (FIELD_OF_VIEW * Math.PI) / 360;
     const narrow = Math.min(1, this.three.aspect);
-    this.distance = this.radius / Math.sin(Math.atan(Math.tan(half) * narrow));
+    this.distance = this.wholeRadius / Math.sin(Math.atan(Math.tan(half) * narrow));
     this.update();
   }
 
@@ -222,7 +238,7 @@ export class Camera {
     const back = new Vector3(0, 0, this.distance).applyQuaternion(this.three.quaternion);
     this.three.position.copy(this.pivot).add(back);
     const away = this.three.position.distanceTo(this.center);
-    const { radius, reach } = this;
+    const { wholeRadius: radius, reach } = this;
     this.three.near = Math.max(away - 2 * radius - reach, this.distance * 0.01, radius * 1e-4);
     this.three.far = away + 3 * radius + reach;
     this.three.updateProjectionMatrix();

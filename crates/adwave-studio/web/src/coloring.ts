@@ -1,6 +1,16 @@
 /** Coloring by a scalar field, with a legend in its units. */
 
-import { classesOf, colorAt, hasValues, type MapName, movedOnly, type RangeRule, rangeOf } from './colors';
+import { DEVIATION } from './beside';
+import {
+  classesOf,
+  colorAt,
+  hasValues,
+  histogram,
+  type MapName,
+  movedOnly,
+  type RangeRule,
+  rangeOf,
+} from './colors';
 import { h, select } from './dom';
 import { formatNumber } from './lengths';
 import type { FieldName } from './protocol';
@@ -15,6 +25,9 @@ function isServerField(field: FieldName): boolean {
 
 /** Largest number of classes in the legend. */
 const MOST_SWATCHES = 12;
+
+/** Bins of the histogram above the colors, and its height in pixels. */
+const HISTOGRAM = { bins: 32, height: 24 };
 
 export interface Coloring {
   controls: HTMLElement[];
@@ -94,12 +107,19 @@ export function coloring(studio: Studio): Coloring {
 
   const bar = h('canvas', { width: 256, height: 1, 'aria-hidden': 'true' });
   const legendTitle = h('span', { class: 'legend-title' });
+  const bins = h('canvas', {
+    width: 256,
+    height: HISTOGRAM.height,
+    class: 'histogram',
+    'aria-hidden': 'true',
+  });
   const numbers = h('div', { class: 'legend-numbers' });
   const swatches = h('ul', { class: 'swatches', hidden: true });
   const legend = h(
     'figure',
     { class: 'legend', hidden: true },
     h('figcaption', {}, legendTitle),
+    bins,
     bar,
     numbers,
     swatches,
@@ -112,6 +132,7 @@ export function coloring(studio: Studio): Coloring {
     }
     swatches.hidden = true;
     bar.hidden = false;
+    bins.hidden = true;
     legendTitle.textContent = unit ? `${title} (${unit})` : title;
     if (classes) {
       paintClasses(classes);
@@ -133,12 +154,29 @@ export function coloring(studio: Studio): Coloring {
       context.fillStyle = `rgb(${r} ${g} ${b})`;
       context.fillRect(i, 0, 1, 1);
     }
+    paintHistogram(range);
     numbers.replaceChildren(
       ...[0, 0.5, 1].map((t) => h('span', {}, formatNumber(range[0] + t * (range[1] - range[0])))),
     );
     if (document.activeElement !== low) low.value = range[0].toPrecision(4);
     if (document.activeElement !== high) high.value = range[1].toPrecision(4);
     legend.hidden = false;
+  }
+
+  /** Draws how many vertices have the values of each color. */
+  function paintHistogram(range: [number, number]): void {
+    const counts = histogram(values!, range, HISTOGRAM.bins);
+    const most = Math.max(...counts);
+    bins.hidden = most === 0;
+    if (most === 0) return;
+    const context = bins.getContext('2d')!;
+    context.clearRect(0, 0, bins.width, bins.height);
+    context.fillStyle = getComputedStyle(legend).color;
+    const width = bins.width / HISTOGRAM.bins;
+    for (const [i, count] of counts.entries()) {
+      const height = Math.round((bins.height * count) / most);
+      context.fillRect(i * width, bins.height - height, width - 1, height);
+    }
   }
 
   /** Lists the classes; the colors of vertices are their numbers in this list. */
@@ -166,6 +204,7 @@ export function coloring(studio: Studio): Coloring {
     colorSelect.value = name;
     colorOptions.hidden = name === 'none';
     classes = null;
+    if (name !== DEVIATION) view.setBesideScalar(null);
     const field = studio.shape?.fields.find((f) => `field-${f.name}` === name);
     showEditable(field?.editable ? field.name : null);
     if (name === 'none' || field?.rgb) {
@@ -187,7 +226,20 @@ export function coloring(studio: Studio): Coloring {
       return;
     }
     try {
-      if (name === 'change' || name.startsWith('band-')) {
+      if (name === DEVIATION) {
+        const found = await studio.beside.measure();
+        if (mine !== asked) return;
+        if (!found) {
+          void color('none');
+          return;
+        }
+        values = found.own;
+        unedited = null;
+        title = text.deviation(studio.beside.other!.name);
+        unit = text.modelUnits;
+        diverging = found.about.signed;
+        view.setBesideScalar(found.other);
+      } else if (name === 'change' || name.startsWith('band-')) {
         const level = name === 'change' ? 0 : Number(name.slice(5));
         if (name === 'change') await studio.display.waitUntilSettled();
         const answer = await studio.engine.call('scalar', level ? { band: level } : 'change');
@@ -253,6 +305,16 @@ export function coloring(studio: Studio): Coloring {
     return studio.api.editedField(id, name);
   }
 
+  /** The histogram follows a moving slider a few times a second. */
+  let repaint = 0;
+  function repaintLater(): void {
+    if (repaint !== 0) return;
+    repaint = window.setTimeout(() => {
+      repaint = 0;
+      paintLegend();
+    }, 150);
+  }
+
   studio.on('fieldEdited', () => {
     const { fieldEditor, shownField } = studio;
     if (!fieldEditor.values || fieldEditor.loaded !== shownField || colored !== `field-${shownField}`) return;
@@ -267,7 +329,10 @@ export function coloring(studio: Studio): Coloring {
       colorOptions.hidden = false;
       view.setScalar(values, [0, 1], map, unedited);
       paintLegend();
-    } else view.updateScalar(values);
+    } else {
+      view.updateScalar(values);
+      repaintLater();
+    }
   });
   // A field whose edit changed while the positions are edited, or whose band is not soloed any more.
   studio.on(['target', 'saving'], () => {
@@ -290,6 +355,7 @@ export function coloring(studio: Studio): Coloring {
     colorSelect.replaceChildren(
       h('option', { value: 'none' }, text.noColors),
       h('option', { value: 'change' }, text.change),
+      studio.beside.other ? h('option', { value: DEVIATION }, text.deviation(studio.beside.other.name)) : '',
       h(
         'optgroup',
         { label: text.fields },
@@ -308,11 +374,19 @@ export function coloring(studio: Studio): Coloring {
     listedId = shape.id;
   }
   studio.on(['levels', 'fields'], listColors);
+  let besideId: number | null = null;
+  studio.on('beside', () => {
+    const id = studio.beside.other?.id ?? null;
+    if (id !== besideId) listColors();
+    besideId = id;
+  });
   // Fields of the edited shape are fetched again after an edit.
   let later = 0;
   studio.on('moved', () => {
     const edited =
-      colored === 'change' || studio.shape?.fields.some((f) => f.edited && colored === `field-${f.name}`);
+      colored === 'change' ||
+      colored === DEVIATION ||
+      studio.shape?.fields.some((f) => f.edited && colored === `field-${f.name}`);
     if (!edited || (colored !== 'change' && studio.saver?.state !== 'saved')) return;
     window.clearTimeout(later);
     later = window.setTimeout(() => void color(colored), 60);

@@ -90,6 +90,21 @@ export function movedOnly(values: Float32Array): Float32Array {
   return most > 0 ? values.filter((x) => x > 1e-3 * most) : values;
 }
 
+/** Numbers of values in equal parts of a range; those beyond an end are counted in the last part. */
+export function histogram(values: Float32Array, [low, high]: [number, number], nBins: number): number[] {
+  const counts = new Array<number>(nBins).fill(0);
+  const perUnit = nBins / (high - low);
+  // An even sample is enough for large fields.
+  const step = Math.max(1, Math.floor(values.length / 200_000));
+  for (let v = 0; v < values.length; v += step) {
+    const x = values[v]!;
+    if (!Number.isFinite(x)) continue;
+    const bin = Math.floor((x - low) * perUnit);
+    counts[Math.min(nBins - 1, Math.max(0, bin))]!++;
+  }
+  return counts;
+}
+
 /** True if a field has a number at any vertex. */
 export function hasValues(values: Float32Array): boolean {
   return values.some((x) => Number.isFinite(x));

@@ -306,7 +306,7 @@ function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void }
   divider.append(...labels);
   const place = (at: number) => {
     view.split = Math.min(0.98, Math.max(0.02, at));
-    divider.style.left = `${100 * view.split}%`;
+    divider.style.left = `${100 * view.split * (view.halves === 'beside' ? 0.5 : 1)}%`;
     divider.setAttribute('aria-valuenow', String(Math.round(100 * view.split)));
     view.markMoving();
   };
@@ -314,7 +314,7 @@ function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void }
   divider.addEventListener('pointermove', (e) => {
     if (!divider.hasPointerCapture(e.pointerId)) return;
     const r = view.canvas.getBoundingClientRect();
-    place((e.clientX - r.left) / r.width);
+    place((e.clientX - r.left) / (r.width * (view.halves === 'beside' ? 0.5 : 1)));
   });
   divider.addEventListener('keydown', (e) => {
     const step = { ArrowLeft: -0.02, ArrowRight: 0.02, PageDown: -0.1, PageUp: 0.1 }[e.key];
@@ -323,6 +323,11 @@ function wipe(studio: Studio): { divider: HTMLElement; toggleSplit: () => void }
     e.stopPropagation();
     place((view.split ?? 0.5) + step);
   });
+  const replace = () => {
+    if (view.split !== null) place(view.split);
+  };
+  studio.on('beside', replace);
+  window.addEventListener('resize', replace);
   studio.on('compared', () => {
     const { comparison } = studio;
     labels[0]!.textContent = comparison ? text.compareShort[comparison.method] : text.beforeShort;
@@ -418,6 +423,7 @@ export function lookPanel(studio: Studio, stage: Stage): LookPanel {
     recalledTarget = null;
   };
   studio.on(['levels', 'band'], recallColors);
+  studio.showColors = (name) => colors.show(name);
   studio.showField = (name) => colors.show(`field-${name}`);
   const { divider, toggleSplit } = wipe(studio);
   const panel = h(

@@ -272,6 +272,7 @@ export function start(options: StartOptions): void {
     look.legend,
     scaleBar(view),
     comparisonPanel(studio),
+    studio.beside.labels(),
     badge,
     banner,
     waitNotice(studio),
@@ -286,7 +287,15 @@ export function start(options: StartOptions): void {
     h('aside', { class: 'side' }, tabs.side, layersPanel(studio), brushPanel(studio), look.panel),
     tabs.sheet,
   );
-  const fit = () => view.resize(scene.clientWidth, scene.clientHeight);
+  const fit = () => {
+    view.resize(scene.clientWidth, scene.clientHeight);
+    divide();
+  };
+  const divide = () => {
+    scene.classList.toggle('beside', view.halves === 'beside');
+    scene.classList.toggle('below', view.halves === 'below');
+  };
+  studio.on('beside', divide);
   new ResizeObserver(fit).observe(scene);
   fit();
   listenToKeys(studio, stage, look, files);

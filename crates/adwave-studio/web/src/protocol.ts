@@ -175,6 +175,18 @@ export interface ShapeList {
 
 export type CompareMethod = 'taubin' | 'harmonics';
 
+/** Summary of the distances of a shape from another. */
+export interface Deviation {
+  /** True if distances are positive where the other shape lies outside. */
+  signed: boolean;
+  /** `null` if no vertex has a distance. */
+  rms: number | null;
+  mean: number | null;
+  greatest: number | null;
+  /** Number of points whose closest point is on a border, which have no distance. */
+  beyond_border: number;
+}
+
 export interface Comparison {
   how: { degree: number; frequency: number } | { harmonics: number; t: number };
   /** Root mean square distance of a vertex from the mean of its neighbors, in model units. */

@@ -98,6 +98,12 @@ export class Stage {
       return;
     }
     const pans = e.button === 1 || e.button === 2 || e.shiftKey;
+    if (this.studio.view.placeInHalf(place).isSecond) {
+      // The shape beside is looked at only.
+      this.turning = pans ? 'pan' : 'turn';
+      this.moved = CLICK;
+      return;
+    }
     const clones = this.studio.isBrushOn && brush.effect === 'clone';
     if (clones && !pans && !this.studio.onPickVertex && (e.altKey || this.studio.cloneSource === null))
       this.studio.pickCloneSource();
@@ -436,6 +442,10 @@ export class Stage {
   }
 
   private hover(place: { x: number; y: number }): void {
+    if (this.studio.view.placeInHalf(place).isSecond) {
+      this.onPointerLeave();
+      return;
+    }
     this.hoverNext = place;
     if (this.hovering || !this.studio.shape) return;
     this.hovering = true;
@@ -482,7 +492,7 @@ export class Stage {
 
   private onWheel(e: WheelEvent): void {
     e.preventDefault();
-    const { x, y } = this.canvasPoint(e);
+    const { x, y } = this.studio.view.placeInHalf(this.canvasPoint(e));
     const lines = e.deltaMode === 1 ? 16 : 1;
     if (this.studio.isBrushOn && e.altKey) {
       this.resizeBrush(e.deltaY > 0 ? 1 / 1.1 : 1.1);
@@ -501,7 +511,8 @@ export class Stage {
   }
 
   private async setPivot(e: MouseEvent): Promise<void> {
-    const { x, y } = this.canvasPoint(e);
+    const { x, y, isSecond } = this.studio.view.placeInHalf(this.canvasPoint(e));
+    if (isSecond) return;
     const answer = await this.studio.engine.call('pick', {
       ray: this.studio.view.camera.ray(x, y),
       ring: null,

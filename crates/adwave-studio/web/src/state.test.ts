@@ -2,7 +2,7 @@ import { describe, expect, test, vi } from 'vitest';
 import { appendStroke } from './brush';
 import { Camera } from './camera';
 import { clipEquation, isClipped, parseClip } from './clip';
-import { classesOf, colorAt, hasValues, movedOnly, rangeOf } from './colors';
+import { classesOf, colorAt, hasValues, histogram, movedOnly, rangeOf } from './colors';
 import { effectGains, effectOf, matchingGains } from './effects';
 import { gainOf, gainText, positionOf, SLIDER_MAX } from './gain';
 import { farthestVertex, withMotion, withoutPins, withPins } from './grab';
@@ -41,6 +41,11 @@ const edit = {
   pose: null,
   fields: [],
 };
+
+test('a histogram counts every number once, those beyond an end in the last part', () => {
+  const values = Float32Array.of(-5, 0, 0.4, 0.5, Number.NaN, 1, 9, Number.POSITIVE_INFINITY);
+  expect(histogram(values, [0, 1], 2)).toEqual([3, 3]);
+});
 
 describe('a clipping plane', () => {
   const box = { low: [-1, 0, 2], high: [3, 4, 6] };

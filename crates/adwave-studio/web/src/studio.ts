@@ -1,6 +1,7 @@
 /** Shared state of the page: the shape, its document, the worker, the picture and the selection. */
 
 import type { Api } from './api';
+import { Beside } from './beside';
 import { hasValues, rangeOf } from './colors';
 import type { WorkerEvent } from './compute/messages';
 import { DetailTransfer } from './detail-transfer';
@@ -55,6 +56,7 @@ export type Topic =
   | 'target'
   | 'fieldEdited'
   | 'tint'
+  | 'beside'
   | 'camera'
   | 'solo'
   | 'theme';
@@ -111,6 +113,8 @@ export class Studio {
   private lastWait = 0;
   /** Colors the shape by a field of the server; set by the view. */
   showField: (name: string) => void = () => {};
+  /** Chooses an entry of the list of colors; set by the view. */
+  showColors: (name: string) => void = () => {};
   /** Camera, shading and colors; set by the panel of the view. */
   shownView: { get: () => ViewMemory; set: (view: ViewMemory) => void } | null = null;
   readonly timings = new Timings();
@@ -120,6 +124,7 @@ export class Studio {
   readonly session = new Session(this);
   readonly display: Display;
   readonly fieldEditor = new FieldEditor(this);
+  readonly beside: Beside;
   /** True if the mask of the selected layer is tinted; for layers of an effect, which show it, by its own switch. */
   tint = { region: true, effect: false };
   /** Last clicked vertex, the default center of a ball. */
@@ -146,6 +151,7 @@ export class Studio {
     this.engine = new Engine(worker, (event) => this.handleWorkerEvent(event));
     this.masks = new Masks(view.arrays);
     this.display = new Display(this, this.masks);
+    this.beside = new Beside(this);
   }
 
   on(topics: Topic | Topic[], listener: () => void): void {

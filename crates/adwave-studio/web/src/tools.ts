@@ -41,6 +41,7 @@ export function toolSections(studio: Studio, files: Files, close: () => void): N
   const compare = (method: CompareMethod) =>
     work(text.compare, (isCancelled) => showComparison(studio, method, isCancelled));
   return [
+    ...studio.beside.section(close),
     h('h3', {}, text.compare),
     h('p', {}, text.compareNote),
     h(

@@ -14,6 +14,7 @@ import {
   WebGLRenderer,
 } from 'three';
 import { ShapeArrays } from './arrays';
+import { type BesideArrays, BesideShape } from './beside-shape';
 import { Camera } from './camera';
 import { type Clip, clipEquation, isClipped } from './clip';
 import type { MapName } from './colors';
@@ -53,6 +54,7 @@ export class View {
   private readonly frameListeners: (() => void)[] = [];
   private readonly software: boolean;
   private readonly scene = new Scene();
+  private readonly besideScene = new Scene();
   private readonly materials = new Materials();
   private readonly overlays: Overlays;
   /** Plane that cuts the shape; `null` if it is whole. */
@@ -60,6 +62,9 @@ export class View {
   private bounds = { low: [0, 0, 0], high: [0, 0, 0] };
   private body: Mesh<BufferGeometry, RawShaderMaterial> | Points<BufferGeometry, RawShaderMaterial> | null =
     null;
+  /** A shape of another tab, drawn in the second half of the picture. */
+  private beside: BesideShape | null = null;
+  private size = { width: 1, height: 1 };
   private pointSize = 1;
   /** Factor on the size of the points of a cloud. */
   pointScale = 1;
@@ -110,6 +115,48 @@ export class View {
     this.setClip(null);
     this.camera.start();
     this.request();
+  }
+
+  /** Shows another shape in the second half of the picture; `null` gives all of it to the present one. */
+  setBeside(arrays: BesideArrays | null): void {
+    this.beside?.dispose();
+    this.besideScene.clear();
+    this.beside = null;
+    if (arrays) {
+      const isHeavy = this.arrays.isHeavy(arrays.triangles.length / 3);
+      this.beside = new BesideShape(arrays, new RawShaderMaterial(), isHeavy);
+      this.besideScene.add(this.beside.body);
+    }
+    this.camera.setCompany(this.beside?.bounds ?? null);
+    this.resize(this.size.width, this.size.height);
+    this.camera.frame();
+  }
+
+  /** Colors the shape in the second half by one number per vertex, with the range and colors of the first. */
+  setBesideScalar(values: Float32Array | null): void {
+    this.beside?.setScalar(values);
+    this.request();
+  }
+
+  /** Way in which the picture is divided: not at all, or into halves beside or below each other. */
+  get halves(): 'one' | 'beside' | 'below' {
+    if (!this.beside) return 'one';
+    return this.size.width >= this.size.height ? 'beside' : 'below';
+  }
+
+  /** Size of the part of the picture that shows a shape, in pixels of the page. */
+  private get part(): { width: number; height: number } {
+    const { width, height } = this.size;
+    if (this.halves === 'one') return { width, height };
+    return this.halves === 'beside' ? { width: width / 2, height } : { width, height: height / 2 };
+  }
+
+  /** Place in its half of a point of the picture, and whether that is the second one. */
+  placeInHalf({ x, y }: { x: number; y: number }): { x: number; y: number; isSecond: boolean } {
+    const { width, height } = this.part;
+    if (this.halves === 'beside' && x > width) return { x: x - width, y, isSecond: true };
+    if (this.halves === 'below' && y > height) return { x, y: y - height, isSecond: true };
+    return { x, y, isSecond: false };
   }
 
   private clear(): void {
@@ -226,8 +273,9 @@ export class View {
   }
 
   resize(width: number, height: number): void {
+    this.size = { width, height };
     this.renderer.setSize(width, height, false);
-    this.camera.resize(width, height);
+    this.camera.resize(this.part.width, this.part.height);
     this.request();
   }
 
@@ -268,20 +316,29 @@ export class View {
       renderer.clear();
       return;
     }
-    const perPixel = height / (2 * Math.tan((15 * Math.PI) / 180));
+    renderer.clear();
+    const ratio = renderer.getPixelRatio();
+    const part = this.halves === 'one' ? { width: width / ratio, height: height / ratio } : this.part;
+    const perPixel = (part.height * ratio) / (2 * Math.tan((15 * Math.PI) / 180));
     this.materials.setPointSize(this.pointScale * this.pointSize * perPixel);
     this.overlays.setPixels(perPixel);
-    renderer.clear();
-    if (this.split === null) {
-      this.drawHalf(this.showsOriginal, coarse);
-    } else {
-      const ratio = renderer.getPixelRatio();
-      const x = Math.round((this.split * width) / ratio);
+    // The lower left corner of the first half; rows are counted from below.
+    const bottom = this.halves === 'below' ? part.height : 0;
+    if (this.beside) renderer.setViewport(0, bottom, part.width, part.height);
+    if (this.split === null && !this.beside) this.drawShape(this.showsOriginal, coarse);
+    else {
       renderer.setScissorTest(true);
-      renderer.setScissor(0, 0, x, height / ratio);
-      this.drawHalf(true, coarse);
-      renderer.setScissor(x, 0, width / ratio - x, height / ratio);
-      this.drawHalf(false, coarse);
+      if (this.split === null) {
+        renderer.setScissor(0, bottom, part.width, part.height);
+        this.drawShape(this.showsOriginal, coarse);
+      } else {
+        const x = Math.round(this.split * part.width);
+        renderer.setScissor(0, bottom, x, part.height);
+        this.drawShape(true, coarse);
+        renderer.setScissor(x, bottom, part.width - x, part.height);
+        this.drawShape(false, coarse);
+      }
+      if (this.beside) this.drawBeside(this.beside, part, perPixel);
       renderer.setScissorTest(false);
     }
     this.onDrawn?.(began);
@@ -298,7 +355,32 @@ export class View {
     if (now !== ratio) this.renderer.setPixelRatio(ratio);
   }
 
-  private drawHalf(before: boolean, coarse: boolean): void {
+  private drawBeside(beside: BesideShape, part: { width: number; height: number }, perPixel: number): void {
+    const { renderer, materials } = this;
+    const [x, y] = this.halves === 'beside' ? [part.width, 0] : [0, 0];
+    renderer.setViewport(x, y, part.width, part.height);
+    renderer.setScissor(x, y, part.width, part.height);
+    materials.setPointSize(this.pointScale * beside.pointSize * perPixel);
+    beside.choose(this.moving !== 0);
+    beside.body.material = materials.get({
+      nLevels: 0,
+      packs: 0,
+      posed: false,
+      cloud: beside.isCloud,
+      clay: this.style === 'matcap',
+      flat: this.style === 'flat',
+      scalar: beside.hasScalar,
+      classes: false,
+      original: false,
+      rgb: false,
+      tint: false,
+      clip: this.clip !== null,
+    });
+    renderer.render(this.besideScene, this.camera.three);
+    renderer.setViewport(0, 0, this.size.width, this.size.height);
+  }
+
+  private drawShape(before: boolean, coarse: boolean): void {
     const body = this.body!;
     const { materials, arrays } = this;
     const { geometry, summed, few } = arrays.selectGeometry(before, coarse);

@@ -435,6 +435,15 @@ const answers: { [C in Call]: (what: Calls[C][0]) => Calls[C][1] | Promise<Calls
   normals({ positions }) {
     return { normals: shape().normals(positions) };
   },
+  normalsOf({ positions, triangles }) {
+    const normals = new Int8Array((4 * positions.length) / 3);
+    if (triangles.length > 0) meshNormals(positions, triangles, new Float32Array(positions.length), normals);
+    else {
+      const { offsets, entries } = cloudSurface(positions, CLOUD_NEIGHBORS).neighbors;
+      cloudNormals(positions, offsets, entries, normals);
+    }
+    return { normals };
+  },
   positions() {
     return { positions: shape().edited.slice() };
   },

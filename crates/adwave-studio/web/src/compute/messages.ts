@@ -86,6 +86,8 @@ export interface Calls {
   energy: [{ key: number | null; vertex: number | null; radius: number }, { rms: number[] }];
   /** Normals for other positions of the same vertices. */
   normals: [{ positions: Float32Array }, { normals: Int8Array }];
+  /** Normals of another shape; a cloud has no triangles. */
+  normalsOf: [{ positions: Float32Array; triangles: Uint32Array }, { normals: Int8Array }];
   positions: [Record<string, never>, { positions: Float32Array }];
 }
 
