@@ -1,4 +1,4 @@
-/** Handles of a region in the picture: dragging moves and resizes a box, a ball and a half-space, one step each; clipping. */
+/** Handles of a region in the picture: dragging moves and resizes a box, a ball and a half-space, one step each; clipping and zooming. */
 
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
@@ -159,5 +159,23 @@ test.describe
       await waitUntilReady(page);
       await page.getByRole('button', { name: 'View', exact: true }).first().click();
       await expect(clip.locator('[aria-pressed="true"]'), 'kept').toHaveText('z');
+    });
+
+    test('a view without the shape offers to fit it, and zooming ends at the size of an edge', async () => {
+      await page.keyboard.press('f');
+      const { x, y, size } = await pictureFrame(page);
+      await page.mouse.move(x + 0.6 * size, y - 0.4 * size);
+      for (let k = 0; k < 25; k++) await page.mouse.wheel(0, -600);
+      await page.getByRole('button', { name: 'Fit view (F)' }).last().click();
+      await page.mouse.move(x, y);
+      for (let k = 0; k < 60; k++) {
+        await page.mouse.wheel(0, -600);
+        if (k % 10 === 0) await page.waitForTimeout(60);
+      }
+      await page.waitForTimeout(300);
+      const bar = (await page.locator('.scale-bar').textContent())!;
+      // The edges of this creature are about 0.018 units long.
+      expect(Number(bar.match(/[\d.e−-]+ units/)![0].replace(' units', ''))).toBeGreaterThan(0.0003);
+      await page.keyboard.press('f');
     });
   });

@@ -16,6 +16,8 @@ const DIRECTIONS: Record<ViewName, [number, number, number]> = {
 };
 
 const FIELD_OF_VIEW = 30;
+/** Smallest distance from the pivot in mean lengths of an edge, at which a part of one fills the picture. */
+const CLOSEST = 0.5;
 
 /** Everything that a camera keeps from one visit to the next, in coordinates relative to the center of the shape. */
 export interface CameraState {
@@ -53,13 +55,16 @@ export class Camera {
   up: 'y' | 'z' = 'y';
   private readonly center = new Vector3();
   private radius = 1;
+  private closest = 1e-3;
   private company: { center: readonly number[]; radius: number } | null = null;
   /** Distance beyond the bounds at which vertices may be. */
   private reach = 0;
   private width = 1;
   private height = 1;
 
-  setBounds(center: readonly number[], radius: number): void {
+  /** Sets the sphere that holds a shape, and the mean length of its edges. */
+  setBounds(center: readonly number[], radius: number, meanLength = 0): void {
+    this.closest = Math.max(CLOSEST * meanLength, 1e-3 * (radius || 1));
     this.reach = 0;
     this.company = null;
     this.center.set(center[0]!, center[1]!, center[2]!);
@@ -143,7 +148,7 @@ export class Camera {
     this.trackball = state.trackball === true;
     this.three.quaternion.fromArray(state.quaternion).normalize();
     this.pivot.fromArray(state.pivot);
-    this.distance = Math.min(this.radius * 50, Math.max(this.radius * 1e-3, state.distance));
+    this.distance = Math.min(this.radius * 50, Math.max(this.closest, state.distance));
     this.update();
   }
 
@@ -207,7 +212,7 @@ export class Camera {
 
   /** Multiplies the distance by `factor` and keeps the point under (x, y) of the canvas fixed. */
   zoom(factor: number, x: number, y: number): void {
-    const next = Math.min(this.radius * 50, Math.max(this.radius * 1e-3, this.distance * factor));
+    const next = Math.min(this.radius * 50, Math.max(this.closest, this.distance * factor));
     const f = next / this.distance;
     const place = new Vector3((x - this.width / 2) * this.pixel, (this.height / 2 - y) * this.pixel, 0)
       .applyQuaternion(this.three.quaternion)

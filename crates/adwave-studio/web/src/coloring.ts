@@ -156,7 +156,10 @@ export function coloring(studio: Studio): Coloring {
     }
     paintHistogram(range);
     numbers.replaceChildren(
-      ...[0, 0.5, 1].map((t) => h('span', {}, formatNumber(range[0] + t * (range[1] - range[0])))),
+      ...[0, 0.5, 1].map((t) => {
+        const x = range[0] + t * (range[1] - range[0]);
+        return h('span', {}, formatNumber(Math.abs(x) < 1e-3 * (range[1] - range[0]) ? 0 : x));
+      }),
     );
     if (document.activeElement !== low) low.value = range[0].toPrecision(4);
     if (document.activeElement !== high) high.value = range[1].toPrecision(4);

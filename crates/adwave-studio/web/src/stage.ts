@@ -38,6 +38,9 @@ interface Grabbing {
   released: boolean;
 }
 
+/** Milliseconds after zooming until the shape is looked for, by rays on a grid of this many rows and columns. */
+const LOOK = 500;
+const LOOK_GRID = 9;
 /** Largest pointer movement of a click, in pixels. */
 const CLICK = 4;
 
@@ -48,6 +51,7 @@ export class Stage {
   private hoverNext: { x: number; y: number } | null = null;
   private turning: 'turn' | 'pan' | null = null;
   private moved = 0;
+  private looking = 0;
   private pinch = { distance: 0, angle: 0, x: 0, y: 0 };
   /** Result of the last pick under the cursor. */
   private hoverAnswer: PickAnswer | null = null;
@@ -502,6 +506,26 @@ export class Stage {
     if (hit) this.studio.view.camera.focusDepth(hit.point);
     this.studio.view.camera.zoom(Math.exp(Math.max(-60, Math.min(60, e.deltaY * lines)) * 0.0025), x, y);
     this.studio.view.markMoving();
+    window.clearTimeout(this.looking);
+    this.looking = window.setTimeout(() => void this.findShape(), LOOK);
+  }
+
+  /** Offers to fit the view if no part of the shape is seen. */
+  private async findShape(): Promise<void> {
+    const { studio } = this;
+    if (!studio.shape || this.hoverAnswer?.hit) return;
+    const { camera } = studio.view;
+    const { width, height } = studio.view.part;
+    for (let k = 0; k < LOOK_GRID ** 2; k++) {
+      const x = ((k % LOOK_GRID) + 0.5) * (width / LOOK_GRID);
+      const y = (Math.floor(k / LOOK_GRID) + 0.5) * (height / LOOK_GRID);
+      if ((await this.vertexAt(x, y)) !== null) return;
+    }
+    const onclick = () => {
+      camera.frame();
+      studio.view.markMoving();
+    };
+    studio.showMessage(text.nothingSeen, 'info', { label: text.frame, onclick });
   }
 
   resizeBrush(factor: number): void {

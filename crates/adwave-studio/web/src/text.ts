@@ -301,6 +301,7 @@ export const text = {
     ['top', 'Top'],
   ] as const,
   frame: 'Fit view (F)',
+  nothingSeen: 'No part of the shape is in view.',
   turning: 'Rotation',
   turntable: 'Turntable',
   trackball: 'Trackball',

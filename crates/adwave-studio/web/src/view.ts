@@ -111,7 +111,7 @@ export class View {
     this.scene.add(this.body);
     const { low, high, center, radius } = boundsOf(positions);
     this.bounds = { low, high };
-    this.camera.setBounds(center, radius);
+    this.camera.setBounds(center, radius, meanLength);
     this.setClip(null);
     this.camera.start();
     this.request();
@@ -145,7 +145,7 @@ export class View {
   }
 
   /** Size of the part of the picture that shows a shape, in pixels of the page. */
-  private get part(): { width: number; height: number } {
+  get part(): { width: number; height: number } {
     const { width, height } = this.size;
     if (this.halves === 'one') return { width, height };
     return this.halves === 'beside' ? { width: width / 2, height } : { width, height: height / 2 };
