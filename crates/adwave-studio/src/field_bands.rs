@@ -26,6 +26,15 @@ pub(crate) struct FieldBands {
     editor: Editor,
 }
 
+/// Tells whether the values of a field with one channel are numbers: some are known, none is infinite, and they are no
+/// labels.
+pub(crate) fn is_editable(field: &Field) -> bool {
+    let values = field.to_f64();
+    values.iter().any(|v| !v.is_nan())
+        && values.iter().all(|v| !v.is_infinite())
+        && labels_of_field(&field.name, 1, &values).is_none()
+}
+
 /// Returns the field of that name, if its values can be edited: those of the file or of a file that was added.
 fn editable_field<'a>(file: &'a ShapeFile, name: &str) -> Result<&'a Field, ApiError> {
     let field = file.vertex_fields().iter().find(|field| field.name == name && field.n_channels == 1);

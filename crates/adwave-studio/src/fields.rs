@@ -22,7 +22,9 @@ pub(crate) enum FieldOrigin {
     /// Computed from the bands of the original shape.
     Bands,
     /// Values of the file or of an added file, which can be edited.
-    File,
+    Editable,
+    /// Values of the file or of an added file that are labels, or missing everywhere.
+    Fixed,
     /// Colors of the file, which have no single value per vertex.
     Colors,
 }
@@ -51,14 +53,14 @@ impl FieldInfo {
             "unit": self.unit,
             "edited": self.origin == FieldOrigin::EditedShape,
             "rgb": self.origin == FieldOrigin::Colors,
-            "editable": self.origin == FieldOrigin::File,
+            "editable": self.origin == FieldOrigin::Editable,
         })
     }
 }
 
 /// Lists the fields of a shape.
 pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> {
-    use FieldOrigin::{Bands, Colors, EditedShape, File};
+    use FieldOrigin::{Bands, Colors, Editable, EditedShape, Fixed};
     let mut fields = vec![
         FieldInfo::new("change", "Displacement", "model units", EditedShape),
         FieldInfo { diverging: true, ..FieldInfo::new("saliency", "Saliency", "", EditedShape) },
@@ -76,10 +78,11 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
         let (name, label) = (format!("band-{level}"), format!("Size of band {level}"));
         fields.push(FieldInfo::new(&name, &label, "model units", Bands));
     }
-    let file = session.file();
+    let (file, uneditable) = (session.file(), session.uneditable_fields());
     for stored in file.vertex_fields().iter().filter(|stored| stored.n_channels == 1) {
         if !fields.iter().any(|known| known.name == stored.name) {
-            fields.push(FieldInfo::new(&stored.name, &stored.name, "", File));
+            let origin = if uneditable.contains(&stored.name) { Fixed } else { Editable };
+            fields.push(FieldInfo::new(&stored.name, &stored.name, "", origin));
         }
     }
     if file.field("color").is_some_and(|color| matches!(color.n_channels, 3 | 4)) {

@@ -26,6 +26,7 @@ mod save;
 mod server;
 mod session;
 mod tasks;
+mod tool_routes;
 
 pub use document::{Document, FieldEdit};
 pub use server::{StudioAddress, StudioOutcome, StudioParams, serve};

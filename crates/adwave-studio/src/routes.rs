@@ -1,7 +1,5 @@
 //! Handlers of the requests; see `PROTOCOL.md`.
 
-use crate::compare::CompareRequest;
-use crate::deviation::{DeviationRequest, deviation_response};
 use crate::document::Document;
 use crate::pose::{Follow, ReshapedBy, encode_carried};
 use crate::prepared_shape::{LevelsRequest, PreparedShape};
@@ -9,23 +7,18 @@ use crate::response::{ApiError, bytes_response, encode_points, encode_rows, json
 use crate::save::SaveRequest;
 use crate::server::Studio;
 use crate::session::{Session, StudioInput};
-use crate::tasks::{run_blocking, run_cancellable, run_inline, spawn_blocking_task, with_shape};
-use crate::{assets, compare, export_page, field_bands, fields, report, save};
+use crate::tasks::{run_blocking, run_cancellable, run_inline, with_shape};
+use crate::tool_routes::{compare_methods, create_report, denoise_shape, measure_deviation, show_report};
+use crate::{assets, export_page, field_bands, fields, save};
 use adwave::Progress;
-use adwave::denoise::{DenoiseParams, denoise};
-use adwave::operator::OperatorParams;
 use adwave::region::Region;
-use adwave::shape::PreparedGeometry;
-use adwave_io::{
-    Format, MovedNormals, ReadError, ReadLimits, Selection, parse_recipe, read_bytes, recipe_to_text,
-};
+use adwave_io::{Format, ReadError, ReadLimits, Selection, parse_recipe, read_bytes, recipe_to_text};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::{StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{delete, get, post, put};
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::json;
 use std::collections::HashMap;
@@ -36,7 +29,7 @@ const MAX_BODY: usize = 64 << 20;
 /// Largest uploaded file in bytes.
 const MAX_UPLOAD: usize = 2 << 30;
 
-type StudioState = State<Arc<Studio>>;
+pub(crate) type StudioState = State<Arc<Studio>>;
 type QueryParams = Query<HashMap<String, String>>;
 
 pub(crate) fn router(studio: Arc<Studio>) -> Router {
@@ -77,7 +70,7 @@ pub(crate) fn router(studio: Arc<Studio>) -> Router {
 }
 
 /// Parses the JSON body of a request; `what` names its content in the error.
-fn parse_body<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, ApiError> {
+pub(crate) fn parse_body<T: DeserializeOwned>(body: &[u8], what: &str) -> Result<T, ApiError> {
     serde_json::from_slice(body).map_err(|e| ApiError::bad_request(format!("invalid {what}: {e}")))
 }
 
@@ -459,84 +452,6 @@ async fn download_file(
 
 async fn download_page(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     with_shape(studio, id, |session| export_page::export_page(session)).await
-}
-
-async fn create_report(State(studio): StudioState, Path(id): Path<u64>) -> Response {
-    spawn_blocking_task(
-        studio,
-        id,
-        |session| session.edited_file(&*session.lock_prepared()?),
-        |studio, session, file| report::build_report(studio, session, &file),
-    )
-    .await
-}
-
-async fn show_report(State(studio): StudioState, Path(token): Path<String>) -> Response {
-    studio.reports.page_response(&token)
-}
-
-async fn compare_methods(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    let snapshot = move |session: &Session| {
-        let request: CompareRequest = parse_body(&body, "comparison")?;
-        let prepared = session.lock_prepared()?;
-        Ok((request.method, Arc::clone(&prepared.unposed), prepared.decomposer.clone()))
-    };
-    spawn_blocking_task(studio, id, snapshot, |_, session, (method, edited, decomposer)| {
-        compare::compare(session, method, &edited, &decomposer)
-    })
-    .await
-}
-
-/// Body of `POST denoise`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DenoiseRequest {
-    /// Factor on the estimated noise level; 1 by default.
-    #[serde(default = "default_strength")]
-    strength: f64,
-}
-
-fn default_strength() -> f64 {
-    1.0
-}
-
-async fn denoise_shape(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    let snapshot = |session: &Session| session.edited_file(&*session.lock_prepared()?);
-    spawn_blocking_task(studio, id, snapshot, move |studio, session, file| {
-        let request: DenoiseRequest = parse_body(&body, "denoising strength")?;
-        let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-        let geometry = PreparedGeometry::new(&shape, OperatorParams::default().weld, session.progress())
-            .map_err(|e| ApiError::from_classified(&e))?;
-        let params = DenoiseParams::default().with_strength(request.strength);
-        let clean =
-            denoise(&geometry, &params, session.progress()).map_err(|e| ApiError::from_classified(&e))?;
-        let mut file = file;
-        file.move_points(clean.points, MovedNormals::Follow, session.progress())
-            .map_err(|e| ApiError::from_classified(&e))?;
-        let shape = file.to_shape_as(file.kind()).map_err(|e| ApiError::bad_request(e.to_string()))?;
-        let name = studio.unused_name(&session.input.name, "denoised");
-        // Saved in the same folder, with an edit of its own.
-        let session = studio.open(StudioInput { name, path: None, file, shape })?;
-        json_response(&json!({"id": session.id, "name": session.input.name, "noise": clean.info.noise}))
-    })
-    .await
-}
-
-/// Measures the distances of the edited shape from another open one.
-async fn measure_deviation(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
-    run_blocking(studio, move |studio| {
-        let request: DeviationRequest = parse_body(&body, "other shape")?;
-        let edited = |id: u64| {
-            let session = studio.session(id)?;
-            let turn = session.wait_turn();
-            let file = studio.pool.install(|| session.edited_file(&*session.lock_prepared()?))?;
-            drop(turn);
-            Ok::<_, ApiError>((session, file))
-        };
-        let ((session, file), (_, other)) = (edited(id)?, edited(request.from)?);
-        studio.pool.install(|| deviation_response(&file, &other, session.progress()))
-    })
-    .await
 }
 
 async fn end_studio(State(studio): StudioState) -> Response {

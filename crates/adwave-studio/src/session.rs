@@ -2,6 +2,7 @@
 
 use crate::StudioError;
 use crate::autosave::Autosave;
+use crate::field_bands::is_editable;
 use crate::fields::{FieldInfo, list_fields};
 use crate::prepared_shape::{PreparedShape, build_decomposer};
 use crate::response::ApiError;
@@ -46,6 +47,8 @@ pub(crate) struct Session {
     pub(crate) input: OpenedShape,
     /// Content of the file, and the fields that were added to it.
     file: RwLock<Arc<ShapeFile>>,
+    /// Names of its fields that cannot be edited; `None` until they are asked for.
+    uneditable: Mutex<Option<Arc<HashSet<String>>>>,
     /// Folder for saved files.
     pub(crate) folder: PathBuf,
     pub(crate) center: [f64; 3],
@@ -97,6 +100,7 @@ impl Session {
             id,
             input: OpenedShape { name, path, shape },
             file: RwLock::new(Arc::new(file)),
+            uneditable: Mutex::default(),
             folder,
             center,
             triangles,
@@ -166,6 +170,17 @@ impl Session {
         Arc::clone(&self.file.read().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// Returns the names of fields of the file that cannot be edited; computed once for each content.
+    pub(crate) fn uneditable_fields(&self) -> Arc<HashSet<String>> {
+        let mut known = self.uneditable.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(known.get_or_insert_with(|| {
+            let file = self.file();
+            let single = file.vertex_fields().iter().filter(|field| field.n_channels == 1);
+            let uneditable = single.filter(|field| !is_editable(field));
+            Arc::new(uneditable.map(|field| field.name.clone()).collect())
+        }))
+    }
+
     /// Adds the values of a file at the vertices; returns the names of the new fields.
     pub(crate) fn add_fields(&self, name: &str, content: &[u8]) -> Result<Vec<String>, ApiError> {
         let folder = tempfile::tempdir().map_err(StudioError::from)?;
@@ -179,6 +194,7 @@ impl Session {
             autosave.write_field_file(name, content)?;
         }
         *self.file.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(file);
+        *self.uneditable.lock().unwrap_or_else(PoisonError::into_inner) = None;
         if let Some(Ok(prepared)) = self.prepared.get() {
             // A field of the same name may have been replaced.
             prepared.lock().unwrap_or_else(PoisonError::into_inner).field_bands = None;

@@ -130,6 +130,11 @@ fn what_is_wrong_with_a_field_is_said_in_one_line() {
     add("label", &vec![3.0; n]);
     add("half", &(0..n).map(|v| if v < n / 2 { f64::NAN } else { 1.0 }).collect::<Vec<_>>());
     let bands = |name: &str| studio.ask("GET", &format!("/api/shapes/1/field-bands?name={name}"), b"");
+    let listed = studio.get("/api/shapes/1").json()["fields"].clone();
+    let editable = |name: &str| {
+        listed.as_array().unwrap().iter().find(|field| field["name"] == name).unwrap()["editable"].clone()
+    };
+    assert_eq!(["nothing", "label", "half"].map(editable), [false, false, true]);
     for (name, message) in [
         ("nothing", "'nothing'"),
         ("label", "a mean of labels is none"),

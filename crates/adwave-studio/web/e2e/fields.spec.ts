@@ -6,8 +6,11 @@ import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
   currentEdit,
+  drag,
   expectNoFailures,
   openPage,
+  type Point,
+  pictureFrame,
   setSlider,
   waitUntilReady,
   waitUntilSaved,
@@ -213,7 +216,57 @@ test.describe
       expect((await currentEdit(page)).layers[0]!.gains[0], 'the last step is undone').toBe(1);
     });
 
-    test('other bands, narrow windows, and a field without values', async () => {
+    test('the brush edits a field live, and other bands keep the edit', async () => {
+      await page.getByRole('group', { name: 'Edit', exact: true }).getByRole('button').last().click();
+      await waitForBands(page);
+      await page.locator('#layers select').first().selectOption('everywhere');
+      await waitUntilSaved(page);
+      const before = await fieldValues(page);
+      await page.keyboard.press('b');
+      await page.locator('[data-effect="smooth"]').click();
+      await expect(page.locator('[data-effect="clone"]'), 'fields have no detail to clone').toBeHidden();
+      const { x, y, size } = await pictureFrame(page);
+      let during: number[] = [];
+      await drag(
+        page,
+        [0, 1, 2, 3].map((k): Point => [x + 0.03 * size * (k - 1), y + 0.02 * size * k]),
+        async () => {
+          await page.waitForTimeout(300);
+          during = await fieldValues(page);
+        },
+      );
+      await page.keyboard.press('b');
+      await waitUntilSaved(page);
+      const changed = (values: number[]) => values.filter((v, i) => Math.abs(v - before[i]!) > 1e-3).length;
+      expect(changed(during), 'live').toBeGreaterThan(20);
+      expect(changed(during), 'where it was painted').toBeLessThan(0.3 * n);
+      const { layers } = (await currentEdit(page)).fields![0]!;
+      expect(layers.map((l) => l.name)).toEqual(['', 'Smooth']);
+      await page.getByRole('button', { name: 'Bands', exact: true }).first().click();
+      await page.getByLabel('Choose bands').selectOption('count');
+      await page.getByLabel('Number of bands').fill('5');
+      await page.getByRole('dialog').getByRole('button', { name: 'Apply' }).click();
+      await expect(page.locator('.band')).toHaveCount(5);
+      await page.locator('.band input.gain:enabled').nth(4).waitFor();
+      await waitUntilSaved(page);
+      const five = (await currentEdit(page)).fields![0]!.layers[0]!.gains;
+      expect(five).toEqual(layers[0]!.gains.slice(0, 5));
+      const { region: _, ...rest } = layers[1]!;
+      expect((await currentEdit(page)).fields![0]!.layers[1]).toMatchObject({ name: rest.name });
+      await setSlider(page, 4, 40);
+      await waitUntilSaved(page);
+      expect(changed(await fieldValues(page))).toBeGreaterThan(n / 2);
+      await page.locator('canvas.picture').focus();
+      for (let k = 0; k < 3; k++) {
+        await page.keyboard.press('Control+z');
+        await page.waitForTimeout(400);
+      }
+      await expect(page.locator('.band')).toHaveCount(8);
+      await waitForBands(page);
+      await expect.poll(async () => changed(await fieldValues(page)), 'all is undone').toBe(0);
+    });
+
+    test('narrow windows, and a field without values', async () => {
       await page.getByRole('group', { name: 'Edit', exact: true }).getByRole('button').last().click();
       await waitForBands(page);
       await page.setViewportSize({ width: 390, height: 844 });
@@ -227,6 +280,7 @@ test.describe
       await expect(
         page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),
       ).toHaveText('Positions');
+      await page.getByRole('button', { name: 'Layers', exact: true }).first().click();
       await page.getByLabel('Where').first().selectOption('field');
       await page.waitForTimeout(300);
       await expect(page.locator('.toasts')).toContainText(/no value/);

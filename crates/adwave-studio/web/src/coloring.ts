@@ -26,8 +26,8 @@ function isServerField(field: FieldName): boolean {
 /** Largest number of classes in the legend. */
 const MOST_SWATCHES = 12;
 
-/** Bins of the histogram above the colors, and its height in pixels. */
-const HISTOGRAM = { bins: 32, height: 24 };
+/** Bins of the histogram above the colors, its height in pixels, and a gray that is seen on light and dark. */
+const HISTOGRAM = { bins: 32, height: 24, color: 'rgb(132 136 140)' };
 
 export interface Coloring {
   controls: HTMLElement[];
@@ -174,7 +174,7 @@ export function coloring(studio: Studio): Coloring {
     if (most === 0) return;
     const context = bins.getContext('2d')!;
     context.clearRect(0, 0, bins.width, bins.height);
-    context.fillStyle = getComputedStyle(legend).color;
+    context.fillStyle = HISTOGRAM.color;
     const width = bins.width / HISTOGRAM.bins;
     for (const [i, count] of counts.entries()) {
       const height = Math.round((bins.height * count) / most);

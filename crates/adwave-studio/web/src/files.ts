@@ -92,7 +92,10 @@ export class Files {
     studio.shape = { ...studio.shape, fields };
     studio.emit('fields');
     studio.showField(added.fields[0]!);
-    studio.showMessage(text.fieldAdded(added.fields[0]!));
+    // A field of the same name has new values.
+    if (studio.target !== null && added.fields.includes(studio.target)) await studio.loadTarget();
+    const first = fields.find((f) => f.name === added.fields[0]);
+    studio.showMessage(text.fieldAdded(added.fields[0]!, first?.editable === true));
   }
 
   async close(id: number): Promise<void> {

@@ -324,8 +324,8 @@ export const text = {
     const title = name === 'gifti' ? 'GIFTI' : name.toUpperCase();
     return variant ? `${title} (${variant === 'ascii' ? 'text' : variant})` : title;
   },
-  fieldAdded: (name: string) =>
-    `Added the field ${name}. It colors the shape. The equalizer can edit it, and a layer can act by it.`,
+  fieldAdded: (name: string, isEditable: boolean) =>
+    `Added the field ${name}. It colors the shape, and a layer can act by it: choose Where, By field.${isEditable ? ' Above the sliders you can choose to edit its values.' : ''}`,
   reading: (name: string) => `Reading ${name}…`,
   saveNote: 'Saves next to the opened file, in double precision and with all other content of the file.',
   saveName: 'File name',
