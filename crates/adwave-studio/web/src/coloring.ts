@@ -334,6 +334,7 @@ export function coloring(studio: Studio): Coloring {
       paintLegend();
     } else {
       view.updateScalar(values);
+      view.markMoving();
       repaintLater();
     }
   });

@@ -26,7 +26,8 @@ interface BandColumn {
 /** Sets the gain of a band in the selected layer, as one step or as part of a gesture. */
 function setGain(studio: Studio, level: number, gain: number, step: boolean): void {
   studio.timings.startSliderTiming();
-  studio.view.markMoving();
+  // The colors of a field move once they are computed.
+  if (studio.target === null) studio.view.markMoving();
   const doc = studio.withGain(level, gain);
   if (step) {
     studio.history.preview(doc);
@@ -162,7 +163,7 @@ function enableCurveDrawing(
     last = { level: hit + 1, position: at };
     if (!doc) return;
     studio.timings.startSliderTiming();
-    studio.view.markMoving();
+    if (studio.target === null) studio.view.markMoving();
     studio.history.preview(doc);
   };
   bands.addEventListener('pointerdown', (event) => {
