@@ -174,6 +174,8 @@ export class Session {
     studio.history.end();
     studio.shape = { ...studio.shape, levels, choice: answer.choice };
     studio.loadedBands.clear();
+    // The bands of an edited field are of other levels too.
+    studio.fieldEditor.close();
     studio.solo = null;
     studio.view.setLevels(levels.length);
     studio.view.arrays.setUnedited();
