@@ -275,6 +275,19 @@ test.describe
       const scrollWidth = await page.evaluate(() => document.documentElement.scrollWidth);
       expect(scrollWidth, 'nothing is wider than the window').toBeLessThanOrEqual(390);
       await page.setViewportSize({ width: 1200, height: 900 });
+      const chooser = page.waitForEvent('filechooser');
+      await page.locator('.tabs').getByRole('button', { name: 'Open a file' }).click();
+      await (await chooser).setFiles(creature(2000));
+      await page.locator('.tab.here', { hasText: 'creature-2000.ply' }).waitFor();
+      await page.locator('.band input.gain:enabled').nth(2).waitFor();
+      await page.waitForTimeout(300);
+      await expect(page.locator('.toasts .error'), 'another tab has no such field').toHaveCount(0);
+      await page.locator('.tab', { hasText: 'creature-20000' }).getByRole('button').first().click();
+      await waitForBands(page);
+      await expect(
+        page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),
+        'the field is edited again',
+      ).toHaveText('thickness');
       await drop(page, 'nothing.npy', npy(new Float64Array(n).fill(Number.NaN)));
       await expect(page.locator('.legend')).toContainText('No values');
       await expect(

@@ -275,6 +275,7 @@ export class Studio {
     this.cloneSource = null;
     this.isPulling = false;
     this.target = null;
+    this.shownField = null;
     this.blankKeys.clear();
     this.fieldEditor.close();
     this.cancelPick();
