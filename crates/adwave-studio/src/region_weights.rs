@@ -1,11 +1,8 @@
-//! Weights of regions. A vertex at which a field has no value is outside the regions of that field.
+//! Weights of regions with the fields of a file.
 
-use adwave::region::{BrushStroke, Region, RegionError, RegionWeights};
+use adwave::region::{Region, RegionError, RegionWeights};
 use adwave::{Decomposer, Progress};
 use adwave_io::{ShapeFile, region_field};
-
-/// Last letter of the name of a field whose weight falls with its values.
-const FALLING: char = '\u{0}';
 
 /// Computes the weights of a region of a shape with the fields of `file`.
 pub(crate) fn region_weights(
@@ -15,52 +12,8 @@ pub(crate) fn region_weights(
     progress: Progress<'_>,
 ) -> Result<RegionWeights, RegionError> {
     let names: Vec<String> = file.field_names().into_iter().map(str::to_owned).collect();
-    let mut marked = region.clone();
-    mark_falling(&mut marked);
-    let lookup = |name: &str| {
-        let (name, lowest) = match name.strip_suffix(FALLING) {
-            Some(name) => (name, f64::MAX),
-            None => (name, f64::MIN),
-        };
-        let (n_channels, mut values) = region_field(file, decomposer, name)?;
-        for value in values.iter_mut().filter(|value| value.is_nan()) {
-            *value = lowest;
-        }
-        Some((n_channels, values))
-    };
-    marked.weights(decomposer.metric(), &lookup, &names, progress).map_err(without_marks)
-}
-
-/// Marks the names of fields whose weight falls with their values.
-fn mark_falling(region: &mut Region) {
-    match region {
-        Region::Field { name, low, high } if *high < *low => name.push(FALLING),
-        Region::Grown { region, .. }
-        | Region::Blurred { region, .. }
-        | Region::Faded { region, .. }
-        | Region::Not(region) => mark_falling(region),
-        Region::Painted(strokes) => strokes.iter_mut().for_each(|stroke| match stroke {
-            BrushStroke::Add(region) | BrushStroke::Subtract(region) | BrushStroke::Smooth { region, .. } => {
-                mark_falling(region);
-            }
-        }),
-        Region::Any(regions) | Region::All(regions) => regions.iter_mut().for_each(mark_falling),
-        _ => {}
-    }
-}
-
-/// The error with the name of the field as it was given.
-fn without_marks(error: RegionError) -> RegionError {
-    let plain = |name: String| name.trim_end_matches(FALLING).to_owned();
-    match error {
-        RegionError::NoSuchField { name, available } => {
-            RegionError::NoSuchField { name: plain(name), available }
-        }
-        RegionError::NotScalar { name, n_values, n_vertices } => {
-            RegionError::NotScalar { name: plain(name), n_values, n_vertices }
-        }
-        other => other,
-    }
+    let lookup = |name: &str| region_field(file, decomposer, name);
+    region.weights(decomposer.metric(), &lookup, &names, progress)
 }
 
 #[cfg(test)]

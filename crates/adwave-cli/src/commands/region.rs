@@ -7,7 +7,7 @@ use crate::output::progress::with_progress;
 use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format, write_field};
 use crate::output::{bounds_json, bounds_text, check_writable, count, note, number, print};
 use crate::resolve::operator::{operator_for_task, prepare};
-use crate::resolve::region::{WEIGHT, note_far_points, region_weights, union_of_regions};
+use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, load_shape};
 use adwave::Decomposer;
 use adwave::operator::OperatorTask;
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     }
     let input = load_shape(&args.shape, global)?;
     let region = union_of_regions(&args.region);
-    if !names_field(&region) {
+    if region.fields().is_empty() {
         let applies = "applies to regions of a field that is computed, such as field:name=saliency";
         global.given.refuse(&["--operator", "--density-invariant", "--keep-creases"], applies)?;
     }
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
     let weights = with_progress(global, "measuring", |progress| {
         region_weights(&region, &input, &decomposer, progress)
     })?;
-    note_far_points(&region, &decomposer, global)?;
+    note_region(&region, &input.file, &decomposer, global)?;
     let coverage = Coverage::new(&weights, &input, &decomposer);
     if coverage.n_inside == 0 {
         note(global, "no vertex is in the region; try a larger radius or another place");
@@ -84,19 +84,6 @@ pub(crate) fn run(args: &RegionArgs, global: &Global<'_>) -> Result<(), CliError
         let _ = writeln!(text, "{}", path.display());
     }
     print(global, &text, &json)
-}
-
-/// Tells if a region depends on a field, which may be computed by the diffusion operator.
-fn names_field(region: &Region) -> bool {
-    match region {
-        Region::Field { .. } => true,
-        Region::Grown { region, .. } | Region::Blurred { region, .. } | Region::Faded { region, .. } => {
-            names_field(region)
-        }
-        Region::Not(region) => names_field(region),
-        Region::Any(regions) | Region::All(regions) => regions.iter().any(names_field),
-        _ => false,
-    }
 }
 
 /// Points of the region that lie off the shape.

@@ -4,10 +4,10 @@ use super::shape::{GivenLength, Input, vertex_in_row};
 use super::signal::field_names;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::note;
+use crate::output::{count, note};
 use adwave::region::{Length, Region};
 use adwave::{Decomposer, Progress};
-use adwave_io::region_field;
+use adwave_io::{ShapeFile, region_field};
 
 /// The name of the weights as a field.
 pub(crate) const WEIGHT: &str = "weight";
@@ -47,9 +47,11 @@ pub(crate) fn region_weights(
     Ok(weights.to_vertices(decomposer.geometry().vertex_map()))
 }
 
-/// Prints a note for each point of the region that lies off the shape, so that another place stands for it.
-pub(crate) fn note_far_points(
+/// Prints a note for each point of the region that lies off the shape, so that another place stands for it, and for each
+/// field of the region without a value somewhere.
+pub(crate) fn note_region(
     region: &Region,
+    file: &ShapeFile,
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
@@ -57,6 +59,14 @@ pub(crate) fn note_far_points(
         region.far_points(decomposer.metric(), global.progress()).map_err(|e| CliError::classify(&e))?;
     for point in &far {
         note(global, &point.describe());
+    }
+    for name in region.fields() {
+        let values = region_field(file, decomposer, name).map_or_else(Vec::new, |(_, values)| values);
+        let n_unknown = values.iter().filter(|value| value.is_nan()).count();
+        if n_unknown > 0 {
+            let vertices = count(n_unknown, "vertex, which is", "vertices, which are");
+            note(global, &format!("the field '{name}' is NaN at {vertices} no part of its region"));
+        }
     }
     Ok(())
 }

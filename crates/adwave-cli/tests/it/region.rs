@@ -75,6 +75,28 @@ fn a_filter_with_the_mask_is_the_filter_with_the_region() {
 }
 
 #[test]
+fn vertices_without_a_value_are_outside_of_the_region_of_a_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let rows = "0 0 0 0.5\n1 0 0 nan\n2 0 0 1\n3 0 0 0\n0 1 0 nan\n1 1 0 0.25\n2 1 0 0\n3 1 0 0\n";
+    std::fs::write(path.join("a.csv"), format!("x y z t\n{rows}")).unwrap();
+    for (region, weights) in [
+        ("field:name=t,low=0,high=1", [0.5, 0.0, 1.0, 0.0, 0.0, 0.25, 0.0, 0.0]),
+        ("field:name=t,low=1,high=0", [0.5, 0.0, 0.0, 1.0, 0.0, 0.75, 1.0, 1.0]),
+    ] {
+        let run =
+            adwave(path).args(["region", "a.csv", "-o", "w.npy", "--region", region]).assert().success();
+        let notes = String::from_utf8(run.get_output().stderr.clone()).unwrap();
+        assert!(
+            notes.contains("the field 't' is NaN at 2 vertices, which are no part of its region"),
+            "{notes}"
+        );
+        let found = read_npy(&path.join("w.npy"), &ReadLimits::default()).unwrap().values.to_f64();
+        assert_eq!(found, weights, "{region}");
+    }
+}
+
+#[test]
 fn regions_of_graphs_have_no_place() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

@@ -55,7 +55,7 @@ impl Elements {
             None => self.dataset(name)?.shape().map_err(|error| unreadable(name, &error))?,
         };
         match shape[..] {
-            [rows, columns] if rows <= u64::from(u32::MAX) && columns <= u64::from(u32::MAX) => {
+            [rows, columns] if u32::try_from(rows).is_ok() && u32::try_from(columns).is_ok() => {
                 Ok([rows as usize, columns as usize])
             }
             _ => Err(wrong(

@@ -269,6 +269,32 @@ impl Region {
         }
     }
 
+    /// Names of the fields that the region asks for, in its order.
+    ///
+    /// ```
+    /// # use adwave::region::parse_region;
+    /// assert_eq!(parse_region("field:name=height,low=0,high=5").unwrap().fields(), ["height"]);
+    /// ```
+    pub fn fields(&self) -> Vec<&str> {
+        match self {
+            Self::Field { name, .. } => vec![name],
+            Self::Grown { region, .. }
+            | Self::Blurred { region, .. }
+            | Self::Faded { region, .. }
+            | Self::Not(region) => region.fields(),
+            Self::Painted(strokes) => strokes
+                .iter()
+                .flat_map(|stroke| match stroke {
+                    BrushStroke::Add(region)
+                    | BrushStroke::Subtract(region)
+                    | BrushStroke::Smooth { region, .. } => region.fields(),
+                })
+                .collect(),
+            Self::Any(regions) | Self::All(regions) => regions.iter().flat_map(Self::fields).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Replaces the numbers of all vertices that the region names, such as rows of a file by vertices of a shape.
     ///
     /// # Errors
@@ -359,14 +385,6 @@ pub enum RegionError {
         n_values: usize,
         /// Number of weights required.
         expected: usize,
-    },
-    /// The field has the value NaN.
-    #[error("the field '{name}' is NaN at vertex {vertex}")]
-    NotANumber {
-        /// Name of the field.
-        name: String,
-        /// The vertex, from 0.
-        vertex: usize,
     },
     /// A number is not finite, or a size is not positive.
     #[error("{what} of the region is {value}; it must be {must}")]

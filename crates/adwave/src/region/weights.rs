@@ -359,7 +359,7 @@ fn weights_from_depth(
     Ok(RegionWeights::Welded(parallel::try_collect(points.len(), progress, rise)?))
 }
 
-/// Weights by the values of a field: 0 at the first bound, 1 at the second.
+/// Weights by the values of a field: 0 at the first bound, 1 at the second, and 0 where the field is NaN.
 fn field_weights(
     n: usize,
     name: &str,
@@ -375,12 +375,15 @@ fn field_weights(
     if values.len() != n {
         return Err(RegionError::NotScalar { name, n_values: values.len(), n_vertices: n });
     }
-    if let Some(vertex) = values.iter().position(|v| v.is_nan()) {
-        return Err(RegionError::NotANumber { name, vertex });
-    }
     let between = |v: f64| {
         let t = (v - low) / (high - low);
-        if low == high { f64::from(v >= high) } else { t.clamp(0.0, 1.0) }
+        if v.is_nan() {
+            0.0
+        } else if low == high {
+            f64::from(v >= high)
+        } else {
+            t.clamp(0.0, 1.0)
+        }
     };
     Ok(RegionWeights::Vertices(values.into_iter().map(between).collect()))
 }

@@ -10,7 +10,7 @@ use crate::output::progress::with_progress;
 use crate::output::{check_writable, count, note, number, output_format, percent_of};
 use crate::resolve::operator::{operator_for_task, prepare};
 use crate::resolve::pose::{BentShape, bend};
-use crate::resolve::region::{note_far_points, region_weights, union_of_regions};
+use crate::resolve::region::{note_region, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use adwave::operator::OperatorTask;
 use adwave::region::Region;
@@ -111,7 +111,7 @@ fn resolve_regions(
 ) -> Result<DeformRegions, CliError> {
     let vertices = |region: &Region| -> Result<Vec<u32>, CliError> {
         let weights = region_weights(region, input, decomposer, progress)?;
-        note_far_points(region, decomposer, global)?;
+        note_region(region, &input.file, decomposer, global)?;
         Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
     };
     let fixed = if args.fix.is_empty() { Vec::new() } else { vertices(&union_of_regions(&args.fix))? };

@@ -13,7 +13,7 @@ use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
 };
-use crate::resolve::region::{note_far_points, region_in_shape, region_weights, union_of_regions};
+use crate::resolve::region::{note_region, region_in_shape, region_weights, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::walk::with_given_walk;
@@ -132,7 +132,7 @@ fn limit_positions(
     }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;
     let decomposer = prepare(global, input, &operator)?;
-    note_far_points(&union_of_regions(&args.region), &decomposer, global)?;
+    note_region(&union_of_regions(&args.region), &input.file, &decomposer, global)?;
     let before = input.file.points();
     with_progress(global, "limiting", |progress| {
         let points = match args.border {
@@ -181,7 +181,7 @@ fn denoise_field(
     infos.sort_by_key(|info| info.channels.first().copied());
     if !args.region.is_empty() {
         let region = union_of_regions(&args.region);
-        note_far_points(&region, &decomposer, global)?;
+        note_region(&region, &input.file, &decomposer, global)?;
         let weights = with_progress(global, "measuring", |progress| {
             region_weights(&region, &input, &decomposer, progress)
         })?;

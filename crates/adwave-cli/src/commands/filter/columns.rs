@@ -9,7 +9,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::operator::{SignalParts, build_decomposer, note_outsiders};
-use crate::resolve::region::note_far_points;
+use crate::resolve::region::note_region;
 use crate::resolve::signal::{Signal, SignalValues};
 use adwave::{Decomposer, Progress};
 use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError};
@@ -68,7 +68,7 @@ fn write_groups(
             let decomposer = parts.first().decomposer.clone();
             let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
             for layer in &job.layers {
-                note_far_points(&layer.region, &decomposer, global)?;
+                note_region(&layer.region, &job.input.file, &decomposer, global)?;
             }
             let chosen = Some(LevelsAndLayers { schedule: &schedule, layers: &layers });
             let group = edited_parts(job, &parts, &signal.values, chosen, global, progress.quiet())?;

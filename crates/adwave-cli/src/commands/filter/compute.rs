@@ -8,7 +8,7 @@ use crate::output::progress::with_progress;
 use crate::resolve::levels::resolve_spec;
 use crate::resolve::operator::{SignalParts, build_decomposer, note_close_sheets, note_outsiders};
 use crate::resolve::pose::reshaped_points;
-use crate::resolve::region::{note_far_points, region_in_shape};
+use crate::resolve::region::{note_region, region_in_shape};
 use crate::resolve::signal::{COORDS, field_names};
 use adwave::bands::{BandsInfo, DEFAULT_EXTENT, Precision, Schedule};
 use adwave::filter::{Edit, Layer};
@@ -82,7 +82,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let decomposer = parts.first().decomposer.clone();
         let (schedule, layers) = levels_and_layers(job, schedule(job, &decomposer, global)?)?;
         for layer in &job.layers {
-            note_far_points(&layer.region, &decomposer, global)?;
+            note_region(&layer.region, &job.input.file, &decomposer, global)?;
         }
         let chosen = LevelsAndLayers { schedule: &schedule, layers: &layers };
         let EditedGroup { values, accuracy } =

@@ -9,7 +9,7 @@ use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{check_writable, count, has_extension, note, print, write_file};
 use crate::resolve::applicable::check_source_options;
-use crate::resolve::region::{WEIGHT, note_far_points, region_weights, union_of_regions};
+use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
 use crate::resolve::signal::{COORDS, Signal, load_signal};
 use crate::resolve::up::UpAxis;
@@ -246,7 +246,7 @@ fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<
     let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
         .map_err(|_| CliError::Cancelled)?;
     let region = union_of_regions(&args.region);
-    note_far_points(&region, &decomposer, global)?;
+    note_region(&region, &input.file, &decomposer, global)?;
     let values = region_weights(&region, input, &decomposer, progress)?;
     let range = ValueRange::Fixed(0.0, 1.0);
     Ok(Look::Field { values, label: WEIGHT.to_owned(), unit: None, range })
