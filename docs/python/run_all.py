@@ -19,6 +19,7 @@ EXAMPLES = (
     "saliency_and_features_with_pyvista",
     "cortical_fields",
     "graph",
+    "cells",
     "million_points",
     "classify_with_scikit_learn",
 )
