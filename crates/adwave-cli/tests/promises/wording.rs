@@ -79,8 +79,9 @@ fn number_faults(line: &str, is_json: bool) -> Vec<String> {
         if !is_refusal && (is_number_word("NaN") || is_number_word("inf")) && !line.contains("is NaN") {
             faults.push(format!("says '{word}': {line}"));
         }
-        // Machines read the zeros of a small number as well as its power of ten.
-        let counted = if is_json { word.trim_start_matches(['+', '-', '0', '.']) } else { word };
+        // Machines read the zeros of a small number as well as its power of ten. JSON may stand behind a note.
+        let is_entry = is_json || line.trim_start().starts_with('"');
+        let counted = if is_entry { word.trim_start_matches(['+', '-', '0', '.']) } else { word };
         let digits = counted.chars().filter(char::is_ascii_digit).count();
         let is_number = word.chars().all(|c| c.is_ascii_digit() || "+-.e%".contains(c));
         if is_number && digits > MOST_DIGITS {
