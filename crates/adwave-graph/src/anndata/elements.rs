@@ -183,7 +183,11 @@ impl Elements {
     pub(super) fn index_of(&self, frame: &str, n: usize) -> Result<Vec<String>, AnnDataError> {
         let attributes = self
             .group_attributes(frame)
-            .ok_or_else(|| wrong(frame, "must be a data frame of AnnData 0.7 or later".to_owned()))?;
+            .ok_or_else(|| {
+                let problem = "must be a data frame, as AnnData writes it since 0.7, got another object; read and write \
+                               the file again with AnnData, or give columns by number and write .npy";
+                wrong(frame, problem.to_owned())
+            })?;
         let column = attributes.get("_index").and_then(text).unwrap_or("_index");
         let mut name = format!("{frame}/{column}");
         if self.group_attributes(&name).is_some() {

@@ -214,12 +214,17 @@ impl AnnDataFile {
     /// # Errors
     /// [`AnnDataError::NoGene`] for one that is not there, and the errors of [`gene_names`](Self::gene_names).
     pub fn columns_of(&self, genes: &[String]) -> Result<Vec<usize>, AnnDataError> {
-        let names = self.gene_names()?;
+        let column_of_number =
+            |gene: &String| gene.parse().ok().filter(|&column: &usize| column < self.n_genes);
+        let names = match self.gene_names() {
+            Ok(names) => names,
+            // Columns need no names.
+            Err(error) => return genes.iter().map(column_of_number).collect::<Option<_>>().ok_or(error),
+        };
         let column_of: std::collections::HashMap<&str, usize> =
             names.iter().enumerate().rev().map(|(column, name)| (name.as_str(), column)).collect();
         let column = |gene: &String| {
-            let by_number = || gene.parse().ok().filter(|&column: &usize| column < self.n_genes);
-            let found = column_of.get(gene.as_str()).copied().or_else(by_number);
+            let found = column_of.get(gene.as_str()).copied().or_else(|| column_of_number(gene));
             found.ok_or_else(|| AnnDataError::NoGene(gene.clone()))
         };
         genes.iter().map(column).collect()

@@ -134,3 +134,43 @@ fn damaged_and_oversized_files_are_errors() {
     }
     assert!(n_read > 0 && n_refused > 0, "{n_read} read, {n_refused} refused");
 }
+
+#[test]
+fn files_from_before_version_0_7_are_read() {
+    let mut builder = FileBuilder::new();
+    builder.create_dataset("X").with_f64_data(&[1.0, 2.0, 3.0, 4.0]).with_shape(&[2, 2]);
+    builder.create_dataset("var").with_i64_data(&[1, 2]);
+    let mut neighbors = builder.create_group("uns");
+    let mut group = neighbors.create_group("neighbors");
+    let mut weights = group.create_group("connectivities");
+    weights.set_attr("h5sparse_format", AttrValue::VarLenString("csr".to_owned()));
+    weights.set_attr("h5sparse_shape", AttrValue::I64Array(vec![2, 2]));
+    weights.create_dataset("indptr").with_i32_data(&[0, 1, 2]);
+    weights.create_dataset("indices").with_i32_data(&[1, 0]);
+    weights.create_dataset("data").with_f64_data(&[0.5, 0.5]);
+    group.add_group(weights.finish());
+    neighbors.add_group(group.finish());
+    builder.add_group(neighbors.finish());
+    let stored = stored("old", &builder.finish().unwrap());
+    let file = AnnDataFile::open(&stored.0, 1 << 20).unwrap();
+    assert_eq!(file.connectivities_name(), Some("uns/neighbors/connectivities"));
+    let weights = file.connectivities(Progress::none()).unwrap().unwrap();
+    assert_eq!(weights.rows.row(0), (&[1_u32][..], &[0.5][..]));
+    // Genes have no names that can be read, but columns.
+    let columns = |genes: [&str; 2]| file.columns_of(&genes.map(str::to_owned));
+    assert_eq!(columns(["1", "0"]).unwrap(), [1, 0]);
+    for genes in [["Cd4", "0"], ["0", "2"]] {
+        let error = columns(genes).unwrap_err().to_string();
+        assert!(error.contains("data frame") && error.contains(".npy"), "{error}");
+    }
+}
+
+#[test]
+fn a_file_that_was_cut_is_refused() {
+    let bytes = bytes(true);
+    for length in [64, bytes.len() / 2, bytes.len() - 1] {
+        let stored = stored(&format!("cut{length}"), &bytes[..length]);
+        let error = AnnDataFile::open(&stored.0, 1 << 20).unwrap_err().to_string();
+        assert!(error.contains(&format!("it has {length}; it was cut")), "{error}");
+    }
+}
