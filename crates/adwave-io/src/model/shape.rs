@@ -98,11 +98,12 @@ impl ClassifiedError for ShapeFileError {
 }
 
 impl ShapeFile {
-    /// Default kind of the content: a mesh if there are faces, a graph if there are only edges, else a cloud.
+    /// Default kind of the content: a mesh if there are faces, a graph if there are only edges or vertices without
+    /// coordinates, else a cloud.
     pub fn kind(&self) -> ShapeKind {
         if !self.faces.is_empty() {
             ShapeKind::Mesh
-        } else if self.edges.pairs.is_empty() {
+        } else if self.edges.pairs.is_empty() && self.points.len() == self.n_vertices {
             ShapeKind::Cloud
         } else {
             ShapeKind::Graph
@@ -235,6 +236,9 @@ mod tests {
         let cloud = ShapeFile::from_cloud(vec![[0.0; 3]]);
         assert_eq!(cloud.to_shape_as(ShapeKind::Mesh).unwrap_err(), ShapeFileError::NoFaces);
         assert_eq!(cloud.to_shape_as(ShapeKind::Graph).unwrap_err(), ShapeFileError::NoEdges);
+        // Vertices without coordinates are no cloud.
+        let isolated = ShapeFile::from_graph(3, Edges::default());
+        assert_eq!(isolated.into_shape().unwrap_err(), ShapeFileError::NoEdges);
         let pairs = vec![[0, 1], [1, 0]];
         for (direction, weight) in [(Direction::Both, 2.0), (Direction::RowToColumn, 1.0)] {
             let edges = Edges { pairs: pairs.clone(), direction, ..Edges::default() };
