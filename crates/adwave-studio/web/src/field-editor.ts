@@ -35,8 +35,7 @@ export class FieldEditor {
     const all = await studio.wait(text.computingField(name), (signal) =>
       studio.api.fieldBands(id, name, signal),
     );
-    if (isOld()) return false;
-    if (!all) return false;
+    if (isOld() || !all) return false;
     this.before = all.slice(0, studio.shape!.n_vertices);
     this.hasGaps = this.before.some((x) => Number.isNaN(x));
     await studio.engine.call('field', { values: all }, [all.buffer]);

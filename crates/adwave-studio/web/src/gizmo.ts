@@ -34,7 +34,7 @@ interface Handle {
   step: (by: number) => Region | null;
 }
 
-/** What is drawn for a region: polygons of places, of which a closed one returns to its start. */
+/** Drawing of a region: polygons of places, of which a closed one returns to its start, and handles. */
 interface Outline {
   lines: number[][][];
   /** Circle about a place, with a radius in model units. */
@@ -324,14 +324,19 @@ export class Gizmo {
     const follow = async (handle: Handle, start: Point) => {
       if (isBusy) return;
       isBusy = true;
-      while (next) {
-        const at = next;
-        next = null;
-        const region = await handle.drag(at, start);
-        // The drag was cancelled, or another layer was selected meanwhile.
-        if (region && this.dragged === handle) this.set(region);
+      try {
+        while (next) {
+          const at = next;
+          next = null;
+          const region = await handle.drag(at, start);
+          // The drag was cancelled, or another layer was selected meanwhile.
+          if (region && this.dragged === handle) this.set(region);
+        }
+      } catch (error) {
+        studio.showMessage((error as Error).message, 'error');
+      } finally {
+        isBusy = false;
       }
-      isBusy = false;
     };
     button.addEventListener('pointerdown', (e) => {
       const handle = this.outline?.handles[index];

@@ -30,7 +30,7 @@ interface Grabbing {
   handle: number;
   /** Surface under the press; `null` until it is known. */
   hit: Hit | null;
-  /** Whether the shape follows the pointer. */
+  /** True once the shape follows the pointer. */
   began: boolean;
   /** Last place of the pointer on the canvas, and how far it has moved. */
   at: { x: number; y: number };

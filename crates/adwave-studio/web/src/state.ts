@@ -119,7 +119,7 @@ export function allLayers(doc: Doc): DocLayer[] {
   return [...doc.layers, ...doc.fields.flatMap(({ layers }) => layers)];
 }
 
-/** What differs between two documents: the edit of the positions (`null`), or that of a field; `undefined` if both or none. */
+/** The edit in which two documents differ: of the positions (`null`) or of a field; `undefined` if both or none. */
 export function changedTarget(a: Doc, b: Doc): string | null | undefined {
   const fields = new Set([...a.fields, ...b.fields].map(({ field }) => field));
   const changed = [...fields].filter((f) => layersOf(a, f) !== layersOf(b, f));
