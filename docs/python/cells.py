@@ -56,7 +56,7 @@ print("error after 1 to 8 steps:", *(f"{value:.3f}" for value in errors.values()
 assert error(found.values) < 1.05 * min(errors.values()) < 0.6 * error(counts)
 
 # %% [markdown]
-# The same walk takes any other signal. Its bands along the walk are differences of powers; they sum to the signal.
+# Any other signal can be split along this walk too. Its bands along the walk are differences of powers; they sum to the signal.
 
 # %%
 walk = found.walk
