@@ -7,7 +7,7 @@
 //! a table of their own. With `rows` instead of FOLDER, one line per mesh and noise is printed.
 
 use adwave::Progress;
-use adwave::denoise::{DenoiseInfo, DenoiseParams, denoise};
+use adwave::denoise::{DenoiseInfo, DenoiseParams, SharedNoise, denoise};
 use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 use adwave_baselines::differential::{Differential, Weights};
 use adwave_baselines::normal_filter::{
@@ -51,6 +51,13 @@ struct TruthRow {
     info: DenoiseInfo,
 }
 
+/// Rows with shared noise that the caller asks to remove; not part of the means.
+const SHARED_REMOVED: [(&str, MeshNoise); 3] = [
+    ("none, to remove", MeshNoise::Clean),
+    ("shared, 0.15, to remove", MeshNoise::Correlated(0.15)),
+    ("shared, 0.3, to remove", MeshNoise::Correlated(0.3)),
+];
+
 fn main() -> BenchOutcome<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let first = match words.first().map_or("first", String::as_str) {
@@ -70,12 +77,16 @@ fn main() -> BenchOutcome<()> {
         .collect();
     let found = cases.par_iter().map(|&(shape, seed)| {
         let clean = MeshShape::ALL[shape].1.mesh(seed);
-        let row = |(noise, (_, kind)): (usize, &(&str, MeshNoise))| -> Result<TruthRow, String> {
+        let row = |(noise, kind, shared): (usize, MeshNoise, SharedNoise)| -> Result<TruthRow, String> {
             let name = format!("{} {seed}", MeshShape::ALL[shape].0);
-            let row = row(&clean, &kind.apply(&clean, seed), rivals).map_err(|e| e.to_string())?;
+            let row = row(&clean, &kind.apply(&clean, seed), rivals, shared).map_err(|e| e.to_string())?;
             Ok(TruthRow { shape, noise, name, ..row })
         };
-        MeshNoise::ALL.iter().enumerate().map(row).collect::<Result<Vec<TruthRow>, String>>()
+        let by_default =
+            MeshNoise::ALL.iter().enumerate().map(|(k, (_, kind))| (k, *kind, SharedNoise::Detail));
+        let removed = SHARED_REMOVED.iter().zip(MeshNoise::ALL.len()..);
+        let removed = removed.map(|((_, kind), k)| (k, *kind, SharedNoise::Estimate));
+        by_default.chain(removed).map(row).collect::<Result<Vec<TruthRow>, String>>()
     });
     let rows: Vec<TruthRow> = found.collect::<Result<Vec<_>, String>>()?.concat();
     let folder = words.get(3).map(String::as_str);
@@ -83,13 +94,19 @@ fn main() -> BenchOutcome<()> {
         rows.iter().for_each(print_case);
     }
     print_head("noise");
-    for (k, (name, _)) in MeshNoise::ALL.iter().enumerate() {
+    for (k, (name, _)) in MeshNoise::ALL.iter().chain(&SHARED_REMOVED).enumerate() {
         print_mean(name, &rows.iter().filter(|r| r.noise == k).collect::<Vec<_>>());
     }
     println!();
     print_head("shape");
     for (k, (name, _)) in MeshShape::ALL.iter().enumerate() {
-        print_mean(name, &rows.iter().filter(|r| r.shape == k && r.noise > 0).collect::<Vec<_>>());
+        print_mean(
+            name,
+            &rows
+                .iter()
+                .filter(|r| r.shape == k && (1..MeshNoise::ALL.len()).contains(&r.noise))
+                .collect::<Vec<_>>(),
+        );
     }
     if let Some(folder) = folder.filter(|f| *f != "rows") {
         print_published(Path::new(folder), rivals)?;
@@ -97,12 +114,12 @@ fn main() -> BenchOutcome<()> {
     Ok(())
 }
 
-fn row(clean: &CleanMesh, noisy: &[[f64; 3]], rivals: Rivals) -> BenchOutcome<TruthRow> {
+fn row(clean: &CleanMesh, noisy: &[[f64; 3]], rivals: Rivals, shared: SharedNoise) -> BenchOutcome<TruthRow> {
     let before = clean.angle(noisy);
     let shape = Shape::Mesh(Mesh::new(noisy.to_vec(), Polygons::from_triangles(&clean.triangles))?);
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none())?;
     let start = Instant::now();
-    let denoised = denoise(&geometry, &DenoiseParams::default(), Progress::none())?;
+    let denoised = denoise(&geometry, &DenoiseParams::default().with_shared(shared), Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     let square = |(p, q): (&[f64; 3], &[f64; 3])| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>();
     let moved = noisy.iter().zip(&denoised.points).map(square).sum::<f64>() / noisy.len() as f64;
@@ -201,7 +218,7 @@ fn print_case(row: &TruthRow) {
     println!(
         "{};{};{:.2};{:.2};{};{:.2};{:.3};{:.2};{:?}",
         row.name,
-        MeshNoise::ALL[row.noise].0,
+        MeshNoise::ALL.iter().chain(&SHARED_REMOVED).nth(row.noise).map_or("", |(name, _)| name),
         row.before,
         row.after,
         rivals.join(";"),
@@ -230,12 +247,15 @@ fn print_published(folder: &Path, rivals: Rivals) -> BenchOutcome<()> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() && path.join("noisy.obj").is_file() {
             let (clean, noisy) = (read(&path.join("clean.obj"))?, read(&path.join("noisy.obj"))?);
-            all.push(TruthRow { name, ..row(&clean, &noisy.points, rivals)? });
+            all.push(TruthRow { name, ..row(&clean, &noisy.points, rivals, SharedNoise::Detail)? });
         } else if path.is_file() {
             let clean = read(&path)?;
             for sigma in [0.1, 0.2, 0.3] {
                 let noisy = MeshNoise::Normal(sigma).apply(&clean, 1);
-                all.push(TruthRow { name: format!("{name}, {sigma}"), ..row(&clean, &noisy, rivals)? });
+                all.push(TruthRow {
+                    name: format!("{name}, {sigma}"),
+                    ..row(&clean, &noisy, rivals, SharedNoise::Detail)?
+                });
             }
         }
     }

@@ -4,12 +4,13 @@ use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
 use crate::options::{
-    BandsOptions, CREASES, LOCAL_FITS, NOISE_MODELS, OUTLIERS, RESPONSES, WEIGHTINGS, WeldOption, word,
+    BandsOptions, CREASES, LOCAL_FITS, NOISE_MODELS, OUTLIERS, RESPONSES, SHARED_NOISES, WEIGHTINGS,
+    WeldOption, word,
 };
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::denoise::{DenoiseParams, denoise, denoise_signal};
+use adwave::denoise::{DenoiseParams, SharedNoise, denoise, denoise_signal};
 use adwave::features::{
     CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
     features,
@@ -19,6 +20,7 @@ use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_l
 use adwave::shape::{PreparedGeometry, Shape};
 use adwave::signal::outward_normals;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -234,6 +236,14 @@ struct DenoiseOptions {
     noise_model: String,
     local_fit: String,
     outliers: String,
+    shared_noise: SharedNoiseOption,
+}
+
+/// `'detail'`, `'auto'` or a standard deviation.
+#[derive(FromPyObject)]
+enum SharedNoiseOption {
+    Deviation(f64),
+    Word(String),
 }
 
 impl DenoiseOptions {
@@ -243,6 +253,10 @@ impl DenoiseOptions {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
         let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, OUTLIERS)?);
         let params = params.with_noise_model(word("noise", &self.noise_model, NOISE_MODELS)?);
+        let params = params.with_shared(match &self.shared_noise {
+            SharedNoiseOption::Deviation(deviation) => SharedNoise::Deviation(*deviation),
+            SharedNoiseOption::Word(name) => word("shared_noise", name, SHARED_NOISES)?,
+        });
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),
             None => params,
@@ -262,6 +276,9 @@ fn denoise_points<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
     let params = options.params()?;
     let own = shape.get().shape(py)?;
+    if params.shared != SharedNoise::Detail && !matches!(own, Shape::Mesh(_)) {
+        return Err(PyValueError::new_err("shared_noise: applies to meshes; leave it out"));
+    }
     let weld = weld.mode()?;
     let work = |p: Progress<'_>| {
         let geometry = stage(PreparedGeometry::new(own, weld, p))?;
@@ -281,6 +298,8 @@ fn denoise_points<'py>(
         found.set_item("impulse_size", mesh.impulse_size)?;
         found.set_item("turned_share", mesh.turned_share)?;
         found.set_item("linear_rounds", mesh.linear_rounds)?;
+        found.set_item("shared_noise", mesh.shared)?;
+        found.set_item("shared_noise_at_most", mesh.shared_at_most)?;
     }
     if let Some(cloud) = &info.cloud {
         found.set_item("noise_range", cloud.noise_range)?;

@@ -2,7 +2,7 @@
 
 use crate::error::{self, value_error};
 use adwave::bands::{BandsParams, FWHM, Precision, Schedule};
-use adwave::denoise::{Creases, NoiseModel, Outliers};
+use adwave::denoise::{Creases, NoiseModel, Outliers, SharedNoise};
 use adwave::features::Response;
 use adwave::filter::Preset;
 use adwave::local_fit::LocalFit;
@@ -42,6 +42,10 @@ const PRECISIONS: &[(&str, Precision)] =
     &[("auto", Precision::Auto), ("single", Precision::Single), ("double", Precision::Double)];
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
+/// Treatments of noise that neighbors share, beside a number.
+pub(crate) const SHARED_NOISES: &[(&str, SharedNoise)] =
+    &[("detail", SharedNoise::Detail), ("auto", SharedNoise::Estimate)];
+
 pub(crate) const OUTLIERS: &[(&str, Outliers)] = &[("keep", Outliers::Keep), ("pull", Outliers::Pull)];
 pub(crate) const NOISE_MODELS: &[(&str, NoiseModel)] = &[
     ("gaussian", NoiseModel::Gaussian),

@@ -536,11 +536,12 @@ class DenoiseResult(NamedTuple):
         ``noise``: the standard deviation of the noise, in model units of a shape and in the units of a signal. For a
         shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
         unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
-        creases kept), ``n_far`` and ``furthest`` (number of vertices that moved farther than 3 times the noise, and the
-        largest distance). For a mesh ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved,
+        creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
+        where those of a mesh stop, and the largest distance). For a mesh ``shared_noise`` and ``shared_noise_at_most``
+        (noise that neighbors share as it was assumed, and the most that the mesh admits), ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved,
         and their size in model units), ``turned_share`` (share of the triangles that noise turned over) and
-        ``linear_rounds`` (rounds of the linear filter that come first). For a signal ``kept``, ``plain_weights``, ``step_weights`` and ``risk`` (expected squared error
-        before and after), for each group of ``channels``.
+        ``linear_rounds`` (rounds of the linear filter that come first). For a signal ``kept``, ``plain_weights``,
+        ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
 
     Examples
     --------
@@ -564,6 +565,7 @@ class DenoiseOptions:
     noise_model: str = "gaussian"
     local_fit: str = "linear"
     outliers: str = "keep"
+    shared_noise: Union[float, str] = "detail"
 
 
 def denoise(
@@ -575,6 +577,7 @@ def denoise(
     noise: float | NoiseModel | tuple[NoiseModel, float] | None = None,
     local_fit: LocalFit = "linear",
     outliers: Literal["keep", "pull"] = "keep",
+    shared_noise: float | Literal["detail", "auto"] = "detail",
     operator: OperatorLike = None,
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
@@ -603,6 +606,10 @@ def denoise(
         What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
     outliers : {'keep', 'pull'}
         Whether outliers of a cloud stay where they are or are moved to their neighbors; ``info["outliers"]`` names them.
+    shared_noise : {'detail', 'auto'} or float
+        Noise of a mesh that neighbors share, as scanners make it. It looks like detail of the same size, so it stays by
+        default. ``'auto'`` removes as much as the mesh admits (``info["shared_noise_at_most"]``), detail of that size
+        included; a number is its standard deviation along the normals in model units.
     operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
@@ -631,7 +638,7 @@ def denoise(
     """
     part = read_part("denoise", shape, options, _DENOISE, signal)
     noise_model, deviation = _noise_model(noise)
-    settings = DenoiseOptions(strength, creases, deviation, noise_model, local_fit, outliers)
+    settings = DenoiseOptions(strength, creases, deviation, noise_model, local_fit, outliers, shared_noise)
     signal = default_signal(part.given, signal)
     if signal is None:
         if noise_model != "gaussian":
@@ -644,6 +651,8 @@ def denoise(
         return DenoiseResult(part.moved(part.shape._with_positions(points)), info)
     if creases != "auto":
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
+    if shared_noise != "detail":
+        raise ValueError("shared_noise: applies to the positions of a mesh, not to a signal: leave it out")
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options))
     taken = part.take_signal(signal)
     values, layout = decomposer._signal_values(taken)
@@ -703,4 +712,4 @@ _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
 _SMOOTH = ("signal", "fwhm", "rms", "steps", "lazy", "operator", "accuracy", "progress")
 _FILTER = ("gains", "where", "signal", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
-_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")
+_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "shared_noise", "operator", "progress")

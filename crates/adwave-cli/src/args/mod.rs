@@ -29,7 +29,9 @@ pub(crate) use levels::LevelArgs;
 pub(crate) use local_fit::LocalFitArgs;
 pub(crate) use normals::NormalArgs;
 pub(crate) use operator::OperatorArgs;
-pub(crate) use parse::{count, count_from_one, length, number, parse_named, region, seed, size};
+pub(crate) use parse::{
+    count, count_from_one, length, number, parse_named, region, seed, shared_noise, size,
+};
 pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;
 pub(crate) use shape::{ShapeArgs, ShapeKindArg};

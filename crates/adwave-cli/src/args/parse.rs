@@ -1,5 +1,6 @@
 //! Value parsers that several commands share.
 
+use adwave::denoise::SharedNoise;
 use adwave::region::{Length, Region, RegionSyntaxError, parse_region};
 use adwave::{NamedEntry, NamedValue};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -43,6 +44,18 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
 /// Reads a number.
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "must be a number".to_owned())
+}
+
+/// Reads a treatment of noise that neighbors share.
+pub(crate) fn shared_noise(text: &str) -> Result<SharedNoise, String> {
+    match text.trim() {
+        "detail" => Ok(SharedNoise::Detail),
+        "auto" => Ok(SharedNoise::Estimate),
+        number => match number.parse::<f64>() {
+            Ok(deviation) => Ok(SharedNoise::Deviation(deviation)),
+            Err(_) => Err("must be detail, auto or a number".to_owned()),
+        },
+    }
 }
 
 /// Reads a length of any sign and size; levels and errors are checked when all is known.

@@ -64,6 +64,9 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
     describe_far(text, info);
 }
 
+/// Noise that neighbors share, in mean edges, below which it is not reported.
+const LEAST_SHARED: f64 = 0.02;
+
 /// Adds lines on the kinds of noise of a mesh beside that along the normals.
 fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
     if mesh.impulse_share > 0.0 {
@@ -79,6 +82,20 @@ fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
             text,
             "turned triangles: {:.1} %, as noise in all directions makes them",
             100.0 * mesh.turned_share
+        );
+    }
+    let edge = info.noise / info.noise_in_edges;
+    if mesh.shared > 0.0 {
+        let _ = writeln!(
+            text,
+            "noise that neighbors share: {} model units assumed; detail of that size is removed too",
+            number(mesh.shared)
+        );
+    } else if mesh.shared_at_most > LEAST_SHARED * edge {
+        let _ = writeln!(
+            text,
+            "noise that neighbors share: about {} model units at most, if it is not detail; it stays (--shared-noise)",
+            number(mesh.shared_at_most)
         );
     }
     if mesh.linear_rounds > 0.0 && info.kept < 1.0 {
@@ -135,7 +152,12 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
 fn describe_far(text: &mut String, info: &DenoiseInfo) {
     if info.n_far > 0 {
         let vertices = count(info.n_far, "vertex", "vertices");
-        let _ = writeln!(text, "{vertices} moved farther than 3 times the noise");
+        let what = if info.mesh.is_some() {
+            "stopped at 3 times the noise there"
+        } else {
+            "moved farther than 3 times the noise"
+        };
+        let _ = writeln!(text, "{vertices} {what}");
     }
 }
 

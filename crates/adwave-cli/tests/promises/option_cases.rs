@@ -157,6 +157,7 @@ const CASES: &[OptionCase] = &[
     case("denoise", "--strength", "2"),
     case("denoise", "--creases", "none"),
     case("denoise", "--noise-sigma", "0.03"),
+    case("denoise", "--shared-noise", "auto"),
     with(case("denoise", "--noise-model", "poisson"), "--signal gaze"),
     // transform
     case("transform", "--basis", "irregular"),

@@ -34,7 +34,7 @@ pub(crate) enum TileRule {
     /// Bands, and positions that the gains move.
     Bands(Motion),
     /// Positions without noise.
-    Denoise(Denoiser),
+    Denoise(Box<Denoiser>),
 }
 
 impl TilingJob {
@@ -196,7 +196,7 @@ impl TilingJob {
         progress: Progress<'_>,
     ) -> Result<TileRule, TilesError> {
         Ok(match self.denoiser(blocks, progress)? {
-            Some(denoiser) => TileRule::Denoise(denoiser),
+            Some(denoiser) => TileRule::Denoise(Box::new(denoiser)),
             None => TileRule::Bands(self.motion(blocks, neighbor_index, progress)?),
         })
     }

@@ -74,7 +74,7 @@ fn tile_bands(
         let first = blocks.vertices(first).start;
         motion.restrict(&mut series_values[0], interior_range.clone(), first, normals.as_deref());
     }
-    Ok(TileValues { points, series_values, interior_range, step_sums, far_distance: f64::INFINITY })
+    Ok(TileValues { points, series_values, interior_range, step_sums, is_far: Vec::new() })
 }
 
 /// Changes of the positions of a tile whose vertices move along an axis about a local linear fit, three numbers per vertex; 0 outside of

@@ -12,7 +12,6 @@ use crate::index::blocks::Blocks;
 use crate::layout::RecordLayout;
 use crate::sources::vertex_values::VertexValues;
 use crate::sources::{cloud, mesh};
-use crate::vector::length;
 
 /// Output of one block.
 pub(crate) struct BlockOutput {
@@ -32,8 +31,8 @@ pub(crate) struct TileValues {
     pub(crate) interior_range: Range<usize>,
     /// One entry per block of the interior.
     pub(crate) step_sums: Vec<StepSums>,
-    /// Distance above which a vertex counts as moved farther than noise explains.
-    pub(crate) far_distance: f64,
+    /// Whether a vertex was stopped because noise does not explain a longer move; empty if none was.
+    pub(crate) is_far: Vec<bool>,
 }
 
 /// Local indices of a block in a tile whose interior begins with the block `first`.
@@ -89,12 +88,12 @@ impl TileValues {
             self.series_values.iter().map(|values| values[coordinates.clone()].as_chunks::<3>().0).collect();
         let values = VertexValues::new(params, unit, series_values);
         let norm_sums = |vectors: &[[f64; 3]]| NormSums::from_vectors(vectors, neighbor_index.mean_length);
-        let is_far = |change: &&[f64; 3]| length(**change) > self.far_distance;
+        let is_far = self.is_far.get(range.clone()).unwrap_or_default();
         let records = blocks.read_records(block)?;
         let sums = BlockSums {
             n_points: (records.len() / shape.layout.record_bytes()) as u64,
             moved: values.change.map_or_else(NormSums::default, norm_sums),
-            n_far: values.change.map_or(0, |changes| changes.iter().filter(is_far).count()) as u64,
+            n_far: is_far.iter().filter(|is| **is).count() as u64,
             bands: values.bands.iter().map(|band| norm_sums(band)).collect(),
             steps,
         };

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use adwave::Progress;
-use adwave::denoise::DenoiseChoice;
+use adwave::denoise::{DenoiseChoice, SharedNoise};
 use adwave::pages::release_freed;
 use adwave::shape::{Mesh, PointCloud, Polygons, PreparedGeometry, Shape, ShapeError, WeldMode};
 
@@ -72,11 +72,11 @@ pub(crate) fn choose_weights(
     let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, progress.quiet())?;
     let mut denoise = params.denoise.unwrap_or_default();
     denoise.noise = denoise.noise.map(|noise| noise / unit);
+    if let SharedNoise::Deviation(shared) = &mut denoise.shared {
+        *shared /= unit;
+    }
     Ok(DenoiseChoice::estimate(&geometry, &denoise, progress.quiet())?)
 }
-
-/// A vertex that moved farther than this many standard deviations of the noise is counted.
-const FAR: f64 = 3.0;
 
 /// Denoises the blocks `interior` and passes their output to `write`, in order. Returns the sums of each block.
 pub(crate) fn denoise_tile(
@@ -92,17 +92,13 @@ pub(crate) fn denoise_tile(
         // The search that collected the tile has freed its blocks.
         release_freed();
         let interior_range = tile.interior_range.clone();
-        let (points, changes) = position_changes(tile, denoiser, progress)?;
+        let Moved { points, changes, is_far } = moved_positions(tile, denoiser, progress)?;
         let values = TileValues {
             points,
             series_values: vec![changes],
             interior_range,
             step_sums: vec![StepSums::default(); interior.len()],
-            // In a cloud the noise varies, and no point moves farther than three times that of its place.
-            far_distance: match denoiser.surface {
-                TileSurface::Cloud => f64::INFINITY,
-                TileSurface::Mesh(_) => FAR * denoiser.choice.info.noise,
-            },
+            is_far,
         };
         sums.extend(values.write_blocks(context, interior, progress, &mut write)?);
         Ok(())
@@ -110,24 +106,35 @@ pub(crate) fn denoise_tile(
     Ok(sums)
 }
 
-/// Positions of a tile with its halo, and their changes, three numbers per vertex.
-fn position_changes(
+/// Positions of a tile with its halo before denoising, and what that does.
+struct Moved {
+    points: Vec<[f64; 3]>,
+    /// Three numbers per vertex.
+    changes: Vec<f64>,
+    /// Whether a vertex of a mesh was stopped at three times the noise; empty for a cloud, whose points stay then.
+    is_far: Vec<bool>,
+}
+
+fn moved_positions(
     tile: TileWithHalo,
     denoiser: &Denoiser,
     progress: Progress<'_>,
-) -> Result<(Vec<[f64; 3]>, Vec<f64>), TilesError> {
+) -> Result<Moved, TilesError> {
     let TileWithHalo { points, neighbors, vertices, .. } = tile;
-    let denoised = match &denoiser.surface {
-        TileSurface::Cloud => denoiser.choice.denoise_cloud(&points, &neighbors, progress.quiet())?,
+    let (denoised, is_far) = match &denoiser.surface {
+        TileSurface::Cloud => {
+            (denoiser.choice.denoise_cloud(&points, &neighbors, progress.quiet())?, Vec::new())
+        }
         TileSurface::Mesh(faces) => {
             drop(neighbors);
             let triangles = faces.triangles(&vertices, &points, progress)?;
-            denoiser.choice.denoise_mesh(&points, &triangles, progress.quiet())?
+            let part = denoiser.choice.denoise_mesh(&points, &triangles, progress.quiet())?;
+            (part.points, part.is_stopped)
         }
     };
     let mut changes = denoised.into_flattened();
     for (change, before) in changes.iter_mut().zip(points.as_flattened()) {
         *change -= before;
     }
-    Ok((points, changes))
+    Ok(Moved { points, changes, is_far })
 }

@@ -4,13 +4,14 @@
 use super::filter_rounds::choose_rounds;
 use super::impulses;
 use super::noise_kinds::{MAX_LINEAR_ROUNDS, estimate_noise, prepared_points};
+use super::shared_noise::NoiseLaw;
 use super::smoothed_normals::{
     GUIDE_LEVELS, GUIDE_MOVES, GUIDE_STEPS, GuideScales, LEVELS, MAX_GUIDES, Walks, fixed,
 };
 use super::surface::NoisySurface;
 use super::{
     Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, Mixture, best_mixture, build_surface, cloud,
-    denoise_cloud, is_anything_to_do, select_walks,
+    denoise_cloud, is_anything_to_do, select_walks, stop_far_moves,
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
@@ -37,7 +38,7 @@ use serde::{Deserialize, Serialize};
 /// let choice = DenoiseChoice::estimate(&geometry, &DenoiseParams::default(), Progress::none())?;
 /// let part = choice.denoise_mesh(geometry.points(), geometry.triangles(), Progress::none())?;
 /// let whole = denoise(&geometry, &DenoiseParams::default(), Progress::none())?;
-/// let part = geometry.vertex_map().scatter(&part, 1);
+/// let part = geometry.vertex_map().scatter(&part.points, 1);
 /// let off = |x: usize| (part[x][2] - whole.points[x][2]).abs();
 /// assert!((0..400).all(|x| off(x) < 1e-3 * whole.info.noise));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -50,6 +51,15 @@ pub struct DenoiseChoice {
     scales: GuideScales,
     /// Parameters for the parts of a cloud.
     params: DenoiseParams,
+}
+
+/// Denoised part of a mesh, one entry per point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DenoisedPart {
+    /// New positions.
+    pub points: Vec<[f64; 3]>,
+    /// Whether the point would have moved farther than three times the noise there.
+    pub is_stopped: Vec<bool>,
 }
 
 impl DenoiseChoice {
@@ -88,14 +98,14 @@ impl DenoiseChoice {
         let surface = build_surface(geometry, &points, progress)?;
         let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
         let points = impulses.map_or_else(|| points.to_vec(), |found| found.points);
-        let (noise, mut scales) = (info.noise / unit, GuideScales::default());
-        let is_noisy = is_anything_to_do(&surface, noise, params);
+        let (law, mut scales) = (NoiseLaw::of(&info, unit), GuideScales::default());
+        let is_noisy = is_anything_to_do(&surface, &law, params);
         if is_noisy {
-            choose_rounds(&surface, &points, noise, params, &mut info, progress.quiet())?;
+            choose_rounds(&surface, &points, &law, params, &mut info, progress.quiet())?;
         }
         if is_noisy
             && let Some(Mixture { walks, .. }) =
-                best_mixture(&surface, &points, None, noise, params, &mut info, progress.quiet())?
+                best_mixture(&surface, &points, None, &law, params, &mut info, progress.quiet())?
         {
             scales = GuideScales { distance: walks.scales.distance * unit * unit, ..walks.scales };
         }
@@ -124,7 +134,8 @@ impl DenoiseChoice {
         Ok(MOVES + rings(LEVELS)? + 2 + guides + GUIDE_STEPS + 2 + before)
     }
 
-    /// Denoised points of a part of a mesh, with `triangles` in any order. Points with fewer than
+    /// Denoised points of a part of a mesh with `triangles` in any order, and whether each was stopped at three times the
+    /// noise. Points with fewer than
     /// [`reach`](Self::reach) rings around them differ from those of the whole.
     ///
     /// # Errors
@@ -134,12 +145,12 @@ impl DenoiseChoice {
         points: &[[f64; 3]],
         triangles: &[[u32; 3]],
         progress: Progress<'_>,
-    ) -> Result<Vec<[f64; 3]>, DenoiseError> {
+    ) -> Result<DenoisedPart, DenoiseError> {
         let mesh = self.info.mesh.as_ref();
         let impulse_share = mesh.map_or(0.0, |mesh| mesh.impulse_share);
         let is_filtered = mesh.is_some_and(|mesh| mesh.linear_rounds > 0.0);
         if self.info.kept >= 1.0 && impulse_share == 0.0 && !is_filtered {
-            return Ok(points.to_vec());
+            return Ok(DenoisedPart { points: points.to_vec(), is_stopped: vec![false; points.len()] });
         }
         let surface = NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?;
         if impulse_share == 0.0 {
@@ -175,16 +186,17 @@ impl DenoiseChoice {
         surface: &NoisySurface,
         points: &[[f64; 3]],
         progress: Progress<'_>,
-    ) -> Result<Vec<[f64; 3]>, DenoiseError> {
+    ) -> Result<DenoisedPart, DenoiseError> {
         let (wanted, weights) = select_walks(&self.info, self.creases);
         let mut moved = prepared_points(surface, points, &self.info, progress)?;
-        if self.info.kept >= 1.0 {
-            return Ok(moved);
+        if self.info.kept < 1.0 {
+            let walks = Walks::new(surface, &moved, wanted, Some(&self.scales), progress)?;
+            let normals = walks.mixture(&weights, progress)?;
+            drop(walks);
+            surface.move_to(&mut moved, &normals, MOVES, progress)?;
         }
-        let walks = Walks::new(surface, &moved, wanted, Some(&self.scales), progress)?;
-        let normals = walks.mixture(&weights, progress)?;
-        drop(walks);
-        surface.move_to(&mut moved, &normals, MOVES, progress)?;
-        Ok(moved)
+        let noise = self.info.total_noise() * self.params.strength.max(1.0);
+        let is_stopped = stop_far_moves(&mut moved, points, &surface.most_moved(points, noise, progress)?);
+        Ok(DenoisedPart { points: moved, is_stopped })
     }
 }

@@ -3,9 +3,10 @@
 use super::noise_kinds::prepared_points;
 use super::noise_level::point_normals;
 use super::risk::Risk;
+use super::shared_noise::NoiseLaw;
 use super::smoothed_normals::{SelectedWalks, Walks};
 use super::surface::NoisySurface;
-use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, perturb, shares};
+use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, shares};
 use crate::vector::{dot, subtract};
 use crate::{Cancelled, Progress, parallel};
 
@@ -35,7 +36,7 @@ const PIECES: [usize; 2] = [8, 1_000];
 pub(super) fn choose_rounds(
     surface: &NoisySurface,
     points: &[[f64; 3]],
-    noise: f64,
+    law: &NoiseLaw,
     params: &DenoiseParams,
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
@@ -52,10 +53,10 @@ pub(super) fn choose_rounds(
         if let Some(mesh) = &mut info.mesh {
             mesh.linear_rounds = rounds;
         }
-        position_risk(part, points, noise, params, &info, progress)
+        position_risk(part, points, law, params, &info, progress)
     };
     let (few, many) = rayon::join(|| risk(rounds), || risk(MANY_ROUNDS));
-    if few? - many? > LEAST_ADVANTAGE * (noise * params.strength).powi(2)
+    if few? - many? > LEAST_ADVANTAGE * (law.white * params.strength).powi(2)
         && let Some(mesh) = &mut info.mesh
     {
         mesh.linear_rounds = MANY_ROUNDS;
@@ -71,13 +72,13 @@ pub(super) fn choose_rounds(
 fn position_risk(
     surface: &NoisySurface,
     points: &[[f64; 3]],
-    noise: f64,
+    law: &NoiseLaw,
     params: &DenoiseParams,
     info: &DenoiseInfo,
     progress: Progress<'_>,
 ) -> Result<f64, DenoiseError> {
     let wanted = SelectedWalks::from(params.creases).with_guides(info);
-    let shaken_points = perturb(points, SHAKE * noise, SEED);
+    let shaken_points = law.shaken(surface, points, SEED, progress)?;
     let prepare = |points: &[[f64; 3]]| {
         let start = prepared_points(surface, points, info, progress)?;
         let walks = Walks::new(surface, &start, wanted, None, progress)?;

@@ -21,26 +21,27 @@ mod params;
 mod risk;
 mod sample;
 mod scaling;
+mod shared_noise;
 mod signal;
 mod smoothed_normals;
 mod surface;
 
-pub use choice::DenoiseChoice;
+pub use choice::{DenoiseChoice, DenoisedPart};
 pub use error::DenoiseError;
 pub use noise_model::NoiseModel;
-pub use params::{CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers};
+pub use params::{
+    CloudDenoising, Creases, DenoiseInfo, DenoiseParams, Denoised, MeshDenoising, Outliers, SharedNoise,
+};
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
 use crate::shape::{PreparedGeometry, Shape};
-use crate::vector::{norm, subtract};
+use crate::vector::{add_scaled, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use filter_rounds::choose_rounds;
 use noise_kinds::{estimate_noise, prepared_points};
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::SeedableRng;
 use risk::Risk;
 use sample::Sample;
+use shared_noise::NoiseLaw;
 use smoothed_normals::{LEVELS, SelectedWalks, Walks};
 use surface::NoisySurface;
 
@@ -131,30 +132,44 @@ pub fn denoise(
     progress.step(0, STAGES)?;
     let surface = build_surface(geometry, &points, progress)?;
     let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
-    let noise = info.noise / unit;
+    let law = NoiseLaw::of(&info, unit);
     progress.step(1, STAGES)?;
     let repaired = impulses.as_ref().map_or(&points[..], |found| &found.points[..]);
     let mut moved = repaired.to_vec();
-    if is_anything_to_do(&surface, noise, params) {
-        choose_rounds(&surface, repaired, noise, params, &mut info, progress)?;
+    if is_anything_to_do(&surface, &law, params) {
+        choose_rounds(&surface, repaired, &law, params, &mut info, progress)?;
         let sample = surface.sample(repaired, progress)?;
-        let mixture = best_mixture(&surface, repaired, sample.as_ref(), noise, params, &mut info, progress)?;
+        let mixture = best_mixture(&surface, repaired, sample.as_ref(), &law, params, &mut info, progress)?;
         progress.step(4, STAGES)?;
         moved = match mixture {
             Some(mixture) => mixture.into_points(&surface, progress)?,
             None => prepared_points(&surface, repaired, &info, progress)?,
         };
     }
+    let most = surface.most_moved(repaired, law.total() * params.strength.max(1.0), progress)?;
+    let is_stopped = stop_far_moves(&mut moved, repaired, &most);
+    info.n_far = is_stopped.into_iter().filter(|is| *is).count();
     let moves = parallel::try_collect(moved.len(), progress, |x| subtract(&moved[x], &points[x]))?;
-    let map = geometry.vertex_map();
-    let is_hit = |v: usize| impulses.as_ref().is_some_and(|found| found.is_hit[map.welded(v)]);
-    let moves = map.scatter(&moves, 1);
-    info.n_far = (0..moves.len()).filter(|&v| norm(&moves[v]) > FAR * noise && !is_hit(v)).count();
+    let moves = geometry.vertex_map().scatter(&moves, 1);
     info.furthest = moves.iter().map(norm).fold(0.0, f64::max) * unit;
     let points =
         original.iter().zip(&moves).map(|(p, d)| std::array::from_fn(|k| p[k] + d[k] * unit)).collect();
     progress.step(STAGES, STAGES)?;
     Ok(Denoised { points, outliers: Vec::new(), info })
+}
+
+/// Shortens moves that are longer than `most` at their points. Returns whether each is.
+fn stop_far_moves(moved: &mut [[f64; 3]], from: &[[f64; 3]], most: &[f64]) -> Vec<bool> {
+    let stop = |((to, from), most): ((&mut [f64; 3], &[f64; 3]), &f64)| {
+        let step = subtract(to, from);
+        let length = norm(&step);
+        let is_far = length > *most;
+        if is_far {
+            *to = add_scaled(from, most / length, &step);
+        }
+        is_far
+    };
+    moved.iter_mut().zip(from).zip(most).map(stop).collect()
 }
 
 /// [`denoise`] for a cloud whose points all take part.
@@ -209,8 +224,8 @@ fn build_surface(
     NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress)
 }
 
-fn is_anything_to_do(surface: &NoisySurface, noise: f64, params: &DenoiseParams) -> bool {
-    noise * params.strength != 0.0 && surface.n_sites() > 0
+fn is_anything_to_do(surface: &NoisySurface, law: &NoiseLaw, params: &DenoiseParams) -> bool {
+    law.total() * params.strength != 0.0 && surface.n_sites() > 0
 }
 
 /// The walks of a surface, the weights of their mixture, and the points from which these move to its normals.
@@ -240,7 +255,7 @@ fn best_mixture(
     surface: &NoisySurface,
     points: &[[f64; 3]],
     sample: Option<&Sample>,
-    noise: f64,
+    law: &NoiseLaw,
     params: &DenoiseParams,
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
@@ -249,7 +264,7 @@ fn best_mixture(
     let (part, part_points) = sample.map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
     let shaken = |k: u64| {
-        let points = perturb(part_points, SHAKE * noise, SEED + k);
+        let points = law.shaken(part, part_points, SEED + k, progress)?;
         let points = prepared_points(part, &points, info, progress)?;
         Walks::new(part, &points, wanted, None, progress)?.candidates(progress)
     };
@@ -310,14 +325,4 @@ fn shares(mut weights: Vec<f64>) -> Vec<f64> {
         *w /= total;
     }
     weights
-}
-
-/// Points with added Gaussian noise of standard deviation `deviation` along each axis.
-fn perturb(points: &[[f64; 3]], deviation: f64, seed: u64) -> Vec<[f64; 3]> {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut shaken = |c: f64| -> f64 {
-        let deviate: f64 = StandardNormal.sample(&mut random);
-        c + deviation * deviate
-    };
-    points.iter().map(|p| p.map(&mut shaken)).collect()
 }

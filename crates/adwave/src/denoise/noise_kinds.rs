@@ -4,7 +4,7 @@ use super::impulses::Impulses;
 use super::noise_level::{NoiseLevels, noise_levels};
 use super::smoothed_normals::SelectedWalks;
 use super::surface::NoisySurface;
-use super::{DenoiseInfo, DenoiseParams, MeshDenoising};
+use super::{DenoiseInfo, DenoiseParams, MeshDenoising, SharedNoise};
 use crate::vector::{dot, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 
@@ -62,6 +62,17 @@ pub(super) fn estimate_noise(
         None => varied_noise(noise_levels(surface, points, progress)?, edge, mesh.impulse_share),
     };
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
+    let admitted = match surface.sample(points, progress)? {
+        Some((part, points)) => part.shared_noise(&points, noise, progress)?,
+        None => surface.shared_noise(points, noise, progress)?,
+    };
+    mesh.shared_at_most = admitted.shared * unit;
+    mesh.shared_steps = admitted.steps;
+    mesh.shared = match params.shared {
+        SharedNoise::Detail => 0.0,
+        SharedNoise::Estimate => mesh.shared_at_most,
+        SharedNoise::Deviation(deviation) => deviation,
+    };
     mesh.impulse_size *= unit;
     mesh.turned_share = turned_share(surface, points, progress)?;
     let [from, to] = TURNED_BY_NOISE;

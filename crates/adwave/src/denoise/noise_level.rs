@@ -1,7 +1,7 @@
 //! Estimate of the noise level of a surface.
 
-use super::SEED;
 use super::surface::NoisySurface;
+use super::{FAR, SEED};
 use crate::parallel;
 use crate::vector::{add_scaled, dot, unit};
 use crate::{Cancelled, Progress};
@@ -17,6 +17,15 @@ const ORDERS: usize = 3;
 
 /// Quantile of absolute differences that tells the noise of the noisiest places.
 const HIGH: f64 = 0.95;
+
+/// Number of means over a point and its neighbors for the noise at a place.
+const LOCAL_STEPS: usize = 6;
+
+/// Largest noise at a place, relative to the typical one: more is shape.
+const MOST_LOCAL: f64 = 3.0;
+
+/// Mean absolute value of a standard normal variable.
+const MEAN_OF_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 
 /// Standard deviations of the noise along the normals that different quantiles of the differences suggest; they agree
 /// for noise that is the same everywhere.
@@ -75,6 +84,49 @@ pub(super) fn noise_levels(
 }
 
 impl NoisySurface {
+    /// Distance that each point moves at most: three times the noise there.
+    pub(super) fn most_moved(
+        &self,
+        points: &[[f64; 3]],
+        noise: f64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let local = self.local_noise(points, noise, progress)?;
+        Ok(local.into_iter().map(|level| FAR * level).collect())
+    }
+
+    /// Standard deviation of the noise along the normals at each point, at least `noise` and at most [`MOST_LOCAL`] times
+    /// that: means of absolute differences over some rings. O(points).
+    fn local_noise(
+        &self,
+        points: &[[f64; 3]],
+        noise: f64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let smooth = self.smoothed(points, STEPS_BEFORE, progress)?;
+        let normals = point_normals(self, &smooth, progress)?;
+        let mut heights =
+            parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &self.umbrella(points, x)))?;
+        // Weights of a difference of white noise from the mean of its neighbors: 1 + 1/n at n of them.
+        let mut gains: Vec<f64> =
+            (0..points.len()).map(|x| 1.0 + 1.0 / self.ring.row(x).len().max(1) as f64).collect();
+        heights = self.difference(&heights, progress)?;
+        for gain in &mut gains {
+            *gain = (*gain * *gain + *gain - 1.0).sqrt();
+        }
+        for (height, gain) in heights.iter_mut().zip(gains) {
+            *height = height.abs() / (gain * MEAN_OF_ABSOLUTE);
+        }
+        for _ in 0..LOCAL_STEPS {
+            heights = parallel::try_collect(points.len(), progress, |x| {
+                let near = self.ring.row(x);
+                let sum: f64 = near.iter().map(|&y| heights[y as usize]).sum();
+                (heights[x] + sum) / (near.len() + 1) as f64
+            })?;
+        }
+        Ok(heights.into_iter().map(|level| level.clamp(noise, MOST_LOCAL * noise)).collect())
+    }
+
     /// Values minus the mean over their neighbors.
     fn difference(&self, values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         parallel::try_collect(values.len(), progress, |x| {
@@ -109,7 +161,7 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Value that a share of the values is below; 0 for no values.
-fn quantile(values: &mut [f64], share: f64) -> f64 {
+pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

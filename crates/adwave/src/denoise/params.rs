@@ -49,6 +49,20 @@ named_values!(Outliers, "treatment of outliers", {
     Drop => "drop", "They are removed";
 });
 
+/// Noise of a mesh that neighbors share, as scanners make it. It looks like detail of the same size.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum SharedNoise {
+    /// It counts as detail and stays.
+    #[default]
+    Detail,
+    /// As much as the shape admits: everything on its quietest tenth that quadrics do not explain.
+    Estimate,
+    /// Standard deviation along the normals, in model units.
+    Deviation(f64),
+}
+
 /// Parameters of denoising. The defaults need no tuning.
 ///
 /// ```
@@ -74,6 +88,9 @@ pub struct DenoiseParams {
     /// Treatment of the outliers of a cloud.
     #[serde(default)]
     pub outliers: Outliers,
+    /// Noise of a mesh that neighbors share.
+    #[serde(default)]
+    pub shared: SharedNoise,
 }
 
 /// Local fit of a field to be denoised: slopes are not noise.
@@ -90,6 +107,7 @@ impl Default for DenoiseParams {
             noise_model: NoiseModel::Gaussian,
             local_fit: default_local_fit(),
             outliers: Outliers::Keep,
+            shared: SharedNoise::Detail,
         }
     }
 }
@@ -131,6 +149,12 @@ impl DenoiseParams {
         Self { outliers, ..self }
     }
 
+    /// Sets the noise of a mesh that neighbors share.
+    #[must_use]
+    pub fn with_shared(self, shared: SharedNoise) -> Self {
+        Self { shared, ..self }
+    }
+
     /// Checks that every parameter is in its range.
     ///
     /// # Errors
@@ -144,6 +168,9 @@ impl DenoiseParams {
             }
         };
         number("strength", self.strength, MAX_STRENGTH)?;
+        if let SharedNoise::Deviation(shared) = self.shared {
+            number("shared noise", shared, MAX_COORDINATE)?;
+        }
         self.noise.map_or(Ok(()), |noise| number("noise", noise, MAX_COORDINATE))
     }
 }
@@ -163,7 +190,8 @@ pub struct DenoiseInfo {
     pub smooth_weights: Vec<f64>,
     /// Number of triangles, or points of a cloud, on which the risk was estimated.
     pub n_sampled: usize,
-    /// Number of vertices that moved further than three times the estimated noise.
+    /// Number of vertices that would have moved further than three times the assumed noise; those of a mesh were stopped
+    /// there.
     pub n_far: usize,
     /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
@@ -173,6 +201,14 @@ pub struct DenoiseInfo {
     /// Noise and treatment of a cloud; `None` for meshes and curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<CloudDenoising>,
+}
+
+impl DenoiseInfo {
+    /// Standard deviation of the assumed noise of a mesh along the normals, that which neighbors share included, in model
+    /// units.
+    pub(super) fn total_noise(&self) -> f64 {
+        self.noise.hypot(self.mesh.as_ref().map_or(0.0, |mesh| mesh.shared))
+    }
 }
 
 /// Kinds of noise of a mesh beside that along the normals, and the treatment of each.
@@ -186,6 +222,16 @@ pub struct MeshDenoising {
     /// Share of the triangles that are turned against the surface around them, in 0..=1: noise in all directions turns
     /// them, noise along the normals hardly does.
     pub turned_share: f64,
+    /// Standard deviation along the normals of the noise that neighbors share, in model units: the largest that the shape
+    /// admits. Detail of this size looks the same.
+    #[serde(default)]
+    pub shared_at_most: f64,
+    /// The same as it was assumed; 0 if it counts as detail.
+    #[serde(default)]
+    pub shared: f64,
+    /// Number of means over a vertex and its neighbors that turn white noise into such noise.
+    #[serde(default)]
+    pub shared_steps: usize,
     /// Rounds of the linear filter that precede the walks, with a fraction.
     pub linear_rounds: f64,
     /// Number of guides of the walk that respects creases.

@@ -2,8 +2,9 @@
 
 use crate::args::{
     GivenWalkArgs, LabelArgs, LocalFitArgs, NormalArgs, ShapeArgs, SignalArgs, number, parse_named, region,
+    shared_noise,
 };
-use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers};
+use adwave::denoise::{Creases, DenoiseParams, NoiseModel, Outliers, SharedNoise};
 use adwave::positions::Borders;
 use adwave::region::Region;
 use clap::Args;
@@ -17,12 +18,15 @@ error, so no option is needed.
 Vertices of a mesh that impulses moved return to the planes around them, and noise that is strong or turns triangles over is first
 reduced by a linear filter; the result says so.
 
+Noise that neighbors share, as scanners make it, looks like detail of that size, so it stays; the result says how strong it may
+be. If you know that a mesh has no such detail, --shared-noise auto removes it, or --shared-noise with its standard deviation.
+No vertex moves farther than three times the noise found at its place, except those that impulses moved.
+
 Points of a cloud move onto planes and quadrics fitted to their neighbors, by the noise found at their place and never farther than
 three times that. Where a fit would do harm, and where points form lines, volumes or nothing, they stay; the result says how many.
 Outliers are points far from the surface of their neighbors: --outliers keeps them, pulls them there or drops them. Normals of the
 file tell sheets apart that are closer to each other than the points. A curve is smoothed along its pieces: ends stay where
-they are, and corners stay sharp. Noise that is correlated between neighbors cannot be
-told from detail. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
+they are, and corners stay sharp. Steps of a field (--signal) are kept, and --noise-model says how its noise depends on its values: counts have
 poisson noise, speckle is multiplicative. Results have no bias from the transform of the values. The result goes into the shape under the field's name or that of its
 column or file, or alone into a file of values.
 
@@ -42,6 +46,7 @@ Examples:
   adwave denoise track.obj -o clean.obj
   adwave denoise bust.obj -o clean.obj --region 'ball:vertex=120,radius=10%'
   adwave denoise scan.ply -o soft.ply --strength 1.5 --creases none
+  adwave denoise scan.ply -o clean.ply --shared-noise auto
   adwave denoise brain.ply -o even.ply --signal thickness
   adwave denoise white.gii -o even.shape.gii --signal thickness.gii
   adwave denoise brain.ply -o even.ply --signal gaze --noise-model poisson
@@ -72,6 +77,10 @@ pub(crate) struct DenoiseArgs {
     /// Dependence of the noise of a field on its values
     #[arg(long, value_name = "MODEL", value_parser = parse_named::<NoiseModel>(), default_value_t, help_heading = "Noise")]
     pub(crate) noise_model: NoiseModel,
+    /// Noise of a mesh that neighbors share, as scanners make it: detail (it stays), auto (as much as the mesh admits, detail of
+    /// that size included) or its standard deviation along the normals in model units
+    #[arg(long, value_name = "KIND", value_parser = shared_noise, default_value = "detail", help_heading = "Noise")]
+    pub(crate) shared_noise: SharedNoise,
     /// Standard deviation of the noise along the normals in model units, or in the unit of the field; with --noise-model poisson
     /// that of a value of 1, with multiplicative relative to the value [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
@@ -89,7 +98,10 @@ pub(crate) struct DenoiseArgs {
 impl DenoiseArgs {
     pub(crate) fn to_params(&self) -> DenoiseParams {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases);
-        let params = params.with_outliers(self.outliers).with_noise_model(self.noise_model);
+        let params = params
+            .with_outliers(self.outliers)
+            .with_noise_model(self.noise_model)
+            .with_shared(self.shared_noise);
         let params = params.with_local_fit(self.fit.local_fit.unwrap_or(params.local_fit));
         self.noise_sigma.map_or(params, |noise| params.with_noise(noise))
     }

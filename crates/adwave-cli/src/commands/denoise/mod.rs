@@ -17,7 +17,7 @@ use crate::resolve::region::{note_region, region_in_shape, region_weights, union
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, load_signal, refuse_labels, smooth_labels_hint};
 use crate::resolve::walk::with_given_walk;
-use adwave::denoise::{NoiseModel, Outliers, SignalNoise, denoise, denoise_signal};
+use adwave::denoise::{NoiseModel, Outliers, SharedNoise, SignalNoise, denoise, denoise_signal};
 use adwave::operator::OperatorTask;
 use adwave::positions::{PositionParams, blend_by_weights, constrain_positions};
 use adwave::region::Length;
@@ -39,10 +39,14 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
         global.given.refuse(&["--as-numbers"], "applies to fields of labels, and the signal is coords")?;
         global.given.refuse(&["--noise-model"], "applies to a field (--signal), and the signal is coords")?;
         global.given.refuse(&["--walk"], "applies to a field (--signal), and the signal is coords")?;
-        let noise = args
-            .noise_sigma
-            .map(|noise| GivenLength { option: "--noise-sigma", length: Length::Units(noise) });
-        input.check_lengths(noise.as_slice())?;
+        let shared = match args.shared_noise {
+            SharedNoise::Deviation(deviation) => Some(("--shared-noise", deviation)),
+            _ => None,
+        };
+        let given = args.noise_sigma.map(|noise| ("--noise-sigma", noise)).into_iter().chain(shared);
+        let lengths: Vec<GivenLength> =
+            given.map(|(option, units)| GivenLength { option, length: Length::Units(units) }).collect();
+        input.check_lengths(&lengths)?;
         denoise_positions(input, result, args, global)
     } else {
         denoise_field(input, result, args, global)
@@ -63,6 +67,9 @@ fn denoise_positions(
             "--outliers applies to clouds, and {} has faces or edges; leave it out",
             input.name
         )));
+    }
+    if !matches!(input.shape, Shape::Mesh(_)) {
+        global.given.refuse(&["--shared-noise"], "applies to meshes")?;
     }
     if matches!(input.shape, Shape::Graph(_)) {
         global.given.refuse(&["--creases"], "applies to meshes and clouds; corners of a curve stay sharp")?;

@@ -1,8 +1,8 @@
 //! The arguments of `adwave tiles` and `adwave tile`.
 
-use crate::args::{LocalFitArgs, SelectionArgs, count, number, parse_named, size};
+use crate::args::{LocalFitArgs, SelectionArgs, count, number, parse_named, shared_noise, size};
 use crate::error::CliError;
-use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams};
+use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams, SharedNoise};
 use adwave::features::FeatureParams;
 use adwave::filter::{KeepVolume, KeepVolumeError};
 use adwave::positions::{Borders, MoveDirection};
@@ -145,6 +145,10 @@ pub(crate) struct NoiseArgs {
     /// Treatment of creases of the shape
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Creases>(), requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value_t)]
     pub(crate) creases: Creases,
+    /// Noise of a mesh that neighbors share: detail (it stays), auto (as much as the mesh admits) or its standard deviation along
+    /// the normals in model units
+    #[arg(long, value_name = "KIND", value_parser = shared_noise, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value = "detail")]
+    pub(crate) shared_noise: SharedNoise,
     /// Standard deviation of the noise along the normals in model units [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS)]
     pub(crate) noise_sigma: Option<f64>,
@@ -263,6 +267,7 @@ impl MotionArgs {
 impl NoiseArgs {
     fn to_params(&self) -> Option<DenoiseParams> {
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(self.creases);
+        let params = params.with_shared(self.shared_noise);
         let params = self.noise_sigma.map_or(params, |noise| params.with_noise(noise));
         self.denoise.then_some(params)
     }

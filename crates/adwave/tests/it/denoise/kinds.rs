@@ -1,7 +1,7 @@
 //! Kinds of noise of meshes: impulses, noise in all directions, strong noise; each is recognized and treated.
 
 use crate::denoise::{denoised, mean_angle, mesh};
-use adwave::denoise::{DenoiseParams, Denoised, MeshDenoising};
+use adwave::denoise::{DenoiseParams, Denoised, MeshDenoising, SharedNoise};
 use adwave::sample::Sample;
 use adwave::shape::Shape;
 
@@ -92,4 +92,69 @@ fn noise_larger_than_the_shape_gives_finite_points() {
     let (_, noisy) = pair("sphere", |r| (0.0, [(); 3].map(|()| 100.0 * r.normal())));
     let result = denoised(&noisy, &DenoiseParams::default());
     assert!(result.points.iter().flatten().all(|c| c.is_finite()));
+}
+
+/// A built-in shape with noise along the normals that neighbors share, of standard deviation `noise` in mean edges.
+fn pair_with_shared_noise(name: &str, noise: f64) -> (Shape, Shape) {
+    let sample = Sample::from_name(name, Some(8000)).unwrap();
+    let mut near = vec![Vec::new(); sample.points.len()];
+    for face in sample.faces.iter() {
+        for (k, &v) in face.iter().enumerate() {
+            near[v as usize].push(face[(k + 1) % face.len()] as usize);
+        }
+    }
+    let mut random = Random(7);
+    let mut heights: Vec<f64> = sample.points.iter().map(|_| random.normal()).collect();
+    for _ in 0..4 {
+        let mean = |x: usize| {
+            (heights[x] + near[x].iter().map(|&y| heights[y]).sum::<f64>()) / (near[x].len() + 1) as f64
+        };
+        heights = (0..heights.len()).map(mean).collect();
+    }
+    let square = heights.iter().map(|h| h * h).sum::<f64>() / heights.len() as f64;
+    let mut heights = heights.into_iter().map(|h| noise * h / square.sqrt());
+    pair(name, |_| (heights.next().unwrap_or_default(), [0.0; 3]))
+}
+
+#[test]
+fn shared_noise_is_bounded_and_removed_if_it_is_not_detail() {
+    for (name, most) in [("sphere", 0.5), ("plane", 0.5), ("bracket", 0.75)] {
+        let (clean, noisy) = pair_with_shared_noise(name, 0.2);
+        let edge = Sample::from_name(name, Some(8000)).unwrap().mean_edge_length();
+        let (.., without) = angles(&clean, &clean);
+        assert!(without.shared_at_most < 0.02 * edge, "{name}: {without:?}");
+        let (before, after, found) = angles(&clean, &noisy);
+        assert!((0.15..0.25).contains(&(found.shared_at_most / edge)), "{name}: {found:?}");
+        assert!(found.shared == 0.0 && after > 0.75 * before, "{name}: {before} → {after}");
+        let params = DenoiseParams::default().with_shared(SharedNoise::Estimate);
+        let removed = denoised(&noisy, &params);
+        let after = mean_angle(&clean, &removed.points);
+        println!("{name}: {after} with the estimate");
+        assert!(after < most * before, "{name}: {before} → {after}");
+        let given = SharedNoise::Deviation(found.shared_at_most);
+        let given = denoised(&noisy, &DenoiseParams::default().with_shared(given));
+        assert!(mean_angle(&clean, &given.points) < 1.01 * after, "{name}");
+    }
+}
+
+#[test]
+fn no_vertex_moves_farther_than_three_times_the_noise_there() {
+    let (_, noisy) = pair("plane", |r| (0.1 * r.normal(), [0.0; 3]));
+    let mut points = noisy.points().unwrap().to_vec();
+    let far = points.len() / 2 + 40;
+    let edge = Sample::from_name("plane", Some(8000)).unwrap().mean_edge_length();
+    points[far][2] += 4.0 * edge;
+    let Shape::Mesh(of) = &noisy else { panic!("a mesh") };
+    let noisy = mesh(points.clone(), of.faces());
+    let Denoised { points: after, info, .. } = denoised(&noisy, &DenoiseParams::default());
+    let moved = |x: usize| (0..3).map(|k| (after[x][k] - points[x][k]).powi(2)).sum::<f64>().sqrt();
+    let noise = info.noise;
+    assert!((0.08 * edge..0.13 * edge).contains(&noise), "{}", noise / edge);
+    // The noise at a place counts up to three times the typical one.
+    assert!((2.9 * noise..9.001 * noise).contains(&moved(far)), "{}", moved(far) / noise);
+    let n_farther = (0..points.len()).filter(|&x| moved(x) > 4.5 * noise).count();
+    assert!(n_farther < 40, "{n_farther}");
+    assert!((1..40).contains(&info.n_far), "{}", info.n_far);
+    let furthest = (0..points.len()).map(moved).fold(0.0, f64::max);
+    assert!((furthest - info.furthest).abs() < 1e-12 * furthest);
 }

@@ -1,0 +1,236 @@
+//! Noise that neighbors share, as scanners make it: the level that a mesh admits, and random noise of that kind.
+//!
+//! Such noise looks like detail of the same size, so the mesh alone only bounds it: the bound comes from quadrics fitted
+//! to neighborhoods of several sizes, of which the quietest tenth hardly has anything but noise.
+
+use super::noise_level::{point_normals, quantile};
+use super::surface::NoisySurface;
+use super::{DenoiseInfo, SEED, SHAKE};
+use crate::vector::{Vector, add_scaled, cross, dot, subtract, unit};
+use crate::{Cancelled, Progress, parallel};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+/// Numbers of means over a vertex and its neighbors that make white noise to shared noise, from which one is chosen.
+const STEPS: [usize; 4] = [2, 4, 8, 16];
+
+/// Rings of the neighborhoods to which quadrics are fitted.
+const RINGS: [usize; 4] = [2, 3, 4, 6];
+
+/// Number of neighborhoods of each size.
+const NEIGHBORHOODS: usize = 1_000;
+
+/// Quantile of the residuals over neighborhoods of one size: curvature and creases hardly reach it.
+const QUIET: f64 = 0.1;
+
+/// Factor by which more steps must explain more of the residuals: curvature looks like noise of many steps.
+const MORE: f64 = 1.2;
+
+/// Number of coefficients of a quadric.
+const COEFFICIENTS: usize = 6;
+
+/// Part of a monomial, relative to its length, below which it depends on the others.
+const LEAST_PART: f64 = 1e-6;
+
+/// Number of lazy steps that smooth a surface for the normals along which noise acts.
+const STEPS_BEFORE: usize = 4;
+
+/// Noise along the normals of points: independent between points, and shared by neighbors. Lengths are in the unit of the
+/// points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct NoiseLaw {
+    /// Standard deviation of the independent noise.
+    pub(super) white: f64,
+    /// Standard deviation of the shared noise.
+    pub(super) shared: f64,
+    /// Number of means over a vertex and its neighbors that make it.
+    pub(super) steps: usize,
+}
+
+impl NoiseLaw {
+    /// The assumed noise, for points of which `unit` model units are one.
+    pub(super) fn of(info: &DenoiseInfo, unit: f64) -> Self {
+        let (shared, steps) = info.mesh.as_ref().map_or((0.0, 0), |mesh| (mesh.shared, mesh.shared_steps));
+        Self { white: info.noise / unit, shared: shared / unit, steps }
+    }
+
+    /// Standard deviation of both.
+    pub(super) fn total(&self) -> f64 {
+        self.white.hypot(self.shared)
+    }
+
+    /// Points with added noise of [`SHAKE`] times this law; white noise acts along each axis.
+    pub(super) fn shaken(
+        &self,
+        surface: &NoisySurface,
+        points: &[Vector],
+        seed: u64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Vector>, Cancelled> {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut moved = |c: f64| -> f64 {
+            let deviate: f64 = StandardNormal.sample(&mut random);
+            c + SHAKE * self.white * deviate
+        };
+        let out: Vec<Vector> = points.iter().map(|p| p.map(&mut moved)).collect();
+        if self.shared == 0.0 {
+            return Ok(out);
+        }
+        let normals = smooth_normals(surface, points, progress)?;
+        let heights = shared_heights(surface, self.steps, &mut random, progress)?;
+        parallel::try_collect(out.len(), progress, |x| {
+            add_scaled(&out[x], SHAKE * self.shared * heights[x], &normals[x])
+        })
+    }
+}
+
+impl NoisySurface {
+    /// The largest shared noise that the surface admits beside independent noise of standard deviation `white`, with the
+    /// number of steps that explains most of its residuals. O(points).
+    pub(super) fn shared_noise(
+        &self,
+        points: &[Vector],
+        white: f64,
+        progress: Progress<'_>,
+    ) -> Result<NoiseLaw, Cancelled> {
+        let n = points.len();
+        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        let mut columns = vec![(0..n).map(|_| StandardNormal.sample(&mut random)).collect::<Vec<f64>>()];
+        for steps in STEPS {
+            columns.push(shared_heights(self, steps, &mut random, progress)?);
+        }
+        let normals = smooth_normals(self, points, progress)?;
+        let mut law = NoiseLaw { white, shared: 0.0, steps: STEPS[0] };
+        let mut quiet = Vec::with_capacity(RINGS.len());
+        for rings in RINGS {
+            let every = n.div_ceil(NEIGHBORHOODS).max(1);
+            let residuals = parallel::try_collect(n / every, progress, |k| {
+                let x = k * every + every / 2;
+                self.residuals(points, &normals[x], &columns, x, rings)
+            })?;
+            let known: Vec<Vec<f64>> = residuals.into_iter().flatten().collect();
+            if known.is_empty() {
+                return Ok(law);
+            }
+            let level = |c: usize| quantile(&mut known.iter().map(|r| r[c]).collect::<Vec<_>>(), QUIET);
+            quiet.push((0..=columns.len()).map(level).collect::<Vec<f64>>());
+        }
+        let mut most_explained = 0.0;
+        for (k, &steps) in STEPS.iter().enumerate() {
+            let square = |row: &Vec<f64>| (row[0].powi(2) - (white * row[1]).powi(2)).max(0.0);
+            let admitted = |row: &Vec<f64>| square(row) / row[2 + k].powi(2).max(f64::MIN_POSITIVE);
+            let least = quiet.iter().map(admitted).fold(f64::INFINITY, f64::min);
+            let share = |row: &Vec<f64>| least * row[2 + k].powi(2) / row[0].powi(2).max(f64::MIN_POSITIVE);
+            let explained = quiet.iter().map(share).sum::<f64>();
+            if explained > MORE * most_explained {
+                most_explained = explained;
+                law = NoiseLaw { white, shared: least.sqrt(), steps };
+            }
+        }
+        Ok(law)
+    }
+
+    /// Root mean square residuals of quadrics over the points within some rings of a vertex, per degree of freedom: of
+    /// their heights along `normal`, and of each column. `None` for too few points.
+    fn residuals(
+        &self,
+        points: &[Vector],
+        normal: &Vector,
+        columns: &[Vec<f64>],
+        x: usize,
+        rings: usize,
+    ) -> Option<Vec<f64>> {
+        let mut near = vec![x as u32];
+        let mut first_of_ring = 0;
+        for _ in 0..rings {
+            let ring: Vec<u32> =
+                near[first_of_ring..].iter().flat_map(|&y| self.ring.row(y as usize)).copied().collect();
+            first_of_ring = near.len();
+            for y in ring {
+                if !near.contains(&y) {
+                    near.push(y);
+                }
+            }
+        }
+        let freedom = near.len().checked_sub(COEFFICIENTS + 1)? as f64;
+        let least = if normal[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let first = unit(&cross(normal, &least))?;
+        let second = cross(normal, &first);
+        let offsets: Vec<Vector> = near.iter().map(|&y| subtract(&points[y as usize], &points[x])).collect();
+        let [u, v, heights] =
+            [&first, &second, normal].map(|axis| offsets.iter().map(|d| dot(d, axis)).collect::<Vec<f64>>());
+        let products = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).collect::<Vec<f64>>();
+        let monomials = [
+            vec![1.0; near.len()],
+            u.clone(),
+            v.clone(),
+            products(&u, &u),
+            products(&u, &v),
+            products(&v, &v),
+        ];
+        let mut basis: Vec<Vec<f64>> = Vec::with_capacity(COEFFICIENTS);
+        for mut monomial in monomials {
+            let before = length(&monomial);
+            remove(&basis, &mut monomial);
+            let after = length(&monomial);
+            if after > LEAST_PART * before {
+                for c in &mut monomial {
+                    *c /= after;
+                }
+                basis.push(monomial);
+            }
+        }
+        let of_column = |column: &Vec<f64>| near.iter().map(|&y| column[y as usize]).collect::<Vec<f64>>();
+        let values = std::iter::once(heights).chain(columns.iter().map(of_column));
+        let residual = |mut values: Vec<f64>| {
+            remove(&basis, &mut values);
+            length(&values) / (freedom + 1.0).sqrt()
+        };
+        Some(values.map(residual).collect())
+    }
+}
+
+/// Removes from `values` their parts along orthonormal vectors.
+fn remove(basis: &[Vec<f64>], values: &mut [f64]) {
+    for vector in basis {
+        let part: f64 = vector.iter().zip(&*values).map(|(a, b)| a * b).sum();
+        for (value, b) in values.iter_mut().zip(vector) {
+            *value -= part * b;
+        }
+    }
+}
+
+fn length(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// White noise after `steps` means over a vertex and its neighbors, with a mean square of 1.
+fn shared_heights(
+    surface: &NoisySurface,
+    steps: usize,
+    random: &mut Pcg64Mcg,
+    progress: Progress<'_>,
+) -> Result<Vec<f64>, Cancelled> {
+    let n = surface.at_vertex.n_rows();
+    let mut heights: Vec<f64> = (0..n).map(|_| StandardNormal.sample(random)).collect();
+    for _ in 0..steps {
+        heights = parallel::try_collect(n, progress, |x| {
+            let near = surface.ring.row(x);
+            let sum: f64 = near.iter().map(|&y| heights[y as usize]).sum();
+            (heights[x] + sum) / (near.len() + 1) as f64
+        })?;
+    }
+    let square = heights.iter().map(|h| h * h).sum::<f64>() / n.max(1) as f64;
+    let scale = 1.0 / square.sqrt().max(f64::MIN_POSITIVE);
+    Ok(heights.into_iter().map(|h| h * scale).collect())
+}
+
+/// Normals of the points of the smoothed surface.
+fn smooth_normals(
+    surface: &NoisySurface,
+    points: &[Vector],
+    progress: Progress<'_>,
+) -> Result<Vec<Vector>, Cancelled> {
+    point_normals(surface, &surface.smoothed(points, STEPS_BEFORE, progress)?, progress)
+}
