@@ -64,7 +64,8 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
     describe_far(text, info);
 }
 
-/// Noise that neighbors share, in mean edges, below which it is not reported.
+/// Noise that neighbors share, in mean edges, below which it is not reported. Below twice the noise of single vertices it is not
+/// either: it would hardly show.
 const LEAST_SHARED: f64 = 0.02;
 
 /// Adds lines on the kinds of noise of a mesh beside that along the normals.
@@ -91,7 +92,7 @@ fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
             "noise that neighbors share: {} model units assumed; detail of that size is removed too",
             number(mesh.shared)
         );
-    } else if mesh.shared_at_most > LEAST_SHARED * edge {
+    } else if mesh.shared_at_most > (2.0 * info.noise).max(LEAST_SHARED * edge) {
         let _ = writeln!(
             text,
             "noise that neighbors share: about {} model units at most, if it is not detail; it stays (--shared-noise)",

@@ -86,8 +86,8 @@ impl NoiseLaw {
 }
 
 impl NoisySurface {
-    /// The largest shared noise that the surface admits beside independent noise of standard deviation `white`, with the
-    /// number of steps that explains most of its residuals. O(points).
+    /// The largest shared noise that the surface admits, with the number of steps that explains most of its residuals;
+    /// `white` is the standard deviation of the independent noise. O(points).
     pub(super) fn shared_noise(
         &self,
         points: &[Vector],
@@ -118,14 +118,12 @@ impl NoisySurface {
         }
         let mut most_explained = 0.0;
         for (k, &steps) in STEPS.iter().enumerate() {
-            let square = |row: &Vec<f64>| (row[0].powi(2) - (white * row[1]).powi(2)).max(0.0);
-            let admitted = |row: &Vec<f64>| square(row) / row[2 + k].powi(2).max(f64::MIN_POSITIVE);
-            let least = quiet.iter().map(admitted).fold(f64::INFINITY, f64::min);
-            let share = |row: &Vec<f64>| least * row[2 + k].powi(2) / row[0].powi(2).max(f64::MIN_POSITIVE);
-            let explained = quiet.iter().map(share).sum::<f64>();
+            let squares: Vec<[f64; 3]> =
+                quiet.iter().map(|row| [row[0], row[1], row[2 + k]].map(|level| level * level)).collect();
+            let (shared, explained) = largest_share(&squares);
             if explained > MORE * most_explained {
                 most_explained = explained;
-                law = NoiseLaw { white, shared: least.sqrt(), steps };
+                law = NoiseLaw { white, shared: shared.sqrt(), steps };
             }
         }
         Ok(law)
@@ -188,6 +186,34 @@ impl NoisySurface {
             length(&values) / (freedom + 1.0).sqrt()
         };
         Some(values.map(residual).collect())
+    }
+}
+
+/// Variance of the shared noise that explains squared residuals best together with white noise, and the share of the
+/// residuals that both explain; no residual is smaller than its shared noise. Rows hold the residuals of the surface, of
+/// white noise and of shared noise.
+fn largest_share(squares: &[[f64; 3]]) -> (f64, f64) {
+    // Least squares of `w·white/own + s·shared/own − 1` for variances w, s ≥ 0.
+    let known = || squares.iter().filter(|[own, ..]| *own > 0.0);
+    let sum = |term: &dyn Fn(f64, f64) -> f64| known().map(|[own, w, s]| term(w / own, s / own)).sum::<f64>();
+    let [ww, ws, ss] = [sum(&|w, _| w * w), sum(&|w, s| w * s), sum(&|_, s| s * s)];
+    let [w, s] = [sum(&|w, _| w), sum(&|_, s| s)];
+    let bend = ww * ss - ws * ws;
+    let both = [(w * ss - s * ws) / bend, (s * ww - w * ws) / bend];
+    let mut variances = if both.iter().all(|v| *v >= 0.0) {
+        both
+    } else if s * s * ww > w * w * ss {
+        [0.0, s / ss]
+    } else {
+        [w / ww, 0.0]
+    };
+    let admitted = known().map(|[own, _, s]| own / s).fold(f64::INFINITY, f64::min);
+    variances[1] = variances[1].min(admitted);
+    let explained = sum(&|w, s| (variances[0] * w + variances[1] * s).min(1.0));
+    if variances.iter().chain([&explained]).all(|v| v.is_finite()) {
+        (variances[1], explained)
+    } else {
+        (0.0, 0.0)
     }
 }
 
