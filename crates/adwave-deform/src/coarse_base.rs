@@ -2,7 +2,7 @@
 
 use crate::DeformError;
 use crate::front::{NO_SOURCE, PlacedGraph, RepeatedFront};
-use adwave::bands::Schedule;
+use adwave::bands::{BandsParams, Schedule};
 use adwave::shape::{Adjacency, VertexRole, label_components};
 use adwave::vector::{Vector, norm, subtract};
 use adwave::{Decomposer, Progress};
@@ -13,6 +13,10 @@ const NODE_SPACING: f64 = 0.75;
 
 /// Width σ_J of the base, as a share of the extent, if none is given.
 const DEFAULT_WIDTH: f64 = 0.045;
+
+/// Relative error of the bands that are taken off the shape for its base. The base only has to be smooth, as details are
+/// measured from whatever it is; each digit would cost 8 % of the time of binding.
+const ACCURACY: f64 = 1e-4;
 
 /// Distance at which the weight of a node is 0, in distances of nodes.
 const REACH: f64 = 2.0;
@@ -130,7 +134,7 @@ impl CoarseBase {
         }
         let step = decomposer.diffusion().step_length();
         let sigma = schedule.sigma(step).last().copied().unwrap_or_default();
-        let smooth = smooth_positions(decomposer, schedule, progress)?;
+        let smooth = smooth_positions_within(ACCURACY, decomposer, schedule, progress)?;
         let takes_part = participants(decomposer);
         let (part, n_parts) = label_components(decomposer.neighbors());
         // A shape whose points coincide has no length to measure by.
@@ -195,9 +199,20 @@ pub(crate) fn smooth_positions(
     schedule: &Schedule,
     progress: Progress<'_>,
 ) -> Result<Vec<Vector>, DeformError> {
+    smooth_positions_within(BandsParams::default().accuracy, decomposer, schedule, progress)
+}
+
+/// Welded positions S_J in model units, with bands of a relative accuracy.
+fn smooth_positions_within(
+    accuracy: f64,
+    decomposer: &Decomposer,
+    schedule: &Schedule,
+    progress: Progress<'_>,
+) -> Result<Vec<Vector>, DeformError> {
     let geometry = decomposer.geometry();
     let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
-    let request = decomposer.request(points.as_flattened(), 3, schedule).progress(progress);
+    let request =
+        decomposer.request(points.as_flattened(), 3, schedule).accuracy(accuracy).progress(progress);
     let (details, _) = request.weighted(&vec![1.0; schedule.n_levels()])?;
     let details = geometry.vertex_map().mean(&details, 3);
     let smooth = |(p, d): (&Vector, &Vector)| {
@@ -243,21 +258,25 @@ fn areas_of_cells(decomposer: &Decomposer, owner: &[u32], n_cells: usize, n_node
 
 /// Cells of a cover that touch.
 fn neighbors_of_cells(neighbors: &Adjacency, owner: &[u32], n_cells: usize) -> Adjacency {
-    let (mut pairs, mut limit): (Vec<(u32, u32)>, _) = (Vec::new(), 1 << 22);
-    for x in 0..owner.len() {
-        for &y in neighbors.row(x) {
-            let (a, b) = (owner[x], owner[y as usize]);
-            if a != b && a != NO_SOURCE && b != NO_SOURCE {
-                pairs.push((a, b));
-                pairs.push((b, a));
+    // Neighboring vertices have neighboring numbers, so that a chunk has few pairs of cells.
+    let pairs_of = |chunk: usize| {
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for x in chunk * ROWS_AT_A_TIME..owner.len().min((chunk + 1) * ROWS_AT_A_TIME) {
+            for &y in neighbors.row(x) {
+                let (a, b) = (owner[x], owner[y as usize]);
+                if a != b && a != NO_SOURCE && b != NO_SOURCE {
+                    pairs.push((a, b));
+                    pairs.push((b, a));
+                }
             }
         }
-        if pairs.len() > limit {
-            pairs.sort_unstable();
-            pairs.dedup();
-            limit = limit.max(2 * pairs.len());
-        }
-    }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    };
+    let n_chunks = owner.len().div_ceil(ROWS_AT_A_TIME);
+    let chunks: Vec<_> = (0..n_chunks).into_par_iter().map(pairs_of).collect();
+    let mut pairs = chunks.concat();
     pairs.sort_unstable();
     pairs.dedup();
     let mut offsets = vec![0; n_cells + 1];

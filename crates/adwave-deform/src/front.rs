@@ -75,7 +75,13 @@ impl PlacedGraph<'_> {
     pub(crate) fn nearest(&self, sources: &[u32], radius: f64, measure: FrontLength) -> Reached {
         let n = self.points.len();
         let mut reached = Reached { owner: vec![NO_SOURCE; n], distance: vec![f64::INFINITY; n] };
-        let start: Vec<(u32, u32)> = sources.iter().map(|&x| (x, x)).collect();
+        for &x in sources {
+            (reached.owner[x as usize], reached.distance[x as usize]) = (x, 0.0);
+        }
+        // A front starts at the rim of the sources.
+        let is_source = |x: u32| reached.distance[x as usize] == 0.0;
+        let at_rim = |x: &&u32| !self.neighbors.row(**x as usize).iter().all(|&y| is_source(y));
+        let start: Vec<(u32, u32)> = sources.iter().filter(at_rim).map(|&x| (x, x)).collect();
         self.advance(&mut reached, &start, radius, measure);
         reached
     }

@@ -207,36 +207,36 @@ impl Document {
         }
     }
 
-    /// Converts a recipe to an edit of `n_levels` levels; fields are not changed by it.
+    /// Replaces the layers of a field.
+    pub(crate) fn with_field_layers(mut self, name: &str, layers: Vec<DocumentLayer>) -> Self {
+        self.fields.retain(|edit| edit.field != name);
+        self.fields.push(FieldEdit { field: name.to_owned(), layers });
+        self
+    }
+
+    /// Converts a recipe of the positions to an edit of `n_levels` levels, without fields.
     pub(crate) fn from_recipe(recipe: &Recipe, n_levels: usize, revision: u64) -> Result<Self, ApiError> {
-        if recipe.field != "coords" {
-            let hint = "the studio edits coordinates only; apply it with `adwave filter --recipe`";
-            return Err(ApiError::bad_request(format!(
-                "the recipe filters the field '{}': {hint}",
-                recipe.field
-            )));
-        }
-        if recipe.density_invariant || recipe.keep_creases {
-            let message = "the studio does not support density_invariant and keep_creases; \
-                           apply the recipe with `adwave filter --recipe`";
-            return Err(ApiError::bad_request(message));
-        }
         let moves_along_axis = recipe.positions.along.and_then(MoveDirection::axis).is_some();
         if moves_along_axis && recipe.local_fit != Some(LocalFit::Constant) {
             let message = "the studio smooths heights about their mean, which drags slopes to where the samples lie; \
                            write local_fit = \"constant\" into the recipe, or apply it with `adwave filter --recipe`";
             return Err(ApiError::bad_request(message));
         }
-        let layer = |(k, layer): (usize, &Layer)| {
-            let gains = layer.gains.resolve(n_levels).map_err(|e| ApiError::from_classified(&e))?;
-            let region = Some(layer.region.clone()).filter(|region| *region != Region::Everywhere {});
-            Ok(DocumentLayer { name: format!("layer {}", k + 1), on: true, opacity: 1.0, gains, region })
-        };
-        let layers = recipe.layers.iter().enumerate().map(layer).collect::<Result<_, ApiError>>()?;
+        let layers = layers_of_recipe(recipe, n_levels)?;
         let PositionParams { along, borders, volume } = recipe.positions;
         let (clones, pose) = (recipe.clones.clone(), recipe.pose.clone());
         Ok(Self { revision, layers, along, border: borders, volume, clones, pose, fields: Vec::new() })
     }
+}
+
+/// Converts the layers of a recipe to those of an edit of `n_levels` levels.
+pub(crate) fn layers_of_recipe(recipe: &Recipe, n_levels: usize) -> Result<Vec<DocumentLayer>, ApiError> {
+    let layer = |(k, layer): (usize, &Layer)| {
+        let gains = layer.gains.resolve(n_levels).map_err(|e| ApiError::from_classified(&e))?;
+        let region = Some(layer.region.clone()).filter(|region| *region != Region::Everywhere {});
+        Ok(DocumentLayer { name: format!("layer {}", k + 1), on: true, opacity: 1.0, gains, region })
+    };
+    recipe.layers.iter().enumerate().map(layer).collect()
 }
 
 /// Gains for levels of other widths σ, in model units, increasing: the mean of the old gains over the octaves that a new

@@ -36,7 +36,7 @@ pub(crate) fn is_editable(field: &Field) -> bool {
 }
 
 /// Returns the field of that name, if its values can be edited: those of the file or of a file that was added.
-fn editable_field<'a>(file: &'a ShapeFile, name: &str) -> Result<&'a Field, ApiError> {
+pub(crate) fn editable_field<'a>(file: &'a ShapeFile, name: &str) -> Result<&'a Field, ApiError> {
     let field = file.vertex_fields().iter().find(|field| field.name == name && field.n_channels == 1);
     let field = field.ok_or_else(|| {
         let message = "only fields of the file and of added files with one value per vertex can be edited";

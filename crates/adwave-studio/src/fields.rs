@@ -45,6 +45,15 @@ impl FieldInfo {
         Self { name, label, unit, origin, diverging: false }
     }
 
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Tells whether the values are computed from the shape.
+    pub(crate) fn is_computed(&self) -> bool {
+        matches!(self.origin, FieldOrigin::EditedShape | FieldOrigin::Bands)
+    }
+
     /// The description in the list of the fields of a shape.
     pub(crate) fn to_json(&self) -> Value {
         json!({

@@ -18,6 +18,7 @@ mod fields;
 mod guard;
 mod pose;
 mod prepared_shape;
+mod recipes;
 mod region_weights;
 mod report;
 mod response;

@@ -9,10 +9,10 @@ use crate::server::Studio;
 use crate::session::{Session, StudioInput};
 use crate::tasks::{run_blocking, run_cancellable, run_inline, with_shape};
 use crate::tool_routes::{compare_methods, create_report, denoise_shape, measure_deviation, show_report};
-use crate::{assets, export_page, field_bands, fields, save};
+use crate::{assets, export_page, field_bands, fields, recipes, save};
 use adwave::Progress;
 use adwave::region::Region;
-use adwave_io::{Format, ReadError, ReadLimits, Selection, parse_recipe, read_bytes, recipe_to_text};
+use adwave_io::{Format, ReadError, ReadLimits, Selection, read_bytes};
 use axum::Router;
 use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
@@ -392,40 +392,16 @@ async fn send_features(
 
 async fn send_recipe(State(studio): StudioState, Path(id): Path<u64>, Query(query): QueryParams) -> Response {
     with_shape(studio, id, move |session| {
-        let prepared = session.lock_prepared()?;
-        let (levels, operator) = (&prepared.levels, prepared.decomposer.operator_kind());
-        let recipe = match query.get("field") {
-            Some(name) => prepared.document.to_field_recipe(name, levels, operator),
-            None => prepared.document.to_recipe(levels, operator),
-        };
-        Ok(bytes_response(recipe_to_text(&recipe)))
+        recipes::recipe_response(session, query.get("field").map(String::as_str))
     })
     .await
 }
 
 async fn apply_recipe(State(studio): StudioState, Path(id): Path<u64>, body: Bytes) -> Response {
     with_shape(studio, id, move |session| {
-        let text = std::str::from_utf8(&body).map_err(|_| ApiError::bad_request("the recipe must be UTF-8 text"))?;
-        let recipe = parse_recipe(text).map_err(|e| ApiError::from_classified(&e))?;
-        let walk = session.walk_decomposer()?;
-        let levels = recipe.levels.clone();
-        let mut next = PreparedShape::new(&session.input.shape, walk, levels, session.progress())?;
-        if recipe.operator.is_some_and(|kind| kind != next.decomposer.operator_kind()) {
-            let message = "the studio uses the surface operator for levels given by width, and the walk operator otherwise; \
-                           apply this recipe with `adwave filter --recipe`";
-            return Err(ApiError::bad_request(message));
-        }
-        let mut prepared = session.lock_prepared()?;
-        let revision = prepared.document.revision + 1;
-        let mut document = Document::from_recipe(&recipe, next.n_levels(), revision)?;
-        let mut before = prepared.document.clone();
-        before.map_levels(&prepared.sigmas(), &next.sigmas());
-        document.fields = before.fields;
-        next.poser = Arc::clone(&prepared.poser);
-        next.apply_edit(document, &session.file())?;
-        *prepared = next;
-        session.store_edit(&prepared)?;
-        json_response(&describe_levels(&prepared))
+        let text =
+            std::str::from_utf8(&body).map_err(|_| ApiError::bad_request("the recipe must be UTF-8 text"))?;
+        recipes::apply_recipe(session, text)
     })
     .await
 }

@@ -278,6 +278,13 @@ impl Session {
 /// Largest number of fields that a file of values may add.
 const MAX_ADDED_FIELDS: usize = 64;
 
+/// Name of the field of a file of values: that of the file without its endings.
+pub(crate) fn name_of_values(file_name: &str) -> &str {
+    ["gz", "npy", "dmat", "csv", "tsv", "txt", "gii", "nii", "mgh", "mgz", "annot", "label"]
+        .iter()
+        .fold(file_name, |stem, ending| stem.strip_suffix(&format!(".{ending}")).unwrap_or(stem))
+}
+
 /// Adds the values of a file at the vertices as fields: one for each channel, named after the file. Returns their names,
 /// or the reason why the file has none for this shape.
 fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<String>, String> {
@@ -290,9 +297,7 @@ fn add_values(file: &mut ShapeFile, shape: &Shape, path: &Path) -> Result<Vec<St
             "{name} must have at most {MAX_ADDED_FIELDS} values per vertex, got {n_channels}; select some with `adwave convert`"
         ));
     }
-    let stem = ["gz", "npy", "dmat", "csv", "tsv", "txt", "gii", "nii", "mgh", "mgz", "annot", "label"]
-        .iter()
-        .fold(name.as_str(), |stem, ending| stem.strip_suffix(&format!(".{ending}")).unwrap_or(stem));
+    let stem = name_of_values(&name);
     let names: Vec<String> = match n_channels {
         1 => vec![stem.to_owned()],
         _ => (0..n_channels)

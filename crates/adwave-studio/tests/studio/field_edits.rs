@@ -166,3 +166,92 @@ fn what_is_wrong_with_a_field_is_said_in_one_line() {
         assert!(weights.body[n / 2..].iter().all(|w| *w == inside), "{low} {high}");
     }
 }
+
+#[test]
+fn the_recipe_of_a_field_is_opened_on_the_field_and_leaves_the_positions() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 3000);
+    let values = thickness(opened(&path).file.n_vertices());
+    let open = |kept: &str| {
+        let studio = Studio::on(&path, &folder.path().join(kept));
+        studio.ask("POST", "/api/shapes/1/fields?name=thickness.csv", table(&values).as_bytes());
+        studio
+    };
+    let exported = |studio: &Studio| studio.get("/api/shapes/1/edited-field?name=thickness&format=npy").body;
+    // Two layers on other levels than the default ones, sent by one studio and opened by another.
+    let studio = open("first");
+    studio.put("/api/shapes/1/levels", &json!({"levels": 3}));
+    let ball = json!({"ball": {"center": {"vertex": 2000}, "radius": 0.5}});
+    let mut document = edit(9, &[layer(&[1.0, 0.5, 1.0], &Value::Null)]);
+    document["fields"] = json!([{"field": "thickness", "layers": [
+        layer(&[0.1, 0.3, 2.0], &Value::Null), layer(&[3.0, 1.0, 1.0], &ball)]}]);
+    assert_eq!(studio.put("/api/shapes/1/edit", &document).status, 200);
+    let (recipe, expected) = (studio.get("/api/shapes/1/recipe?field=thickness").text(), exported(&studio));
+    studio.end();
+    let studio = open("second");
+    let n_levels = studio.get("/api/shapes/1").json()["levels"].as_array().unwrap().len();
+    let mut gains = vec![1.0; n_levels];
+    gains[1] = 0.25;
+    assert_eq!(studio.put("/api/shapes/1/edit", &edit(1, &[layer(&gains, &Value::Null)])).status, 200);
+    let answer = studio.ask("PUT", "/api/shapes/1/recipe", recipe.as_bytes()).json();
+    assert_eq!((&answer["field"], answer["levels"].as_array().unwrap().len()), (&json!("thickness"), 3));
+    let kept = &answer["edit"]["layers"][0]["gains"];
+    assert_eq!(*kept, json!([1.0, 0.25, 1.0]), "the gains of the positions follow their widths");
+    assert!(exported(&studio) == expected, "equal bytes");
+    // A recipe of the positions in turn leaves the field.
+    let answer =
+        studio.ask("PUT", "/api/shapes/1/recipe", b"levels = 3\n[[layer]]\npreset = 'suppress'").json();
+    assert_eq!(answer["field"], Value::Null);
+    assert!(exported(&studio) == expected, "equal bytes");
+    // `adwave filter --save-recipe` names the file, and the widths of a walk without the gaps.
+    let missing: Vec<bool> = values.iter().map(|v| v.is_nan()).collect();
+    let masked = Decomposer::new(&opened(&path).shape).masked(&missing).unwrap();
+    let widths = Schedule::dyadic(4).unwrap().sigma(masked.operator().step_length())[1..].to_vec();
+    let by_width = format!(
+        "field = 'some/folder/thickness.csv'\noperator = 'walk'\nlengths = {widths:?}\n[[layer]]\ngains = [0, 0.5, 2, 1]"
+    );
+    assert_eq!(studio.ask("PUT", "/api/shapes/1/recipe", by_width.as_bytes()).json()["field"], "thickness");
+    let schedule = Schedule::lengths(&widths, masked.operator().step_length()).unwrap();
+    let mut editor = masked.request(&values, 1, &schedule).local_fit(LocalFit::Linear).editor().unwrap();
+    editor.set_edit(&Edit::new(&parse_recipe(&by_width).unwrap().layers)).unwrap();
+    let shown = read_npy_bytes(&exported(&studio)).unwrap().into_field("t").to_f64();
+    assert!(shown.iter().zip(editor.edited()).all(|(a, b)| a.to_bits() == b.to_bits() || a.is_nan()));
+}
+
+#[test]
+fn a_recipe_of_a_field_that_cannot_be_opened_says_what_to_do() {
+    let folder = TempDir::new().unwrap();
+    let path = creature(&folder, 2000);
+    let studio = Studio::on(&path, folder.path());
+    let n = opened(&path).file.n_vertices();
+    let rows: Vec<String> = (0..n).map(|v| format!("{v},{}", v % 7)).collect();
+    let two = format!("first,second\n{}", rows.join("\n"));
+    assert_eq!(studio.ask("POST", "/api/shapes/1/fields?name=two.csv", two.as_bytes()).status, 200);
+    studio.ask("POST", "/api/shapes/1/fields?name=label.csv", table(&vec![3.0; n]).as_bytes());
+    let before = studio.get("/api/shapes/1/edit").json();
+    let layer = "[[layer]]\npreset = 'suppress'\n";
+    for (head, message) in [
+        (
+            "field = 'age'",
+            "'age', which this shape does not have; drop its file, such as age.npy, on the page",
+        ),
+        ("field = 'data/age.npy'", "drop age.npy on the page, and open the recipe again"),
+        ("field = 'two.csv'", "write field = \"two first\" into the recipe"),
+        ("field = 'mean-curvature'", "computed from the shape"),
+        ("field = 'saliency'", "computed from the shape"),
+        ("field = 'z'", "computed from the shape"),
+        ("field = 'label'", "a mean of labels is none"),
+        ("field = 'two first'\nlocal_fit = 'constant'", "has another local_fit"),
+        ("field = 'two first'\nkeep_creases = true", "keep_creases"),
+        ("field = 'two first'\n[pose]\nhandle = []", "[pose] of the recipe change positions"),
+        ("field = 'two first'\nlevels = 99", "at most 32"),
+    ] {
+        let recipe = format!("{head}\n{}", if head.contains("[pose]") { "" } else { layer });
+        let answer = studio.ask("PUT", "/api/shapes/1/recipe", recipe.as_bytes());
+        assert_eq!(answer.status, 400, "{head}");
+        assert!(answer.error().contains(message), "{head}: {}", answer.error());
+    }
+    assert_eq!(studio.get("/api/shapes/1/edit").json(), before, "nothing changed");
+    let column = format!("field = 'some/two.csv:second'\n{layer}");
+    assert_eq!(studio.ask("PUT", "/api/shapes/1/recipe", column.as_bytes()).json()["field"], "two second");
+}

@@ -1,12 +1,11 @@
 /** Two tabs side by side: one camera, and the distances that `adwave diff` measures. */
 
 import { execFileSync } from 'node:child_process';
-import { mkdirSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
-import { drag, expectNoFailures, openPage, setSlider, waitUntilSaved } from './support/page';
+import { drag, openFile, openStudio, setSlider, waitForBands, waitUntilSaved } from './support/page';
 import { decodePng, deviation } from './support/png';
-import { ADWAVE, creature, killStudio, OUT, startStudio } from './support/studio-server';
+import { ADWAVE, creature, OUT } from './support/studio-server';
 
 /** Opens the other tab beside the present one. */
 async function showBeside(page: Page, name: string): Promise<void> {
@@ -16,26 +15,20 @@ async function showBeside(page: Page, name: string): Promise<void> {
 }
 
 test('two tabs are shown with one camera and their distances', async ({ browser }) => {
-  const failures: string[] = [];
-  const folder = join(OUT, `beside-${Date.now()}`);
-  mkdirSync(folder, { recursive: true });
+  const studio = await openStudio(browser, 'beside');
+  const { page, folder } = studio;
   const shape = creature(20_000);
   const smooth = join(folder, 'smooth.ply');
   execFileSync(ADWAVE, ['filter', shape, '--gains', '0,0,0,0,1', '--quiet', '-o', smooth]);
   const measured = JSON.parse(
     execFileSync(ADWAVE, ['diff', shape, smooth, '--by', 'closest', '--json', '--quiet']).toString(),
   );
-  const server = await startStudio(shape, folder);
   try {
-    const page = await openPage(browser, server.url, failures);
-    await page.locator('.tabs').getByRole('button', { name: 'Open a file' }).waitFor();
-    const chooser = page.waitForEvent('filechooser');
-    await page.locator('.tabs').getByRole('button', { name: 'Open a file' }).click();
-    await (await chooser).setFiles(smooth);
+    await openFile(page, smooth);
     await page.locator('.tab.here', { hasText: 'smooth.ply' }).waitFor();
     await page.locator('.tab', { hasText: 'creature' }).getByRole('button').first().click();
     await page.locator('.tab.here', { hasText: 'creature' }).waitFor();
-    await page.locator('.band input.gain:enabled').nth(7).waitFor();
+    await waitForBands(page);
     await showBeside(page, 'smooth.ply');
     const { rms, greatest } = measured.difference ?? measured;
     const figures = (await page.locator('.beside-labels small').textContent())!;
@@ -88,8 +81,7 @@ test('two tabs are shown with one camera and their distances', async ({ browser 
     await page.getByRole('button', { name: 'End side by side' }).click();
     await expect(page.locator('.beside-labels')).toBeHidden();
     await page.waitForTimeout(300);
-    expectNoFailures(failures);
   } finally {
-    await killStudio(server);
+    await studio.end();
   }
 });

@@ -6,8 +6,11 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  chooseRegion,
+  clickUndo,
   currentEdit,
   drag,
+  dropFile,
   expectNoFailures,
   openPage,
   type Point,
@@ -70,11 +73,11 @@ test('other bands keep the edit, also what is changed meanwhile, and undo brings
   const mapped = await gains();
   expect([mapped.length, mapped[0], mapped[14], mapped[7]]).toEqual([15, 0, 4, 1]);
   await waitUntilSaved(page);
-  await page.getByRole('button', { name: /^Undo/ }).click();
+  await clickUndo(page);
   await expect(page.locator('.band')).toHaveCount(8);
   await expect(page.locator('.band.waiting')).toHaveCount(0);
   expect(await gains()).toEqual([...before.slice(0, 7), 4]);
-  await page.getByRole('button', { name: /^Undo/ }).click();
+  await clickUndo(page);
   expect(await gains()).toEqual(before);
   await page.getByRole('button', { name: /^Redo/ }).click();
   await waitUntilSaved(page);
@@ -91,7 +94,7 @@ test('solo shows one band and leaves the edit, and a reload keeps the steps', as
   expect(await gains()).toEqual(before);
   await expect(page.locator('.band.unheard')).toHaveCount(0);
   await expect(page.locator('.readouts')).toHaveText(figures!);
-  await page.getByRole('button', { name: /^Undo/ }).click();
+  await clickUndo(page);
   expect((await gains())[7]).toBe(1);
   await page.getByRole('button', { name: /^Redo/ }).click();
   expect(await gains()).toEqual(before);
@@ -112,7 +115,7 @@ test('a band has two tab stops, and its buttons are 24 pixels', async () => {
 
 test('a pick ends with a change of layer, and a file that exists can be replaced', async () => {
   await page.keyboard.press('l');
-  await page.locator('#layers select').first().selectOption('ball');
+  await chooseRegion(page, 'ball');
   const before = await currentEdit(page);
   await page.getByRole('button', { name: 'Choose center' }).click();
   await page.keyboard.press(',');
@@ -151,24 +154,47 @@ test('a first stroke has a live effect, on a layer of its own', async () => {
   expectNoFailures(failures);
 });
 
+test('a deleted layer frees its mask, and undo brings both back', async () => {
+  await waitUntilSaved(page);
+  const masks = () => page.evaluate(() => window.studio.maskCount());
+  const mask = () => page.evaluate(async () => Array.from(await window.studio.mask()));
+  const [before, painted, sum] = [await masks(), await mask(), await positionSum(page)];
+  expect(painted.filter((w) => w > 0).length).toBeGreaterThan(20);
+  const { layers } = await currentEdit(page);
+  await page.getByRole('button', { name: 'Layers', exact: true }).first().click();
+  for (const step of ['deleted', 'undone', 'deleted again', 'undone again']) {
+    if (step.startsWith('deleted')) {
+      await page
+        .getByRole('button', { name: `Delete ${layers.at(-1)!.name}` })
+        .last()
+        .click();
+      expect((await currentEdit(page)).layers.length, step).toBe(layers.length - 1);
+      expect(await masks(), step).toBe(before - 1);
+      expect(await positionSum(page), step).not.toBe(sum);
+    } else {
+      await clickUndo(page);
+      expect(await mask(), step).toEqual(painted);
+      expect(await masks(), step).toBe(before);
+      expect(await positionSum(page), step).toBe(sum);
+    }
+  }
+  // The other way round: what is undone has no mask, and redo gives it one.
+  await clickUndo(page);
+  expect(await masks()).toBe(before - 1);
+  await page.getByRole('button', { name: /^Redo/ }).click();
+  expect(await mask()).toEqual(painted);
+  expectNoFailures(failures);
+});
+
 test('a file of values dropped on the shape colors it, also after a reload', async () => {
   await page.keyboard.press('Escape');
   const n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
-  const drop = (name: string, text: string) =>
-    page.evaluate(
-      ([file, content]) => {
-        const dataTransfer = new DataTransfer();
-        dataTransfer.items.add(new File([content], file));
-        document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
-      },
-      [name, text] as const,
-    );
-  await drop('short.csv', '1\n2\n');
+  await dropFile(page, 'short.csv', '1\n2\n');
   await expect(page.getByRole('alert')).toContainText('one row per vertex');
-  await drop('Wärme.csv', Array.from({ length: n }, (_, v) => `${v / n}\n`).join(''));
+  await dropFile(page, 'Wärme.csv', Array.from({ length: n }, (_, v) => `${v / n}\n`).join(''));
   await expect(page.locator('.legend-title')).toHaveText('Wärme');
   // Whole numbers are classes.
-  await drop('label.csv', Array.from({ length: n }, (_, v) => `${v % 3}\n`).join(''));
+  await dropFile(page, 'label.csv', Array.from({ length: n }, (_, v) => `${v % 3}\n`).join(''));
   await expect(page.locator('.swatches li')).toHaveText(['0', '1', '2']);
   await page.keyboard.press('3');
   await waitUntilSaved(page);

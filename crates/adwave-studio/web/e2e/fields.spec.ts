@@ -1,21 +1,25 @@
 /** The equalizer of a field: live colors, an edit of its own, and files that equal those of `adwave filter`. */
 
 import { execFileSync } from 'node:child_process';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  chooseRegion,
   currentEdit,
   drag,
-  expectNoFailures,
-  openPage,
+  dropFile,
+  type OpenStudio,
+  openFile,
+  openStudio,
   type Point,
   pictureFrame,
   setSlider,
+  waitForBands,
   waitUntilReady,
   waitUntilSaved,
 } from './support/page';
-import { ADWAVE, creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+import { ADWAVE, creature, OUT } from './support/studio-server';
 
 /** Header of a NumPy array of `n` doubles. */
 const NPY_HEADER = 128;
@@ -33,23 +37,8 @@ function npy(values: Float64Array): Buffer {
 const doubles = (file: Buffer) =>
   new Float64Array(file.buffer.slice(file.byteOffset + NPY_HEADER, file.byteOffset + file.length));
 
-/** Drops a file on the page. */
-async function drop(page: Page, name: string, content: Buffer): Promise<void> {
-  await page.evaluate(
-    ([name, base64]) => {
-      const bytes = Uint8Array.from(atob(base64!), (c) => c.charCodeAt(0));
-      const dataTransfer = new DataTransfer();
-      dataTransfer.items.add(new File([bytes], name!));
-      document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
-    },
-    [name, content.toString('base64')],
-  );
-}
-
 /** Displayed values of the field; the longest distance of a value from another list of them, and the number of NaN. */
 const fieldValues = (page: Page) => page.evaluate(async () => [...(await window.studio.fieldValues())!]);
-
-const waitForBands = (page: Page) => page.locator('.band input.gain:enabled').nth(7).waitFor();
 
 /** Downloads the values of the shown field. */
 async function downloadValues(page: Page, format: string): Promise<Buffer> {
@@ -66,10 +55,9 @@ async function downloadValues(page: Page, format: string): Promise<Buffer> {
 
 test.describe
   .serial('fields', () => {
-    const failures: string[] = [];
-    const folder = join(OUT, `fields-${Date.now()}`);
     const shape = creature(20_000);
-    let server: StudioServer;
+    let studio: OpenStudio;
+    let folder: string;
     let page: Page;
     let n = 0;
 
@@ -94,9 +82,8 @@ test.describe
     };
 
     test.beforeAll(async ({ browser }) => {
-      mkdirSync(folder, { recursive: true });
-      server = await startStudio(shape, folder);
-      page = await openPage(browser, server.url, failures);
+      studio = await openStudio(browser, 'fields');
+      ({ page, folder } = studio);
       n = await page.evaluate(async () => (await window.studio.positions()).length / 3);
       const values = new Float64Array(n).map((_, v) =>
         v % 1500 < 120 ? Number.NaN : 2.5 + Math.sin(v / 300) + 0.4 * Math.sin(1.7 * v),
@@ -104,15 +91,12 @@ test.describe
       writeFileSync(join(folder, 'thickness.npy'), npy(values));
     });
 
-    test.afterAll(async () => {
-      await killStudio(server);
-      expectNoFailures(failures);
-    });
+    test.afterAll(() => studio.end());
 
     test('a slider changes the colors and no position', async () => {
       const target = page.getByRole('group', { name: 'Edit', exact: true });
       await expect(target, 'there is nothing to choose without a field').toBeHidden();
-      await drop(page, 'thickness.npy', readFileSync(join(folder, 'thickness.npy')));
+      await dropFile(page, 'thickness.npy', readFileSync(join(folder, 'thickness.npy')));
       await page.locator('.legend:not([hidden])').waitFor();
       await target.getByRole('button', { name: 'thickness' }).click();
       await waitForBands(page);
@@ -164,7 +148,7 @@ test.describe
 
     test('layers of a field have regions, around its gaps', async () => {
       const { gains } = (await currentEdit(page)).fields![0]!.layers[0]!;
-      await page.locator('#layers select').first().selectOption('ball');
+      await chooseRegion(page, 'ball');
       await waitUntilSaved(page);
       const { region } = (await currentEdit(page)).fields![0]!.layers[0]!;
       const { center, radius } = (region as { ball: { center: { vertex: number }; radius: number } }).ball;
@@ -219,7 +203,7 @@ test.describe
     test('the brush edits a field live, and other bands keep the edit', async () => {
       await page.getByRole('group', { name: 'Edit', exact: true }).getByRole('button').last().click();
       await waitForBands(page);
-      await page.locator('#layers select').first().selectOption('everywhere');
+      await chooseRegion(page, 'everywhere');
       await waitUntilSaved(page);
       const before = await fieldValues(page);
       await page.keyboard.press('b');
@@ -247,7 +231,7 @@ test.describe
       await page.getByLabel('Number of bands').fill('5');
       await page.getByRole('dialog').getByRole('button', { name: 'Apply' }).click();
       await expect(page.locator('.band')).toHaveCount(5);
-      await page.locator('.band input.gain:enabled').nth(4).waitFor();
+      await waitForBands(page, 5);
       await waitUntilSaved(page);
       const five = (await currentEdit(page)).fields![0]!.layers[0]!.gains;
       expect(five).toEqual(layers[0]!.gains.slice(0, 5));
@@ -266,6 +250,60 @@ test.describe
       await expect.poll(async () => changed(await fieldValues(page)), 'all is undone').toBe(0);
     });
 
+    test('a recipe of the field is opened on the field, and undo takes it back', async () => {
+      const target = page.getByRole('group', { name: 'Edit', exact: true });
+      await target.getByRole('button').last().click();
+      await waitForBands(page);
+      for (const [band, position] of [
+        [0, 20],
+        [3, 150],
+      ] as const)
+        await setSlider(page, band, position);
+      await waitUntilSaved(page);
+      const edited = (await currentEdit(page)).fields![0]!.layers;
+      const values = await fieldValues(page);
+      await page.getByRole('button', { name: 'File', exact: true }).click();
+      const [download] = await Promise.all([
+        page.waitForEvent('download'),
+        page.getByRole('button', { name: 'Recipe of thickness' }).click(),
+      ]);
+      const recipe = readFileSync((await download.path())!, 'utf8');
+      await page.keyboard.press('Escape');
+      // The command's recipe of the same gains names the file, and widths instead of steps.
+      const saved = join(folder, 'command.toml');
+      filtered(edited[0]!.gains, 'recipe.npy', '--save-recipe', saved);
+      const gains = async () => (await currentEdit(page)).fields![0]!.layers[0]!.gains;
+      for (const content of [recipe, readFileSync(saved, 'utf8')]) {
+        await setSlider(page, 5, 60);
+        await waitUntilSaved(page);
+        const other = await gains();
+        expect(other).not.toEqual(edited[0]!.gains);
+        await target.getByRole('button', { name: 'Positions' }).click();
+        await dropFile(page, 'thickness.toml', content);
+        await expect(target.locator('[aria-pressed="true"]')).toHaveText('thickness');
+        await waitForBands(page);
+        expect(await gains()).toEqual(edited[0]!.gains);
+        await expect
+          .poll(
+            async () => (await fieldValues(page)).filter((x, v) => Math.abs(x - values[v]!) > 2e-5).length,
+          )
+          .toBe(0);
+        await waitUntilSaved(page);
+        await page.locator('canvas.picture').focus();
+        await page.keyboard.press('Control+z');
+        await expect.poll(gains).toEqual(other);
+        await waitForBands(page);
+        await page.keyboard.press('Control+Shift+z');
+        await expect.poll(gains).toEqual(edited[0]!.gains);
+        await waitForBands(page);
+        await waitUntilSaved(page);
+      }
+      await dropFile(page, 'age.toml', recipe.replace('"thickness"', '"age"'));
+      await expect(page.getByRole('alert')).toContainText(
+        "the field 'age', which this shape does not have; drop its file, such as age.npy, on the page",
+      );
+    });
+
     test('narrow windows, and a field without values', async () => {
       await page.getByRole('group', { name: 'Edit', exact: true }).getByRole('button').last().click();
       await waitForBands(page);
@@ -275,11 +313,9 @@ test.describe
       const scrollWidth = await page.evaluate(() => document.documentElement.scrollWidth);
       expect(scrollWidth, 'nothing is wider than the window').toBeLessThanOrEqual(390);
       await page.setViewportSize({ width: 1200, height: 900 });
-      const chooser = page.waitForEvent('filechooser');
-      await page.locator('.tabs').getByRole('button', { name: 'Open a file' }).click();
-      await (await chooser).setFiles(creature(2000));
+      await openFile(page, creature(2000));
       await page.locator('.tab.here', { hasText: 'creature-2000.ply' }).waitFor();
-      await page.locator('.band input.gain:enabled').nth(2).waitFor();
+      await waitForBands(page, 3);
       await page.waitForTimeout(300);
       await expect(page.locator('.toasts .error'), 'another tab has no such field').toHaveCount(0);
       await page.locator('.tab', { hasText: 'creature-20000' }).getByRole('button').first().click();
@@ -288,7 +324,7 @@ test.describe
         page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),
         'the field is edited again',
       ).toHaveText('thickness');
-      await drop(page, 'nothing.npy', npy(new Float64Array(n).fill(Number.NaN)));
+      await dropFile(page, 'nothing.npy', npy(new Float64Array(n).fill(Number.NaN)));
       await expect(page.locator('.legend')).toContainText('No values');
       await expect(
         page.getByRole('group', { name: 'Edit', exact: true }).locator('[aria-pressed="true"]'),

@@ -3,16 +3,18 @@
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  chooseRegion,
+  coverage,
   currentEdit,
   drag,
-  expectNoFailures,
-  openPage,
+  type OpenStudio,
+  openStudio,
   type Point,
   pictureFrame,
   waitUntilReady,
   waitUntilSaved,
 } from './support/page';
-import { creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+import { OUT } from './support/studio-server';
 
 type Box = { min: number[]; max: number[]; falloff: number };
 type Half = { point: number[]; normal: number[] };
@@ -34,32 +36,22 @@ async function pull(page: Page, name: string, dx: number, dy: number, beforeRele
   await page.waitForTimeout(50);
 }
 
-/** Sum of the mask of the last layer. */
-const coverage = (page: Page) =>
-  page.evaluate(async () => (await window.studio.mask()).reduce((sum, w) => sum + w, 0));
-
 test.describe
   .serial('handles of regions', () => {
-    const failures: string[] = [];
-    let server: StudioServer;
+    let studio: OpenStudio;
     let page: Page;
 
     test.beforeAll(async ({ browser }) => {
-      server = await startStudio(creature(20_000), `${OUT}/gizmo-${Date.now()}`);
-      page = await openPage(browser, server.url, failures);
+      studio = await openStudio(browser, 'gizmo');
+      ({ page } = studio);
       await page.keyboard.press('l');
       await page.keyboard.press('1');
     });
 
-    test.afterAll(async () => {
-      await killStudio(server);
-      expectNoFailures(failures);
-    });
-
-    const choose = (kind: string) => page.locator('#layers select').first().selectOption(kind);
+    test.afterAll(() => studio.end());
 
     test('a box is resized by its faces and moved by its center', async () => {
-      await choose('box');
+      await chooseRegion(page, 'box');
       await waitUntilSaved(page);
       const before = ((await region(page)) as { box: Box }).box;
       const all = await coverage(page);
@@ -87,13 +79,17 @@ test.describe
       await handle(page, 'To y').press('ArrowDown');
       const lower = ((await region(page)) as { box: Box }).box;
       expect(lower.max[1]).toBeLessThan(narrow.max[1]!);
+      await handle(page, 'Move the region').press('ArrowUp');
+      const higher = ((await region(page)) as { box: Box }).box;
+      expect(higher.min[1], 'up in the picture').toBeGreaterThan(lower.min[1]!);
+      expect(higher.min[0]).toBeCloseTo(lower.min[0]!, 9);
       await page.keyboard.press('3');
       await page.screenshot({ path: join(OUT, '23-box.png') });
       await page.keyboard.press('1');
     });
 
     test('a plane is moved and turned', async () => {
-      await choose('half-space');
+      await chooseRegion(page, 'half-space');
       await waitUntilSaved(page);
       const before = ((await region(page)) as { 'half-space': Half })['half-space'];
       await pull(page, 'Move the plane', 70, 30);
@@ -104,12 +100,15 @@ test.describe
       const turned = ((await region(page)) as { 'half-space': Half })['half-space'];
       expect(Math.hypot(...turned.normal)).toBeCloseTo(1, 9);
       expect(turned.normal[1]).toBeGreaterThan(0.4);
+      await handle(page, 'Turn the plane').press('ArrowDown');
+      const back = ((await region(page)) as { 'half-space': Half })['half-space'];
+      expect(back.normal[1], 'keys turn it too').toBeLessThan(turned.normal[1]!);
       await expect(page.getByLabel('Toward')).toHaveValue('tilted');
       await page.screenshot({ path: join(OUT, '24-plane.png') });
     });
 
     test('a ball is moved over the surface and resized', async () => {
-      await choose('ball');
+      await chooseRegion(page, 'ball');
       await waitUntilSaved(page);
       await page.keyboard.press('1');
       const before = ((await region(page)) as { ball: Ball }).ball;
@@ -117,6 +116,21 @@ test.describe
       const moved = ((await region(page)) as { ball: Ball }).ball;
       expect(moved.center.vertex).not.toBe(before.center.vertex);
       expect(moved.radius).toBe(before.radius);
+      // Arrow keys move the center over the surface, each to another vertex on that side.
+      const center = async () => (await handle(page, 'Move the center').boundingBox())!;
+      for (const [key, side, sign] of [
+        ['ArrowUp', 'y', -1],
+        ['ArrowLeft', 'x', -1],
+        ['ArrowDown', 'y', 1],
+        ['ArrowRight', 'x', 1],
+      ] as const) {
+        const [was, from] = [((await region(page)) as { ball: Ball }).ball.center.vertex, await center()];
+        await handle(page, 'Move the center').press(key);
+        expect(((await region(page)) as { ball: Ball }).ball.center.vertex, key).not.toBe(was);
+        await page.waitForTimeout(150);
+        expect(sign * ((await center())[side] - from[side]), key).toBeGreaterThan(1);
+      }
+      await waitUntilSaved(page);
       const all = await coverage(page);
       await pull(page, 'Radius', 60, 0);
       expect(((await region(page)) as { ball: Ball }).ball.radius).toBeGreaterThan(1.2 * before.radius);

@@ -4,19 +4,20 @@ import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  clickUndo,
   currentEdit,
   drag,
   expectNoFailures,
-  openPage,
+  type OpenStudio,
+  openStudio,
   type Point,
   pictureFrame,
   setSlider,
   waitUntilReady,
   waitUntilSaved,
 } from './support/page';
-import { creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+import { OUT } from './support/studio-server';
 
-const failures: string[] = [];
 const pose = async (page: Page) => (await currentEdit(page)).pose ?? { handle: [] };
 const nHandles = async (page: Page) => (await pose(page)).handle.length;
 
@@ -65,18 +66,17 @@ async function pull(page: Page, from: Point, by: Point, beforeRelease = async ()
 }
 
 test.describe('a surface', () => {
-  let server: StudioServer;
+  let studio: OpenStudio;
   let page: Page;
 
   test.beforeAll(async ({ browser }) => {
-    server = await startStudio(creature(20_000), join(OUT, `grab-${Date.now()}`));
-    page = await openPage(browser, server.url, failures);
+    studio = await openStudio(browser, 'grab');
+    ({ page } = studio);
   });
 
-  test.afterAll(async () => {
-    await page.close();
-    await killStudio(server);
-  });
+  test.afterEach(() => expectNoFailures(studio.failures));
+
+  test.afterAll(() => studio.end());
 
   test('bends while a handle is pulled, and the far end stays', async () => {
     const rest = await positions(page);
@@ -102,7 +102,6 @@ test.describe('a surface', () => {
     expect(at(bent, pin)).toEqual(at(rest, pin));
     // The page shows what the server stores.
     expect(largestMove(bent, await storedPositions(page))).toBeLessThan(1e-4);
-    expectNoFailures(failures);
   });
 
   test('keeps its sliders live, and the bend survives other bands and a reload', async () => {
@@ -117,16 +116,15 @@ test.describe('a surface', () => {
     await waitUntilReady(page);
     expect(largestMove(smooth, await positions(page))).toBeLessThan(1e-5);
     expect(await nHandles(page)).toBe(1);
-    for (let k = 0; k < 2; k++) await page.getByRole('button', { name: /^Undo/ }).click();
+    for (let k = 0; k < 2; k++) await clickUndo(page);
     await waitUntilSaved(page);
     expect(largestMove(bent, await positions(page))).toBeLessThan(1e-5);
-    await page.getByRole('button', { name: /^Undo/ }).click();
+    await clickUndo(page);
     await waitUntilSaved(page);
     expect(await nHandles(page)).toBe(0);
     await page.getByRole('button', { name: /^Redo/ }).click();
     await waitUntilSaved(page);
     expect(largestMove(bent, await positions(page))).toBeLessThan(1e-5);
-    expectNoFailures(failures);
   });
 
   test('a click pins, pins are painted and released, and the shape is straightened', async () => {
@@ -155,7 +153,6 @@ test.describe('a surface', () => {
     await expect.poll(() => nHandles(page)).toBe(0);
     await waitUntilSaved(page);
     expect(await page.evaluate(() => window.studio.state().pose)).toBeNull();
-    expectNoFailures(failures);
   });
 
   test('no click and no pull is lost, however soon it is released', async () => {
@@ -180,7 +177,6 @@ test.describe('a surface', () => {
     await waitUntilSaved(page);
     await page.getByRole('button', { name: 'Straighten' }).click();
     await waitUntilSaved(page);
-    expectNoFailures(failures);
   });
 
   test('a click that is cancelled leaves nothing, and a lost picture ends the pull', async () => {
@@ -203,14 +199,13 @@ test.describe('a surface', () => {
     expect(await nHandles(page)).toBe(1);
     await waitUntilSaved(page);
     expect(largestMove(await positions(page), await storedPositions(page))).toBeLessThan(1e-4);
-    expectNoFailures(failures);
   });
 });
 
 test('the brush clones detail to where it is dragged, live, and undo takes it back', async ({ browser }) => {
-  const server = await startStudio(creature(20_000), join(OUT, `clone-${Date.now()}`));
+  const studio = await openStudio(browser, 'clone');
+  const { page } = studio;
   try {
-    const page = await openPage(browser, server.url, failures);
     const rest = await positions(page);
     await page.keyboard.press('b');
     await page.locator('[data-effect="clone"]').click();
@@ -238,14 +233,12 @@ test('the brush clones detail to where it is dragged, live, and undo takes it ba
     await pull(page, [x, y], [0, -0.1 * size]);
     await waitUntilSaved(page);
     expect(largestMove(await positions(page), await storedPositions(page))).toBeLessThan(1e-4);
-    for (let k = 0; k < 2; k++) await page.getByRole('button', { name: /^Undo/ }).click();
+    for (let k = 0; k < 2; k++) await clickUndo(page);
     await waitUntilSaved(page);
     expect((await currentEdit(page)).clones).toEqual([]);
     expect(largestMove(rest, await positions(page))).toBe(0);
-    expectNoFailures(failures);
-    await page.close();
   } finally {
-    await killStudio(server);
+    await studio.end();
   }
 });
 
@@ -273,13 +266,12 @@ function writeSheet(path: string, n: number, kind: 'sheet' | 'two parts' | 'clou
 
 for (const kind of ['sheet', 'two parts', 'cloud', 'strays'] as const) {
   test(`${kind}: a pull bends what is under the pointer`, async ({ browser }) => {
-    const folder = join(OUT, `grab-${kind.replace(' ', '-')}-${Date.now()}`);
-    mkdirSync(folder, { recursive: true });
-    const file = join(folder, 'sheet.obj');
+    const file = join(OUT, `${kind.replace(' ', '-')}.obj`);
+    mkdirSync(OUT, { recursive: true });
     writeSheet(file, 60, kind);
-    const server = await startStudio(file, folder);
+    const studio = await openStudio(browser, `grab-${kind.replace(' ', '-')}`, file);
+    const { page } = studio;
     try {
-      const page = await openPage(browser, server.url, failures);
       const rest = await positions(page);
       await startGrabbing(page);
       const { x, y, size } = await pictureFrame(page);
@@ -295,10 +287,8 @@ for (const kind of ['sheet', 'two parts', 'cloud', 'strays'] as const) {
         const n = rest.length;
         expect(bent.slice(n - 6)).toEqual(rest.slice(n - 6));
       }
-      expectNoFailures(failures);
-      await page.close();
     } finally {
-      await killStudio(server);
+      await studio.end();
     }
   });
 }

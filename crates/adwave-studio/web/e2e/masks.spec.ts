@@ -3,8 +3,7 @@
 import { expect, type Page, test } from '@playwright/test';
 import {
   drag,
-  expectNoFailures,
-  openPage,
+  openStudio,
   type Point,
   pictureFrame,
   randomNumbers,
@@ -12,7 +11,6 @@ import {
   strokeCount,
   waitForStrokes,
 } from './support/page';
-import { creature, killStudio, OUT, startStudio } from './support/studio-server';
 
 const N_STROKES = Number(process.env['STUDIO_STROKES'] ?? 50);
 const SEED = Number(process.env['STUDIO_SEED'] ?? 1);
@@ -45,10 +43,9 @@ function compareMasks(page: Page) {
 test('masks of strokes equal those of the server', async ({ browser }) => {
   const random = randomNumbers(SEED);
   const pick = <T>(list: readonly T[]): T => list[Math.floor(random() * list.length)]!;
-  const failures: string[] = [];
-  const server = await startStudio(creature(20_000), `${OUT}/masks-${Date.now()}`);
+  const studio = await openStudio(browser, 'masks');
+  const { page } = studio;
   try {
-    const page = await openPage(browser, server.url, failures);
     const { x, y, size } = await pictureFrame(page);
     await page.keyboard.press('l');
     await startPainting(page);
@@ -103,8 +100,7 @@ test('masks of strokes equal those of the server', async ({ browser }) => {
       expect.soft(result.isEqual, `after ${key}`).toBe(true);
     }
     await waitForStrokes(page, nStrokes);
-    expectNoFailures(failures);
   } finally {
-    await killStudio(server);
+    await studio.end();
   }
 });

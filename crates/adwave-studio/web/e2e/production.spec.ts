@@ -1,7 +1,7 @@
 /** Smoke test of the committed production bundle, as the server embeds it. */
 
 import { expect, test } from '@playwright/test';
-import { collectErrors, expectNoFailures } from './support/page';
+import { collectErrors, expectNoFailures, openFile } from './support/page';
 import { decodePng, deviation } from './support/png';
 import { creature, killStudio, OUT, startStudio } from './support/studio-server';
 
@@ -41,11 +41,8 @@ test('an unknown file is refused with a link to the supported formats', async ({
   try {
     await page.goto(server.url);
     await expect(page.locator('.band input.gain').first()).toBeEnabled({ timeout: 60_000 });
-    const choosing = page.waitForEvent('filechooser');
-    await page.waitForTimeout(500);
-    await page.keyboard.press('Control+o');
     const buffer = Buffer.from('neither vertices nor faces');
-    await (await choosing).setFiles({ name: 'notes.doc', mimeType: 'text/plain', buffer });
+    await openFile(page, { name: 'notes.doc', mimeType: 'text/plain', buffer });
     const message = page.locator('.toasts p');
     await expect(message).toContainText('notes.doc is not a shape adwave can read');
     await message.getByRole('button', { name: 'Supported formats' }).click();

@@ -6,6 +6,7 @@ import {
   currentEdit,
   drag,
   expectNoFailures,
+  openFile,
   openPage,
   type Point,
   pictureFrame,
@@ -95,13 +96,7 @@ test('edits survive a second tab and a killed server', async ({ browser }) => {
       const again = await openPage(browser, server.url, failures);
       expect(await strokeCount(again), 'at most one stroke is lost').toBeGreaterThanOrEqual(3);
       expect(await gains(again), 'the gains are restored').toEqual(await gains(first));
-      // A page in the background opens no file chooser.
-      await again.bringToFront();
-      const choosing = again.waitForEvent('filechooser');
-      // The browser takes a moment to intercept file choosers.
-      await again.waitForTimeout(500);
-      await again.keyboard.press('Control+o');
-      await (await choosing).setFiles(file);
+      await openFile(again, file);
       expect(await waitForStrokes(again, 4), 'the file restores the rest').toBe(true);
       await waitUntilSaved(again);
       expect((await currentEdit(again)).layers, 'all of it').toEqual(before);

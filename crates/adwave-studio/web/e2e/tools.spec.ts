@@ -5,21 +5,19 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { expect, type Page, test } from '@playwright/test';
 import {
+  chooseRegion,
+  coverage,
   currentEdit,
-  expectNoFailures,
-  openPage,
+  type OpenStudio,
+  openStudio,
   pictureFrame,
   setSlider,
   waitUntilSaved,
 } from './support/page';
 import { decodePng, deviation } from './support/png';
-import { creature, killStudio, OUT, type StudioServer, startStudio } from './support/studio-server';
+import { OUT } from './support/studio-server';
 
 const lastRegion = async (page: Page) => (await currentEdit(page)).layers.at(-1)!.region;
-
-/** Sum of the mask of the last layer, 255 per fully covered vertex. */
-const coverage = (page: Page) =>
-  page.evaluate(async () => (await window.studio.mask()).reduce((sum, w) => sum + w, 0));
 
 /** Standard deviation of the colors of a screenshot within an element. */
 async function screenshotDeviation(page: Page, name: string, selector: string): Promise<number> {
@@ -32,24 +30,20 @@ const openFileMenu = (page: Page) => page.getByRole('button', { name: 'File', ex
 
 test.describe
   .serial('tools', () => {
-    const failures: string[] = [];
-    let server: StudioServer;
+    let studio: OpenStudio;
     let page: Page;
 
     test.beforeAll(async ({ browser }) => {
-      server = await startStudio(creature(20_000), `${OUT}/tools-${Date.now()}`);
-      page = await openPage(browser, server.url, failures);
+      studio = await openStudio(browser, 'tools');
+      ({ page } = studio);
     });
 
-    test.afterAll(async () => {
-      await killStudio(server);
-      expectNoFailures(failures);
-    });
+    test.afterAll(() => studio.end());
 
     test('a line over the surface is grown, shrunk, blurred and undone', async () => {
       const { x, y, size } = await pictureFrame(page);
       await page.keyboard.press('l');
-      await page.locator('#layers select').first().selectOption('stroke');
+      await chooseRegion(page, 'stroke');
       for (const k of [-1, 0, 1]) {
         const before = JSON.stringify(await lastRegion(page));
         await page.mouse.click(x + 0.06 * size * k, y);
@@ -80,12 +74,12 @@ test.describe
 
     test('regions by a computed field and by a connected part', async () => {
       const { x, y } = await pictureFrame(page);
-      await page.locator('#layers select').first().selectOption('field');
+      await chooseRegion(page, 'field');
       for (let i = 0; i < 200 && !(await lastRegion(page)); i++) await page.waitForTimeout(50);
       expect(await lastRegion(page)).toMatchObject({ field: { name: 'saliency' } });
       await waitUntilSaved(page);
       expect(await coverage(page), 'the field covers something').toBeGreaterThan(0);
-      await page.locator('#layers select').first().selectOption('component');
+      await chooseRegion(page, 'component');
       await page.mouse.click(x, y);
       await waitUntilSaved(page);
       const nVertices = await page.evaluate(async () => (await window.studio.mask()).length);
@@ -129,6 +123,7 @@ test.describe
     });
 
     test('the exported file works from a disk without a network', async ({ browser }) => {
+      const { failures } = studio;
       await openFileMenu(page);
       const [download] = await Promise.all([
         page.waitForEvent('download'),

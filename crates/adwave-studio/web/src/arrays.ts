@@ -5,6 +5,7 @@
 
 import { BufferAttribute, BufferGeometry } from 'three';
 import type { Bent } from './compute/messages';
+import { nearestVertex } from './compute/pick';
 import { setAttributeArray } from './geometry';
 import type { ReshapedBy } from './protocol';
 import { maskPacks } from './shader';
@@ -142,9 +143,18 @@ export class ShapeArrays {
 
   /** Place of a vertex, relative to the center. */
   place(vertex: number): number[] {
-    const geometry = this.hasEdited ? this.edited : this.base;
-    const { array } = geometry.getAttribute('position');
+    const array = this.places;
     return [array[3 * vertex]!, array[3 * vertex + 1]!, array[3 * vertex + 2]!];
+  }
+
+  /** Vertex that is nearest to a place, relative to the center. */
+  nearest([x, y, z]: readonly number[]): number {
+    return nearestVertex(this.places, x!, y!, z!);
+  }
+
+  private get places(): Float32Array {
+    const geometry = this.hasEdited ? this.edited : this.base;
+    return geometry.getAttribute('position').array as Float32Array;
   }
 
   /** Sets the shape at rest in a pose, of all vertices or of those that are drawn while it moves. */

@@ -106,6 +106,11 @@ export class Camera {
     return new Vector3(1, 0, 0).applyQuaternion(this.three.quaternion).toArray();
   }
 
+  /** Direction up in the picture. */
+  upward(): number[] {
+    return new Vector3(0, 1, 0).applyQuaternion(this.three.quaternion).toArray();
+  }
+
   frame(): void {
     this.pivot.copy(this.center);
     const half = (FIELD_OF_VIEW * Math.PI) / 360;

@@ -179,15 +179,17 @@ export class Display {
       const began = this.pulledAt;
       this.pulledAt = 0;
       const by = reshapedBy(doc);
+      const keep = studio.keptKeys(doc);
       const answer = await studio.engine.call('edit', {
         layers,
         regions: updates,
-        keep: studio.keptKeys(doc),
+        keep,
         exact,
         by,
         follow,
       });
       if (isOld()) return;
+      this.masks.retainLayers(keep);
       if (answer.places && answer.turns) {
         view.arrays.setPosed(by, { places: answer.places, turns: answer.turns });
       } else if (!by) view.arrays.setPosed(null, null);

@@ -115,6 +115,7 @@ export class FieldEditor {
       const keep = studio.keptKeys(doc);
       const answer = await studio.engine.call('fieldEdit', { layers, regions: updates, keep });
       if (turn !== this.turn) return;
+      studio.masks.retainLayers(keep);
       if (answer.problem && answer.problem !== this.problem) studio.showMessage(answer.problem, 'error');
       this.problem = answer.problem;
       this.take(answer, doc);

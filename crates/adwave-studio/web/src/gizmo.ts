@@ -20,6 +20,8 @@ import type { Studio } from './studio';
 import { text } from './text';
 
 type Point = { x: number; y: number };
+/** Lengths to the right and up in the picture; a handle with a direction takes their sum. */
+type Step = [number, number];
 
 /** A handle: where it is, and the region that a drag or a key leads to. */
 interface Handle {
@@ -30,8 +32,8 @@ interface Handle {
   axis: number[] | null;
   /** Region with the handle at a place of the picture. */
   drag: (at: Point, from: Point) => Region | Promise<Region | null> | null;
-  /** Region after a step of a length in model units. */
-  step: (by: number) => Region | null;
+  /** Region after a step in the picture, to the right and up, in model units. */
+  step: (by: Step) => Region | null;
 }
 
 /** Drawing of a region: polygons of places, of which a closed one returns to its start, and handles. */
@@ -48,6 +50,17 @@ const LEAST_SLOPE = 0.12;
 const PLANE = { half: 0.32, arrow: 0.22 };
 /** Step of an arrow key, relative to the diagonal. */
 const KEY_STEP = 0.01;
+/** Signs of the step of each arrow key. */
+const ARROWS: Record<string, Step> = {
+  ArrowRight: [1, 0],
+  ArrowLeft: [-1, 0],
+  ArrowUp: [0, 1],
+  ArrowDown: [0, -1],
+};
+/** Turn of a plane by an arrow key, in steps of the tip of its arrow. */
+const TURN_STEPS = 4;
+/** Number of doublings of a step that ends at the vertex where it began. */
+const DOUBLINGS = 4;
 /** Range of the radius of a ball, relative to the diagonal. */
 const RADIUS = { least: 0.005, most: 0.6 };
 
@@ -209,7 +222,7 @@ export class Gizmo {
           place,
           axis,
           drag: (at, from) => moved(this.along(place, axis, from, at)),
-          step: moved,
+          step: ([x, y]) => moved(x + y),
         };
       }),
     );
@@ -226,14 +239,15 @@ export class Gizmo {
           ),
         };
       },
-      step: (by) => ({ box: movedBox(box, addScaled([0, 0, 0], this.right, by)) }),
+      step: (by) => ({ box: movedBox(box, this.across(by)) }),
     };
     return { lines: boxEdges(low, high), circle: null, handles: [center, ...faces] };
   }
 
-  /** Direction to the right of the picture. */
-  private get right(): number[] {
-    return this.studio.view.camera.right();
+  /** Vector of a step across the direction of view. */
+  private across([x, y]: Step): number[] {
+    const { camera } = this.studio.view;
+    return addScaled(addScaled([0, 0, 0], camera.right(), x), camera.upward(), y);
   }
 
   private planeOutline(half: HalfSpaceRegion): Outline {
@@ -257,21 +271,17 @@ export class Gizmo {
         place,
         axis: normal,
         drag: (at, from) => moved(this.along(place, normal, from, at)),
-        step: moved,
+        step: ([x, y]) => moved(x + y),
       },
       {
         label: text.turnPlane,
         place: tip,
         axis: null,
         drag: ({ x, y }) => turned(camera.pointInPlane(tip, x, y).map((v, c) => v - place[c]!)),
-        step: (by) =>
-          turned(
-            addScaled(
-              tip.map((v, c) => v - place[c]!),
-              this.right,
-              4 * by,
-            ),
-          ),
+        step: (by) => {
+          const arrow = tip.map((v, c) => v - place[c]!);
+          return turned(addScaled(arrow, this.across(by), TURN_STEPS));
+        },
       },
     ];
     return { lines: [planeQuad(place, normal, PLANE.half * diagonal), [place, tip]], circle: null, handles };
@@ -297,18 +307,32 @@ export class Gizmo {
           const vertex = await this.stage.vertexAt(x, y);
           return vertex === null ? null : { ball: { ...ball, center: { vertex } } };
         },
-        step: () => null,
+        step: (by) => {
+          const vertex = this.vertexBeside(place, by);
+          return vertex === null ? null : { ball: { ...ball, center: { vertex } } };
+        },
       },
       {
         label: text.radius,
-        place: addScaled(place, this.right, radius),
+        place: addScaled(place, view.camera.right(), radius),
         axis: null,
         drag: ({ x, y }) =>
           sized(Math.hypot(...view.camera.pointInPlane(place, x, y).map((v, c) => v - place[c]!))),
-        step: (by) => sized(radius + by),
+        step: ([x, y]) => sized(radius + x + y),
       },
     ];
     return { lines: [], circle: { place, radius }, handles };
+  }
+
+  /** Vertex nearest to a place after a step, which grows while the vertex stays the same; `null` if there is no other. */
+  private vertexBeside(place: number[], by: Step): number | null {
+    const { arrays } = this.studio.view;
+    const start = arrays.nearest(place);
+    for (let k = 0; k <= DOUBLINGS; k++) {
+      const vertex = arrays.nearest(addScaled(place, this.across(by), 2 ** k));
+      if (vertex !== start) return vertex;
+    }
+    return null;
   }
 
   private handleButton(index: number): HTMLButtonElement {
@@ -368,7 +392,6 @@ export class Gizmo {
     button.addEventListener('pointerup', (e) => void end(e));
     button.addEventListener('pointercancel', (e) => void end(e));
     button.addEventListener('keydown', (e) => {
-      const sign = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 }[e.key];
       if (e.key === 'Escape' && this.dragged) {
         e.stopPropagation();
         this.dragged = null;
@@ -377,7 +400,10 @@ export class Gizmo {
         studio.history.cancel();
         return;
       }
-      const region = sign && this.outline?.handles[index]?.step(sign * KEY_STEP * studio.shape!.diagonal);
+      const signs = ARROWS[e.key];
+      if (!signs) return;
+      const length = KEY_STEP * studio.shape!.diagonal;
+      const region = this.outline?.handles[index]?.step([length * signs[0], length * signs[1]]);
       if (!region) return;
       e.preventDefault();
       e.stopPropagation();

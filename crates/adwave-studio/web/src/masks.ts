@@ -30,6 +30,19 @@ export class Masks {
     if (slot >= 0) this.arrays.setMask(slot, from, bytes);
   }
 
+  /**
+   * Drops the masks of deleted layers, as the worker does. When undo brings a layer back, the worker computes its mask from
+   * the region and reports it.
+   */
+  retainLayers(keys: readonly number[]): void {
+    for (const key of this.masks.keys()) if (!keys.includes(key)) this.masks.delete(key);
+  }
+
+  /** Number of masks in memory. */
+  get size(): number {
+    return this.masks.size;
+  }
+
   has(key: number): boolean {
     return this.masks.has(key);
   }

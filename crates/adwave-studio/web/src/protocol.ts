@@ -104,6 +104,8 @@ export interface LevelsAnswer {
   levels: Level[];
   choice: LevelsChoice;
   edit: Edit;
+  /** Field that an opened recipe edits; `null` for the positions. */
+  field?: string | null;
 }
 
 export interface FieldName {

@@ -67,7 +67,7 @@ export function scaleBar(view: View): HTMLElement {
     }
     const size = roundLength(pixel * BAR.most);
     bar.style.width = `${Math.max(BAR.least, size / pixel).toFixed(1)}px`;
-    length.textContent = `${formatNumber(size)} ${text.units}`;
+    length.textContent = text.units(formatNumber(size));
   });
   return element;
 }

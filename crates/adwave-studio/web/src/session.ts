@@ -141,12 +141,18 @@ export class Session {
     );
   }
 
-  /** Applies the levels and the edit of a recipe as one step. */
+  /** Applies the levels and the edit of a recipe as one step, and shows what it edits: the positions or a field. */
   async applyRecipe(recipe: string): Promise<void> {
+    const { studio } = this;
+    let target: string | null | undefined;
     await this.replaceLevels(
-      (signal) => this.studio.api.putRecipe(this.studio.shape!.id, recipe, signal),
-      ({ levels, edit }) => this.studio.history.commit(fromEdit(edit, levels.sigmas.length, levels)),
+      (signal) => studio.api.putRecipe(studio.shape!.id, recipe, signal),
+      ({ levels, edit, field }) => {
+        studio.history.commit(fromEdit(edit, levels.sigmas.length, levels));
+        target = field ?? null;
+      },
     );
+    if (target !== undefined) studio.showTarget(target);
   }
 
   /**
@@ -155,7 +161,7 @@ export class Session {
    */
   private async replaceLevels(
     request: (signal: AbortSignal) => Promise<LevelsAnswer>,
-    step: (answer: { levels: DocLevels; edit: Edit }) => void,
+    step: (answer: { levels: DocLevels; edit: Edit; field?: string | null }) => void,
   ): Promise<void> {
     const { studio } = this;
     const { generation } = this;
@@ -179,7 +185,7 @@ export class Session {
     studio.solo = null;
     studio.view.setLevels(levels.length);
     studio.view.arrays.setUnedited();
-    step({ levels: docLevels(studio.shape), edit: answer.edit });
+    step({ ...answer, levels: docLevels(studio.shape) });
     studio.emit('levels');
     await this.readLevels();
     // Presets and fields depend on the number of levels.

@@ -134,7 +134,7 @@ export class Studio {
   /** Receives the next clicked vertex instead of the default action. */
   onPickVertex: ((vertex: number) => void) | null = null;
   private readonly listeners = new Map<Topic, (() => void)[]>();
-  private readonly masks: Masks;
+  readonly masks: Masks;
 
   constructor(
     readonly api: Api,

@@ -20,6 +20,8 @@ export interface TestHooks {
   saved(): Promise<void>;
   /** Returns the mask of the last layer after all computation has finished. */
   mask(): Promise<Uint8Array>;
+  /** Number of masks in the memory of the page, after all computation has finished. */
+  maskCount(): Promise<number>;
   /** Returns the displayed values of the field that is edited; `null` if the positions are. */
   fieldValues(): Promise<Float32Array | null>;
   /** Name of the WebGL renderer. */
@@ -52,6 +54,10 @@ export function installTestHooks(studio: Studio, ready: Promise<void>): void {
     mask: async () => {
       await studio.display.waitUntilSettled();
       return (await studio.engine.call('maskBytes', { key: studio.layers.at(-1)!.key })).bytes;
+    },
+    maskCount: async () => {
+      await studio.display.waitUntilSettled();
+      return studio.masks.size;
     },
     fieldValues: async () => {
       await studio.fieldEditor.waitUntilShown();

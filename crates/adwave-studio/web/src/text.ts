@@ -294,7 +294,7 @@ export const text = {
   clipFlip: 'Keep the other side',
   camera: 'Camera',
   scaleBar: 'Axes, and a length at the depth about which the shape rotates',
-  units: 'units',
+  units: (size: string) => `${size} ${size === '1' ? 'unit' : 'units'}`,
   views: [
     ['front', 'Front'],
     ['right', 'Right'],

@@ -1,10 +1,11 @@
 /** Actions and queries on a page of the studio that several tests share. */
 
+import { mkdirSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { type Browser, type BrowserContext, expect, type Page } from '@playwright/test';
+import { type Browser, type BrowserContext, expect, type FileChooser, type Page } from '@playwright/test';
 import type { Edit } from '../../src/protocol';
-import { TEST_BUILD } from './studio-server';
+import { creature, killStudio, OUT, type StudioServer, startStudio, TEST_BUILD } from './studio-server';
 
 export type Point = [number, number];
 
@@ -45,6 +46,81 @@ export async function openPage(browser: Browser, url: string, failures: string[]
 export function expectNoFailures(failures: readonly string[]): void {
   expect([...new Set(failures)]).toEqual([]);
 }
+
+/** A studio of its own with one page, for the tests of a file. */
+export interface OpenStudio {
+  page: Page;
+  server: StudioServer;
+  /** Folder of its own, which the server stores edits in. */
+  folder: string;
+  /** Uncaught errors of the page. */
+  failures: string[];
+  /** Closes the page, kills the server, and asserts that no error was uncaught. */
+  end(): Promise<void>;
+}
+
+/** Starts a studio on a shape, by default a creature of 20 000 vertices, and opens a page. */
+export async function openStudio(browser: Browser, name: string, shape?: string): Promise<OpenStudio> {
+  const folder = join(OUT, `${name}-${Date.now()}`);
+  mkdirSync(folder, { recursive: true });
+  const failures: string[] = [];
+  const server = await startStudio(shape ?? creature(20_000), folder);
+  try {
+    const page = await openPage(browser, server.url, failures);
+    const end = async () => {
+      await page.close();
+      await killStudio(server);
+      expectNoFailures(failures);
+    };
+    return { page, server, folder, failures, end };
+  } catch (error) {
+    await killStudio(server);
+    throw error;
+  }
+}
+
+/** Drops a file on the page. */
+export async function dropFile(page: Page, name: string, content: Buffer | string): Promise<void> {
+  await page.evaluate(
+    ([name, base64]) => {
+      const bytes = Uint8Array.from(atob(base64!), (c) => c.charCodeAt(0));
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([bytes], name!));
+      document.getElementById('app')!.dispatchEvent(new DragEvent('drop', { dataTransfer }));
+    },
+    [name, Buffer.from(content).toString('base64')],
+  );
+}
+
+/** Opens a file with the file dialog of the page. */
+export async function openFile(page: Page, file: Parameters<FileChooser['setFiles']>[0]): Promise<void> {
+  // A page in the background opens no file chooser.
+  await page.bringToFront();
+  const choosing = page.waitForEvent('filechooser');
+  // The browser takes a moment to intercept file choosers.
+  await page.waitForTimeout(500);
+  await page.keyboard.press('Control+o');
+  await (await choosing).setFiles(file);
+}
+
+/** Waits until the sliders of `n` bands are enabled. */
+export const waitForBands = (page: Page, n = 8): Promise<void> =>
+  page
+    .locator('.band input.gain:enabled')
+    .nth(n - 1)
+    .waitFor();
+
+/** Takes a step back by the button. */
+export const clickUndo = (page: Page): Promise<void> => page.getByRole('button', { name: /^Undo/ }).click();
+
+/** Chooses how the region of the first layer is given. */
+export async function chooseRegion(page: Page, kind: string): Promise<void> {
+  await page.locator('#layers select').first().selectOption(kind);
+}
+
+/** Sum of the mask of the last layer, 255 per fully covered vertex. */
+export const coverage = (page: Page): Promise<number> =>
+  page.evaluate(async () => (await window.studio.mask()).reduce((sum, w) => sum + w, 0));
 
 /** Mulberry32: deterministic pseudorandom numbers in [0, 1). */
 export function randomNumbers(seed: number): () => number {
