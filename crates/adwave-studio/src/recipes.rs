@@ -76,8 +76,9 @@ pub(crate) fn apply_recipe(session: &Session, text: &str) -> ApiResult {
 /// takes the walk for steps, and the surface operator for widths.
 fn levels_of_recipe(session: &Session, recipe: &Recipe, field: Option<&str>) -> Result<LevelSpec, ApiError> {
     let is_walk_by_width = recipe.operator == Some(OperatorKind::Walk) && recipe.levels.is_by_width();
-    let depends_on_gaps = matches!(recipe.levels, LevelSpec::Default | LevelSpec::Voices { .. });
-    if !is_walk_by_width && !(depends_on_gaps && field.is_some()) {
+    let is_counted = matches!(recipe.levels, LevelSpec::Default | LevelSpec::Voices { .. });
+    let depends_on_gaps = is_counted && field.is_some();
+    if !(is_walk_by_width || depends_on_gaps) {
         return Ok(recipe.levels.clone());
     }
     let walk = session.walk_decomposer()?;
