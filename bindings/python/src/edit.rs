@@ -24,6 +24,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<EditorData>()?;
     module.add_function(wrap_pyfunction!(labels_of_signal, module)?)?;
     module.add_function(wrap_pyfunction!(filter_labels, module)?)?;
+    module.add_function(wrap_pyfunction!(filter_everywhere, module)?)?;
     module.add_function(wrap_pyfunction!(apply_bands, module)?)
 }
 
@@ -115,6 +116,28 @@ fn filter_labels<'py>(
         own.request(signal, &schedule, &params, p).filter_labels(&labels, &layers)
     })?;
     Ok(arrays::matrix(py, filtered, 1)?.into_any())
+}
+
+/// The signal with gains that hold everywhere, by one polynomial of the operator.
+#[pyfunction]
+#[pyo3(signature = (prepared, request, given, progress=None))]
+fn filter_everywhere<'py>(
+    py: Python<'py>,
+    prepared: &Bound<'py, Prepared>,
+    request: BandsOptions<'py>,
+    given: &Bound<'py, PyAny>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let own = prepared.get();
+    let signal = own.signal(request.signal.as_ref())?;
+    let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
+    let layers = [WeightedLayer::everywhere(gains(given, schedule.n_levels())?)];
+    let fit = options::word("local_fit", &request.local_fit, options::LOCAL_FITS)?;
+    let params = request.params()?;
+    let filtered = run(py, n, progress.as_ref(), |p| {
+        own.request(signal, &schedule, &params, p).local_fit(fit).filter_layers(&layers)
+    })?;
+    Ok(arrays::matrix(py, filtered, signal.n_channels)?.into_any())
 }
 
 /// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written to `out`,

@@ -346,15 +346,17 @@ def filter(
         levels = len(gains)  # type: ignore[arg-type]
     steps = decomposer.schedule(levels)
 
-    def edit(editor: _native.EditorData) -> NDArray[np.float64]:
-        return editor.apply(layers)
+    def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
+        if len(layers) == 1 and layers[0][1] is None:
+            return _native.filter_everywhere(owner._data, request, layers[0][0], report)
+        return _native.EditorData(owner._data, request, report).apply(layers)
 
     if named is not None and not isinstance(named, str):
         with report_progress(progress, "filtering") as report:
 
             def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
                 request = BandsRequest(values, steps, accuracy, local_fit, precision)
-                return edit(_native.EditorData(owner._data, request, report))
+                return edit(owner, request, report)
 
             def edited(signal: SignalLike) -> tuple[NDArray[np.float64], Layout]:
                 values, layout = decomposer._signal_values(part.take_signal(signal))
@@ -420,7 +422,7 @@ class EditSettings:
 def edit_shape(
     decomposer: Decomposer,
     settings: EditSettings,
-    edit: Callable[[_native.EditorData], NDArray[np.float64]],
+    edit: Callable[[Decomposer, BandsRequest, Any], NDArray[np.float64]],
     progress: ProgressLike,
 ) -> Shape:
     """The shape with one of its signals edited."""
@@ -438,7 +440,7 @@ def edit_shape(
 
         def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
             request = BandsRequest(values, settings.steps, settings.accuracy, fit)
-            return edit(_native.EditorData(owner._data, request, report))
+            return edit(owner, request, report)
 
         edited = decomposer._map_channels(values, filtered)
         if heights:

@@ -207,6 +207,9 @@ def morph(
     first: Prepared, second: Prepared, steps: Sequence[float], shares: Sequence[float], progress: _Report = None
 ) -> _Floats: ...
 def labels_of_signal(name: str, values: _Floats) -> list[float] | None: ...
+def filter_everywhere(
+    prepared: Prepared, request: BandsRequest, given: Sequence[float] | str, progress: _Report = None
+) -> _Floats: ...
 def filter_labels(
     prepared: Prepared,
     request: BandsRequest,

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adwave import _native
-from adwave._decomposer import Layer, prepare_decomposer
+from adwave._decomposer import Decomposer, Layer, prepare_decomposer
 from adwave._edits import EditSettings, edit_shape
-from adwave._options import Constraints, LevelsLike, Octaves, Operator, Steps, Widths, check_levels
+from adwave._options import BandsRequest, Constraints, LevelsLike, Octaves, Operator, Steps, Widths, check_levels
 from adwave._part import read_part
 from adwave._progress import ProgressLike
 from adwave._shape import Path
@@ -94,8 +94,8 @@ class Recipe:
         decomposer = prepare_decomposer(part.shape, operator)
         constraints = Constraints(along=content["along"], border=content["border"], volume=content["volume"])
 
-        def edit(editor: _native.EditorData) -> NDArray[np.float64]:
-            return editor.apply_recipe(self._data)
+        def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
+            return _native.EditorData(owner._data, request, report).apply_recipe(self._data)
 
         fit = content["local_fit"] or "linear"
         settings = EditSettings(self.signal, decomposer.schedule(levels), constraints, fit)

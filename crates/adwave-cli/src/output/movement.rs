@@ -5,9 +5,10 @@ use crate::error::CliError;
 use crate::global::Global;
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
-use adwave::shape::{PreparedGeometry, Shape, curve_length, health};
+use adwave::shape::{PreparedGeometry, Shape, curve_length, encloses_volume};
 use adwave_io::ShapeFile;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Widths of the widest level beyond which a note says that a vertex moved far.
@@ -16,7 +17,18 @@ const FAR: f64 = 3.0;
 /// Relative change of the volume beyond which a note reports it.
 const LARGE_CHANGE: f64 = 0.5;
 
-/// MeasureChange between a shape and its new positions.
+/// Exponent range of sizes whose squares and cubes neither vanish nor overflow.
+const MODERATE_EXPONENT: f64 = 32.0;
+
+/// Positions in a unit; for unit 1 without a copy.
+fn in_units(points: &[[f64; 3]], unit: f64) -> Cow<'_, [[f64; 3]]> {
+    if unit == 1.0 {
+        return Cow::Borrowed(points);
+    }
+    points.iter().map(|p| p.map(|c| c / unit)).collect()
+}
+
+/// Change between a shape and its new positions.
 pub(crate) struct Movement {
     moved: Displacement,
     diagonal: f64,
@@ -54,16 +66,15 @@ impl Movement {
         let shape = geometry.shape();
         let diagonal = geometry.extent();
         // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two rounds nothing.
-        let unit = if diagonal > 0.0 { diagonal.log2().floor().exp2() } else { 1.0 };
-        let in_units =
-            |points: &[[f64; 3]]| -> Vec<[f64; 3]> { points.iter().map(|p| p.map(|c| c / unit)).collect() };
+        let exponent = if diagonal > 0.0 { diagonal.log2().floor() } else { 0.0 };
+        let unit = if exponent.abs() <= MODERATE_EXPONENT { 1.0 } else { exponent.exp2() };
         let Some(before) = shape.points().filter(|before| before.len() == points.len()) else {
             return Err(CliError::Input(
                 "the coordinates of a graph must be finite to be changed; repair them, or choose a --signal"
                     .to_owned(),
             ));
         };
-        let moved = displacement(&in_units(before), &in_units(points));
+        let moved = displacement(&in_units(before, unit), &in_units(points, unit));
         let moved = Displacement { rms: moved.rms * unit, max: moved.max * unit, ..moved };
         if !moved.max.is_finite() {
             return Err(CliError::Input(format!(
@@ -73,18 +84,17 @@ impl Movement {
         }
         let mut this = Self { moved, diagonal, lengths: None, areas: None, volumes: None };
         if let Shape::Graph(graph) = shape {
-            let length = |points: &[[f64; 3]]| curve_length(graph, &in_units(points));
+            let length = |points: &[[f64; 3]]| curve_length(graph, &in_units(points, unit));
             this.lengths = Some(MeasureChange::new(length(before), length(points), unit));
         }
         if geometry.faces().is_empty() {
             return Ok(this);
         }
-        let (before, after) =
-            (in_units(geometry.points()), in_units(&geometry.vertex_map().positions(points)));
+        let after = geometry.vertex_map().positions(points);
+        let (before, after) = (in_units(geometry.points(), unit), in_units(&after, unit));
         let area = |points: &[[f64; 3]]| geometry.area_of(points);
         this.areas = Some(MeasureChange::new(area(&before), area(&after), unit.powi(2)));
-        let counted = health(geometry, &geometry.one_ring(), Progress::none());
-        if counted.is_ok_and(|health| health.volume.is_some()) {
+        if encloses_volume(geometry, Progress::none()).is_ok_and(|encloses| encloses) {
             let volume = |points: &[[f64; 3]]| geometry.volume_of(points);
             this.volumes = Some(MeasureChange::new(volume(&before), volume(&after), unit.powi(3)));
         }

@@ -10,6 +10,7 @@ mod compare;
 mod curves;
 mod deform;
 mod field_files;
+mod gains_everywhere;
 mod graphs;
 mod hostile;
 mod labels;

@@ -15,6 +15,7 @@ use adwave::filter::{Edit, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
 use adwave::positions::{MoveDirection, constrain_positions};
+use adwave::region::Region;
 use adwave::{BandsRequest, Decomposer, Progress};
 use adwave_io::{region_field, with_axis};
 
@@ -87,9 +88,12 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let chosen = LevelsAndLayers { schedule: &schedule, layers: &layers };
         let EditedGroup { values, accuracy } =
             edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?;
-        let change = SignalChange::new(&job.signal.values, &values);
-        let edited = if job.signal_name == COORDS {
-            let points = constrained_points(job, &decomposer, &values, progress)?;
+        let is_shape = job.signal_name == COORDS;
+        // Of positions the movement is reported instead.
+        let change =
+            if is_shape { SignalChange::default() } else { SignalChange::new(&job.signal.values, &values) };
+        let edited = if is_shape {
+            let points = constrained_points(job, &decomposer, values, progress)?;
             EditedSignal::Points(match &job.reshaped_by {
                 Some(by) => reshaped_points(by, &job.input, points, progress)?,
                 None => points,
@@ -209,8 +213,8 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
     }
 }
 
-/// The signal after the edit. A signal of few channels is computed by the object that interactive edits use, so that a recipe
-/// gives the same bits everywhere; many channels agree with it to the accuracy of the bands.
+/// The signal after the edit. Recipes and regions on few channels are computed by the object that interactive edits use, so
+/// that a recipe gives the same bits everywhere; gains alone, and many channels, agree with it to the accuracy of the bands.
 fn edited_values(
     job: &FilterJob<'_>,
     signal: PartOfSignal<'_>,
@@ -243,8 +247,12 @@ fn edited_values(
     }
     let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
-        let mut editor =
-            request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress).editor()?;
+        let request = request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress);
+        if let ([Layer { region: Region::Everywhere {}, .. }], false) = (&layers[..], job.has_recipe) {
+            // One polynomial, for which no band is kept.
+            return Ok(request.filter(&edit)?);
+        }
+        let mut editor = request.editor()?;
         editor.set_edit(&edit)?;
         Ok(editor.into_edited())
     };
@@ -303,10 +311,11 @@ fn edited_in_groups(
 fn constrained_points(
     job: &FilterJob<'_>,
     decomposer: &Decomposer,
-    edited: &[f64],
+    edited: Vec<f64>,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, CliError> {
     let points = edited.as_chunks().0.to_vec();
+    drop(edited);
     if decomposer.geometry().points().is_empty() {
         return Ok(points);
     }

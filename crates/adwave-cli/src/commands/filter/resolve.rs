@@ -48,6 +48,8 @@ pub(super) struct FilterJob<'a> {
     pub(super) normals: MovedNormals,
     pub(super) result: ResultFile<'a>,
     pub(super) save_recipe: Option<SaveRecipe<'a>>,
+    /// True if a recipe is read or saved, which gives the same bits wherever it is applied.
+    pub(super) has_recipe: bool,
 }
 
 /// The levels of a filter.
@@ -141,6 +143,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         bands,
         normals: args.normals.to_rule(),
         result,
+        has_recipe: recipe.is_some() || save_recipe.is_some(),
         save_recipe,
     })
 }
