@@ -6,8 +6,8 @@ use adwave_io::{ReadLimits, read_path};
 use common::{adwave, words};
 use std::path::Path;
 
-/// Rounding of the positions, times the size of the shape.
-const ROUNDING: f64 = 1e-12;
+/// Largest relative error of each band by default; positions differ by no more, times the size of the shape.
+const ACCURACY: f64 = 1e-10;
 
 /// Positions that `line` writes to out.ply, and its report without the lines that name files.
 fn edited(folder: &Path, line: &str) -> (Vec<[f64; 3]>, Vec<String>) {
@@ -25,13 +25,13 @@ fn one_polynomial_gives_the_positions_and_the_report_of_all_bands() {
     let shapes = [
         "sample:creature --vertices 3000",
         "sample:plane --vertices 900",
-        "sample:torus --vertices 2000 --operator surface",
+        "sample:creature --vertices 2000 --operator surface",
         "sample:sphere --vertices 1500 --weld 0",
     ];
     let edits = [
         "--preset smooth",
         "--preset enhance --levels 6",
-        "--preset suppress-paper --levels 13",
+        "--preset suppress-paper --levels 5",
         "--preset band2 --lengths '1%,2%,4%'",
         "--gains 1,1,0.5",
         "--gains 1,1,1",
@@ -47,7 +47,7 @@ fn one_polynomial_gives_the_positions_and_the_report_of_all_bands() {
             assert_eq!(report, expected_report, "{line}");
             let size = expected.as_flattened().iter().fold(0.0_f64, |size, c| size.max(c.abs()));
             for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
-                assert!((found - expected).abs() <= ROUNDING * size, "{line}: {found} and {expected}");
+                assert!((found - expected).abs() <= ACCURACY * size, "{line}: {found} and {expected}");
             }
             assert!(size > 0.0 && found.len() == expected.len());
         }
