@@ -98,7 +98,7 @@ impl DenoiseChoice {
         let surface = build_surface(geometry, &points, progress)?;
         let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
         let points = impulses.map_or_else(|| points.to_vec(), |found| found.points);
-        let (law, mut scales) = (NoiseLaw::of(&info, unit), GuideScales::default());
+        let (law, mut scales) = (NoiseLaw::from_info(&info, unit), GuideScales::default());
         let is_noisy = is_anything_to_do(&surface, &law, params);
         if is_noisy {
             choose_rounds(&surface, &points, &law, params, &mut info, progress.quiet())?;

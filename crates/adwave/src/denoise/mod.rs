@@ -132,7 +132,7 @@ pub fn denoise(
     progress.step(0, STAGES)?;
     let surface = build_surface(geometry, &points, progress)?;
     let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
-    let law = NoiseLaw::of(&info, unit);
+    let law = NoiseLaw::from_info(&info, unit);
     progress.step(1, STAGES)?;
     let repaired = impulses.as_ref().map_or(&points[..], |found| &found.points[..]);
     let mut moved = repaired.to_vec();

@@ -50,7 +50,7 @@ pub(super) struct NoiseLaw {
 
 impl NoiseLaw {
     /// The assumed noise, for points of which `unit` model units are one.
-    pub(super) fn of(info: &DenoiseInfo, unit: f64) -> Self {
+    pub(super) fn from_info(info: &DenoiseInfo, unit: f64) -> Self {
         let (shared, steps) = info.mesh.as_ref().map_or((0.0, 0), |mesh| (mesh.shared, mesh.shared_steps));
         Self { white: info.noise / unit, shared: shared / unit, steps }
     }
