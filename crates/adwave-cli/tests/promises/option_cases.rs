@@ -304,6 +304,7 @@ const CASES: &[OptionCase] = &[
     with(case("tiles", "--denoise", ""), "!--gains"),
     with(case("tiles", "--strength", "2"), "--denoise !--gains"),
     with(case("tiles", "--creases", "none"), "--denoise !--gains"),
+    with(case("tiles", "--shared-noise", "0.2"), "--denoise !--gains"),
     with(case("tiles", "--noise-sigma", "0.3"), "--denoise !--gains"),
     case("tiles", "--along", "z"),
     case("tiles", "--border", "free"),

@@ -77,6 +77,7 @@ fn check_options(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> 
         global
             .given
             .refuse(&["--border"], "applies to meshes; points of a cloud move along their normals")?;
+        global.given.refuse(&["--shared-noise"], "applies to meshes")?;
         check_lengths(args, global)?;
     }
     Ok(())
