@@ -255,7 +255,7 @@ impl DenoiseOptions {
         let params = params.with_noise_model(word("noise", &self.noise_model, NOISE_MODELS)?);
         let params = params.with_shared(match &self.shared_noise {
             SharedNoiseOption::Deviation(deviation) => SharedNoise::Deviation(*deviation),
-            SharedNoiseOption::Word(name) => word("shared_noise", name, SHARED_NOISES)?,
+            SharedNoiseOption::Word(name) => word("noise", name, SHARED_NOISES)?,
         });
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),
@@ -277,7 +277,7 @@ fn denoise_points<'py>(
     let params = options.params()?;
     let own = shape.get().shape(py)?;
     if params.shared != SharedNoise::Detail && !matches!(own, Shape::Mesh(_)) {
-        return Err(PyValueError::new_err("shared_noise: applies to meshes; leave it out"));
+        return Err(PyValueError::new_err("noise: 'shared' applies to meshes; pass a number or leave it out"));
     }
     let weld = weld.mode()?;
     let work = |p: Progress<'_>| {

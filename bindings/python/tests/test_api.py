@@ -333,8 +333,9 @@ def test_a_filter_takes_arrays_too() -> None:
     heights = np.array(CREATURE.points[:, 2])
     changed = aw.filter(CREATURE, [0, 0, 1], signal=heights, local_fit="constant")
     assert isinstance(changed, np.ndarray) and changed.shape == heights.shape
-    # Bands are those of the operator itself, without a local fit.
-    assert np.array_equal(changed, aw.decompose(CREATURE, signal=heights, levels=3).apply([0, 0, 1]))
+    # Bands are those of the operator itself, without a local fit; gains that hold everywhere are one polynomial.
+    by_bands = aw.decompose(CREATURE, signal=heights, levels=3).apply([0, 0, 1])
+    assert np.abs(changed - by_bands).max() < 1e-9 * np.abs(heights).max()
 
 
 def test_files_keep_what_they_had(tmp_path: Path) -> None:

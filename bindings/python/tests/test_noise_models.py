@@ -40,3 +40,27 @@ def test_relative_noise_has_a_model_and_values_below_zero_are_refused() -> None:
         aw.denoise(shape, noise="poisson")
     with pytest.raises(ValueError, match="noise"):
         aw.denoise(shape, truth, noise="pink")  # type: ignore[arg-type]
+
+
+def test_noise_that_neighbors_share_is_removed_on_request() -> None:
+    clean = aw.sample("sphere", vertices=4000)
+    random = np.random.default_rng(5)
+    heights = aw.filter(clean, [0, 0, 1], signal=random.standard_normal(clean.n_vertices))
+    edge = np.linalg.norm(clean.points[clean.faces[:, 0]] - clean.points[clean.faces[:, 1]], axis=1).mean()
+    heights *= 0.2 * edge / heights.std()
+    noisy = aw.Shape(clean.points * (1 + heights[:, None]), clean.faces)
+
+    def error(shape: aw.Shape) -> float:
+        return float(np.std(np.linalg.norm(shape.points, axis=1)))
+
+    kept, info = aw.denoise(noisy)
+    assert info["shared_noise"] == 0 and 0.1 * edge < info["shared_noise_at_most"] < 0.4 * edge
+    removed, own = aw.denoise(noisy, noise="shared")
+    assert own["shared_noise"] == info["shared_noise_at_most"]
+    given, _ = aw.denoise(noisy, noise=("shared", own["shared_noise"]))
+    assert np.array_equal(given.points, removed.points)
+    assert error(removed) < 0.9 * error(kept)
+    with pytest.raises(ValueError, match="applies to meshes"):
+        aw.denoise(clean.points, noise="shared")
+    with pytest.raises(ValueError, match="not to a signal"):
+        aw.denoise(clean, heights, noise="shared")

@@ -223,7 +223,7 @@ def _changed(shape: Shape, name: str, values: NDArray[np.float64]) -> Shape:
 
 
 LocalFit = Literal["linear", "constant"]
-NoiseModel = Literal["gaussian", "poisson", "multiplicative"]
+NoiseModel = Literal["gaussian", "poisson", "multiplicative", "shared"]
 
 
 @overload
@@ -579,7 +579,6 @@ def denoise(
     noise: float | NoiseModel | tuple[NoiseModel, float] | None = None,
     local_fit: LocalFit = "linear",
     outliers: Literal["keep", "pull"] = "keep",
-    shared_noise: float | Literal["detail", "auto"] = "detail",
     operator: OperatorLike = None,
     progress: ProgressLike = None,
     **options: Unpack[PartOptions],
@@ -603,15 +602,14 @@ def denoise(
         Standard deviation of the noise along the normals in model units, or of the signal, if it is known. For a signal
         also the dependence of the noise on the values: ``'poisson'`` for counts, of which the variance is proportional to
         the value, ``'multiplicative'`` if the standard deviation is proportional to it, and ``'gaussian'``, the default.
-        With a number, ``('poisson', 1.0)``, that is the standard deviation at a value of 1.
+        With a number, ``('poisson', 1.0)``, that is the standard deviation at a value of 1. For a mesh ``'shared'`` removes
+        noise that neighbors share too, as scanners make it: as much as the mesh admits
+        (``info["shared_noise_at_most"]``), detail of that size included, or with a number that standard deviation along the
+        normals. By default it stays, because it looks like detail.
     local_fit : {'linear', 'constant'}
         What smoothing leaves unchanged in a signal, as in `filter`: with ``'linear'`` slopes are not taken for noise.
     outliers : {'keep', 'pull'}
         Whether outliers of a cloud stay where they are or are moved to their neighbors; ``info["outliers"]`` names them.
-    shared_noise : {'detail', 'auto'} or float
-        Noise of a mesh that neighbors share, as scanners make it. It looks like detail of the same size, so it stays by
-        default. ``'auto'`` removes as much as the mesh admits (``info["shared_noise_at_most"]``), detail of that size
-        included; a number is its standard deviation along the normals in model units.
     operator : str or Operator, optional
         As in `decompose`; for a shape only ``aw.Operator(weld=…)``.
     progress : bool or callable, optional
@@ -640,10 +638,14 @@ def denoise(
     """
     part = read_part("denoise", shape, options, _DENOISE, signal)
     noise_model, deviation = _noise_model(noise)
-    settings = DenoiseOptions(strength, creases, deviation, noise_model, local_fit, outliers, shared_noise)
+    shared: Union[float, str] = "detail"
+    if noise_model == "shared":
+        shared, deviation = "auto" if deviation is None else deviation, None
+    model = "gaussian" if noise_model == "shared" else noise_model
+    settings = DenoiseOptions(strength, creases, deviation, model, local_fit, outliers, shared)
     signal = default_signal(part.given, signal)
     if signal is None:
-        if noise_model != "gaussian":
+        if noise_model not in ("gaussian", "shared"):
             raise ValueError(
                 f"noise: {noise_model} noise is that of a signal, not of positions; pass a number or leave it out"
             )
@@ -653,8 +655,8 @@ def denoise(
         return DenoiseResult(part.moved(part.shape._with_positions(points)), info)
     if creases != "auto":
         raise ValueError("creases: applies to shapes; steps of a signal are preserved anyway: leave it out")
-    if shared_noise != "detail":
-        raise ValueError("shared_noise: applies to the positions of a mesh, not to a signal: leave it out")
+    if noise_model == "shared":
+        raise ValueError("noise: 'shared' applies to the positions of a mesh, not to a signal; leave it out")
     decomposer = prepare_decomposer(part.part, exact_operator(operator, options))
     taken = part.take_signal(signal)
     values, layout = decomposer._signal_values(taken)
@@ -714,4 +716,4 @@ _DECOMPOSE = ("signal", "levels", "operator", "accuracy", "progress")
 _SMOOTH = ("signal", "fwhm", "rms", "steps", "lazy", "operator", "accuracy", "progress")
 _FILTER = ("gains", "where", "signal", "levels", "operator", "constraints", "local_fit", "accuracy", "progress")
 _LABELS = ("labels", "gains", "where", "levels", "operator", "accuracy", "progress")
-_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "shared_noise", "operator", "progress")
+_DENOISE = ("signal", "strength", "creases", "noise", "local_fit", "outliers", "operator", "progress")

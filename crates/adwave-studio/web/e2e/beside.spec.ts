@@ -71,7 +71,11 @@ test('two tabs are shown with one camera and their distances', async ({ browser 
     await waitUntilSaved(page);
     await expect
       .poll(async () =>
-        Number((await page.locator('.beside-labels small').textContent())!.match(/RMS (\S+),/)![1]),
+        Number(
+          (await page.locator('.beside-labels small').textContent())!
+            .match(/RMS (\S+),/)![1]!
+            .replace('−', '-'),
+        ),
       )
       .toBeLessThan(0.1 * rms);
     await page.setViewportSize({ width: 390, height: 844 });
