@@ -42,6 +42,7 @@ __all__ = [
     "distances",
     "encode_png",
     "feature_map",
+    "filter_everywhere",
     "filter_labels",
     "find_features",
     "from_differential",
