@@ -277,7 +277,9 @@ fn denoise_points<'py>(
     let params = options.params()?;
     let own = shape.get().shape(py)?;
     if params.shared != SharedNoise::Detail && !matches!(own, Shape::Mesh(_)) {
-        return Err(PyValueError::new_err("noise: 'shared' applies to meshes; pass a number or leave it out"));
+        return Err(PyValueError::new_err(
+            "noise: 'shared' applies to meshes; pass a number or leave it out",
+        ));
     }
     let weld = weld.mode()?;
     let work = |p: Progress<'_>| {
