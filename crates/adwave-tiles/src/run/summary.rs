@@ -107,6 +107,8 @@ impl TilingJob {
         let unit = self.plan.shape.layout.unit();
         if let Some(mesh) = &mut info.mesh {
             mesh.impulse_size *= unit;
+            mesh.shared_at_most *= unit;
+            mesh.shared *= unit;
         }
         Ok(DenoiseInfo { noise: info.noise * unit, n_far: n_far as usize, furthest, ..info })
     }

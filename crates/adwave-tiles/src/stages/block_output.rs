@@ -31,7 +31,7 @@ pub(crate) struct TileValues {
     pub(crate) interior_range: Range<usize>,
     /// One entry per block of the interior.
     pub(crate) step_sums: Vec<StepSums>,
-    /// Whether a vertex was stopped because noise does not explain a longer move; empty if none was.
+    /// True for vertices that were stopped because noise does not explain a longer move; empty if none was.
     pub(crate) is_far: Vec<bool>,
 }
 

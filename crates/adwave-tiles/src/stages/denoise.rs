@@ -111,7 +111,7 @@ struct Moved {
     points: Vec<[f64; 3]>,
     /// Three numbers per vertex.
     changes: Vec<f64>,
-    /// Whether a vertex of a mesh was stopped at three times the noise; empty for a cloud, whose points stay then.
+    /// True for vertices of a mesh that were stopped at three times the noise; empty for a cloud, whose points stay then.
     is_far: Vec<bool>,
 }
 

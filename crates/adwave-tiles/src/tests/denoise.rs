@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use adwave::Progress;
-use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams, denoise};
+use adwave::denoise::{Creases, DenoiseChoice, DenoiseParams, SharedNoise, denoise};
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave_io::{LasReader, ReadLimits, read_path};
@@ -134,10 +134,22 @@ fn a_mesh_in_tiles_of_any_size_has_the_bytes_of_one_and_is_denoised_as_in_memory
         let geometry = PreparedGeometry::new(&shape, WeldMode::EqualPositions, Progress::none()).unwrap();
         let expected = denoise(&geometry, &DenoiseParams::default(), Progress::none()).unwrap();
         assert!((info.noise / expected.info.noise - 1.0).abs() < 1e-9);
+        let [of_tiles, in_memory] = [&info, &expected.info].map(|info| info.mesh.as_ref().unwrap());
+        assert!(in_memory.shared_at_most > 0.0);
+        assert!((of_tiles.shared_at_most / in_memory.shared_at_most - 1.0).abs() < 1e-6, "{name}");
         assert!((info.furthest / expected.info.furthest - 1.0).abs() < 1e-3);
         let off = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|c| (p[c] - q[c]).abs()).fold(0.0, f64::max);
         let most = file.points().iter().zip(&expected.points).map(|(p, q)| off(p, q)).fold(0.0, f64::max);
         assert!(most < MAX_DIFFERENCE * info.noise, "{name}: {most:e} of a noise of {:e}", info.noise);
+        // Noise that neighbors share has the unit of the file too.
+        let shared = SharedNoise::Deviation(0.3 * info.noise);
+        let given = DenoiseParams::default().with_shared(shared);
+        let (_, info) =
+            denoised_mesh(&folder.join("shared"), &input, &Params { denoise: Some(given), ..params() });
+        let expected = denoise(&geometry, &given, Progress::none()).unwrap().info;
+        let [of_tiles, in_memory] = [&info, &expected].map(|info| info.mesh.as_ref().unwrap().shared);
+        assert!((of_tiles / in_memory - 1.0).abs() < 1e-9, "{name}: {of_tiles:e} and {in_memory:e}");
+        assert!((info.furthest / expected.furthest - 1.0).abs() < 1e-3, "{name}");
     }
 }
 
