@@ -58,7 +58,7 @@ pub struct DenoiseChoice {
 pub struct DenoisedPart {
     /// New positions.
     pub points: Vec<[f64; 3]>,
-    /// Whether the point would have moved farther than three times the noise there.
+    /// True for points that would have moved farther than three times the noise there.
     pub is_stopped: Vec<bool>,
 }
 

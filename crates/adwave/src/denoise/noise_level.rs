@@ -49,10 +49,7 @@ pub(super) fn noise_levels(
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<NoiseLevels, Cancelled> {
-    let smooth = surface.smoothed(points, STEPS_BEFORE, progress)?;
-    let normals = point_normals(surface, &smooth, progress)?;
-    let mut heights =
-        parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &surface.umbrella(points, x)))?;
+    let mut heights = surface.heights_over_neighbors(points, progress)?;
     let mut random = Pcg64Mcg::seed_from_u64(SEED);
     let white: Vec<f64> = points.iter().map(|_| StandardNormal.sample(&mut random)).collect();
     let mut white = surface.difference(&white, progress)?;
@@ -95,36 +92,44 @@ impl NoisySurface {
         Ok(local.into_iter().map(|level| FAR * level).collect())
     }
 
+    /// Heights of the points over the means of their neighbors, along the normals of the smoothed surface.
+    fn heights_over_neighbors(
+        &self,
+        points: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let smooth = self.smoothed(points, STEPS_BEFORE, progress)?;
+        let normals = point_normals(self, &smooth, progress)?;
+        parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &self.umbrella(points, x)))
+    }
+
     /// Standard deviation of the noise along the normals at each point, at least `noise` and at most [`MOST_LOCAL`] times
-    /// that: means of absolute differences over some rings. O(points).
+    /// that: means over some rings of the absolute heights over the neighbors, which are `√(1 + 1/n)·√(2/π)` for white
+    /// noise of variance 1 and n neighbors. O(points).
     fn local_noise(
         &self,
         points: &[[f64; 3]],
         noise: f64,
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
-        let smooth = self.smoothed(points, STEPS_BEFORE, progress)?;
-        let normals = point_normals(self, &smooth, progress)?;
-        let mut heights =
-            parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &self.umbrella(points, x)))?;
-        // Weights of a difference of white noise from the mean of its neighbors: 1 + 1/n at n of them.
-        let mut gains: Vec<f64> =
-            (0..points.len()).map(|x| 1.0 + 1.0 / self.ring.row(x).len().max(1) as f64).collect();
-        heights = self.difference(&heights, progress)?;
-        for gain in &mut gains {
-            *gain = (*gain * *gain + *gain - 1.0).sqrt();
-        }
-        for (height, gain) in heights.iter_mut().zip(gains) {
-            *height = height.abs() / (gain * MEAN_OF_ABSOLUTE);
+        let mut levels = self.heights_over_neighbors(points, progress)?;
+        for (x, level) in levels.iter_mut().enumerate() {
+            let n_neighbors = self.ring.row(x).len().max(1) as f64;
+            *level = level.abs() / ((1.0 + 1.0 / n_neighbors).sqrt() * MEAN_OF_ABSOLUTE);
         }
         for _ in 0..LOCAL_STEPS {
-            heights = parallel::try_collect(points.len(), progress, |x| {
-                let near = self.ring.row(x);
-                let sum: f64 = near.iter().map(|&y| heights[y as usize]).sum();
-                (heights[x] + sum) / (near.len() + 1) as f64
-            })?;
+            levels = self.means(&levels, progress)?;
         }
-        Ok(heights.into_iter().map(|level| level.clamp(noise, MOST_LOCAL * noise)).collect())
+        Ok(levels.into_iter().map(|level| level.max(noise).min(MOST_LOCAL * noise)).collect())
+    }
+
+    /// Means over each point and its neighbors.
+    pub(super) fn means(&self, values: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
+        parallel::try_collect(values.len(), progress, |x| {
+            let near = self.ring.row(x);
+            let sum: f64 = near.iter().map(|&y| values[y as usize]).sum();
+            (values[x] + sum) / (near.len() + 1) as f64
+        })
     }
 
     /// Values minus the mean over their neighbors.

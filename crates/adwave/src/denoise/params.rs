@@ -222,11 +222,11 @@ pub struct MeshDenoising {
     /// Share of the triangles that are turned against the surface around them, in 0..=1: noise in all directions turns
     /// them, noise along the normals hardly does.
     pub turned_share: f64,
-    /// Standard deviation along the normals of the noise that neighbors share, in model units: the largest that the shape
-    /// admits. Detail of this size looks the same.
+    /// Largest standard deviation, along the normals and in model units, of noise that neighbors share: more of it would
+    /// show on the quietest places of the shape. Detail of this size looks the same.
     #[serde(default)]
     pub shared_at_most: f64,
-    /// The same as it was assumed; 0 if it counts as detail.
+    /// Standard deviation of such noise that was assumed and removed; 0 if it counts as detail.
     #[serde(default)]
     pub shared: f64,
     /// Number of means over a vertex and its neighbors that turn white noise into such noise.

@@ -241,11 +241,7 @@ fn shared_heights(
     let n = surface.at_vertex.n_rows();
     let mut heights: Vec<f64> = (0..n).map(|_| StandardNormal.sample(random)).collect();
     for _ in 0..steps {
-        heights = parallel::try_collect(n, progress, |x| {
-            let near = surface.ring.row(x);
-            let sum: f64 = near.iter().map(|&y| heights[y as usize]).sum();
-            (heights[x] + sum) / (near.len() + 1) as f64
-        })?;
+        heights = surface.means(&heights, progress)?;
     }
     let square = heights.iter().map(|h| h * h).sum::<f64>() / n.max(1) as f64;
     let scale = 1.0 / square.sqrt().max(f64::MIN_POSITIVE);
