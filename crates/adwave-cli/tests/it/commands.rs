@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{adwave, json};
+use common::{adwave, json, refused};
 use predicates::str::contains;
 use std::fs;
 
@@ -69,7 +69,7 @@ fn a_shape_goes_over_into_another_format_and_back() {
         .stdout(contains("500 vertices"));
     let told = json(folder.path(), "convert b.glb -o c.obj");
     assert_eq!((&told["format"], &told["vertices"]), (&serde_json::json!("glb"), &serde_json::json!(500)));
-    let error = common::refused(folder.path(), "convert b.glb -o c.e57");
+    let error = refused(folder.path(), "convert b.glb -o c.e57");
     assert!(error.contains("e57") && error.contains("choose another format"), "{error}");
 }
 
@@ -280,4 +280,30 @@ fn denoised_and_filtered_fields_of_other_files_go_into_the_result() {
         assert!(report["changed"]["rms"].as_f64().unwrap() > 0.01, "{report}");
         json(path, &format!("transform f.ply --field {name} -o b.npz --levels 2"));
     }
+}
+
+#[test]
+fn treatments_of_positions_are_refused_for_fields_and_of_meshes_for_clouds() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    json(path, "sample torus --vertices 500 -o t.ply");
+    json(path, "convert t.ply -o t.xyz");
+    for option in ["--creases none", "--outliers drop", "--shared-noise auto"] {
+        let error = refused(path, &format!("denoise t.ply -o o.ply --signal z {option}"));
+        assert!(error.contains("applies to positions") && error.contains("leave it out"), "{error}");
+    }
+    for line in
+        ["denoise t.xyz -o o.xyz --shared-noise 0.1", "tiles t.las -o o.las --denoise --shared-noise auto"]
+    {
+        if line.starts_with("tiles") {
+            json(path, "convert t.xyz -o t.las");
+        }
+        let error = refused(path, line);
+        assert!(error.contains("--shared-noise applies to meshes"), "{error}");
+    }
+    for value in ["nan", "inf"] {
+        let error = refused(path, &format!("denoise t.ply -o o.ply --shared-noise {value}"));
+        assert!(error.contains("must be a number from 0 to"), "{error}");
+    }
+    assert!(!path.join("o.ply").exists() && !path.join("o.xyz").exists() && !path.join("o.las").exists());
 }

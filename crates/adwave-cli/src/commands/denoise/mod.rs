@@ -49,6 +49,10 @@ pub(crate) fn run(args: &DenoiseArgs, global: &Global<'_>) -> Result<(), CliErro
         input.check_lengths(&lengths)?;
         denoise_positions(input, result, args, global)
     } else {
+        global.given.refuse(&["--creases"], "applies to positions; steps of a field are kept anyway")?;
+        global
+            .given
+            .refuse(&["--outliers", "--shared-noise"], "applies to positions, and the signal is a field")?;
         denoise_field(input, result, args, global)
     }
 }
