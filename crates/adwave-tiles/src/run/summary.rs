@@ -109,6 +109,7 @@ impl TilingJob {
             mesh.impulse_size *= unit;
             mesh.shared_at_most *= unit;
             mesh.shared *= unit;
+            mesh.noise_range = mesh.noise_range.map(|level| level * unit);
         }
         Ok(DenoiseInfo { noise: info.noise * unit, n_far: n_far as usize, furthest, ..info })
     }

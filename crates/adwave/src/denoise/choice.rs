@@ -3,6 +3,7 @@
 
 use super::filter_rounds::choose_rounds;
 use super::impulses;
+use super::mixture::PlaceMixture;
 use super::noise_kinds::{MAX_LINEAR_ROUNDS, estimate_noise, prepared_points};
 use super::shared_noise::NoiseLaw;
 use super::smoothed_normals::{
@@ -10,8 +11,8 @@ use super::smoothed_normals::{
 };
 use super::surface::NoisySurface;
 use super::{
-    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, Mixture, best_mixture, build_surface, cloud,
-    denoise_cloud, is_anything_to_do, select_walks, stop_far_moves,
+    Creases, DenoiseError, DenoiseInfo, DenoiseParams, MOVES, best_mixture, build_surface, cloud,
+    denoise_cloud, is_anything_to_do, stop_far_moves, used_walks,
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
@@ -48,6 +49,7 @@ pub struct DenoiseChoice {
     /// Assumed noise and weights of the mixture. Counts that refer to a result are 0.
     pub info: DenoiseInfo,
     creases: Creases,
+    mixture: PlaceMixture,
     scales: GuideScales,
     /// Parameters for the parts of a cloud.
     params: DenoiseParams,
@@ -90,6 +92,7 @@ impl DenoiseChoice {
             return Ok(Self {
                 info,
                 creases: params.creases,
+                mixture: PlaceMixture::default(),
                 scales: GuideScales::default(),
                 params: *params,
             });
@@ -99,17 +102,19 @@ impl DenoiseChoice {
         let (mut info, impulses) = estimate_noise(&surface, &points, unit, params, progress)?;
         let points = impulses.map_or_else(|| points.to_vec(), |found| found.points);
         let (law, mut scales) = (NoiseLaw::from_info(&info, unit), GuideScales::default());
+        let mut mixture = PlaceMixture::default();
         let is_noisy = is_anything_to_do(&surface, &law, params);
         if is_noisy {
             choose_rounds(&surface, &points, &law, params, &mut info, progress.quiet())?;
         }
         if is_noisy
-            && let Some(Mixture { walks, .. }) =
+            && let Some(found) =
                 best_mixture(&surface, &points, None, &law, params, &mut info, progress.quiet())?
         {
-            scales = GuideScales { distance: walks.scales.distance * unit * unit, ..walks.scales };
+            scales = GuideScales { distance: found.scales.distance * unit * unit, ..found.scales };
+            mixture = found.factors;
         }
-        Ok(Self { info, creases: params.creases, scales, params: *params })
+        Ok(Self { info, creases: params.creases, mixture, scales, params: *params })
     }
 
     /// Number of rings around a point of a cloud that determine its result: the [`NEIGHBORS`](Self::NEIGHBORS)
@@ -187,11 +192,11 @@ impl DenoiseChoice {
         points: &[[f64; 3]],
         progress: Progress<'_>,
     ) -> Result<DenoisedPart, DenoiseError> {
-        let (wanted, weights) = select_walks(&self.info, self.creases);
         let mut moved = prepared_points(surface, points, &self.info, progress)?;
         if self.info.kept < 1.0 {
-            let walks = Walks::new(surface, &moved, wanted, Some(&self.scales), progress)?;
-            let normals = walks.mixture(&weights, progress)?;
+            let used = used_walks(&self.mixture, self.creases, &self.info);
+            let walks = Walks::new(surface, &moved, used, Some(&self.scales), progress)?;
+            let normals = walks.mixture(surface, &moved, &self.mixture, progress)?;
             drop(walks);
             surface.move_to(&mut moved, &normals, MOVES, progress)?;
         }

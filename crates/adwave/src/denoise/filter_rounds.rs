@@ -1,12 +1,10 @@
 //! Choice between few and many rounds of the linear filter that precedes the walks, by the estimated risk of positions.
 
-use super::noise_kinds::prepared_points;
+use super::mixture::{MixtureParts, MixtureRisk};
 use super::noise_level::point_normals;
-use super::risk::Risk;
 use super::shared_noise::NoiseLaw;
-use super::smoothed_normals::{SelectedWalks, Walks};
 use super::surface::NoisySurface;
-use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, shares};
+use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, prepare_parts};
 use crate::vector::{dot, subtract};
 use crate::{Cancelled, Progress, parallel};
 
@@ -77,28 +75,21 @@ fn position_risk(
     info: &DenoiseInfo,
     progress: Progress<'_>,
 ) -> Result<f64, DenoiseError> {
-    let wanted = SelectedWalks::from(params.creases).with_guides(info);
     let shaken_points = law.shaken(surface, points, SEED, progress)?;
-    let prepare = |points: &[[f64; 3]]| {
-        let start = prepared_points(surface, points, info, progress)?;
-        let walks = Walks::new(surface, &start, wanted, None, progress)?;
-        let candidates = walks.candidates(progress)?;
-        Ok::<_, DenoiseError>((start, walks, candidates))
-    };
-    let (start, walks, candidates) = prepare(points)?;
-    let (shaken_start, shaken_walks, shaken) = prepare(&shaken_points)?;
-    let shaken = [shaken];
-    let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;
-    let weights = shares(risk.best_weights());
-    let finish = |mut moved: Vec<[f64; 3]>, walks: &Walks| {
-        if weights[0] < 1.0 {
-            let normals = walks.mixture(&weights, progress)?;
-            surface.move_to(&mut moved, &normals, MOVES, progress)?;
+    let prepare = |points: &[[f64; 3]]| prepare_parts(surface, points, None, params, info, progress);
+    let (as_they_are, shaken) = (prepare(points)?, prepare(&shaken_points)?);
+    let shaken_parts = [shaken.parts];
+    let areas = &as_they_are.walks.areas;
+    let risk = MixtureRisk::new(&as_they_are.parts, &shaken_parts, areas, params.strength, progress)?;
+    let chosen = risk.best(surface.n_sites());
+    let finish = |mut moved: Vec<[f64; 3]>, parts: &MixtureParts| {
+        if !chosen.is_nothing() {
+            surface.move_to(&mut moved, &chosen.normals(parts, progress)?, MOVES, progress)?;
         }
         Ok::<_, DenoiseError>(moved)
     };
-    let result = finish(start, &walks)?;
-    let shaken_result = finish(shaken_start, &shaken_walks)?;
+    let result = finish(as_they_are.start, &as_they_are.parts)?;
+    let shaken_result = finish(shaken.start, &shaken_parts[0])?;
     let smooth = surface.smoothed(points, STEPS_BEFORE, progress)?;
     let directions = point_normals(surface, &smooth, progress)?;
     let n = points.len();

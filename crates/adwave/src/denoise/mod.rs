@@ -14,10 +14,12 @@ mod curve;
 mod error;
 mod filter_rounds;
 mod impulses;
+mod mixture;
 mod noise_kinds;
 mod noise_level;
 mod noise_model;
 mod params;
+mod places;
 mod risk;
 mod sample;
 mod scaling;
@@ -38,11 +40,12 @@ use crate::shape::{PreparedGeometry, Shape};
 use crate::vector::{add_scaled, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use filter_rounds::choose_rounds;
+use mixture::{FEW_FOR_KINDS, MixtureParts, MixtureRisk, PlaceMixture};
 use noise_kinds::{estimate_noise, prepared_points};
-use risk::Risk;
+use places::PlaceKinds;
 use sample::Sample;
 use shared_noise::NoiseLaw;
-use smoothed_normals::{LEVELS, SelectedWalks, Walks};
+use smoothed_normals::{GuideScales, SelectedWalks, Walks};
 use surface::NoisySurface;
 
 /// Number of steps that move points to the smoothed normals.
@@ -228,11 +231,14 @@ fn is_anything_to_do(surface: &NoisySurface, law: &NoiseLaw, params: &DenoisePar
     law.total() * params.strength != 0.0 && surface.n_sites() > 0
 }
 
-/// The walks of a surface, the weights of their mixture, and the points from which these move to its normals.
+/// The mixture of least risk of a surface.
 struct Mixture {
-    walks: Walks,
-    weights: Vec<f64>,
+    /// Points that move to the normals.
     start: Vec<[f64; 3]>,
+    /// Normals of the mixture.
+    normals: Vec<[f64; 3]>,
+    factors: PlaceMixture,
+    scales: GuideScales,
 }
 
 impl Mixture {
@@ -242,12 +248,37 @@ impl Mixture {
         surface: &NoisySurface,
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        let Self { walks, weights, start: mut points } = self;
-        let normals = walks.mixture(&weights, progress)?;
-        drop(walks);
+        let Self { normals, start: mut points, .. } = self;
         surface.move_to(&mut points, &normals, MOVES, progress)?;
         Ok(points)
     }
+}
+
+/// The parts of a mixture for some positions of a surface, with the walks and points that they come from.
+struct PreparedParts {
+    start: Vec<[f64; 3]>,
+    walks: Walks,
+    parts: MixtureParts,
+}
+
+/// The parts of a mixture; `kinds` are those of the noisy points for points with more noise.
+fn prepare_parts(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    kinds: Option<&PlaceKinds>,
+    params: &DenoiseParams,
+    info: &DenoiseInfo,
+    progress: Progress<'_>,
+) -> Result<PreparedParts, DenoiseError> {
+    let start = prepared_points(surface, points, info, progress)?;
+    let wanted = SelectedWalks::from(params.creases).with_guides(info);
+    let walks = Walks::new(surface, &start, wanted, None, progress)?;
+    let normals = walks.candidates(progress)?;
+    let shares = match kinds {
+        Some(kinds) => kinds.shares(surface, &start, progress)?,
+        None => Vec::new(),
+    };
+    Ok(PreparedParts { start, walks, parts: MixtureParts { normals, shares } })
 }
 
 /// The mixture of least risk, estimated on the whole surface or on a `sample`; `None` if the normals are best unchanged.
@@ -260,69 +291,50 @@ fn best_mixture(
     info: &mut DenoiseInfo,
     progress: Progress<'_>,
 ) -> Result<Option<Mixture>, DenoiseError> {
-    let wanted = SelectedWalks::from(params.creases).with_guides(info);
     let (part, part_points) = sample.map_or((surface, points), |(part, points)| (part, points));
     let n_times = if part.n_sites() <= FEW_SITES { 2 } else { 1 };
-    let shaken = |k: u64| {
-        let points = law.shaken(part, part_points, SEED + k, progress)?;
-        let points = prepared_points(part, &points, info, progress)?;
-        Walks::new(part, &points, wanted, None, progress)?.candidates(progress)
+    let has_impulses = info.mesh.as_ref().is_some_and(|mesh| mesh.impulse_share > 0.0);
+    // What is left of impulses is noise of a few places, which no estimate of the risk by place knows.
+    let kinds = if part.n_sites() > FEW_FOR_KINDS && !has_impulses {
+        Some(PlaceKinds::new(part, &prepared_points(part, part_points, info, progress)?, progress)?)
+    } else {
+        None
     };
+    let prepare = |points: &[[f64; 3]]| prepare_parts(part, points, kinds.as_ref(), params, info, progress);
+    let shaken = |k: u64| Ok(prepare(&law.shaken(part, part_points, SEED + k, progress)?)?.parts);
     // In parallel: each has many short parts that only one thread works on.
     let (as_they_are, shaken) = rayon::join(
-        || {
-            let points = prepared_points(part, part_points, info, progress)?;
-            let walks = Walks::new(part, &points, wanted, None, progress)?;
-            let candidates = walks.candidates(progress)?;
-            Ok::<_, DenoiseError>((walks, candidates, points))
-        },
+        || prepare(part_points),
         || (0..n_times).map(shaken).collect::<Result<Vec<_>, DenoiseError>>(),
     );
-    let ((walks, candidates, start), shaken) = (as_they_are?, shaken?);
+    let (PreparedParts { start, walks, parts }, shaken) = (as_they_are?, shaken?);
     progress.step(2, STAGES)?;
-    let risk = Risk::new(&candidates, &shaken, &walks.areas, SHAKE, params.strength, progress)?;
+    let risk = MixtureRisk::new(&parts, &shaken, &walks.areas, params.strength, progress)?;
     progress.step(3, STAGES)?;
-    let weights = shares(risk.best_weights());
+    let chosen = risk.best(part.n_sites());
     info.n_sampled = part.n_sites();
-    info.kept = weights[0];
-    let by_walk: Vec<Vec<f64>> = weights[1..].chunks(LEVELS).map(<[f64]>::to_vec).collect();
-    [info.crease_weights, info.smooth_weights] = match params.creases {
-        Creases::Auto => [by_walk[0].clone(), by_walk[1].clone()],
-        Creases::Keep => [by_walk[0].clone(), Vec::new()],
-        Creases::None => [Vec::new(), by_walk[0].clone()],
-    };
-    if info.kept >= 1.0 {
+    chosen.describe(params.creases, info);
+    if chosen.is_nothing() {
         return Ok(None);
     }
+    let factors = chosen.factors(kinds, params.creases);
     if sample.is_none() {
-        return Ok(Some(Mixture { walks, weights, start }));
+        let normals = chosen.normals(&parts, progress)?;
+        return Ok(Some(Mixture { start, normals, factors, scales: walks.scales }));
     }
-    let (used, weights) = select_walks(info, params.creases);
+    drop((walks, parts, shaken));
     let start = prepared_points(surface, points, info, progress)?;
-    let walks = Walks::new(surface, &start, used, None, progress)?;
-    Ok(Some(Mixture { walks, weights, start }))
+    let walks = Walks::new(surface, &start, used_walks(&factors, params.creases, info), None, progress)?;
+    let normals = walks.mixture(surface, &start, &factors, progress)?;
+    Ok(Some(Mixture { start, normals, factors, scales: walks.scales }))
 }
 
-/// The walks with positive weight, and the weights of their results.
-fn select_walks(info: &DenoiseInfo, creases: Creases) -> (SelectedWalks, Vec<f64>) {
-    let is_used = |weights: &[f64]| weights.iter().any(|w| *w > 0.0);
-    let (crease, smooth) = (is_used(&info.crease_weights), is_used(&info.smooth_weights));
+/// The walks of which a mixture has a part.
+fn used_walks(factors: &PlaceMixture, creases: Creases, info: &DenoiseInfo) -> SelectedWalks {
     let wanted = SelectedWalks::from(creases).with_guides(info);
-    let used = SelectedWalks { creases: crease, smooth: wanted.smooth.filter(|_| smooth), ..wanted };
-    let in_use = [&info.crease_weights, &info.smooth_weights].into_iter().filter(|w| is_used(w)).flatten();
-    (used, std::iter::once(&info.kept).chain(in_use).copied().collect())
-}
-
-/// The weights without negligible ones.
-fn shares(mut weights: Vec<f64>) -> Vec<f64> {
-    for walk in weights[1..].chunks_mut(LEVELS) {
-        if walk.iter().sum::<f64>() < LEAST_SHARE {
-            walk.fill(0.0);
-        }
+    SelectedWalks {
+        creases: factors.uses_creases(),
+        smooth: wanted.smooth.filter(|_| factors.uses_smooth()),
+        ..wanted
     }
-    let total: f64 = weights.iter().sum();
-    for w in &mut weights {
-        *w /= total;
-    }
-    weights
 }

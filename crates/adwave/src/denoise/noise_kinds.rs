@@ -1,7 +1,7 @@
 //! Kinds of noise of a mesh: along the normals, impulses, and in all directions; and the treatment of each.
 
 use super::impulses::Impulses;
-use super::noise_level::{NoiseLevels, noise_levels};
+use super::noise_level::{NoiseLevels, noise_levels, quantile};
 use super::smoothed_normals::SelectedWalks;
 use super::surface::NoisySurface;
 use super::{DenoiseInfo, DenoiseParams, MeshDenoising, SharedNoise};
@@ -26,6 +26,10 @@ const TURNED_BY_NOISE: [f64; 2] = [0.02, 0.1];
 
 /// Noise along the normals, in mean edges, between which larger differences are noise of some places, not shape.
 const VARIED_BY_NOISE: [f64; 2] = [0.08, 0.12];
+
+/// Ratio of the noise of noisy to that of quiet places, relative to what chance makes of the same noise, from which it
+/// counts as different: shape makes smaller ones.
+const LEAST_SPREAD: f64 = 2.5;
 
 /// Largest factor of the typical noise by which that of the noisiest places counts, and the same after impulses, of
 /// which small ones remain.
@@ -59,8 +63,21 @@ pub(super) fn estimate_noise(
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
     let noise = match params.noise {
         Some(noise) => noise / unit,
-        None => varied_noise(noise_levels(surface, points, progress)?, edge, mesh.impulse_share),
+        None => {
+            let levels = noise_levels(surface, points, progress)?;
+            if mesh.impulse_share == 0.0 && levels.typical > VARIED_BY_NOISE[0] * edge {
+                mesh.noise_range = match surface.sample(points, progress)? {
+                    Some((part, points)) => noise_range(&part, &points, progress)?,
+                    None => noise_range(surface, points, progress)?,
+                };
+            }
+            varied_noise(levels, edge, mesh.impulse_share)
+        }
     };
+    if mesh.noise_range == [0.0; 2] {
+        mesh.noise_range = [noise; 2];
+    }
+    mesh.noise_range = mesh.noise_range.map(|level| level * unit);
     let in_edges = if edge > 0.0 { noise / edge } else { 0.0 };
     let admitted = match surface.sample(points, progress)? {
         Some((part, points)) => part.shared_noise(&points, noise, progress)?,
@@ -89,6 +106,19 @@ pub(super) fn estimate_noise(
         ..DenoiseInfo::default()
     };
     Ok((info, impulses))
+}
+
+/// The 5 % and the 95 % quantile of the noise by place; zeros if it does not differ by more than estimates of it do.
+fn noise_range(
+    surface: &NoisySurface,
+    points: &[[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<[f64; 2], Cancelled> {
+    let (mut levels, spread) = surface.noise_by_place(points, progress)?;
+    if spread < LEAST_SPREAD {
+        return Ok([0.0; 2]);
+    }
+    Ok([0.05, 0.95].map(|share| quantile(&mut levels, share)))
 }
 
 /// The level that represents noise which differs from place to place, as along a line of sight or after the removal of

@@ -24,6 +24,9 @@ const LOCAL_STEPS: usize = 6;
 /// Largest noise at a place, relative to the typical one: more is shape.
 const MOST_LOCAL: f64 = 3.0;
 
+/// Number of means over a point and its neighbors for noise that differs from place to place.
+const STEPS_BY_PLACE: usize = 12;
+
 /// Mean absolute value of a standard normal variable.
 const MEAN_OF_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 
@@ -121,6 +124,39 @@ impl NoisySurface {
             levels = self.means(&levels, progress)?;
         }
         Ok(levels.into_iter().map(|level| level.max(noise).min(MOST_LOCAL * noise)).collect())
+    }
+
+    /// Standard deviation of the noise along the normals at each point, and the ratio of its 90 % to its 10 % quantile over
+    /// that ratio for white noise which is the same everywhere: means over some rings of the absolute differences of third
+    /// order, to which shape adds least. O(points).
+    pub(super) fn noise_by_place(
+        &self,
+        points: &[[f64; 3]],
+        progress: Progress<'_>,
+    ) -> Result<(Vec<f64>, f64), Cancelled> {
+        let mut heights = self.heights_over_neighbors(points, progress)?;
+        let mut random = Pcg64Mcg::seed_from_u64(SEED);
+        let white: Vec<f64> = points.iter().map(|_| StandardNormal.sample(&mut random)).collect();
+        let mut white = self.difference(&white, progress)?;
+        for _ in 1..ORDERS {
+            heights = self.difference(&heights, progress)?;
+            white = self.difference(&white, progress)?;
+        }
+        let local = |values: &[f64]| {
+            let mut levels: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+            for _ in 0..STEPS_BY_PLACE {
+                levels = self.means(&levels, progress)?;
+            }
+            let mut sorted = levels.clone();
+            let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| quantile(&mut sorted, share));
+            Ok::<_, Cancelled>((levels, middle, if low > 0.0 { high / low } else { 1.0 }))
+        };
+        let (mut levels, _, spread) = local(&heights)?;
+        let (_, of_white, spread_of_white) = local(&white)?;
+        if of_white > 0.0 {
+            levels.iter_mut().for_each(|level| *level /= of_white);
+        }
+        Ok((levels, spread / spread_of_white))
     }
 
     /// Means over each point and its neighbors.

@@ -232,6 +232,13 @@ pub struct MeshDenoising {
     /// Number of means over a vertex and its neighbors that turn white noise into such noise.
     #[serde(default)]
     pub shared_steps: usize,
+    /// The 5 % and the 95 % quantile of the noise over the vertices if it differs from place to place; else the noise twice.
+    #[serde(default)]
+    pub noise_range: [f64; 2],
+    /// Weight of the unchanged normals where the surface bends least, in between and where it bends most; empty if one
+    /// mixture holds everywhere.
+    #[serde(default)]
+    pub kept_by_place: Vec<f64>,
     /// Rounds of the linear filter that precede the walks, with a fraction.
     pub linear_rounds: f64,
     /// Number of guides of the walk that respects creases.

@@ -2,6 +2,7 @@
 
 use crate::Progress;
 use crate::{Cancelled, parallel};
+use std::ops::Range;
 
 /// Maximal number of steps of the search for the best mixture.
 const MAX_STEPS: usize = 20_000;
@@ -59,6 +60,11 @@ impl Risk {
         Ok(Self { gram, toward })
     }
 
+    /// The risk with the products `⟨F_k, F_l⟩` and `⟨F_k, m⟩`.
+    pub(super) fn from_products(gram: Vec<Vec<f64>>, toward: Vec<f64>) -> Self {
+        Self { gram, toward }
+    }
+
     /// Weights of the mixture of least risk: ≥ 0, with sum 1. Each step is exact along the two most promising
     /// estimates; at most [`MAX_STEPS`] steps.
     pub(super) fn best_weights(&self) -> Vec<f64> {
@@ -67,15 +73,32 @@ impl Risk {
 
     /// Weights of the best mixture of the first n estimates; the others have weight 0.
     pub(super) fn best_among(&self, n: usize) -> Vec<f64> {
+        self.search(std::slice::from_ref(&(0..n)))
+    }
+
+    /// Weights of the best mixture of estimates in blocks of n; the weights of each block have sum 1.
+    pub(super) fn best_in_blocks(&self, n: usize) -> Vec<f64> {
+        let blocks: Vec<Range<usize>> = (0..self.toward.len()).step_by(n).map(|at| at..at + n).collect();
+        self.search(&blocks)
+    }
+
+    fn search(&self, blocks: &[Range<usize>]) -> Vec<f64> {
         let mut weights = vec![0.0; self.toward.len()];
-        weights[0] = 1.0;
+        for block in blocks {
+            weights[block.start] = 1.0;
+        }
         let least_gain = 1e-12 * self.gram[0][0];
-        let mut slopes: Vec<f64> = (0..n).map(|k| self.gram[k][0] - self.toward[k]).collect();
+        let slope = |k: usize| blocks.iter().map(|block| self.gram[k][block.start]).sum::<f64>() - self.toward[k];
+        let mut slopes: Vec<f64> = (0..weights.len()).map(slope).collect();
         for _ in 0..MAX_STEPS {
             let steepest = |a: &usize, b: &usize| slopes[*a].total_cmp(&slopes[*b]);
-            let Some(to) = (0..n).min_by(steepest) else { break };
-            let Some(from) = (0..n).filter(|&k| weights[k] > 0.0).max_by(steepest) else { break };
-            let gain = slopes[from] - slopes[to];
+            let exchange = |block: &Range<usize>| {
+                let to = block.clone().min_by(steepest)?;
+                let from = block.clone().filter(|&k| weights[k] > 0.0).max_by(steepest)?;
+                Some((slopes[from] - slopes[to], from, to))
+            };
+            let exchanges = blocks.iter().filter_map(exchange);
+            let Some((gain, from, to)) = exchanges.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
             let bend = self.gram[to][to] + self.gram[from][from] - 2.0 * self.gram[to][from];
             if gain.is_nan() || gain <= least_gain {
                 break;

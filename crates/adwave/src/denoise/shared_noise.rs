@@ -33,6 +33,9 @@ const COEFFICIENTS: usize = 6;
 /// Part of a monomial, relative to its length, below which it depends on the others.
 const LEAST_PART: f64 = 1e-6;
 
+/// Largest factor of the noise of the noisiest places by which the noise at a place counts, and its inverse the least.
+const MOST_VARIATION: f64 = 3.0;
+
 /// Number of lazy steps that smooth a surface for the normals along which noise acts.
 const STEPS_BEFORE: usize = 4;
 
@@ -46,13 +49,16 @@ pub(super) struct NoiseLaw {
     pub(super) shared: f64,
     /// Number of means over a vertex and its neighbors that make it.
     pub(super) steps: usize,
+    /// True if the independent noise differs from place to place; `white` is then that of the noisiest places.
+    pub(super) varies: bool,
 }
 
 impl NoiseLaw {
     /// The assumed noise, for points of which `unit` model units are one.
     pub(super) fn from_info(info: &DenoiseInfo, unit: f64) -> Self {
         let (shared, steps) = info.mesh.as_ref().map_or((0.0, 0), |mesh| (mesh.shared, mesh.shared_steps));
-        Self { white: info.noise / unit, shared: shared / unit, steps }
+        let varies = info.mesh.as_ref().is_some_and(|mesh| mesh.noise_range[0] < mesh.noise_range[1]);
+        Self { white: info.noise / unit, shared: shared / unit, steps, varies }
     }
 
     /// Standard deviation of both.
@@ -73,7 +79,14 @@ impl NoiseLaw {
             let deviate: f64 = StandardNormal.sample(&mut random);
             c + SHAKE * self.white * deviate
         };
-        let out: Vec<Vector> = points.iter().map(|p| p.map(&mut moved)).collect();
+        let mut out: Vec<Vector> = points.iter().map(|p| p.map(&mut moved)).collect();
+        if self.varies {
+            let (levels, _) = surface.noise_by_place(points, progress)?;
+            for ((out, p), level) in out.iter_mut().zip(points).zip(levels) {
+                let factor = (level / self.white).clamp(MOST_VARIATION.recip(), MOST_VARIATION);
+                *out = add_scaled(p, factor, &subtract(out, p));
+            }
+        }
         if self.shared == 0.0 {
             return Ok(out);
         }
@@ -101,7 +114,7 @@ impl NoisySurface {
             columns.push(shared_heights(self, steps, &mut random, progress)?);
         }
         let normals = smooth_normals(self, points, progress)?;
-        let mut law = NoiseLaw { white, shared: 0.0, steps: STEPS[0] };
+        let mut law = NoiseLaw { white, shared: 0.0, steps: STEPS[0], varies: false };
         let mut quiet = Vec::with_capacity(RINGS.len());
         for rings in RINGS {
             let every = n.div_ceil(NEIGHBORHOODS).max(1);
@@ -123,7 +136,7 @@ impl NoisySurface {
             let (shared, explained) = largest_share(&squares);
             if explained > MORE * most_explained {
                 most_explained = explained;
-                law = NoiseLaw { white, shared: shared.sqrt(), steps };
+                law = NoiseLaw { white, shared: shared.sqrt(), steps, varies: false };
             }
         }
         Ok(law)

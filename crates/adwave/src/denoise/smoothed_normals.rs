@@ -1,11 +1,14 @@
 //! Normals of a surface, smoothed by walks that favor sites with similar normals.
 
+use super::mixture::PlaceMixture;
+use super::places::KINDS;
 use super::scaling::{scaling_functions, transform};
 use super::surface::NoisySurface;
 use super::{Creases, DenoiseError};
 use crate::Progress;
 use crate::bands::{BandsError, FixedSeries, Schedule, Transform};
 use crate::operator::{site_diffusion, typical_square};
+use crate::parallel;
 use crate::vector::unit;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +36,9 @@ pub(super) const MAX_GUIDES: usize = 2;
 
 /// Largest relative error of a band of normals, far below the remaining noise.
 const ACCURACY: f64 = 1e-4;
+
+/// Number of sites that a thread processes at a time.
+const SITES_AT_A_TIME: usize = 1 << 12;
 
 /// Scales of the walks, which depend on the whole surface: medians over neighboring sites.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -161,15 +167,38 @@ impl Walks {
         Ok(all)
     }
 
-    /// Weighted mixture of the [`candidates`](Self::candidates), normalized to unit length or zero.
+    /// Mixture of the [`candidates`](Self::candidates) with factors by kind of place, of unit length or zero at each site;
+    /// `points` are those of the walks.
     pub(super) fn mixture(
         &self,
-        weights: &[f64],
+        surface: &NoisySurface,
+        points: &[[f64; 3]],
+        mixture: &PlaceMixture,
         progress: Progress<'_>,
     ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        let mut out: Vec<[f64; 3]> = self.normals.iter().map(|n| n.map(|c| weights[0] * c)).collect();
-        for (walk, weights) in self.creases.iter().chain(&self.smooth).zip(weights[1..].chunks(LEVELS)) {
-            add_levels(walk, self.cut, &self.normals, weights, &mut out, progress)?;
+        let shares = match &mixture.kinds {
+            Some(kinds) => kinds.shares(surface, points, progress)?,
+            None => Vec::new(),
+        };
+        let mut out = self.normals.clone();
+        parallel::try_visit_rows(&mut out, 1, SITES_AT_A_TIME, progress, |first, out| {
+            for (x, n) in (first..).zip(out) {
+                let factor = match shares.get(x) {
+                    Some(shares) => mixture.factors.iter().zip(shares).map(|(f, share)| f.kept * share).sum(),
+                    None => mixture.factors[0].kept,
+                };
+                *n = n.map(|c| factor * c);
+            }
+        })?;
+        let of_creases: Vec<&[f64]> = mixture.factors.iter().map(|f| &f.creases[..]).collect();
+        let of_smooth: Vec<&[f64]> = mixture.factors.iter().map(|f| &f.smooth[..]).collect();
+        for (walk, weights) in [(&self.creases, of_creases), (&self.smooth, of_smooth)] {
+            let Some(walk) = walk else { continue };
+            if let [weights] = weights[..] {
+                add_levels(walk, self.cut, &self.normals, weights, &mut out, progress)?;
+            } else {
+                add_levels_by_place(walk, &self.normals, &weights, &shares, &mut out, progress)?;
+            }
         }
         normalize(&mut out);
         Ok(out)
@@ -220,5 +249,37 @@ fn add_levels(
     for ((o, f), w) in out.as_flattened_mut().iter_mut().zip(normals.as_flattened()).zip(&bands) {
         *o += factors[0] * f - w;
     }
+    Ok(())
+}
+
+/// [`add_levels`] with weights for each kind of place and the shares of the kinds at each site.
+fn add_levels_by_place(
+    walk: &Transform,
+    normals: &[[f64; 3]],
+    weights: &[&[f64]],
+    shares: &[[f64; KINDS]],
+    out: &mut [[f64; 3]],
+    progress: Progress<'_>,
+) -> Result<(), DenoiseError> {
+    let last_used = |weights: &&[f64]| weights.iter().rposition(|w| *w > 0.0);
+    let Some(last) = weights.iter().filter_map(last_used).max() else { return Ok(()) };
+    let bands = fixed(last + 1)?;
+    // The weight of S(j) and of all coarser ones is that of −W(j).
+    let sums = |weights: &&[f64]| -> Vec<f64> { (0..=last).map(|j| weights[j..=last].iter().sum()).collect() };
+    let factors: Vec<Vec<f64>> = weights.iter().map(sums).collect();
+    let series: Vec<FixedSeries> = factors.iter().map(|f| FixedSeries::weighted(&bands, f)).collect();
+    let data = normals.as_flattened();
+    let mut parts = vec![vec![0.0; data.len()]; series.len()];
+    let mut outs: Vec<&mut [f64]> = parts.iter_mut().map(Vec::as_mut_slice).collect();
+    walk.apply_fixed_series_into(data, 3, &series, &mut outs, progress.quiet())?;
+    parallel::try_visit_rows(out, 1, SITES_AT_A_TIME, progress, |first, out| {
+        for (x, out) in (first..).zip(out) {
+            for ((part, factors), share) in parts.iter().zip(&factors).zip(&shares[x]) {
+                for ((o, n), w) in out.iter_mut().zip(&normals[x]).zip(&part[3 * x..]) {
+                    *o += share * (factors[0] * n - w);
+                }
+            }
+        }
+    })?;
     Ok(())
 }
