@@ -300,6 +300,8 @@ fn denoise_points<'py>(
         found.set_item("impulse_size", mesh.impulse_size)?;
         found.set_item("turned_share", mesh.turned_share)?;
         found.set_item("linear_rounds", mesh.linear_rounds)?;
+        found.set_item("noise_range", mesh.noise_range)?;
+        found.set_item("kept_by_place", mesh.kept_by_place.clone())?;
         found.set_item("shared_noise", mesh.shared)?;
         found.set_item("shared_noise_at_most", mesh.shared_at_most)?;
     }

@@ -34,12 +34,18 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         describe_cloud(text, info, cloud);
         return;
     }
-    let _ = writeln!(
+    let _ = write!(
         text,
         "noise along the normals: {} model units, {} {unit}",
         number(info.noise),
         number(info.noise_in_edges)
     );
+    match info.mesh.as_ref().map(|mesh| mesh.noise_range) {
+        Some([low, high]) if low < high => {
+            let _ = writeln!(text, "; {} to {} by place (5 % to 95 %)", number(low), number(high));
+        }
+        _ => text.push('\n'),
+    }
     if let Some(mesh) = &info.mesh {
         describe_mesh(text, info, mesh);
     }
@@ -48,7 +54,19 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
         let sum: f64 = weights.iter().enumerate().map(|(j, w)| w * f64::from(1_u32 << j)).sum();
         sum / weights.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     };
-    let _ = writeln!(text, "normals: {:.0} % unchanged", 100.0 * info.kept);
+    let _ = write!(text, "normals: {:.0} % unchanged", 100.0 * info.kept);
+    match info.mesh.as_ref().map(|mesh| &mesh.kept_by_place[..]) {
+        Some([least, between, most]) => {
+            let _ = writeln!(
+                text,
+                " ({:.0} % where the surface bends least, {:.0} % in between, {:.0} % where it bends most)",
+                100.0 * least,
+                100.0 * between,
+                100.0 * most
+            );
+        }
+        _ => text.push('\n'),
+    }
     for (name, weights) in
         [("creases kept", &info.crease_weights), ("creases smoothed", &info.smooth_weights)]
     {

@@ -87,11 +87,14 @@ impl MixtureRisk {
         let n_kinds = if parts.shares.is_empty() { 1 } else { KINDS };
         let n_pairs = n_parts * (n_parts + 1) / 2;
         let n_kind_pairs = n_kinds * (n_kinds + 1) / 2;
-        let (toward_at, shares_at) =
-            (n_kind_pairs * n_pairs, n_kind_pairs * n_pairs + n_kinds * n_parts);
+        let (toward_at, shares_at) = (n_kind_pairs * n_pairs, n_kind_pairs * n_pairs + n_kinds * n_parts);
         let amplification = (strength / SHAKE).powi(2) / shaken.len().max(1) as f64;
         let shares_of = |parts: &MixtureParts, x: usize| {
-            parts.shares.get(x).copied().unwrap_or_else(|| std::array::from_fn(|k| f64::from(u8::from(k == 0))))
+            parts
+                .shares
+                .get(x)
+                .copied()
+                .unwrap_or_else(|| std::array::from_fn(|k| f64::from(u8::from(k == 0))))
         };
         let sums = |(): &mut (), sites: std::ops::Range<usize>| {
             let mut sums = vec![0.0; shares_at + n_kinds];
@@ -172,7 +175,8 @@ impl MixtureRisk {
         let to_unit = if length_squared > 0.0 { length_squared.sqrt().recip() } else { 1.0 };
         let scaled = |gram: &[Vec<f64>], toward: &[f64]| {
             let row = |(i, row): (usize, &Vec<f64>)| {
-                let scaled = row.iter().enumerate().map(|(j, v)| v * scales[i % n_parts] * scales[j % n_parts]);
+                let scaled =
+                    row.iter().enumerate().map(|(j, v)| v * scales[i % n_parts] * scales[j % n_parts]);
                 scaled.collect()
             };
             let toward = toward.iter().enumerate().map(|(i, b)| b * scales[i % n_parts] * to_unit);
@@ -257,11 +261,12 @@ impl ChosenMixture {
 }
 
 impl PlaceMixture {
-    /// Largest number of levels of one of the walks.
+    /// True if the walk that respects creases has a part.
     pub(super) fn uses_creases(&self) -> bool {
         self.factors.iter().any(|factors| factors.creases.iter().any(|w| *w > 0.0))
     }
 
+    /// True if the walk that nearly ignores creases has a part.
     pub(super) fn uses_smooth(&self) -> bool {
         self.factors.iter().any(|factors| factors.smooth.iter().any(|w| *w > 0.0))
     }
@@ -294,4 +299,80 @@ fn shares(mut weights: Vec<f64>) -> Vec<f64> {
         *w /= total;
     }
     weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64Mcg;
+    use rand_pcg::rand_core::SeedableRng;
+
+    const N: usize = 6_000;
+
+    /// Noisy normals about (0, 0, 1), an estimate that is exact at the first half of the sites and off by `off` at the
+    /// others, and the shares: the first kind at the first half, the last kind at the other.
+    fn parts(noise: f64, off: f64, seed: u64) -> MixtureParts {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut noisy = || -> [f64; 3] {
+            let [x, y]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut random));
+            unit(&[noise * x, noise * y, 1.0]).unwrap_or_default()
+        };
+        let estimate = |x: usize| if x < N / 2 { [0.0, 0.0, 1.0] } else { [off.sin(), 0.0, off.cos()] };
+        let normals =
+            vec![(0..N).flat_map(|_| noisy()).collect(), (0..N).flat_map(estimate).collect::<Vec<f64>>()];
+        let shares = (0..N).map(|x| if x < N / 2 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] }).collect();
+        MixtureParts { normals, shares }
+    }
+
+    /// The risk of parts whose estimate does not depend on the noise.
+    fn risk(noise: f64, off: f64) -> MixtureRisk {
+        let data = parts(noise, off, 1);
+        let mut shaken = parts(SHAKE * noise, off, 2);
+        // Noise across the normals, added to the data.
+        for (moved, there) in shaken.normals[0].chunks_mut(3).zip(data.normals[0].chunks(3)) {
+            moved.copy_from_slice(&[moved[0] + there[0], moved[1] + there[1], there[2]]);
+        }
+        MixtureRisk::new(&data, &[shaken], &[1.0; N], 1.0, Progress::none()).unwrap()
+    }
+
+    #[test]
+    fn each_kind_of_place_gets_the_estimate_that_is_right_there() {
+        let chosen = risk(0.1, 1.0).best(N);
+        let [first, _, last] = &chosen.weights[..] else { panic!("{:?}", chosen.weights) };
+        assert!(first[1] > 0.9 && last[1] < 0.1, "{first:?} {last:?}");
+        assert!((chosen.shares[0] - 0.5).abs() < 1e-12 && chosen.shares[1] == 0.0, "{:?}", chosen.shares);
+        // Normals are those of the estimate at the one half, nearly the data at the other.
+        let data = parts(0.1, 1.0, 1);
+        let found = chosen.normals(&data, Progress::none()).unwrap();
+        assert!(dot(&found[0], &[0.0, 0.0, 1.0]) > 0.999);
+        assert!(dot(&found[N - 1], &normal_at(&data.normals[0], N - 1)) > 0.99);
+    }
+
+    #[test]
+    fn one_mixture_holds_everywhere_where_places_do_not_differ() {
+        let chosen = risk(0.1, 0.0).best(N);
+        assert!(chosen.weights.len() == 1 && chosen.weights[0][1] > 0.9, "{:?}", chosen.weights);
+    }
+
+    #[test]
+    fn kinds_of_places_sum_to_the_whole() {
+        let (data, shaken) = (parts(0.3, 0.4, 1), parts(0.31, 0.4, 2));
+        let without =
+            |parts: &MixtureParts| MixtureParts { normals: parts.normals.clone(), shares: Vec::new() };
+        let areas: Vec<f64> = (0..N).map(|x| 1.0 + (x % 7) as f64).collect();
+        let of = |data: &MixtureParts, shaken: MixtureParts| {
+            MixtureRisk::new(data, &[shaken], &areas, 1.0, Progress::none()).unwrap()
+        };
+        let (plain, by_kind) = (of(&without(&data), without(&shaken)), of(&data, shaken));
+        for k in 0..2 {
+            let sum: f64 = (0..KINDS).map(|g| by_kind.toward[2 * g + k]).sum();
+            assert!((sum - plain.toward[k]).abs() < 1e-12 * plain.toward[k].abs());
+            for l in 0..2 {
+                let entry = |g: usize| (0..KINDS).map(|h| by_kind.gram[2 * g + k][2 * h + l]).sum::<f64>();
+                let sum: f64 = (0..KINDS).map(entry).sum();
+                assert!((sum - plain.gram[k][l]).abs() < 1e-12, "{sum} {}", plain.gram[k][l]);
+            }
+        }
+    }
 }

@@ -88,7 +88,8 @@ impl Risk {
             weights[block.start] = 1.0;
         }
         let least_gain = 1e-12 * self.gram[0][0];
-        let slope = |k: usize| blocks.iter().map(|block| self.gram[k][block.start]).sum::<f64>() - self.toward[k];
+        let slope =
+            |k: usize| blocks.iter().map(|block| self.gram[k][block.start]).sum::<f64>() - self.toward[k];
         let mut slopes: Vec<f64> = (0..weights.len()).map(slope).collect();
         for _ in 0..MAX_STEPS {
             let steepest = |a: &usize, b: &usize| slopes[*a].total_cmp(&slopes[*b]);

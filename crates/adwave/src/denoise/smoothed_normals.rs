@@ -265,7 +265,8 @@ fn add_levels_by_place(
     let Some(last) = weights.iter().filter_map(last_used).max() else { return Ok(()) };
     let bands = fixed(last + 1)?;
     // The weight of S(j) and of all coarser ones is that of −W(j).
-    let sums = |weights: &&[f64]| -> Vec<f64> { (0..=last).map(|j| weights[j..=last].iter().sum()).collect() };
+    let sums =
+        |weights: &&[f64]| -> Vec<f64> { (0..=last).map(|j| weights[j..=last].iter().sum()).collect() };
     let factors: Vec<Vec<f64>> = weights.iter().map(sums).collect();
     let series: Vec<FixedSeries> = factors.iter().map(|f| FixedSeries::weighted(&bands, f)).collect();
     let data = normals.as_flattened();

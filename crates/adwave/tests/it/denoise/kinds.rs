@@ -3,7 +3,7 @@
 use crate::denoise::{denoised, mean_angle, mesh};
 use adwave::denoise::{DenoiseParams, Denoised, MeshDenoising, SharedNoise};
 use adwave::sample::Sample;
-use adwave::shape::Shape;
+use adwave::shape::{Polygons, Shape};
 
 /// Uniform numbers in [0, 1) without pattern (splitmix64).
 struct Random(u64);
@@ -157,4 +157,54 @@ fn no_vertex_moves_farther_than_three_times_the_noise_there() {
     assert!((1..40).contains(&info.n_far), "{}", info.n_far);
     let furthest = (0..points.len()).map(moved).fold(0.0, f64::max);
     assert!((furthest - info.furthest).abs() < 1e-12 * furthest);
+}
+
+#[test]
+fn noise_that_grows_along_a_shape_is_found_and_taken_off_by_place() {
+    let sample = Sample::from_name("plane", Some(8000)).unwrap();
+    let edge = sample.mean_edge_length();
+    let [low, high] = [f64::min, f64::max]
+        .map(|least: fn(f64, f64) -> f64| sample.points.iter().map(|p| p[0]).reduce(least).unwrap());
+    let mut random = Random(11);
+    let mut moved = |p: &[f64; 3], deviation: f64| [p[0], p[1], p[2] + deviation * edge * random.normal()];
+    let growing = |p: &[f64; 3]| 0.05 + 0.45 * (p[0] - low) / (high - low);
+    let clean = mesh(sample.points.clone(), &sample.faces);
+    let noisy = sample.points.iter().map(|p| moved(p, growing(p))).collect();
+    let (before, after, found) = angles(&clean, &mesh(noisy, &sample.faces));
+    let [least, most] = found.noise_range.map(|level| level / edge);
+    assert!((0.05..0.13).contains(&least) && (0.36..0.55).contains(&most), "{least} to {most}");
+    assert!(after < 0.12 * before, "{before} → {after}");
+
+    let noisy = sample.points.iter().map(|p| moved(p, 0.2)).collect();
+    let (_, _, found) = angles(&clean, &mesh(noisy, &sample.faces));
+    assert!(found.noise_range[0] == found.noise_range[1] && found.kept_by_place.is_empty(), "{found:?}");
+}
+
+#[test]
+fn flat_places_are_smoothed_more_than_those_with_detail() {
+    // Waves that the triangles barely resolve on one half of a sheet, the other half flat, with noise.
+    let n = 90_usize;
+    let wave = |x: usize, y: usize| {
+        if x < n / 2 { 0.0 } else { 0.5 * (1.6 * x as f64).sin() * (1.6 * y as f64).cos() }
+    };
+    let at = |i: usize| [(i % n) as f64, (i / n) as f64, wave(i % n, i / n)];
+    let clean: Vec<[f64; 3]> = (0..n * n).map(at).collect();
+    let m = n as u32;
+    let corners = (0..m * (m - 1)).filter(|i| i % m < m - 1);
+    let faces: Vec<[u32; 3]> = corners.flat_map(|i| [[i, i + 1, i + m], [i + 1, i + m + 1, i + m]]).collect();
+    let faces = Polygons::from_triangles(&faces);
+    let mut random = Random(5);
+    let noisy: Vec<[f64; 3]> = clean.iter().map(|p| [p[0], p[1], p[2] + 0.15 * random.normal()]).collect();
+    let noisy = mesh(noisy, &faces);
+    let Denoised { points, info, .. } = denoised(&noisy, &DenoiseParams::default());
+    let kept = info.mesh.unwrap().kept_by_place;
+    assert!(kept.len() == 3 && kept[0] < 0.05 && kept[2] > 2.0 * kept[0] + 0.1, "{kept:?}");
+    let rms = |half: usize, points: &[[f64; 3]]| {
+        let squares =
+            (0..n * n).filter(|i| (i % n) / (n / 2) == half).map(|i| (points[i][2] - clean[i][2]).powi(2));
+        (squares.sum::<f64>() / (n * n / 2) as f64).sqrt()
+    };
+    let noisy = noisy.points().unwrap();
+    println!("{} → {}, {} → {}", rms(0, noisy), rms(0, &points), rms(1, noisy), rms(1, &points));
+    assert!(rms(0, &points) < 0.4 * rms(0, noisy) && rms(1, &points) < rms(1, noisy));
 }
