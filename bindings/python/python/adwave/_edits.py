@@ -539,9 +539,11 @@ class DenoiseResult(NamedTuple):
         shape also ``noise_in_edges`` (in mean edges of the noisy shape), ``kept`` (share of the normals that are
         unchanged), ``crease_weights`` and ``smooth_weights`` (shares smoothed by 1, 2, 4 … steps, with and without
         creases kept), ``n_far`` and ``furthest`` (number of vertices that would have moved farther than 3 times the noise,
-        where those of a mesh stop, and the largest distance). For a mesh ``shared_noise`` and ``shared_noise_at_most``
-        (noise that neighbors share as it was assumed, and the most that the mesh admits), ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved,
-        and their size in model units), ``turned_share`` (share of the triangles that noise turned over) and
+        where those of a mesh stop, and the largest distance). For a mesh ``noise_range`` (5 % and 95 % quantile of the noise
+        over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
+        where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
+        ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
+        ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units), ``turned_share`` (share of the triangles that noise turned over) and
         ``linear_rounds`` (rounds of the linear filter that come first). For a signal ``kept``, ``plain_weights``,
         ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
 

@@ -7,6 +7,7 @@ use super::{Creases, DenoiseInfo, LEAST_SHARE, SHAKE};
 use crate::vector::{add_scaled, dot, unit};
 use crate::{Cancelled, Progress, parallel};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Number of sites up to which one mixture holds everywhere: fewer do not tell the risk of each kind of place.
 pub(super) const FEW_FOR_KINDS: usize = 2_000;
@@ -31,7 +32,7 @@ pub(super) struct MixtureFactors {
     pub(super) kept: f64,
     /// Factors after 1, 2, 4, … steps of the walk that respects creases; empty if it has none.
     pub(super) creases: Vec<f64>,
-    /// The same for the walk that nearly ignores creases.
+    /// Factors after these steps of the walk that nearly ignores creases.
     pub(super) smooth: Vec<f64>,
 }
 
@@ -72,6 +73,95 @@ pub(super) struct MixtureRisk {
     shares: Vec<f64>,
 }
 
+/// Layout of the sums over sites: `φ_g φ_h F_k·F_l` for the pairs of kinds g ≥ h and of parts k ≥ l, then `φ_g F_k·m`, then
+/// φ_g, each times the area.
+#[derive(Clone, Copy)]
+struct SumLayout {
+    /// Number of parts.
+    parts: usize,
+    /// Number of kinds of places.
+    kinds: usize,
+    /// Number of pairs of parts.
+    pairs: usize,
+}
+
+impl SumLayout {
+    fn new(parts: &MixtureParts) -> Self {
+        let n_parts = parts.normals.len();
+        let n_kinds = if parts.shares.is_empty() { 1 } else { KINDS };
+        Self { parts: n_parts, kinds: n_kinds, pairs: n_parts * (n_parts + 1) / 2 }
+    }
+
+    fn toward_at(self) -> usize {
+        self.kinds * (self.kinds + 1) / 2 * self.pairs
+    }
+
+    fn shares_at(self) -> usize {
+        self.toward_at() + self.kinds * self.parts
+    }
+
+    fn len(self) -> usize {
+        self.shares_at() + self.kinds
+    }
+
+    /// The sums over some sites.
+    fn sums(
+        self,
+        parts: &MixtureParts,
+        shaken: &[MixtureParts],
+        areas: &[f64],
+        strength: f64,
+        sites: Range<usize>,
+    ) -> Vec<f64> {
+        let Self { parts: n_parts, kinds: n_kinds, pairs: n_pairs } = self;
+        let (toward_at, shares_at) = (self.toward_at(), self.shares_at());
+        let amplification = (strength / SHAKE).powi(2) / shaken.len().max(1) as f64;
+        let mut sums = vec![0.0; self.len()];
+        let mut products = vec![0.0; n_pairs];
+        let at = |parts: &MixtureParts, k: usize, x: usize| normal_at(&parts.normals[k], x);
+        for x in sites {
+            let (area, here, data) = (areas[x], parts.shares_at(x), at(parts, 0, x));
+            let mut pair = 0;
+            for k in 0..n_parts {
+                let f = at(parts, k, x);
+                for l in 0..=k {
+                    products[pair] = area * dot(&f, &at(parts, l, x));
+                    pair += 1;
+                }
+                for kind in 0..n_kinds {
+                    let covariance = |shaken: &MixtureParts| {
+                        let moved = add_scaled(&at(shaken, 0, x), -1.0, &data);
+                        shaken.shares_at(x)[kind] * dot(&at(shaken, k, x), &moved)
+                            - here[kind] * dot(&f, &moved)
+                    };
+                    let covariance: f64 = shaken.iter().map(covariance).sum();
+                    sums[toward_at + kind * n_parts + k] +=
+                        area * (here[kind] * dot(&f, &data) - amplification * covariance);
+                }
+            }
+            let pairs_of_kinds = (0..n_kinds).flat_map(|g| (0..=g).map(move |h| (g, h)));
+            for ((g, h), block) in pairs_of_kinds.zip(sums[..toward_at].chunks_mut(n_pairs)) {
+                let share = here[g] * here[h];
+                if share != 0.0 {
+                    block.iter_mut().zip(&products).for_each(|(sum, p)| *sum += share * p);
+                }
+            }
+            sums[shares_at..].iter_mut().zip(here).for_each(|(sum, share)| *sum += area * share);
+        }
+        sums
+    }
+}
+
+impl MixtureParts {
+    /// Shares of the kinds of places at a site; all of the first if there is one kind.
+    fn shares_at(&self, x: usize) -> [f64; KINDS] {
+        self.shares
+            .get(x)
+            .copied()
+            .unwrap_or_else(|| std::array::from_fn(|kind| f64::from(u8::from(kind == 0))))
+    }
+}
+
 impl MixtureRisk {
     /// Builds the risk from the parts for the noisy data, and those for one or more repetitions with added noise of
     /// [`SHAKE`] times the existing noise; `areas` are the weights of the sites and `strength` multiplies the noise.
@@ -83,68 +173,19 @@ impl MixtureRisk {
         strength: f64,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let n_parts = parts.normals.len();
-        let n_kinds = if parts.shares.is_empty() { 1 } else { KINDS };
-        let n_pairs = n_parts * (n_parts + 1) / 2;
-        let n_kind_pairs = n_kinds * (n_kinds + 1) / 2;
-        let (toward_at, shares_at) = (n_kind_pairs * n_pairs, n_kind_pairs * n_pairs + n_kinds * n_parts);
-        let amplification = (strength / SHAKE).powi(2) / shaken.len().max(1) as f64;
-        let shares_of = |parts: &MixtureParts, x: usize| {
-            parts
-                .shares
-                .get(x)
-                .copied()
-                .unwrap_or_else(|| std::array::from_fn(|k| f64::from(u8::from(k == 0))))
-        };
-        let sums = |(): &mut (), sites: std::ops::Range<usize>| {
-            let mut sums = vec![0.0; shares_at + n_kinds];
-            let mut products = vec![0.0; n_pairs];
-            for x in sites {
-                let area = areas[x];
-                let here = shares_of(parts, x);
-                let at = |parts: &MixtureParts, k: usize| normal_at(&parts.normals[k], x);
-                let data = at(parts, 0);
-                let mut pair = 0;
-                for k in 0..n_parts {
-                    let f = at(parts, k);
-                    for l in 0..=k {
-                        products[pair] = area * dot(&f, &at(parts, l));
-                        pair += 1;
-                    }
-                    for kind in 0..n_kinds {
-                        let covariance = |shaken: &MixtureParts| {
-                            let moved = add_scaled(&at(shaken, 0), -1.0, &data);
-                            shares_of(shaken, x)[kind] * dot(&at(shaken, k), &moved)
-                                - here[kind] * dot(&f, &moved)
-                        };
-                        let covariance: f64 = shaken.iter().map(covariance).sum();
-                        sums[toward_at + kind * n_parts + k] +=
-                            area * (here[kind] * dot(&f, &data) - amplification * covariance);
-                    }
-                }
-                let mut block = 0;
-                for g in 0..n_kinds {
-                    sums[shares_at + g] += area * here[g];
-                    for h in 0..=g {
-                        let share = here[g] * here[h];
-                        if share != 0.0 {
-                            let block = &mut sums[block * n_pairs..][..n_pairs];
-                            block.iter_mut().zip(&products).for_each(|(sum, p)| *sum += share * p);
-                        }
-                        block += 1;
-                    }
-                }
-            }
-            sums
-        };
+        let layout = SumLayout::new(parts);
+        let SumLayout { parts: n_parts, kinds: n_kinds, pairs: n_pairs } = layout;
+        let sums = |(): &mut (), sites: Range<usize>| layout.sums(parts, shaken, areas, strength, sites);
         let chunks = parallel::try_map_chunks(areas.len(), SITES_AT_A_TIME, progress, || (), sums)?;
-        let mut total = vec![0.0; shares_at + n_kinds];
+        let mut total = vec![0.0; layout.len()];
         for chunk in chunks {
             total.iter_mut().zip(chunk).for_each(|(total, sum)| *total += sum);
         }
-        let area: f64 = total[shares_at..].iter().sum();
+        let area: f64 = total[layout.shares_at()..].iter().sum();
         if area > 0.0 {
-            total.iter_mut().for_each(|sum| *sum /= area);
+            for sum in &mut total {
+                *sum /= area;
+            }
         }
         let triangle = |a: usize, b: usize| a.max(b) * (a.max(b) + 1) / 2 + a.min(b);
         let n = n_kinds * n_parts;
@@ -153,8 +194,8 @@ impl MixtureRisk {
             total[kinds * n_pairs + triangle(i % n_parts, j % n_parts)]
         };
         let gram = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
-        let toward = total[toward_at..shares_at].to_vec();
-        Ok(Self { n_parts, n_kinds, gram, toward, shares: total[shares_at..].to_vec() })
+        let toward = total[layout.toward_at()..layout.shares_at()].to_vec();
+        Ok(Self { n_parts, n_kinds, gram, toward, shares: total[layout.shares_at()..].to_vec() })
     }
 
     /// The mixture of least risk: one for each kind of place if these promise a smaller error by [`LEAST_GAIN`] standard

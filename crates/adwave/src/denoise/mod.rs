@@ -81,7 +81,9 @@ const STAGES: u64 = 5;
 /// weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate for Gaussian noise that is
 /// independent between points, with the standard deviation estimated from the shape (or given). The points then
 /// take 20 steps towards these normals, along them: open borders hardly shrink, and no vertex or face is lost. The
-/// same shape gives the same bits.
+/// same shape gives the same bits. Places where the surface bends little, more and most have weights of their own if
+/// these promise a smaller error ([`MeshDenoising::kept_by_place`]), and where the noise differs from place to place
+/// ([`MeshDenoising::noise_range`]), the estimate uses that of each place.
 ///
 /// Two kinds of noise are treated before: vertices that impulses moved return to where the planes around them meet, and
 /// noise that is strong or turns triangles over is reduced by some rounds of the linear filter of

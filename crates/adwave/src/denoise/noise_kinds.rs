@@ -61,18 +61,17 @@ pub(super) fn estimate_noise(
         (MeshDenoising::default(), None)
     };
     let points = impulses.as_ref().map_or(points, |found| &found.points[..]);
-    let noise = match params.noise {
-        Some(noise) => noise / unit,
-        None => {
-            let levels = noise_levels(surface, points, progress)?;
-            if mesh.impulse_share == 0.0 && levels.typical > VARIED_BY_NOISE[0] * edge {
-                mesh.noise_range = match surface.sample(points, progress)? {
-                    Some((part, points)) => noise_range(&part, &points, progress)?,
-                    None => noise_range(surface, points, progress)?,
-                };
-            }
-            varied_noise(levels, edge, mesh.impulse_share)
+    let noise = if let Some(noise) = params.noise {
+        noise / unit
+    } else {
+        let levels = noise_levels(surface, points, progress)?;
+        if mesh.impulse_share == 0.0 && levels.typical > VARIED_BY_NOISE[0] * edge {
+            mesh.noise_range = match surface.sample(points, progress)? {
+                Some((part, points)) => noise_range(&part, &points, progress)?,
+                None => noise_range(surface, points, progress)?,
+            };
         }
+        varied_noise(levels, edge, mesh.impulse_share)
     };
     if mesh.noise_range == [0.0; 2] {
         mesh.noise_range = [noise; 2];

@@ -154,7 +154,9 @@ impl NoisySurface {
         let (mut levels, _, spread) = local(&heights)?;
         let (_, of_white, spread_of_white) = local(&white)?;
         if of_white > 0.0 {
-            levels.iter_mut().for_each(|level| *level /= of_white);
+            for level in &mut levels {
+                *level /= of_white;
+            }
         }
         Ok((levels, spread / spread_of_white))
     }
