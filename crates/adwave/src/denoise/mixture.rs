@@ -374,7 +374,7 @@ mod tests {
         for (moved, there) in shaken.normals[0].chunks_mut(3).zip(data.normals[0].chunks(3)) {
             moved.copy_from_slice(&[moved[0] + there[0], moved[1] + there[1], there[2]]);
         }
-        MixtureRisk::new(&data, &[shaken], &[1.0; N], 1.0, Progress::none()).unwrap()
+        MixtureRisk::new(&data, &[shaken], &vec![1.0; N], 1.0, Progress::none()).unwrap()
     }
 
     #[test]
