@@ -4,7 +4,7 @@
 //! block takes three vectors, whatever the number of channels.
 
 use crate::lane_block::{LaneBlock, SignalRows, blocks};
-use crate::node_order::breadth_first;
+use crate::node_order::{breadth_first, reorder};
 use crate::{GraphWalkError, WalkMatrix};
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
@@ -51,7 +51,7 @@ impl WalkPowers {
         for (place, &node) in (0..).zip(&node_at) {
             place_of[node as usize] = place;
         }
-        let ordered = walk.rows().permute(&place_of);
+        let ordered = reorder(walk.rows(), &node_at, &place_of);
         Ok(Self { walk, ordered, ordered_transpose: OnceLock::new(), node_at, place_of })
     }
 
@@ -155,7 +155,7 @@ impl WalkPowers {
         }
         let transpose = self
             .ordered_transpose
-            .get_or_init(|| self.walk.transposed().permute(&self.place_of));
+            .get_or_init(|| reorder(self.walk.transposed(), &self.node_at, &self.place_of));
         for channels in blocks(n_channels) {
             // The gradient of P^{n_j} x is g_{j+1} − g_j.
             let fill = |level: usize| {
