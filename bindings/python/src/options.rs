@@ -38,7 +38,7 @@ pub(crate) const BORDERS: &[(&str, Borders)] =
 pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
 pub(crate) const LOCAL_FITS: &[(&str, LocalFit)] =
     &[("linear", LocalFit::Linear), ("constant", LocalFit::Constant)];
-const PRECISIONS: &[(&str, Precision)] =
+pub(crate) const PRECISIONS: &[(&str, Precision)] =
     &[("auto", Precision::Auto), ("single", Precision::Single), ("double", Precision::Double)];
 pub(crate) const CREASES: &[(&str, Creases)] =
     &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];

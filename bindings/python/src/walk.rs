@@ -3,13 +3,14 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
+use crate::options::{PRECISIONS, word};
 use adwave::Cancelled;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
     CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, Kernel,
     NearestLists, Normalization, Pooling, ScatteringParams, SelfLoops, Symmetrization, Transformation,
-    WalkMatrix, WalkOptions, WalkPowers, cross_validate, impute_into, kernel_weights, nearest_lists, pool,
-    scatter, split_counts,
+    WalkAccuracy, WalkMatrix, WalkOptions, WalkPowers, cross_validate, impute_into, kernel_weights,
+    nearest_lists, pool, scatter, split_counts,
 };
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -28,8 +29,14 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
 type WeightArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
-/// Scattering coefficients, paths × n × channels, and the bands of each path.
-type ScatteredValues<'py> = (Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>);
+/// Scattering coefficients, paths × n × channels, the bands of each path, and the accuracy.
+type ScatteredValues<'py> = (Bound<'py, PyArray3<f64>>, Vec<Vec<u32>>, NamedAccuracy);
+
+/// Values, n × channels, and the accuracy.
+type ImputedValues<'py> = (Bound<'py, PyArray2<f64>>, NamedAccuracy);
+
+/// Number format by its name, and the bound of the error.
+type NamedAccuracy = (&'static str, f64);
 
 /// Offsets, indices and distances of neighbors.
 type NeighborArrays<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>);
@@ -193,47 +200,50 @@ impl WalkData {
         arrays::matrix(py, out, n_channels)
     }
 
-    /// Scattering coefficients, paths × n × channels, and the paths.
-    #[pyo3(signature = (signal, scales, orders, progress=None))]
+    /// Scattering coefficients, paths × n × channels, the paths, and the accuracy.
+    #[pyo3(signature = (signal, choices, progress=None))]
     fn scatter<'py>(
         &self,
         py: Python<'py>,
         signal: PyReadonlyArray2<'_, f64>,
-        scales: Vec<u32>,
-        orders: Vec<u32>,
+        choices: ScatteringChoices,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ScatteredValues<'py>> {
         let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
         let signal = arrays::rows(&signal, "signal")?;
-        let params = ScatteringParams { scales, orders, max_bytes: adwave_io::free_memory() };
+        let ScatteringChoices { scales, orders, precision } = choices;
+        let precision = word("precision", &precision, PRECISIONS)?;
+        let params = ScatteringParams { scales, orders, precision, max_bytes: adwave_io::free_memory() };
         let found = run(py, usize::MAX, progress.as_ref(), |p| {
             scatter(&self.powers, signal, n_channels, &params, p)
         })?;
         let n_paths = found.paths.len();
         let values = arrays::vector(py, found.values).reshape([n_paths, n, n_channels])?;
-        Ok((values, found.paths))
+        Ok((values, found.paths, named_accuracy(found.accuracy)))
     }
 
-    /// ``Pᵗ X`` of all channels of a block of counts, n × channels.
+    /// ``Pᵗ X`` of all channels of a block of counts, n × channels, and the accuracy.
     fn impute<'py>(
         &self,
         py: Python<'py>,
         counts: PyReadonlyArray2<'_, f64>,
         steps: f64,
         square_root: bool,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        precision: &str,
+    ) -> PyResult<ImputedValues<'py>> {
         let n_channels = counts.shape()[1];
         let counts = arrays::rows(&counts, "X")?;
         let channels: Vec<usize> = (0..n_channels).collect();
-        let out = run(py, usize::MAX, None, |p| {
+        let precision = word("precision", precision, PRECISIONS)?;
+        let (out, accuracy) = run(py, usize::MAX, None, |p| {
             let counts = CountMatrix { values: CountValues::Dense(counts), n_channels };
             let transformation = Transformation { library_size: None, square_root };
             let mut out = vec![0.0; self.powers.n_nodes() * n_channels];
-            let input = ImputationInput { counts, transformation, channels: &channels };
-            impute_into(&self.powers, input, steps, &mut out, p)?;
-            Ok::<_, adwave_graph::GraphWalkError>(out)
+            let input = ImputationInput { counts, transformation, channels: &channels, precision };
+            let accuracy = impute_into(&self.powers, input, steps, &mut out, p)?;
+            Ok::<_, adwave_graph::GraphWalkError>((out, accuracy))
         })?;
-        arrays::matrix(py, out, n_channels)
+        Ok((arrays::matrix(py, out, n_channels)?, named_accuracy(accuracy)))
     }
 
     /// Number of steps by cross-validation of counts in compressed rows, and the error of each number.
@@ -276,6 +286,18 @@ struct CountColumns<'py> {
     columns: PyReadonlyArray1<'py, u32>,
     values: PyReadonlyArray1<'py, f64>,
     n_channels: usize,
+}
+
+/// Scales and orders of scattering, and the number format by its name.
+#[derive(FromPyObject)]
+struct ScatteringChoices {
+    scales: Vec<u32>,
+    orders: Vec<u32>,
+    precision: String,
+}
+
+fn named_accuracy(accuracy: WalkAccuracy) -> NamedAccuracy {
+    (accuracy.precision.name(), accuracy.error_bound)
 }
 
 /// Split of the molecules.

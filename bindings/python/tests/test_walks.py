@@ -174,6 +174,25 @@ def test_scattering_is_its_definition() -> None:
     assert found.features().shape == (20, 14)
 
 
+def test_single_precision_keeps_to_its_bound() -> None:
+    walk, f = ring(50, stay=0.5), RNG.normal(size=(50, 3))
+    double, single = (aw.scattering(walk, f, precision=precision) for precision in ("double", "single"))
+    assert (double.precision, single.precision) == ("double", "single")
+    error = abs(double.values - single.values).max() / abs(f).max()
+    assert double.error_bound < 1e-12 < error <= single.error_bound < 1e-5
+    counts = RNG.poisson(2.0, (50, 300))
+    exact, near = (aw.impute(counts, walk, t=3, precision=precision) for precision in ("auto", "single"))
+    assert (exact.precision, near.precision) == ("double", "single")
+    error = abs(exact.values - near.values).max()
+    assert error > 0 and (abs(exact.values - near.values) <= near.error_bound * exact.values).all()
+    assert near.error_bound < 4 * 6e-8
+    assert aw.impute(counts, walk, t=0.5, precision="single").precision == "double"
+    with pytest.raises(ValueError, match="precision must be one of"):
+        aw.scattering(walk, f, precision="half")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="precision must be one of"):
+        aw.impute(counts, walk, t=1, precision="half")  # type: ignore[arg-type]
+
+
 def test_pooled_scattering_of_a_batch_is_that_of_its_graphs() -> None:
     a, b = ring(5, stay=0.5), ring(9, stay=0.5)
     both = aw.walk(sparse.block_diag([a.matrix(), b.matrix()]))

@@ -1,7 +1,8 @@
 //! Times and memory of the tables in docs/GRAPHS.md, on synthetic cells and graphs:
-//! `cargo run --release -p adwave-graph --example measure -- [impute|wide|nearest|scatter|stream|all]`.
+//! `cargo run --release -p adwave-graph --example measure -- [impute|wide|nearest|scatter|stream|all] [double|single]`.
 
 use adwave::Progress;
+use adwave::bands::Precision;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
     CountMatrix, CountValues, DimensionedPoints, ImputationInput, Kernel, ScatteringParams, SelfLoops,
@@ -17,17 +18,23 @@ const RUNS: usize = 3;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted = std::env::args().nth(1).unwrap_or_else(|| "all".to_owned());
     let is_wanted = |name: &str| wanted == name || wanted == "all";
-    if is_wanted("impute") {
-        imputation(5_000, 8_000, 3)?;
-    }
-    if is_wanted("wide") {
-        imputation(100_000, 1_000, 8)?;
+    let precisions = match std::env::args().nth(2) {
+        Some(name) => vec![name.parse()?],
+        None => vec![Precision::Double, Precision::Single],
+    };
+    for &precision in &precisions {
+        if is_wanted("impute") {
+            imputation(5_000, 8_000, 3, precision)?;
+        }
+        if is_wanted("wide") {
+            imputation(100_000, 1_000, 8, precision)?;
+        }
+        if is_wanted("scatter") {
+            scattering(1_000_000, precision)?;
+        }
     }
     if is_wanted("nearest") {
         neighbors(100_000, 50, 15)?;
-    }
-    if is_wanted("scatter") {
-        scattering(1_000_000)?;
     }
     if is_wanted("stream") {
         stream(1_000_000, 10_000_000)?;
@@ -74,7 +81,12 @@ fn cell_walk(n: usize) -> Result<WalkPowers, Box<dyn std::error::Error>> {
     Ok(WalkPowers::new(walk, Progress::none())?)
 }
 
-fn imputation(n: usize, n_genes: usize, steps: u32) -> Result<(), Box<dyn std::error::Error>> {
+fn imputation(
+    n: usize,
+    n_genes: usize,
+    steps: u32,
+    precision: Precision,
+) -> Result<(), Box<dyn std::error::Error>> {
     let powers = cell_walk(n)?;
     let counts: Vec<f64> = (0..(n * n_genes) as u64).map(|i| (3.0 * noise(i)).max(0.0).floor()).collect();
     let channels: Vec<usize> = (0..n_genes).collect();
@@ -84,12 +96,12 @@ fn imputation(n: usize, n_genes: usize, steps: u32) -> Result<(), Box<dyn std::e
     let best = best_seconds(RUNS, || {
         let matrix = CountMatrix { values: CountValues::Dense(&counts), n_channels: n_genes };
         let transformation = Transformation::default();
-        let input = ImputationInput { counts: matrix, transformation, channels: &channels };
+        let input = ImputationInput { counts: matrix, transformation, channels: &channels, precision };
         impute_into(&powers, input, f64::from(steps), &mut out, Progress::none()).expect("counts are values");
     });
     let per_row = powers.walk().rows().nnz() as f64 / n as f64;
     println!(
-        "{n} cells × {n_genes} genes, {per_row:.1} entries a row, {steps} steps: {best:.2} s ({:.2} s of all processors); input and output {} MB, beyond them {} MB",
+        "{n} cells × {n_genes} genes, {per_row:.1} entries a row, {steps} steps, {precision}: {best:.2} s ({:.2} s of all processors); input and output {} MB, beyond them {} MB",
         (processor_seconds() - used) / RUNS as f64,
         16 * counts.len() / 1_000_000,
         (peak_bytes().saturating_sub(before)) / 1_000_000,
@@ -122,7 +134,7 @@ fn power_law(n: usize, n_edges: usize) -> Result<CompressedRows<f64>, Box<dyn st
     Ok(list.weights)
 }
 
-fn scattering(n: usize) -> Result<(), Box<dyn std::error::Error>> {
+fn scattering(n: usize, precision: Precision) -> Result<(), Box<dyn std::error::Error>> {
     let weights = power_law(n, 5 * n)?;
     let degrees = (0..n).map(|x| weights.row(x).0.len());
     let (largest, nnz) = (degrees.max().unwrap_or(0), weights.nnz());
@@ -133,11 +145,12 @@ fn scattering(n: usize) -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let powers = WalkPowers::new(walk, Progress::none())?;
     let signal: Vec<f64> = (0..n as u64).map(noise).collect();
-    let params = ScatteringParams { scales: vec![1, 2, 4, 8, 16, 32], ..ScatteringParams::default() };
+    let scales = vec![1, 2, 4, 8, 16, 32];
+    let params = ScatteringParams { scales, precision, ..ScatteringParams::default() };
     let (start, used) = (Instant::now(), processor_seconds());
     let found = scatter(&powers, &signal, 1, &params, Progress::none())?;
     println!(
-        "{n} nodes, {nnz} entries, largest degree {largest}, J = 6, {} paths of one channel: {:.2} s ({:.2} s of all processors), peak {} MB",
+        "{n} nodes, {nnz} entries, largest degree {largest}, J = 6, {} paths of one channel, {precision}: {:.2} s ({:.2} s of all processors), peak {} MB",
         found.paths.len(),
         start.elapsed().as_secs_f64(),
         processor_seconds() - used,

@@ -1,5 +1,6 @@
 //! Matrices of counts, nodes × channels (cells × genes), dense or sparse, and the transformations before diffusion.
 
+use crate::lane_block::fetch_values;
 use crate::{GraphWalkError, WalkPowers};
 use adwave::rows::CompressedRows;
 use rayon::prelude::*;
@@ -124,6 +125,15 @@ impl CountMatrix<'_> {
         sums.sort_unstable_by(f64::total_cmp);
         let middle = sums.len() / 2;
         if sums.len() % 2 == 1 { sums[middle] } else { 0.5 * (sums[middle - 1] + sums[middle]) }
+    }
+
+    /// Fetches what [`copy_row`](Self::copy_row) will read of a node.
+    pub(crate) fn fetch_row(&self, node: usize, channels: ChannelBlock<'_>) {
+        if let (CountValues::Dense(values), [first, ..]) = (self.values, channels.channels)
+            && channels.follow
+        {
+            fetch_values(values, node * self.n_channels + first, channels.channels.len());
+        }
     }
 
     /// Writes some channels of a row.

@@ -5,7 +5,7 @@
 //! variance of b, which does not depend on t. All t come from one series of products.
 
 use crate::count_matrix::{ChannelBlock, RowFactors};
-use crate::powers::{LaneBlock, blocks};
+use crate::lane_block::{LaneBlock, blocks};
 use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
 use adwave::Progress;
 use adwave::rows::CompressedRows;
@@ -175,7 +175,7 @@ fn errors(
         let these = &channels[range];
         let block = ChannelBlock::new(these);
         let half = |is_test: bool, spare| {
-            powers.load(these.len(), spare, |node, row| {
+            powers.load(these.len(), spare, &|node: usize, row: &mut [f64]| {
                 counts.copy_row(node, block, row);
                 let part = if is_test { 1.0 - share } else { share };
                 for (v, &channel) in row.iter_mut().zip(these) {
@@ -199,7 +199,7 @@ fn errors(
 }
 
 /// Sum of the squared differences, in chunks of fixed size.
-fn squared_difference(a: &LaneBlock, b: &LaneBlock) -> f64 {
+fn squared_difference(a: &LaneBlock<f64>, b: &LaneBlock<f64>) -> f64 {
     let len = ROWS_AT_A_TIME * a.lanes;
     let parts: Vec<f64> = a
         .now
@@ -305,10 +305,11 @@ mod tests {
             let matrix = CountMatrix { values: CountValues::Dense(&counts), n_channels: n_genes };
             let params = CrossValidationParams { most_steps: 512, ..CrossValidationParams::default() };
             let found = cross_validate(&powers, &matrix, params, Progress::none()).unwrap();
-            let mut now = powers.load(1, None, |_, _| ());
+            let mut now: LaneBlock<f64> = powers.load(1, None, &|_: usize, _: &mut [f64]| ());
             let mut oracle = vec![0.0; found.errors.len()];
             for g in 0..n_genes {
-                now = powers.load(1, None, |node, row| row[0] = counts[node * n_genes + g]);
+                now =
+                    powers.load(1, None, &|node: usize, row: &mut [f64]| row[0] = counts[node * n_genes + g]);
                 for (t, error) in oracle.iter_mut().enumerate() {
                     if t > 0 {
                         powers.step(&mut now, Progress::none()).unwrap();

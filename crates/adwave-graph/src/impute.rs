@@ -1,10 +1,12 @@
 //! Imputation of counts over a graph of cells: powers of its walk (`vandijk2018`), by blocks of genes.
 
 use crate::count_matrix::{ChannelBlock, RowFactors};
-use crate::powers::{LaneBlock, MOST_STEPS, blocks};
-use crate::{CountMatrix, GraphWalkError, Transformation, WalkPowers};
+use crate::lane_block::{LaneBlock, RowSource, blocks};
+use crate::lane_rows::LaneNumber;
+use crate::powers::MOST_STEPS;
+use crate::{CountMatrix, GraphWalkError, Transformation, WalkAccuracy, WalkPowers};
 use adwave::Progress;
-use adwave::bands::{BandsParams, Schedule, Transform};
+use adwave::bands::{BandsParams, Precision, Schedule, Transform};
 use adwave::operator::{Diffusion, Semigroup};
 
 /// Relative accuracy of fractional powers.
@@ -19,12 +21,18 @@ pub struct ImputationInput<'a> {
     pub transformation: Transformation,
     /// Channels of the result, in its order.
     pub channels: &'a [usize],
+    /// Number format of the products. A fractional number of steps takes double precision.
+    pub precision: Precision,
 }
 
 /// Computes `P^steps X` of the transformed values into `out`, n_nodes × channels. Channels that are 0 everywhere stay 0.
-/// O(entries·channels·steps), with three vectors of 32 channels beside the result.
+/// O(entries·channels·steps), with two vectors of 32 channels beside the result.
 ///
 /// A fractional number of steps needs a walk of symmetric weights that stays at least half of the time.
+///
+/// The error bound is relative to `P^steps |X|`, value by value: of values of at least 0, such as counts, it is the relative
+/// error of each, except that in single precision those below 1e-28 of the largest of their channel may vanish. Of a
+/// fractional number of steps it is relative to the norm of a channel.
 ///
 /// # Errors
 /// [`GraphWalkError`] if the matrix does not have a row per node or lacks a channel, a value is not finite, or negative
@@ -38,8 +46,8 @@ pub fn impute_into(
     steps: f64,
     out: &mut [f64],
     progress: Progress<'_>,
-) -> Result<(), GraphWalkError> {
-    let ImputationInput { counts, transformation, channels } = input;
+) -> Result<WalkAccuracy, GraphWalkError> {
+    let ImputationInput { counts, transformation, channels, precision } = input;
     counts.check(powers)?;
     check_channels(channels, counts.n_channels)?;
     assert_eq!(out.len(), powers.n_nodes() * channels.len(), "the output has a value per node and channel");
@@ -52,34 +60,81 @@ pub fn impute_into(
         return Err(GraphWalkError::NegativeValue { node, channel, value });
     }
     let factors = RowFactors::new(&counts, transformation)?;
-    let fractional =
-        if steps.fract() == 0.0 { None } else { Some(FractionalPower::new(powers, steps, progress)?) };
+    if steps.fract() != 0.0 {
+        let power = FractionalPower::new(powers, steps, progress)?;
+        diffuse::<f64>(powers, input, &factors, |block| power.apply(block, progress), out, progress)?;
+        return Ok(WalkAccuracy { precision: Precision::Double, error_bound: ACCURACY });
+    }
+    let steps = steps as u32;
+    let accuracy = WalkAccuracy::choose(precision, |precision| powers.power_bound(precision, steps));
+    if accuracy.precision == Precision::Single {
+        let walk = |block: &mut LaneBlock<f32>| whole_steps(powers, block, steps, progress);
+        diffuse(powers, input, &factors, walk, out, progress)?;
+    } else {
+        let walk = |block: &mut LaneBlock<f64>| whole_steps(powers, block, steps, progress);
+        diffuse(powers, input, &factors, walk, out, progress)?;
+    }
+    Ok(accuracy)
+}
+
+fn whole_steps<T: LaneNumber>(
+    powers: &WalkPowers,
+    block: &mut LaneBlock<T>,
+    steps: u32,
+    progress: Progress<'_>,
+) -> Result<(), GraphWalkError> {
+    for _ in 0..steps {
+        powers.step(block, progress)?;
+    }
+    Ok(())
+}
+
+/// Applies `walk` to all channels, block by block.
+fn diffuse<T: LaneNumber>(
+    powers: &WalkPowers,
+    input: ImputationInput<'_>,
+    factors: &RowFactors,
+    walk: impl Fn(&mut LaneBlock<T>) -> Result<(), GraphWalkError>,
+    out: &mut [f64],
+    progress: Progress<'_>,
+) -> Result<(), GraphWalkError> {
+    let ImputationInput { counts, transformation, channels, .. } = input;
     let mut spare = None;
     for range in blocks(channels.len()) {
         progress.step(range.start as u64, channels.len() as u64)?;
         let these = ChannelBlock::new(&channels[range.clone()]);
-        let mut block = powers.load(range.len(), spare.take(), |node, row| {
-            counts.copy_row(node, these, row);
-            let factor = factors.get(node);
-            for v in row {
-                *v *= factor;
-                if transformation.square_root {
-                    *v = v.sqrt();
-                }
-            }
-        });
-        match &fractional {
-            Some(power) => power.apply(&mut block, progress)?,
-            None => {
-                for _ in 0..steps as u32 {
-                    powers.step(&mut block, progress)?;
-                }
-            }
-        }
-        powers.store(&block, range, channels.len(), out);
+        let rows = TransformedRows { counts, channels: these, transformation, factors };
+        let mut block: LaneBlock<T> = powers.load(range.len(), spare.take(), &rows);
+        walk(&mut block)?;
+        powers.store(block.rows(), range, channels.len(), out);
         spare = Some(block);
     }
     Ok(progress.step(channels.len() as u64, channels.len() as u64)?)
+}
+
+/// Some channels of a matrix after a transformation.
+struct TransformedRows<'a> {
+    counts: CountMatrix<'a>,
+    channels: ChannelBlock<'a>,
+    transformation: Transformation,
+    factors: &'a RowFactors,
+}
+
+impl RowSource for TransformedRows<'_> {
+    fn fill(&self, node: usize, row: &mut [f64]) {
+        self.counts.copy_row(node, self.channels, row);
+        let factor = self.factors.get(node);
+        for v in row {
+            *v *= factor;
+            if self.transformation.square_root {
+                *v = v.sqrt();
+            }
+        }
+    }
+
+    fn fetch(&self, node: usize) {
+        self.counts.fetch_row(node, self.channels);
+    }
 }
 
 fn check_channels(channels: &[usize], n_channels: usize) -> Result<(), GraphWalkError> {
@@ -114,7 +169,7 @@ impl FractionalPower {
     }
 
     /// Replaces the values of a block by their power.
-    fn apply(&self, block: &mut LaneBlock, progress: Progress<'_>) -> Result<(), GraphWalkError> {
+    fn apply(&self, block: &mut LaneBlock<f64>, progress: Progress<'_>) -> Result<(), GraphWalkError> {
         let mut change = vec![0.0; block.now.len()];
         self.transform.weighted_into(
             &block.now,
@@ -173,6 +228,7 @@ mod tests {
             counts: CountMatrix { values, n_channels },
             transformation,
             channels: &all,
+            precision: Precision::Double,
         };
         let dense = impute(&powers, input(CountValues::Dense(&values)), 3.0).unwrap();
         assert_eq!(impute(&powers, input(CountValues::Sparse(&sparse)), 3.0).unwrap(), dense);
@@ -189,6 +245,34 @@ mod tests {
     }
 
     #[test]
+    fn single_precision_keeps_to_its_bound_at_each_value() {
+        for (n, n_channels) in [(90, 41), (2500, 5)] {
+            let powers = powers(n, 0.0);
+            let values = counts(n, n_channels);
+            let all: Vec<usize> = (0..n_channels).collect();
+            for steps in [0.0, 1.0, 8.0] {
+                let with = |precision| {
+                    let counts = CountMatrix { values: CountValues::Dense(&values), n_channels };
+                    let transformation = Transformation { library_size: Some(1e4), square_root: true };
+                    let input = ImputationInput { counts, transformation, channels: &all, precision };
+                    let mut out = vec![0.0; values.len()];
+                    (impute_into(&powers, input, steps, &mut out, Progress::none()).unwrap(), out)
+                };
+                let ((accuracy, double), (single_accuracy, single)) =
+                    (with(Precision::Double), with(Precision::Single));
+                let bound = single_accuracy.error_bound;
+                assert!(accuracy.error_bound < 1e-11 && bound < 6e-8 * (steps + 1.0), "{bound:e}");
+                let errors = double.iter().zip(&single).map(|(a, b)| ((a - b).abs(), bound * a));
+                let largest = errors.fold(0.0, |most: f64, (error, allowed)| {
+                    assert!(error <= allowed, "{error:e} {allowed:e}");
+                    most.max(error)
+                });
+                assert!(largest > 0.0);
+            }
+        }
+    }
+
+    #[test]
     fn fractional_steps_compose_and_are_refused_of_walks_that_need_not_stay() {
         let n = 60;
         let values: Vec<f64> = (0..n).map(noise).collect();
@@ -196,6 +280,7 @@ mod tests {
             counts: CountMatrix { values: CountValues::Dense(values), n_channels: 1 },
             transformation: Transformation::default(),
             channels: &[0],
+            precision: Precision::Double,
         };
         let lazy = powers(n, 0.5);
         let half = impute(&lazy, input(&values), 0.5).unwrap();
@@ -214,7 +299,8 @@ mod tests {
         let refused = |values: &[f64], square_root, steps: f64, channels: &[usize]| {
             let counts = CountMatrix { values: CountValues::Dense(values), n_channels: 2 };
             let transformation = Transformation { library_size: None, square_root };
-            impute(&powers, ImputationInput { counts, transformation, channels }, steps)
+            let precision = Precision::Double;
+            impute(&powers, ImputationInput { counts, transformation, channels, precision }, steps)
                 .unwrap_err()
                 .to_string()
         };

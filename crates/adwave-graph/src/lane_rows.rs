@@ -1,57 +1,113 @@
 //! Memory of rows of lanes, from the start of a cache line on and in large pages.
 
+use crate::lanes::MAX_LANES;
 use adwave::pages::zeros;
-use rayon::prelude::*;
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a cache line, and the number of values in one. A row of 8 lanes that begins elsewhere lies in two lines, and
-/// products that gather rows in any order then take twice as long.
-const LINE: usize = 64;
-const VALUES_PER_LINE: usize = LINE / size_of::<f64>();
+/// Number format of lanes. Sums over the entries of a row are in double precision, whatever the format.
+pub(crate) trait LaneNumber: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
+    /// True for single precision, whose values must be scaled to fit its range.
+    const IS_SINGLE: bool;
 
-/// Values that a thread processes at a time.
-const AT_A_TIME: usize = 1 << 14;
+    /// The nearest number of this format.
+    fn rounded(value: f64) -> Self;
+
+    /// The same number in double precision.
+    fn widened(self) -> f64;
+
+    /// Lets `fill` write a row, and in single precision multiplies it by the factors and raises the sizes to those of its
+    /// values.
+    fn fill_row(
+        out: &mut [Self],
+        factors: &[f64; MAX_LANES],
+        sizes: &mut [f64; MAX_LANES],
+        fill: impl FnOnce(&mut [f64]),
+    );
+}
+
+impl LaneNumber for f64 {
+    const IS_SINGLE: bool = false;
+
+    fn rounded(value: f64) -> Self {
+        value
+    }
+
+    fn widened(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn fill_row(
+        out: &mut [Self],
+        _: &[f64; MAX_LANES],
+        _: &mut [f64; MAX_LANES],
+        fill: impl FnOnce(&mut [f64]),
+    ) {
+        fill(out);
+    }
+}
+
+impl LaneNumber for f32 {
+    const IS_SINGLE: bool = true;
+
+    fn rounded(value: f64) -> Self {
+        value as Self
+    }
+
+    fn widened(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn fill_row(
+        out: &mut [Self],
+        factors: &[f64; MAX_LANES],
+        sizes: &mut [f64; MAX_LANES],
+        fill: impl FnOnce(&mut [f64]),
+    ) {
+        let mut row = [0.0; MAX_LANES];
+        let row = &mut row[..out.len()];
+        fill(row);
+        for (((out, v), factor), size) in out.iter_mut().zip(row).zip(factors).zip(sizes) {
+            *v *= factor;
+            *size = if v.abs() > *size { v.abs() } else { *size };
+            *out = Self::rounded(*v);
+        }
+    }
+}
+
+/// Bytes of a cache line. A row of 64 bytes that begins elsewhere lies in two lines, and products that gather rows in any
+/// order then take twice as long.
+pub(crate) const LINE: usize = 64;
 
 /// A vector of values whose first one begins a cache line.
 #[derive(Debug)]
-pub(crate) struct LaneRows {
-    memory: Vec<f64>,
+pub(crate) struct LaneRows<T> {
+    memory: Vec<T>,
     start: usize,
     len: usize,
 }
 
-impl LaneRows {
+impl<T: LaneNumber> LaneRows<T> {
     /// `len` zeros.
     pub(crate) fn zeros(len: usize) -> Self {
-        let memory = zeros::<f64>(len + VALUES_PER_LINE - 1);
-        let start = memory.as_ptr().align_offset(LINE).min(VALUES_PER_LINE - 1);
+        let more = LINE / size_of::<T>() - 1;
+        let memory = zeros::<T>(len + more);
+        let start = memory.as_ptr().align_offset(LINE).min(more);
         Self { memory, start, len }
-    }
-
-    /// Copies all values of another vector of the same length.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        let chunks = self.par_chunks_mut(AT_A_TIME).zip(other.par_chunks(AT_A_TIME));
-        chunks.for_each(|(out, values)| out.copy_from_slice(values));
-    }
-
-    /// Subtracts the values of another vector of the same length.
-    pub(crate) fn subtract(&mut self, other: &Self) {
-        self.par_chunks_mut(AT_A_TIME).zip(other.par_chunks(AT_A_TIME)).for_each(|(out, values)| {
-            out.iter_mut().zip(values).for_each(|(out, v)| *out -= v);
-        });
     }
 }
 
-impl Deref for LaneRows {
-    type Target = [f64];
+impl<T> Deref for LaneRows<T> {
+    type Target = [T];
 
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         &self.memory[self.start..][..self.len]
     }
 }
 
-impl DerefMut for LaneRows {
-    fn deref_mut(&mut self) -> &mut [f64] {
+impl<T> DerefMut for LaneRows<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
         &mut self.memory[self.start..][..self.len]
     }
 }
@@ -60,18 +116,20 @@ impl DerefMut for LaneRows {
 mod tests {
     use super::*;
 
+    fn check<T: LaneNumber + PartialEq>() {
+        for len in [0, 1, 8, 100, 1 << 20] {
+            let mut rows = LaneRows::<T>::zeros(len);
+            assert_eq!(rows.len(), len);
+            let is_zero = rows.iter().all(|&v| v == T::default());
+            assert!(rows.as_ptr().addr().is_multiple_of(LINE) && is_zero);
+            (0..len).for_each(|i| rows[i] = T::rounded(i as f64));
+            assert!((0..len).all(|i| rows[i].widened() == i as f64));
+        }
+    }
+
     #[test]
     fn rows_begin_a_cache_line_and_hold_what_is_written() {
-        for len in [0, 1, 8, 100, 1 << 20] {
-            let mut rows = LaneRows::zeros(len);
-            assert_eq!(rows.len(), len);
-            assert!(rows.as_ptr().addr().is_multiple_of(LINE) && rows.iter().all(|&v| v == 0.0));
-            (0..len).for_each(|i| rows[i] = i as f64);
-            let mut copy = LaneRows::zeros(len);
-            copy.copy_from(&rows);
-            assert_eq!(*copy, *rows);
-            copy.subtract(&rows);
-            assert!(copy.iter().all(|&v| v == 0.0));
-        }
+        check::<f64>();
+        check::<f32>();
     }
 }

@@ -1,5 +1,7 @@
 //! Products of a matrix with rows of 1 to 32 lanes.
 
+use crate::lane_rows::LaneNumber;
+use adwave::pages::prefetch;
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 use pulp::{Arch, NullaryFnOnce};
@@ -14,6 +16,10 @@ pub(crate) const ROWS_AT_A_TIME: usize = 512;
 /// Number of rows from which threads share the work.
 pub(crate) const SERIAL: usize = 2048;
 
+/// Number of entries by which rows of lanes are prefetched. Neighbors are scattered over memory, which no hardware
+/// prefetcher follows. 32 to 128 entries are equally good; products of 32 lanes take two thirds of the time without.
+const AHEAD: usize = 64;
+
 /// Number of lanes for `width` channels.
 pub(crate) fn lanes(width: usize) -> usize {
     match width {
@@ -25,31 +31,32 @@ pub(crate) fn lanes(width: usize) -> usize {
     }
 }
 
-/// Computes `out = rows·now` for `lanes` lanes; both are n × lanes. The bits do not depend on the number of threads.
+/// Computes `out = rows·now` for `lanes` lanes; both are n × lanes. Sums are in double precision. The bits do not depend on
+/// the number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
-pub(crate) fn multiply(
+pub(crate) fn multiply<T: LaneNumber>(
     rows: &CompressedRows<f64>,
     lanes: usize,
-    now: &[f64],
-    out: &mut [f64],
+    now: &[T],
+    out: &mut [T],
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
     match lanes {
-        1 => multiply_fixed::<1>(rows, now, out, progress),
-        4 => multiply_fixed::<4>(rows, now, out, progress),
-        8 => multiply_fixed::<8>(rows, now, out, progress),
-        16 => multiply_fixed::<16>(rows, now, out, progress),
-        MAX_LANES => multiply_fixed::<MAX_LANES>(rows, now, out, progress),
+        1 => multiply_fixed::<T, 1>(rows, now, out, progress),
+        4 => multiply_fixed::<T, 4>(rows, now, out, progress),
+        8 => multiply_fixed::<T, 8>(rows, now, out, progress),
+        16 => multiply_fixed::<T, 16>(rows, now, out, progress),
+        MAX_LANES => multiply_fixed::<T, MAX_LANES>(rows, now, out, progress),
         _ => unreachable!("a block has 1, 4, 8, 16 or 32 lanes, not {lanes}"),
     }
 }
 
-fn multiply_fixed<const L: usize>(
+fn multiply_fixed<T: LaneNumber, const L: usize>(
     rows: &CompressedRows<f64>,
-    now: &[f64],
-    out: &mut [f64],
+    now: &[T],
+    out: &mut [T],
     progress: Progress<'_>,
 ) -> Result<(), Cancelled> {
     progress.check()?;
@@ -71,14 +78,14 @@ fn multiply_fixed<const L: usize>(
 }
 
 /// Some consecutive rows of a product.
-struct RowsProduct<'a, const L: usize> {
+struct RowsProduct<'a, T, const L: usize> {
     rows: &'a CompressedRows<f64>,
-    now: &'a [[f64; L]],
+    now: &'a [[T; L]],
     first: usize,
-    out: &'a mut [[f64; L]],
+    out: &'a mut [[T; L]],
 }
 
-impl<const L: usize> NullaryFnOnce for RowsProduct<'_, L> {
+impl<T: LaneNumber, const L: usize> NullaryFnOnce for RowsProduct<'_, T, L> {
     type Output = ();
 
     #[expect(
@@ -90,14 +97,20 @@ impl<const L: usize> NullaryFnOnce for RowsProduct<'_, L> {
         let Self { rows, now, first, out } = self;
         for (x, out) in (first..).zip(out) {
             let (columns, weights) = rows.row(x);
+            let later = rows.offsets()[x] + AHEAD;
             let mut sum = [0.0; L];
-            for (&y, &w) in columns.iter().zip(weights) {
+            for (e, (&y, &w)) in columns.iter().zip(weights).enumerate() {
+                if let Some(&column) = rows.columns().get(later + e) {
+                    prefetch(now, column as usize);
+                }
                 let there = &now[y as usize];
                 for c in 0..L {
-                    sum[c] += w * there[c];
+                    sum[c] += w * there[c].widened();
                 }
             }
-            *out = sum;
+            for (out, v) in out.iter_mut().zip(sum) {
+                *out = T::rounded(v);
+            }
         }
     }
 }

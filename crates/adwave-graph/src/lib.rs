@@ -14,6 +14,7 @@
 //!
 //! The results have the same bits on any number of threads. Except for `.h5ad`, the crate opens no files.
 
+mod accuracy;
 #[cfg(feature = "anndata")]
 mod anndata;
 mod count_matrix;
@@ -22,11 +23,13 @@ mod edge_list;
 mod error;
 mod impute;
 mod kernel;
+mod lane_block;
 mod lane_rows;
 mod lanes;
 mod lines;
 mod matrix_market;
 mod nearest;
+mod node_order;
 mod point_blocks;
 mod point_products;
 mod pooling;
@@ -34,6 +37,7 @@ mod powers;
 mod scattering;
 mod walk;
 
+pub use accuracy::WalkAccuracy;
 #[cfg(feature = "anndata")]
 pub use anndata::{AnnDataError, AnnDataFile, AnnDataMatrix, ReplacedMatrix, write_replaced};
 pub use count_matrix::{CountMatrix, CountValues, Transformation};

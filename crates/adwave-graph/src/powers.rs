@@ -3,17 +3,19 @@
 //! Channels go through the products in blocks of up to 32, nodes in an order in which neighbors are close to each other. A
 //! block takes three vectors, whatever the number of channels.
 
-use crate::lane_rows::LaneRows;
-use crate::lanes::{MAX_LANES, ROWS_AT_A_TIME, SERIAL, lanes, multiply};
+use crate::lane_block::{LaneBlock, SignalRows, blocks};
+use crate::node_order::{breadth_first, reorder};
 use crate::{GraphWalkError, WalkMatrix};
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
-use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Largest number of steps: a limit against a slip of the keyboard.
 pub(crate) const MOST_STEPS: u32 = 1 << 20;
+
+/// Number of values that are checked together.
+const CHECKED_AT_A_TIME: usize = 1 << 12;
 
 /// A walk prepared for its powers.
 ///
@@ -49,7 +51,7 @@ impl WalkPowers {
         for (place, &node) in (0..).zip(&node_at) {
             place_of[node as usize] = place;
         }
-        let ordered = walk.rows().permute(&place_of);
+        let ordered = reorder(walk.rows(), &node_at, &place_of);
         Ok(Self { walk, ordered, ordered_transpose: OnceLock::new(), node_at, place_of })
     }
 
@@ -87,14 +89,12 @@ impl WalkPowers {
         let mut spare = None;
         for channels in blocks(n_channels) {
             progress.step(channels.start as u64, n_channels as u64)?;
-            let fill = |node: usize, row: &mut [f64]| {
-                row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
-            };
-            let mut block = self.load(channels.len(), spare.take(), fill);
+            let rows = SignalRows::new(signal, n_channels, channels.clone());
+            let mut block: LaneBlock<f64> = self.load(channels.len(), spare.take(), &rows);
             for _ in 0..steps {
                 self.step(&mut block, progress)?;
             }
-            self.store(&block, channels, n_channels, out);
+            self.store(block.rows(), channels, n_channels, out);
             spare = Some(block);
         }
         Ok(progress.step(n_channels as u64, n_channels as u64)?)
@@ -121,41 +121,13 @@ impl WalkPowers {
         assert_eq!(out.len(), (scales.len() + 1) * signal.len(), "a signal for each band and the remainder");
         for channels in blocks(n_channels) {
             progress.step(channels.start as u64, n_channels as u64)?;
-            let fill = |node: usize, row: &mut [f64]| {
-                row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
-            };
-            let block = self.load(channels.len(), None, fill);
-            self.visit_bands(block, scales, progress, |level, values, block| {
+            let rows = SignalRows::new(signal, n_channels, channels.clone());
+            let block: LaneBlock<f64> = self.load(channels.len(), None, &rows);
+            self.visit_bands(block, scales, progress, |level, band| {
                 let out = &mut out[level * signal.len()..][..signal.len()];
-                self.store_values(values, block, channels.clone(), n_channels, out);
+                self.store(band, channels.clone(), n_channels, out);
             })?;
         }
-        Ok(())
-    }
-
-    /// Calls `each(level, band, block)` for the bands of a block, from fine to coarse, and for the remainder.
-    pub(crate) fn visit_bands(
-        &self,
-        mut block: LaneBlock,
-        scales: &[u32],
-        progress: Progress<'_>,
-        mut each: impl FnMut(usize, &[f64], &LaneBlock),
-    ) -> Result<(), Cancelled> {
-        let mut fine = LaneRows::zeros(block.now.len());
-        fine.copy_from(&block.now);
-        let mut done = 0;
-        for (level, &scale) in scales.iter().enumerate() {
-            for _ in done..scale {
-                self.step(&mut block, progress)?;
-            }
-            done = scale;
-            fine.subtract(&block.now);
-            each(level, &fine, &block);
-            if level + 1 < scales.len() {
-                fine.copy_from(&block.now);
-            }
-        }
-        each(scales.len(), &block.now, &block);
         Ok(())
     }
 
@@ -181,7 +153,9 @@ impl WalkPowers {
         if gradients.len() != (scales.len() + 1) * len {
             return Err(self.wrong_length(gradients.len(), n_channels));
         }
-        let transpose = self.ordered_transpose.get_or_init(|| self.walk.transposed().permute(&self.place_of));
+        let transpose = self
+            .ordered_transpose
+            .get_or_init(|| reorder(self.walk.transposed(), &self.node_at, &self.place_of));
         for channels in blocks(n_channels) {
             // The gradient of P^{n_j} x is g_{j+1} − g_j.
             let fill = |level: usize| {
@@ -194,92 +168,18 @@ impl WalkPowers {
                     }
                 }
             };
-            let mut block = self.load(channels.len(), None, fill(scales.len()));
+            let mut block: LaneBlock<f64> = self.load(channels.len(), None, &fill(scales.len()));
             for level in (0..scales.len()).rev() {
                 let until = if level == 0 { 0 } else { scales[level - 1] };
                 for _ in until..scales[level] {
-                    multiply(transpose, block.lanes, &block.now, &mut block.next, progress)?;
-                    std::mem::swap(&mut block.now, &mut block.next);
+                    block.step(transpose, progress)?;
                 }
-                let added = self.load(channels.len(), None, fill(level));
+                let added: LaneBlock<f64> = self.load(channels.len(), None, &fill(level));
                 block.now.iter_mut().zip(added.now.iter()).for_each(|(now, g)| *now += g);
             }
-            self.store(&block, channels, n_channels, out);
+            self.store(block.rows(), channels, n_channels, out);
         }
         Ok(())
-    }
-
-    /// A block of `width` channels, filled node by node, in the memory of `spare` if there is one.
-    pub(crate) fn load(
-        &self,
-        width: usize,
-        spare: Option<LaneBlock>,
-        fill: impl Fn(usize, &mut [f64]) + Sync,
-    ) -> LaneBlock {
-        let lanes = lanes(width);
-        let n = self.n_nodes();
-        let mut block = match spare {
-            Some(block) if block.lanes == lanes => block,
-            _ => {
-                LaneBlock { now: LaneRows::zeros(n * lanes), next: LaneRows::zeros(n * lanes), lanes, width }
-            }
-        };
-        if block.width != width {
-            block.now.fill(0.0);
-            block.width = width;
-        }
-        let fill_rows = |first: usize, rows: &mut [f64]| {
-            for (place, row) in (first..).zip(rows.chunks_exact_mut(lanes)) {
-                fill(self.node_at[place] as usize, &mut row[..width]);
-            }
-        };
-        if n <= SERIAL {
-            fill_rows(0, &mut block.now);
-        } else {
-            block
-                .now
-                .par_chunks_mut(ROWS_AT_A_TIME * lanes)
-                .enumerate()
-                .for_each(|(chunk, rows)| fill_rows(chunk * ROWS_AT_A_TIME, rows));
-        }
-        block
-    }
-
-    /// One step of the walk.
-    pub(crate) fn step(&self, block: &mut LaneBlock, progress: Progress<'_>) -> Result<(), Cancelled> {
-        multiply(&self.ordered, block.lanes, &block.now, &mut block.next, progress)?;
-        std::mem::swap(&mut block.now, &mut block.next);
-        Ok(())
-    }
-
-    /// Writes a block to its channels of an n_nodes × n_channels array.
-    pub(crate) fn store(
-        &self,
-        block: &LaneBlock,
-        channels: Range<usize>,
-        n_channels: usize,
-        out: &mut [f64],
-    ) {
-        self.store_values(&block.now, block, channels, n_channels, out);
-    }
-
-    pub(crate) fn store_values(
-        &self,
-        values: &[f64],
-        block: &LaneBlock,
-        channels: Range<usize>,
-        n_channels: usize,
-        out: &mut [f64],
-    ) {
-        let copy = |(out, &place): (&mut [f64], &u32)| {
-            out[channels.clone()].copy_from_slice(&values[place as usize * block.lanes..][..block.width]);
-        };
-        if self.n_nodes() <= SERIAL {
-            out.chunks_mut(n_channels).zip(&self.place_of).for_each(copy);
-        } else {
-            let rows = out.par_chunks_mut(n_channels).zip(&self.place_of);
-            rows.with_min_len(ROWS_AT_A_TIME).for_each(copy);
-        }
     }
 
     /// The matrix in the order of the rows of a block.
@@ -288,7 +188,6 @@ impl WalkPowers {
     }
 
     /// Nodes in the order of the rows of a block.
-    #[cfg(test)]
     pub(crate) fn node_at(&self) -> &[u32] {
         &self.node_at
     }
@@ -302,7 +201,11 @@ impl WalkPowers {
         if self.n_nodes().checked_mul(n_channels) != Some(signal.len()) {
             return Err(self.wrong_length(signal.len(), n_channels));
         }
-        match signal.par_iter().with_min_len(1 << 14).position_first(|v| !v.is_finite()) {
+        // Without a branch per value the loop takes half of the time.
+        let is_good = |values: &[f64]| values.iter().fold(true, |good, v| good & v.is_finite());
+        let part = signal.par_chunks(CHECKED_AT_A_TIME).position_first(|values| !is_good(values));
+        let start = part.map_or(signal.len(), |part| part * CHECKED_AT_A_TIME);
+        match signal[start..].iter().position(|v| !v.is_finite()).map(|at| start + at) {
             None => Ok(()),
             Some(at) => Err(GraphWalkError::BadValue {
                 node: at / n_channels,
@@ -317,22 +220,6 @@ impl WalkPowers {
     }
 }
 
-/// Channels of a block as rows of lanes, and room for the next product.
-#[derive(Debug)]
-pub(crate) struct LaneBlock {
-    pub(crate) now: LaneRows,
-    next: LaneRows,
-    pub(crate) lanes: usize,
-    pub(crate) width: usize,
-}
-
-/// Blocks of nearly equal width in which `n_channels` are processed.
-pub(crate) fn blocks(n_channels: usize) -> impl Iterator<Item = Range<usize>> {
-    let n_blocks = n_channels.div_ceil(MAX_LANES).max(1);
-    let most = n_channels.div_ceil(n_blocks).next_multiple_of(8).min(MAX_LANES);
-    (0..n_channels).step_by(most).map(move |at| at..(at + most).min(n_channels))
-}
-
 /// Checks that scales increase from at least 1.
 pub(crate) fn check_scales(scales: &[u32]) -> Result<(), GraphWalkError> {
     let increases = scales.windows(2).all(|pair| pair[0] < pair[1]);
@@ -340,32 +227,6 @@ pub(crate) fn check_scales(scales: &[u32]) -> Result<(), GraphWalkError> {
         (Some(&first), Some(&last)) if first >= 1 && increases && last <= MOST_STEPS => Ok(()),
         _ => Err(GraphWalkError::BadScales(scales.to_vec())),
     }
-}
-
-/// Nodes in breadth-first order, component after component, so that neighbors are close to each other.
-fn breadth_first(rows: &CompressedRows<f64>, progress: Progress<'_>) -> Result<Vec<u32>, Cancelled> {
-    let n = rows.n_rows();
-    let mut is_seen = vec![false; n];
-    let mut order: Vec<u32> = Vec::with_capacity(n);
-    for start in 0..n {
-        if std::mem::replace(&mut is_seen[start], true) {
-            continue;
-        }
-        let mut read = order.len();
-        order.push(start as u32);
-        while let Some(&x) = order.get(read) {
-            read += 1;
-            if read.is_multiple_of(1 << 14) {
-                progress.check()?;
-            }
-            for &y in rows.row(x as usize).0 {
-                if !std::mem::replace(&mut is_seen[y as usize], true) {
-                    order.push(y);
-                }
-            }
-        }
-    }
-    Ok(order)
 }
 
 #[cfg(test)]

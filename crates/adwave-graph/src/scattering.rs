@@ -1,11 +1,15 @@
 //! Geometric scattering (`gao2019`): bands, their absolute values, and the bands of these.
 
-use crate::lanes::{MAX_LANES, ROWS_AT_A_TIME};
-use crate::powers::{blocks, check_scales};
-use crate::{GraphWalkError, WalkPowers};
-use adwave::Progress;
+use crate::lane_block::{AHEAD, BandRows, LaneBlock, SignalRows, blocks};
+use crate::lane_rows::{LaneNumber, LaneRows};
+use crate::lanes::{MAX_LANES, ROWS_AT_A_TIME, lanes};
+use crate::powers::check_scales;
+use crate::{GraphWalkError, Normalization, WalkAccuracy, WalkPowers};
+use adwave::bands::Precision;
 use adwave::pages::zeros;
+use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Scales and orders of scattering.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,13 +18,20 @@ pub struct ScatteringParams {
     pub scales: Vec<u32>,
     /// Orders of the result, of 0, 1 and 2.
     pub orders: Vec<u32>,
+    /// Number format of the products.
+    pub precision: Precision,
     /// Largest memory of the result in bytes.
     pub max_bytes: Option<u64>,
 }
 
 impl Default for ScatteringParams {
     fn default() -> Self {
-        Self { scales: vec![1, 2, 4, 8, 16], orders: vec![0, 1, 2], max_bytes: None }
+        Self {
+            scales: vec![1, 2, 4, 8, 16],
+            orders: vec![0, 1, 2],
+            precision: Precision::Double,
+            max_bytes: None,
+        }
     }
 }
 
@@ -31,6 +42,10 @@ pub struct Scattering {
     pub values: Vec<f64>,
     /// Bands of each path, from 1: none for the signal, j for `|W_j f|`, j and j′ > j for `|W_{j′}|W_j f||`.
     pub paths: Vec<Vec<u32>>,
+    /// Number format of the products, and a bound of the error of the paths, relative to the signal: of the largest size of
+    /// a value in its channel if rows of the walk are normalized, of the sum of the sizes for columns, and of the root of
+    /// the sum of the squares for the symmetric walk.
+    pub accuracy: WalkAccuracy,
 }
 
 impl ScatteringParams {
@@ -69,7 +84,7 @@ impl ScatteringParams {
 /// use adwave_graph::{ScatteringParams, WalkMatrix, WalkPowers, scatter};
 /// let swap = CompressedRows::new(vec![0, 1, 2], vec![1, 0], vec![1.0, 1.0], 2)?;
 /// let powers = WalkPowers::new(WalkMatrix::from_probabilities(swap, Progress::none())?, Progress::none())?;
-/// let params = ScatteringParams { scales: vec![1], orders: vec![1], max_bytes: None };
+/// let params = ScatteringParams { scales: vec![1], orders: vec![1], ..ScatteringParams::default() };
 /// assert_eq!(scatter(&powers, &[1.0, 3.0], 1, &params, Progress::none())?.values, [2.0, 2.0]); // |(I − P)f|
 /// # Ok::<(), adwave_graph::GraphWalkError>(())
 /// ```
@@ -95,61 +110,149 @@ pub fn scatter(
         return Err(GraphWalkError::TooLarge { needed, limit, advice });
     }
     let mut values = zeros::<f64>(paths.len() * len);
-    if n_channels == 0 {
-        return Ok(Scattering { values, paths });
-    }
     let has = |order: u32| params.orders.contains(&order);
     if has(0) {
         values[..len].copy_from_slice(signal);
     }
-    let first_at = usize::from(has(0));
-    let second_at = first_at + if has(1) { n_scales } else { 0 };
-    if !has(1) && !has(2) {
-        return Ok(Scattering { values, paths });
-    }
-    // Channels whose first bands are computed together; their absolute values are the channels of the second bands.
-    let mut sizes: Vec<f64> = Vec::new();
-    for channels in blocks(n_channels) {
-        progress.step(channels.start as u64, n_channels as u64)?;
-        let width = channels.len();
-        let n_sizes = n_scales * powers.n_nodes() * width;
-        if sizes.len() != n_sizes {
-            sizes = zeros(n_sizes);
-        }
-        let block = powers.load(width, None, |node, row| {
-            row.copy_from_slice(&signal[node * n_channels..][channels.clone()]);
-        });
-        let per_band = powers.n_nodes() * width;
-        powers.visit_bands(block, &params.scales, progress, |level, band, block| {
-            if level < n_scales {
-                let out = &mut sizes[level * per_band..][..per_band];
-                powers.store_values(band, block, 0..width, width, out);
-                out.par_iter_mut().with_min_len(1 << 14).for_each(|v| *v = v.abs());
-            }
-        })?;
-        if has(1) {
-            for level in 0..n_scales {
-                let out = &mut values[(first_at + level) * len..][..len];
-                let rows = sizes[level * per_band..][..per_band].par_chunks_exact(width);
-                let pairs = out.par_chunks_exact_mut(n_channels).zip(rows).with_min_len(ROWS_AT_A_TIME);
-                pairs.for_each(|(out, row)| out[channels.clone()].copy_from_slice(row));
-            }
-        }
-        if has(2) {
-            let first = FirstOrder { sizes: &sizes, width, channels_from: channels.start };
-            let out = SecondOrder { values: &mut values[second_at * len..], n_channels };
-            second_order(powers, first, &params.scales, out, progress)?;
+    let bound = |precision| match (has(1), has(2)) {
+        (false, false) => 0.0,
+        (_, with_second) => powers.bands_bound(precision, &params.scales, with_second),
+    };
+    let accuracy = WalkAccuracy::choose(params.precision, bound);
+    if !signal.is_empty() && (has(1) || has(2)) {
+        let second_at = if has(1) { n_scales * len } else { 0 };
+        let (first, second) = values[usize::from(has(0)) * len..].split_at_mut(second_at);
+        let out = Outputs { first, second, n_channels };
+        match accuracy.precision {
+            Precision::Single => scatter_blocks::<f32>(powers, signal, &params.scales, out, progress)?,
+            _ => scatter_blocks::<f64>(powers, signal, &params.scales, out, progress)?,
         }
     }
-    Ok(Scattering { values, paths })
+    Ok(Scattering { values, paths, accuracy })
 }
 
-/// Sizes `|W_j f|` of some channels, n_scales × n_nodes × width.
+/// Coefficients of the first and second order of all channels, paths × nodes × channels each; empty for none.
+struct Outputs<'a> {
+    first: &'a mut [f64],
+    second: &'a mut [f64],
+    n_channels: usize,
+}
+
+/// Computes both orders, block by block of the channels.
+fn scatter_blocks<T: LaneNumber>(
+    powers: &WalkPowers,
+    signal: &[f64],
+    scales: &[u32],
+    out: Outputs<'_>,
+    progress: Progress<'_>,
+) -> Result<(), GraphWalkError> {
+    let Outputs { first, second, n_channels } = out;
+    for channels in blocks(n_channels) {
+        progress.step(channels.start as u64, n_channels as u64)?;
+        let middles = middles::<T>(powers, signal, channels.clone(), n_channels);
+        let rows = SignalRows { middles, ..SignalRows::new(signal, n_channels, channels.clone()) };
+        let block: LaneBlock<T> = powers.load(channels.len(), None, &rows);
+        let units = *block.units();
+        let width = channels.len();
+        // The coarsest band has no second order.
+        let n_lanes = if second.is_empty() { 0 } else { (scales.len() - 1) * width };
+        let mut sizes = BandSizes::new(powers.n_nodes(), n_lanes);
+        powers.visit_bands(block, scales, progress, |level, band| {
+            if let Some(out) = first.chunks_exact_mut(signal.len()).nth(level) {
+                powers.store(band.sizes(), channels.clone(), n_channels, out);
+            }
+            sizes.keep(level * width, width, band);
+        })?;
+        for (index, rows) in sizes.blocks.into_iter().enumerate() {
+            let first_lane = index * MAX_LANES;
+            let lanes = (first_lane..n_lanes.min(first_lane + MAX_LANES)).map(|at| BandChannel {
+                level: at / width,
+                channel: channels.start + at % width,
+                unit: units[at % width],
+            });
+            let out = SecondOrder { values: second, n_channels };
+            second_order(powers, rows, &lanes.collect::<Vec<_>>(), scales, out, progress)?;
+        }
+    }
+    Ok(())
+}
+
+/// The middle of the range of each channel, which in single precision is subtracted: bands of a walk with normalized rows
+/// do not change, and their error is relative to the range instead of the values.
+fn middles<T: LaneNumber>(
+    powers: &WalkPowers,
+    signal: &[f64],
+    channels: Range<usize>,
+    n_channels: usize,
+) -> [f64; MAX_LANES] {
+    const NOTHING: [[f64; MAX_LANES]; 2] = [[f64::INFINITY; MAX_LANES], [f64::NEG_INFINITY; MAX_LANES]];
+    let mut middles = [0.0; MAX_LANES];
+    if !T::IS_SINGLE || powers.walk().normalization() != Normalization::Row {
+        return middles;
+    }
+    let rows = signal.par_chunks(ROWS_AT_A_TIME * n_channels).map(|rows| {
+        let [mut least, mut most] = NOTHING;
+        for row in rows.chunks_exact(n_channels) {
+            for ((least, most), &v) in least.iter_mut().zip(&mut most).zip(&row[channels.clone()]) {
+                (*least, *most) = (least.min(v), most.max(v));
+            }
+        }
+        [least, most]
+    });
+    let [least, most] = rows.reduce(
+        || NOTHING,
+        |a, b| {
+            [
+                std::array::from_fn(|c| f64::min(a[0][c], b[0][c])),
+                std::array::from_fn(|c| f64::max(a[1][c], b[1][c])),
+            ]
+        },
+    );
+    for c in 0..channels.len() {
+        middles[c] = 0.5 * least[c] + 0.5 * most[c];
+    }
+    middles
+}
+
+/// Sizes of bands as lanes of blocks.
+struct BandSizes<T> {
+    blocks: Vec<LaneRows<T>>,
+    n_lanes: usize,
+}
+
+impl<T: LaneNumber> BandSizes<T> {
+    /// Zeros of a number of lanes.
+    fn new(n_nodes: usize, n_lanes: usize) -> Self {
+        let width = |first: usize| lanes((n_lanes - first).min(MAX_LANES));
+        let blocks = (0..n_lanes).step_by(MAX_LANES).map(|first| LaneRows::zeros(n_nodes * width(first)));
+        Self { blocks: blocks.collect(), n_lanes }
+    }
+
+    /// Takes the sizes of a band as `width` lanes from `first_lane` on, if there are such lanes.
+    fn keep(&mut self, first_lane: usize, width: usize, band: BandRows<'_, T>) {
+        let end = self.n_lanes.min(first_lane + width);
+        for (rows, start) in self.blocks.iter_mut().zip((0..).step_by(MAX_LANES)) {
+            let stride = lanes((self.n_lanes - start).min(MAX_LANES));
+            let inside = first_lane.max(start)..end.min(start + MAX_LANES);
+            if inside.is_empty() {
+                continue;
+            }
+            rows.par_chunks_mut(ROWS_AT_A_TIME * stride).enumerate().for_each(|(part, rows)| {
+                for (place, row) in (part * ROWS_AT_A_TIME..).zip(rows.chunks_exact_mut(stride)) {
+                    let out = &mut row[inside.start - start..inside.end - start];
+                    band.copy_sizes(place, inside.start - first_lane, out);
+                }
+            });
+        }
+    }
+}
+
+/// Band and channel of a lane, and the unit of its values.
 #[derive(Clone, Copy)]
-struct FirstOrder<'a> {
-    sizes: &'a [f64],
-    width: usize,
-    channels_from: usize,
+struct BandChannel {
+    level: usize,
+    channel: usize,
+    unit: f64,
 }
 
 /// Coefficients of the second order of all channels.
@@ -158,47 +261,40 @@ struct SecondOrder<'a> {
     n_channels: usize,
 }
 
-/// Computes `|W_{j′}|W_j f||` for all j′ > j. The coarsest band has none.
-fn second_order(
+/// Computes `|W_{j′}|W_j f||` for all j′ > j of some lanes.
+fn second_order<T: LaneNumber>(
     powers: &WalkPowers,
-    first: FirstOrder<'_>,
+    rows: LaneRows<T>,
+    lanes: &[BandChannel],
     scales: &[u32],
     out: SecondOrder<'_>,
     progress: Progress<'_>,
-) -> Result<(), GraphWalkError> {
-    let FirstOrder { sizes, width, channels_from } = first;
+) -> Result<(), Cancelled> {
     let SecondOrder { values, n_channels } = out;
-    let (n_scales, per_band) = (scales.len(), powers.n_nodes() * width);
+    let n_scales = scales.len();
     let len = powers.n_nodes() * n_channels;
-    // Lanes of a block: band j of channel c, for all j but the last.
-    let lanes: Vec<(usize, usize)> =
-        (0..n_scales - 1).flat_map(|j| (0..width).map(move |c| (j, c))).collect();
-    for lanes in lanes.chunks(MAX_LANES) {
-        let block = powers.load(lanes.len(), None, |node, row| {
-            for (v, &(j, c)) in row.iter_mut().zip(lanes) {
-                *v = sizes[j * per_band + node * width + c];
+    let finest = lanes[0].level;
+    let block = LaneBlock::from_rows(rows, lanes.iter().map(|lane| lane.unit));
+    powers.visit_bands(block, scales, progress, |level, band| {
+        if level == n_scales || level <= finest {
+            return;
+        }
+        let paths = (finest..level).map(|j| pair_index(n_scales, j, level)).collect::<Vec<_>>();
+        let outs = values.chunks_exact_mut(len).enumerate().filter(|(path, _)| paths.contains(path));
+        let parts = node_parts(outs.map(|(_, out)| out).collect(), ROWS_AT_A_TIME * n_channels);
+        let n_finer = lanes.iter().take_while(|lane| lane.level < level).count();
+        parts.into_par_iter().enumerate().for_each(|(part, mut outs)| {
+            let places = &powers.place_of()[part * ROWS_AT_A_TIME..];
+            let mut sizes = [0.0; MAX_LANES];
+            let n_rows = outs[0].len() / n_channels;
+            for (row, &place) in places[..n_rows].iter().enumerate() {
+                band.sizes().copy_row(place, places.get(row + AHEAD), &mut sizes[..n_finer]);
+                for (lane, v) in lanes.iter().zip(&sizes[..n_finer]) {
+                    outs[lane.level - finest][row * n_channels + lane.channel] = *v;
+                }
             }
         });
-        powers.visit_bands(block, scales, progress, |level, band, block| {
-            if level == n_scales {
-                return;
-            }
-            let finest = lanes[0].0;
-            let paths = (finest..level).map(|j| pair_index(n_scales, j, level)).collect::<Vec<_>>();
-            let outs = values.chunks_exact_mut(len).enumerate().filter(|(path, _)| paths.contains(path));
-            let parts = node_parts(outs.map(|(_, out)| out).collect(), ROWS_AT_A_TIME * n_channels);
-            parts.into_par_iter().enumerate().for_each(|(part, mut outs)| {
-                let places = powers.place_of().iter().skip(part * ROWS_AT_A_TIME).take(ROWS_AT_A_TIME);
-                for (row, &place) in places.enumerate() {
-                    let band = &band[place as usize * block.lanes..][..block.lanes];
-                    for (&(j, c), v) in lanes.iter().zip(band).take_while(|((j, _), _)| *j < level) {
-                        outs[j - finest][row * n_channels + channels_from + c] = v.abs();
-                    }
-                }
-            });
-        })?;
-    }
-    Ok(())
+    })
 }
 
 /// Parts of several arrays: the first `length` values of all, the next ones of all, and so on.
@@ -224,6 +320,8 @@ fn pair_index(n: usize, j: usize, k: usize) -> usize {
 mod tests {
     use super::*;
     use crate::powers::tests::{noise, powers};
+    use crate::{WalkMatrix, WalkOptions};
+    use adwave::rows::CompressedRows;
 
     #[test]
     fn coefficients_are_those_of_the_definition() {
@@ -245,12 +343,51 @@ mod tests {
         }
     }
 
+    /// Largest error of single precision relative to the largest value of a channel, and its bound.
+    fn single_error(powers: &WalkPowers, signal: &[f64], n_channels: usize) -> (f64, f64) {
+        let with = |precision| {
+            let params = ScatteringParams { precision, ..ScatteringParams::default() };
+            scatter(powers, signal, n_channels, &params, Progress::none()).unwrap()
+        };
+        let (double, single) = (with(Precision::Double), with(Precision::Single));
+        assert_eq!(double.accuracy.precision, Precision::Double);
+        assert_eq!(single.accuracy.precision, Precision::Single);
+        assert!(double.accuracy.error_bound < 1e-10 && double.values.len() == single.values.len());
+        let largest = |values: &[f64], c: usize| {
+            values.iter().skip(c).step_by(n_channels).fold(0.0, |most: f64, v| most.max(v.abs()))
+        };
+        let off: Vec<f64> = double.values.iter().zip(&single.values).map(|(a, b)| a - b).collect();
+        let errors = (0..n_channels).map(|c| largest(&off, c) / largest(signal, c));
+        (errors.fold(0.0, f64::max), single.accuracy.error_bound)
+    }
+
+    #[test]
+    fn single_precision_keeps_to_its_bound_for_values_of_any_size() {
+        for (n, n_channels) in [(50, 1), (70, 11), (2500, 3)] {
+            let powers = powers(n, 0.5);
+            let sizes = [1.0, 1e-300, 1e30, 1e-20, 1e300];
+            let signal: Vec<f64> =
+                (0..n * n_channels).map(|i| noise(i) * sizes[i % n_channels % 5]).collect();
+            let (error, bound) = single_error(&powers, &signal, n_channels);
+            assert!(error > 1e-9 && error < bound && bound < 1e-5, "{error:e} {bound:e}");
+        }
+    }
+
+    #[test]
+    fn single_precision_does_not_suffer_from_a_large_mean() {
+        let powers = powers(300, 0.5);
+        let signal: Vec<f64> = (0..300).map(|i| 1e6 + noise(i)).collect();
+        let (error, bound) = single_error(&powers, &signal, 1);
+        assert!(error < 1e-6 * bound, "{error:e} {bound:e}");
+    }
+
     #[test]
     fn orders_and_scales_are_checked_and_memory_is_limited() {
         let powers = powers(10, 0.5);
         let signal = [1.0; 10];
         let with = |scales: Vec<u32>, orders: Vec<u32>, max_bytes| {
-            scatter(&powers, &signal, 1, &ScatteringParams { scales, orders, max_bytes }, Progress::none())
+            let params = ScatteringParams { scales, orders, max_bytes, ..ScatteringParams::default() };
+            scatter(&powers, &signal, 1, &params, Progress::none())
         };
         assert_eq!(with(vec![1, 2], vec![3], None), Err(GraphWalkError::BadOrder(3)));
         assert!(with(vec![2, 1], vec![1], None).is_err());
@@ -258,6 +395,13 @@ mod tests {
         let constant = with(vec![1, 2, 4], vec![1, 2], None).unwrap();
         assert!(constant.values.iter().all(|v| v.abs() < 1e-15));
         assert_eq!(with(vec![1], vec![], None).unwrap().values, []);
+        let weights = CompressedRows::new(vec![0], Vec::new(), Vec::new(), 0).unwrap();
+        let nothing = WalkMatrix::from_weights(weights, WalkOptions::default(), Progress::none()).unwrap();
+        let nothing = WalkPowers::new(nothing, Progress::none()).unwrap();
+        for precision in [Precision::Double, Precision::Single] {
+            let params = ScatteringParams { precision, ..ScatteringParams::default() };
+            assert_eq!(scatter(&nothing, &[], 1, &params, Progress::none()).unwrap().values, []);
+        }
         assert!(
             scatter(&powers, &[], 0, &ScatteringParams::default(), Progress::none())
                 .unwrap()

@@ -144,12 +144,14 @@ impl WalkMatrix {
             return Err(GraphWalkError::BadWeight { row, column: row, value: sums[row] });
         }
         let n_isolated = (0..sums.len()).filter(|&x| is_isolated(&weights, x)).count();
-        let offsets = weights.offsets().to_vec();
-        let columns = weights.columns().to_vec();
+        // A copy of one row at a time: columns of all entries would take a third of the memory of the matrix again.
+        let mut others = Vec::new();
         for x in 0..sums.len() {
-            for at in offsets[x]..offsets[x + 1] {
-                let there = sums[columns[at] as usize];
-                let w = &mut weights.values_mut()[at];
+            others.clear();
+            others.extend_from_slice(weights.row(x).0);
+            let start = weights.offsets()[x];
+            for (w, &y) in weights.values_mut()[start..].iter_mut().zip(&others) {
+                let there = sums[y as usize];
                 *w = match normalization {
                     _ if *w == 0.0 => 0.0,
                     Normalization::Row => *w / sums[x],
@@ -349,7 +351,10 @@ fn with_stays(walk: CompressedRows<f64>, sums: &[f64], stay: f64) -> CompressedR
     if is_complete {
         return walk;
     }
-    let (mut offsets, mut columns, mut values) = (vec![0], Vec::with_capacity(walk.nnz() + n), Vec::new());
+    // Vectors that grow would need twice the memory for a moment.
+    let most = walk.nnz() + n;
+    let (mut offsets, mut columns, mut values) =
+        (vec![0], Vec::with_capacity(most), Vec::with_capacity(most));
     for (x, &sum) in sums.iter().enumerate() {
         let (others, weights) = walk.row(x);
         let own = walk.get(x, x);

@@ -1,4 +1,4 @@
-//! Large vectors in large pages, and return of freed memory to the system.
+//! Large vectors in large pages, values that are fetched ahead of their use, and return of freed memory to the system.
 #![allow(unsafe_code)]
 
 /// A vector of `len` zeros, in pages of 2 MiB if the system supports them. The first touch of a gigabyte in pages
@@ -12,6 +12,36 @@ pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
     let vector = vec![T::default(); len];
     prefer_large_pages(vector.as_ptr().cast(), size_of_val(vector.as_slice()));
     vector
+}
+
+/// Size in bytes of a cache line.
+#[cfg(target_arch = "x86_64")]
+const LINE: usize = 64;
+
+/// Asks the processor for the cache lines of `values[index]`, which will be read soon, for loops that read in an order that
+/// no hardware prefetcher follows. Does nothing if there is no such value, and on processors other than x86-64.
+///
+/// ```
+/// let values = [1.0, 2.0];
+/// (0..3).for_each(|i| adwave::pages::prefetch(&values, i));
+/// assert_eq!(values, [1.0, 2.0]);
+/// ```
+#[expect(clippy::inline_always, reason = "a call in the innermost loop takes longer than the instruction")]
+#[inline(always)]
+pub fn prefetch<T>(values: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(value) = values.get(index) {
+        let start: *const i8 = std::ptr::from_ref(value).cast();
+        for line in (0..size_of::<T>()).step_by(LINE) {
+            // SAFETY: the instruction is a hint; it neither reads nor writes for the program, whatever the address.
+            unsafe {
+                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line));
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (values, index);
 }
 
 /// Returns freed memory to the system if the C library keeps it, after work that frees gigabytes in small pieces
@@ -50,6 +80,17 @@ fn prefer_large_pages(_: *const u8, _: usize) {}
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn values_of_any_size_and_place_can_be_fetched_ahead() {
+        let (rows, units) = ([[1.0_f64; 32]; 3], [(); 2]);
+        for index in [0, 2, 3, usize::MAX] {
+            super::prefetch(&rows, index);
+            super::prefetch(&units, index);
+            super::prefetch::<u8>(&[], index);
+        }
+        assert_eq!(rows, [[1.0; 32]; 3]);
+    }
+
     #[test]
     fn small_and_large_vectors_are_zero_and_can_be_written() {
         for len in [0, 1, 1000, 1 << 20] {

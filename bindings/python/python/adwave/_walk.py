@@ -42,6 +42,15 @@ class _WalkChoices:
 
 
 @dataclass(frozen=True)
+class _ScatteringChoices:
+    """Scales, orders and number format of scattering."""
+
+    scales: list[int]
+    orders: list[int]
+    precision: str
+
+
+@dataclass(frozen=True)
 class _KernelChoice:
     """Weights of neighbors by their distances."""
 
@@ -390,6 +399,12 @@ class ScatteringResult:
     values: NDArray[np.float64]
     #: Bands of each path, from 1: ``()`` the signal, ``(j,)`` |W_j f|, ``(j, k)`` |W_k |W_j f||.
     paths: tuple[tuple[int, ...], ...]
+    #: Number format of the products, ``'single'`` or ``'double'``.
+    precision: str = "double"
+    #: Bound of the rounding errors of the coefficients before pooling, relative to the signal: of the largest size of a
+    #: value in the channel if rows of the walk are normalized, of the sum of the sizes for columns, and of the root of the
+    #: sum of the squares for the symmetric walk.
+    error_bound: float = 0.0
 
     def features(self) -> NDArray[np.float64]:
         """One row of features for each node, or for each graph if pooled."""
@@ -406,6 +421,7 @@ def scattering(
     orders: Sequence[int] = (0, 1, 2),
     pool: Pool | None = None,
     batch: ArrayLike | None = None,
+    precision: Literal["auto", "single", "double"] = "double",
     progress: ProgressLike = None,
 ) -> ScatteringResult:
     """Geometric scattering: the signal, the sizes of its bands, and the sizes of the coarser bands of each of these.
@@ -425,6 +441,9 @@ def scattering(
         ``"moments"`` (mean, variance, skewness, excess kurtosis).
     batch : (n,) array of int, optional
         Graph of each node, for pooling over several graphs; graphs without nodes have zeros.
+    precision : {'double', 'single', 'auto'}
+        Number format of the products. ``"single"`` takes half of the memory and is faster; ``ScatteringResult.error_bound``
+        bounds its errors. ``"auto"`` takes it if they are at most 1e-10. Means, sums and pooling are in double precision.
     progress : bool or callable, optional
         ``True`` for a bar, or a function of (done, total).
 
@@ -441,13 +460,14 @@ def scattering(
     values, _ = signal_values(signal, walk.n_nodes)
     with report_progress(progress, "scattering") as report:
         scales, wanted = [int(n) for n in steps], [int(order) for order in orders]
-        found, paths = walk._data.scatter(values, scales, wanted, report)
+        choices = _ScatteringChoices(scales, wanted, precision)
+        found, paths, accuracy = walk._data.scatter(values, choices, report)
     named = tuple(tuple(path) for path in paths)
     if pool is None:
         if batch is not None:
             raise ValueError("batch applies to pooling; give pool too")
-        return ScatteringResult(found, named)
-    return ScatteringResult(pool_nodes(found, pool, batch), named)
+        return ScatteringResult(found, named, *accuracy)
+    return ScatteringResult(pool_nodes(found, pool, batch), named, *accuracy)
 
 
 def pool_nodes(values: NDArray[np.float64], pool: Pool, batch: ArrayLike | None) -> NDArray[np.float64]:

@@ -1,12 +1,15 @@
 //! `adwave scatter`: geometric scattering of fields on a graph.
 
-use crate::args::WalkArgs;
+use crate::args::{WalkArgs, parse_named};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
 use crate::output::{check_writable, count, has_extension, print, write_file_with};
-use crate::resolve::walk::{WalkDefaults, in_file, load_walk, read_table};
-use adwave_graph::{Pooling, ScatteringParams, pool, scatter};
+use crate::resolve::walk::{
+    WalkDefaults, accuracy_json, in_file, load_walk, read_table, single_precision_line,
+};
+use adwave::bands::Precision;
+use adwave_graph::{Normalization, Pooling, ScatteringParams, pool, scatter};
 use adwave_io::{ArrayValues, write_npy};
 use clap::{Args, ValueEnum};
 use serde_json::json;
@@ -41,6 +44,9 @@ pub(crate) struct ScatterArgs {
     /// Graph of each node, counted from 0, for --pool of several graphs (.npy) [default: one graph]
     #[arg(long, value_name = "FILE", requires = "pool")]
     pub(crate) batch: Option<PathBuf>,
+    /// Number format of the products
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Precision>(), default_value_t = Precision::Double)]
+    pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) walk: WalkArgs,
 }
@@ -80,6 +86,7 @@ pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliErro
     let params = ScatteringParams {
         scales: args.scales.clone(),
         orders: args.orders.clone(),
+        precision: args.precision,
         max_bytes: adwave_io::free_memory(),
     };
     let found = with_progress(global, "scattering", |progress| {
@@ -110,12 +117,18 @@ pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliErro
         _ => format!("|W{}|W{}||", path[1], path[0]),
     };
     let names: Vec<String> = found.paths.iter().map(name).collect();
+    let relative_to = match walk.powers.walk().normalization() {
+        Normalization::Column => "sums of absolute values over the nodes, relative to that of the field",
+        Normalization::Symmetric => "roots of sums of squares over the nodes, relative to that of the field",
+        _ => "relative to the largest value of the field",
+    };
     let text = format!(
-        "{}\n{}, {}: {}\n{}, {}\n",
+        "{}\n{}, {}: {}\n{}{}, {}\n",
         walk.text,
         count(n_channels, "channel", "channels"),
         count(n_paths, "path", "paths"),
         names.join(" "),
+        single_precision_line(found.accuracy, "coefficients", relative_to),
         shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" × "),
         args.output.display(),
     );
@@ -127,6 +140,7 @@ pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliErro
         "paths": found.paths,
         "graphs": n_graphs,
         "shape": shape,
+        "products": accuracy_json(found.accuracy),
     });
     print(global, &text, &json)
 }

@@ -6,12 +6,13 @@ use crate::args::{GivenWalkArgs, KernelArg, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
-use crate::output::{count, has_extension, note};
+use crate::output::{count, has_extension, note, number};
+use adwave::bands::Precision;
 use adwave::operator::{Diffusion, Semigroup};
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    DimensionedPoints, GraphWalkError, SelfLoops, SparseMatrix, Symmetrization, WalkMatrix, WalkOptions,
-    WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
+    DimensionedPoints, GraphWalkError, SelfLoops, SparseMatrix, Symmetrization, WalkAccuracy, WalkMatrix,
+    WalkOptions, WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
 };
 use adwave_io::{Direction, Edges, ShapeFile, read_npy};
 use flate2::bufread::MultiGzDecoder;
@@ -188,6 +189,22 @@ fn build_walk(
         options.stay
     );
     Ok((walk, text))
+}
+
+/// A line about the error of single precision; empty for double.
+pub(crate) fn single_precision_line(accuracy: WalkAccuracy, values: &str, relative_to: &str) -> String {
+    match accuracy.precision {
+        Precision::Single => {
+            let bound = number(accuracy.error_bound);
+            format!("single precision: {values} are off by at most {bound}, {relative_to}\n")
+        }
+        _ => String::new(),
+    }
+}
+
+/// Number format of the products, and the bound of their errors.
+pub(crate) fn accuracy_json(accuracy: WalkAccuracy) -> Value {
+    json!({"precision": accuracy.precision.name(), "error_bound": accuracy.error_bound})
 }
 
 /// An error about a file.

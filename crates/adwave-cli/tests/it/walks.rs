@@ -207,6 +207,34 @@ fn scattering_is_the_size_of_differences_of_powers() {
 }
 
 #[test]
+fn single_precision_keeps_to_the_bound_that_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_ring(path);
+    for line in [
+        "impute counts.npy -o o.npy --points points.npy --time 3",
+        "scatter --points points.npy --field counts.npy -o o.npy",
+        "scatter --points points.npy --field counts.npy -o o.npy --normalize column",
+    ] {
+        let double = json(path, line)["products"].clone();
+        assert_eq!(json(path, &format!("{line} --precision auto"))["products"], double, "{line}");
+        assert!(double["precision"] == "double" && double["error_bound"].as_f64().unwrap() < 1e-12, "{line}");
+        let exact = read(path, "o.npy");
+        let single = json(path, &format!("{line} --precision single"))["products"].clone();
+        assert_eq!(single["precision"], "single", "{line}");
+        let bound = single["error_bound"].as_f64().unwrap();
+        let output = adwave(path).args(words(&format!("{line} --precision single"))).assert().success();
+        let text = String::from_utf8(output.get_output().stdout.clone()).unwrap();
+        assert!(text.contains("single precision: "), "{text}");
+        let largest = exact.iter().copied().fold(0.0, f64::max);
+        let error = exact.iter().zip(read(path, "o.npy")).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error > 0.0 && error <= bound * largest && bound < 1e-5, "{line}: {error:e} {bound:e}");
+    }
+    let half = "impute counts.npy -o o.npy --points points.npy --stay 0.5 --time 0.5 --precision single";
+    assert_eq!(json(path, half)["products"]["precision"], "double");
+}
+
+#[test]
 fn options_of_the_walk_apply_to_points() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();

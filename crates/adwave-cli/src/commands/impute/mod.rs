@@ -2,7 +2,7 @@
 
 mod anndata;
 
-use crate::args::{WalkArgs, seed as parse_seed};
+use crate::args::{WalkArgs, parse_named, seed as parse_seed};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::{with_progress, with_spinner};
@@ -10,11 +10,15 @@ use crate::output::{
     check_writable, count, has_extension, note, number, print, table, without_gzip, write_file,
     write_file_with,
 };
-use crate::resolve::walk::{ResolvedWalk, WalkDefaults, in_file, load_walk, read_matrix, read_table};
+use crate::resolve::walk::{
+    ResolvedWalk, WalkDefaults, accuracy_json, in_file, load_walk, read_matrix, read_table,
+    single_precision_line,
+};
+use adwave::bands::Precision;
 use adwave::pages::zeros;
 use adwave_graph::{
     AnnDataMatrix, CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError,
-    ImputationInput, SparseMatrix, Transformation, cross_validate, impute_into,
+    ImputationInput, SparseMatrix, Transformation, WalkAccuracy, cross_validate, impute_into,
 };
 use adwave_io::{ArrayValues, write_npy};
 use anndata::CellsFile;
@@ -68,6 +72,9 @@ pub(crate) struct ImputeArgs {
     /// File for the errors of all times that were tried (.csv)
     #[arg(long, value_name = "FILE")]
     pub(crate) curve: Option<PathBuf>,
+    /// Number format of the products; fractional steps take double
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Precision>(), default_value_t = Precision::Double)]
+    pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) walk: WalkArgs,
 }
@@ -136,8 +143,13 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
     let channels = genes.clone().unwrap_or_else(|| (0..matrix.n_channels).collect());
     let transformation = Transformation { library_size, square_root: args.sqrt };
     let mut out = zeros::<f64>(powers.n_nodes() * channels.len());
-    with_progress(global, "imputing", |progress| {
-        let input = ImputationInput { counts: matrix, transformation, channels: &channels };
+    let accuracy = with_progress(global, "imputing", |progress| {
+        let input = ImputationInput {
+            counts: matrix,
+            transformation,
+            channels: &channels,
+            precision: args.precision,
+        };
         impute_into(powers, input, steps, &mut out, progress).map_err(|e| in_file(&args.counts, &e))
     })?;
     match &counts {
@@ -153,7 +165,7 @@ pub(crate) fn run(args: &ImputeArgs, global: &Global<'_>) -> Result<(), CliError
     if let (Some(path), Some(found)) = (&args.curve, &chosen) {
         write_file(global, path, curve_csv(found).as_bytes())?;
     }
-    report(args, &walk, steps, chosen.as_ref(), channels.len(), global)
+    report(args, &walk, &ImputationOutcome { steps, chosen, n_genes: channels.len(), accuracy }, global)
 }
 
 /// Checks that a dense result fits the free memory.
@@ -260,14 +272,21 @@ fn curve_csv(found: &CrossValidation) -> String {
     text
 }
 
+/// Numbers of the report.
+struct ImputationOutcome {
+    steps: f64,
+    chosen: Option<CrossValidation>,
+    n_genes: usize,
+    accuracy: WalkAccuracy,
+}
+
 fn report(
     args: &ImputeArgs,
     walk: &ResolvedWalk,
-    steps: f64,
-    chosen: Option<&CrossValidation>,
-    n_genes: usize,
+    outcome: &ImputationOutcome,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
+    let &ImputationOutcome { steps, ref chosen, n_genes, accuracy } = outcome;
     let mut text = format!("{}\n{}\n", args.counts.display(), walk.text);
     if let Some(found) = chosen {
         text += &format!(
@@ -288,8 +307,10 @@ fn report(
     } else {
         text += &format!("{steps} steps\n");
     }
+    let relative_to = "relative to the same average of absolute values";
+    text += &single_precision_line(accuracy, "values", relative_to);
     text += &format!("{}, {}\n", count(n_genes, "gene", "genes"), args.output.display());
-    let curve = chosen.map_or(Value::Null, |found| json!(found.errors));
+    let curve = chosen.as_ref().map_or(Value::Null, |found| json!(found.errors));
     let json = json!({
         "counts": args.counts.display().to_string(),
         "output": args.output.display().to_string(),
@@ -298,6 +319,7 @@ fn report(
         "time_is_chosen": chosen.is_some(),
         "errors": curve,
         "genes": n_genes,
+        "products": accuracy_json(accuracy),
     });
     print(global, &text, &json)
 }

@@ -2,6 +2,7 @@
 //! an entry of the operator reads whole cache lines and its weight is loaded once for all of them.
 
 use super::{FUSED, InstructionSet, fma};
+use crate::pages::prefetch;
 use std::ops::Range;
 
 /// Number of entries by which rows are prefetched: neighbors are scattered over memory, which no hardware prefetcher
@@ -373,16 +374,7 @@ fn add_entries<T: WideNumber, const L: usize, const FMA: bool, const LAZY: bool>
 /// Prefetches the row of an entry, if there is such an entry.
 #[inline(always)]
 fn fetch_ahead<T: WideNumber, const L: usize>(columns: &[u32], x: &[[T; L]], e: usize) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(row) = columns.get(e).and_then(|&column| x.get(column as usize)) {
-        for line in row.chunks_exact(T::PER_LINE) {
-            // SAFETY: the instruction is a hint; it neither reads nor writes for the program, whatever the address.
-            unsafe {
-                use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-                _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast());
-            }
-        }
+    if let Some(&column) = columns.get(e) {
+        prefetch(x, column as usize);
     }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (columns, x, e);
 }
