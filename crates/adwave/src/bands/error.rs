@@ -110,7 +110,7 @@ pub enum BandsError {
     },
     /// Single precision was asked for and does not apply.
     #[error(
-        "single precision does not apply: {reason}; it needs 16 and more channels, a reversible operator and whole steps or heat; use double precision"
+        "single precision does not apply: {reason}; it needs a reversible operator, and whole steps or heat; use double precision"
     )]
     NotSingle {
         /// The condition that does not hold.

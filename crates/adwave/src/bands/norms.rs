@@ -6,7 +6,7 @@ use super::real_series::LADDER;
 use super::series::Series;
 use super::wavelets::RowMeasure;
 use super::{BandsError, Engine, Precision, Schedule, Transform, Wavelets};
-use crate::operator::RowOutput;
+use crate::operator::{BlockPrecision, RowOutput};
 use crate::pages::zeros;
 use crate::sparse::SignalView;
 use crate::{Cancelled, Progress, parallel};
@@ -60,11 +60,21 @@ impl Transform {
         let (n, n_levels) = (self.operator().n_rows(), schedule.n_levels());
         check_signal(mean, n, n_channels)?;
         self.check_memory_of_wavelets(n_channels, schedule)?;
+        self.check_precision(schedule, progress)?;
         let prepared = self.evaluator(progress)?;
         let steps = schedule.steps_from_zero();
         // Series of whole steps are the same on every grid.
         let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
         let series: Vec<Series> = parallel::map_items(n, n_levels, band);
+        // The first call alone cannot tell if single precision keeps to the accuracy on all levels.
+        let (signal, accuracy) = (SignalView { values: mean, n_channels }, self.params().accuracy);
+        let precision = match self.params().precision {
+            Precision::Auto => match prepared.format_for(&series, Precision::Auto, accuracy, progress)? {
+                BlockPrecision::Single => return Ok(None),
+                BlockPrecision::Double => Precision::Double,
+            },
+            asked => asked,
+        };
         let mut passes = PassPlan::default();
         let call = |range: Range<usize>,
                     passes: &mut PassPlan|
@@ -72,14 +82,7 @@ impl Transform {
             let mut levels: Vec<Vec<f64>> = range.clone().map(|_| zeros(mean.len())).collect();
             let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
             let output = RowOutput::Channels;
-            let polynomials = Polynomials {
-                series: &series[range],
-                guard: &[],
-                passes,
-                output,
-                precision: Precision::Double,
-            };
-            let (signal, accuracy) = (SignalView { values: mean, n_channels }, self.params().accuracy);
+            let polynomials = Polynomials { series: &series[range], guard: &[], passes, output, precision };
             let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
             for level in &mut levels {
                 *level = measure.measure_rows(level, n_channels);
@@ -95,13 +98,9 @@ impl Transform {
             return Ok(None);
         }
         levels.extend(coarse);
-        let outcome = EvaluationInfo {
-            degree: first.degree.max(second.degree),
-            products: first.products + second.products,
-            terms: first.terms + second.terms,
-            error_bound: first.error_bound.max(second.error_bound),
-            ..EvaluationInfo::default()
-        };
+        let mut outcome = first;
+        outcome.add(&second);
+        self.check_rounding(&outcome)?;
         let (sigma, info) = (schedule.sigma(self.operator().step_length()), self.info(&outcome, n_channels));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
@@ -127,6 +126,7 @@ impl Transform {
         let (n, n_levels) = (self.operator().n_rows(), schedule.n_levels());
         check_signal(mean, n, 3)?;
         self.check_memory_of_wavelets(3, schedule)?;
+        self.check_precision(schedule, progress)?;
         let prepared = self.evaluator(progress)?;
         let steps = schedule.steps_from_zero();
         let band = |level: usize| self.band(&steps[level..level + 2], LADDER[0], prepared.growth);
@@ -135,9 +135,10 @@ impl Transform {
         let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
         let (passes, output) = (&mut PassPlan::default(), RowOutput::AlongNormals(normals));
         let polynomials =
-            Polynomials { series: &series, guard: &[], passes, output, precision: Precision::Double };
+            Polynomials { series: &series, guard: &[], passes, output, precision: self.params().precision };
         let (signal, accuracy) = (SignalView { values: mean, n_channels: 3 }, self.params().accuracy);
         let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
+        self.check_rounding(&outcome)?;
         let (sigma, info) = (schedule.sigma(self.operator().step_length()), self.info(&outcome, 3));
         Ok(Some(Wavelets { n_channels: 1, steps, sigma, levels, info }))
     }
@@ -146,7 +147,7 @@ impl Transform {
 #[cfg(test)]
 mod tests {
     use crate::bands::wavelets::RowMeasure;
-    use crate::bands::{Schedule, Transform};
+    use crate::bands::{Precision, Schedule, Transform};
     use crate::sample::Sample;
     use crate::shape::{Mesh, Shape};
     use crate::{Decomposer, Progress};
@@ -166,6 +167,7 @@ mod tests {
         let mut n_compared = 0;
         for accuracy in [1e-3, 1e-9] {
             let params = decomposer.transform().params().with_accuracy(accuracy);
+            let params = params.with_precision(Precision::Double);
             let transform: Transform = decomposer.transform().with_params(&params).expect("an accuracy");
             for (n_levels, n_channels) in [(3, 3), (6, 3), (9, 3), (12, 3), (8, 2), (8, 6)] {
                 // Blocks of one, two and three channels, and more than one block.
@@ -212,6 +214,40 @@ mod tests {
                 };
                 let (off, all) = (square(&|x| found[x] - exact[x]), square(&|x| exact[x]));
                 assert!(off.sqrt() <= (accuracy + 1e-10) * all.sqrt(), "{n_levels}: {off:e} of {all:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn measures_in_single_precision_keep_to_their_bound() {
+        let (decomposer, mean) = creature();
+        let none = Progress::none();
+        let normals: Vec<[f64; 3]> =
+            mean.as_chunks().0.iter().map(|p| crate::vector::unit(p).expect("no vertex at 0")).collect();
+        let schedule = Schedule::dyadic(7).expect("levels");
+        let exact = decomposer.transform().decompose_mean(&mean, 3, &schedule, none).expect("a signal");
+        let params = decomposer.transform().params().with_accuracy(1e-4).with_precision(Precision::Single);
+        let single = decomposer.transform().with_params(&params).expect("an accuracy");
+        let along = single.normal_components_in_one_pass(&mean, &normals, &schedule, none);
+        let norms = single.compute_in_two_calls(&mean, 3, RowMeasure::Norm, &schedule, none);
+        let one = single.decompose_mean(&mean, 3, &schedule, none).expect("a signal").into_norms();
+        if let Some(two) = norms.as_ref().expect("a signal") {
+            assert!(two.levels == one.levels, "two calls give the bits of one");
+        }
+        let cases = [
+            (along.expect("a signal").expect("no powers"), exact.clone().into_along(&normals)),
+            (one, exact.into_norms()),
+        ];
+        let mu = decomposer.diffusion().stationary();
+        let norm = |value: &dyn Fn(usize) -> f64| -> f64 {
+            (0..mu.len()).map(|x| mu[x] * value(x) * value(x)).sum::<f64>().sqrt()
+        };
+        for (found, exact) in cases {
+            let bound = found.info.error_bound;
+            assert!(found.info.precision == Precision::Single && bound < 0.1, "{:?}", found.info);
+            for (found, exact) in found.levels.iter().zip(&exact.levels) {
+                let error = norm(&|x| found[x] - exact[x]) / norm(&|x| exact[x]);
+                assert!(error > 1e-9 && error <= bound, "{error:e} with a bound of {bound:e}");
             }
         }
     }

@@ -23,8 +23,8 @@ pub enum Engine {
     Chebyshev,
 }
 
-/// Number format in which a signal of 16 and more channels is multiplied with Φ₁. Signals of fewer channels, powers,
-/// fractional steps of a walk and very long diffusions always use double precision.
+/// Number format in which a signal is multiplied with Φ₁. Powers, fractional steps of a walk and very long diffusions
+/// always use double precision, and sums are kept in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Single precision if the bound of its error keeps to the accuracy, else double.
@@ -92,12 +92,16 @@ impl BandsParams {
     /// single precision and 32 otherwise.
     #[must_use]
     pub fn channels_together(&self) -> usize {
-        let may_be_single = match self.precision {
+        if self.may_be_single() { 64 } else { 32 }
+    }
+
+    /// False if vectors are in double precision whatever the signal.
+    pub(super) fn may_be_single(&self) -> bool {
+        match self.precision {
             Precision::Single => true,
             Precision::Auto => self.accuracy >= FINEST_SINGLE,
             Precision::Double => false,
-        };
-        if may_be_single { 64 } else { 32 }
+        }
     }
 
     /// Sets the memory limit in bytes.

@@ -5,10 +5,10 @@ use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series};
-use crate::operator::{Diffusion, NoRows, Operator, RowOutput, RowWeights, Semigroup};
+use crate::operator::{BlockPrecision, Diffusion, NoRows, Operator, RowOutput, RowWeights, Semigroup};
 use crate::pages::zeros;
 use crate::parallel;
-use crate::sparse::{PreparedDiffusion, SignalView, is_wide};
+use crate::sparse::{PreparedDiffusion, SignalView};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
 
@@ -167,7 +167,7 @@ impl Transform {
         self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
-        self.check_precision(schedule, n_channels, progress)?;
+        self.check_precision(schedule, progress)?;
         let outcome = if stages.len() > 1 {
             self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -208,7 +208,7 @@ impl Transform {
         self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
-        self.check_precision(schedule, n_channels, progress)?;
+        self.check_precision(schedule, progress)?;
         let outcome = if stages.len() > 1 {
             self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -246,20 +246,17 @@ impl Transform {
         Ok(())
     }
 
-    /// Checks that single precision, if it is asked for, applies to a signal of `n_channels`.
-    fn check_precision(
+    /// Checks that single precision, if it is asked for, applies.
+    pub(super) fn check_precision(
         &self,
         schedule: &Schedule,
-        n_channels: usize,
         progress: Progress<'_>,
     ) -> Result<(), BandsError> {
         if self.params.precision != Precision::Single {
             return Ok(());
         }
         let is_fractional = self.operator.semigroup() == Semigroup::Steps && schedule.first_real().is_some();
-        let reason = if !is_wide(n_channels) {
-            "the signal has fewer than 16 channels"
-        } else if self.engine != Engine::Chebyshev {
+        let reason = if self.engine != Engine::Chebyshev {
             "the operator is not reversible, or is applied power by power"
         } else if is_fractional {
             "a level has a fractional number of steps"
@@ -273,8 +270,19 @@ impl Transform {
         Err(BandsError::NotSingle { reason })
     }
 
+    /// Refuses results of single precision, if it was asked for, whose error bound says nothing.
+    pub(super) fn check_rounding(&self, outcome: &EvaluationInfo) -> Result<(), BandsError> {
+        if self.params.precision == Precision::Single
+            && outcome.single_products > 0
+            && outcome.error_bound > WORST_SINGLE
+        {
+            return Err(BandsError::NotSingle { reason: "the bound of its error exceeds 0.1 of a band" });
+        }
+        Ok(())
+    }
+
     /// This operator with vectors in double precision.
-    pub(super) fn in_double(&self) -> Self {
+    pub(crate) fn in_double(&self) -> Self {
         Self { params: BandsParams { precision: Precision::Double, ..self.params }, ..self.clone() }
     }
 
@@ -324,9 +332,7 @@ impl Transform {
                 Polynomials { series: &these, guard: &guard, passes, output: RowOutput::Channels, precision };
             let signal = SignalView { values: signal, n_channels };
             let outcome = prepared.evaluate(signal, polynomials, accuracy, &mut outs, progress)?;
-            if precision == Precision::Single && outcome.error_bound > WORST_SINGLE {
-                return Err(BandsError::NotSingle { reason: "the bound of its error exceeds 0.1 of a band" });
-            }
+            self.check_rounding(&outcome)?;
             sum.add(&outcome);
             missed = outcome.missed.into_iter().map(|(at, reached)| (missed[at].0, reached)).collect();
             if missed.is_empty() {
@@ -366,14 +372,19 @@ impl Transform {
 
     pub(super) fn info(&self, outcome: &EvaluationInfo, n_channels: usize) -> BandsInfo {
         let &EvaluationInfo { degree, products, terms, error_bound, single_products, .. } = outcome;
+        let (precision, format) = if single_products > 0 {
+            (Precision::Single, BlockPrecision::Single)
+        } else {
+            (Precision::Double, BlockPrecision::Double)
+        };
         BandsInfo {
-            precision: if single_products > 0 { Precision::Single } else { Precision::Double },
+            precision,
             engine: self.engine,
             degree,
             products,
             terms,
             error_bound,
-            bytes: self.working_bytes(n_channels),
+            bytes: self.bytes_in(n_channels, format),
         }
     }
 
@@ -391,15 +402,31 @@ impl Transform {
     /// [`forecast_bytes`](Self::forecast_bytes) for this operator.
     pub(super) fn forecast(&self, n_channels: usize) -> u64 {
         match self.operator.rows() {
-            Some(diffusion) => Self::forecast_bytes(diffusion, n_channels),
-            None => self.operator.bytes(n_channels),
+            Some(diffusion) => {
+                let single = if self.engine == Engine::Chebyshev && self.params.may_be_single() {
+                    PreparedDiffusion::forecast_single_bytes(diffusion, n_channels)
+                } else {
+                    0
+                };
+                Self::forecast_bytes(diffusion, n_channels) + single
+            }
+            None => self.operator.bytes(n_channels, BlockPrecision::Double),
         }
     }
 
     /// Bytes that a call needs beyond the signal and its bands, including prepared data and the operator.
     pub fn working_bytes(&self, n_channels: usize) -> u64 {
+        let format = match self.params.precision {
+            Precision::Single => BlockPrecision::Single,
+            Precision::Auto | Precision::Double => BlockPrecision::Double,
+        };
+        self.bytes_in(n_channels, format)
+    }
+
+    /// [`working_bytes`](Self::working_bytes) with vectors in a number format.
+    fn bytes_in(&self, n_channels: usize, format: BlockPrecision) -> u64 {
         match self.prepared.get() {
-            Some(prepared) if self.engine == Engine::Chebyshev => prepared.working_bytes(n_channels),
+            Some(prepared) if self.engine == Engine::Chebyshev => prepared.working_bytes(n_channels, format),
             _ => {
                 let rows = self.operator.rows().map_or(0, |diffusion| diffusion.bytes());
                 rows + Self::powers_bytes(self.operator.n_rows(), n_channels)

@@ -3,8 +3,8 @@
 use super::Decomposer;
 use crate::Progress;
 use crate::bands::{
-    Bands, BandsError, BandsInfo, BandsParams, RowMeasure, Schedule, Transform, Wavelets, check_buffer,
-    check_factors, check_signal,
+    Bands, BandsError, BandsInfo, BandsParams, Precision, RowMeasure, Schedule, Transform, Wavelets,
+    check_buffer, check_factors, check_signal,
 };
 use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer};
 use crate::local_fit::{LinearTransform, LocalFit};
@@ -195,6 +195,10 @@ impl<'a> BandsRequest<'a> {
 
     /// Wavelet coefficients about a local linear fit of each channel of `mean`.
     fn linear_wavelets(&self, transform: &Transform, mean: &[f64]) -> Result<Wavelets, BandsError> {
+        if transform.params().precision == Precision::Single {
+            return Err(BandsError::NotSingle { reason: "no bound of the error of a linear fit is known" });
+        }
+        let transform = &transform.in_double();
         let (d, schedule) = (self.n_channels, self.schedule);
         let n = mean.len() / d;
         let mut levels = vec![Vec::new(); schedule.n_levels()];

@@ -2,12 +2,14 @@
 
 use super::DenoiseError;
 use crate::Progress;
-use crate::bands::{BandsParams, Schedule, Transform};
+use crate::bands::{BandsParams, Precision, Schedule, Transform};
 use crate::operator::Diffusion;
 
 /// Transform of a walk whose bands have a relative error of at most `accuracy`.
 pub(super) fn transform(diffusion: Diffusion, accuracy: f64) -> Result<Transform, DenoiseError> {
-    Ok(Transform::new(diffusion, &BandsParams::default().with_accuracy(accuracy))?)
+    // One call for each walk would not repay the preparation of single precision.
+    let params = BandsParams::default().with_accuracy(accuracy).with_precision(Precision::Double);
+    Ok(Transform::new(diffusion, &params)?)
 }
 
 /// Scaling coefficients S on every level of `data` (n_channels per vertex, row-major), fine to coarse.

@@ -126,8 +126,8 @@ pub trait Operator: Debug + Send + Sync {
         CHANNELS_TOGETHER.min(n_left)
     }
 
-    /// Bytes of memory of the operator with the vectors of a block of a signal of `n_channels`.
-    fn bytes(&self, n_channels: usize) -> u64 {
+    /// Bytes of memory of the operator with the vectors of a block of a signal of `n_channels` in a number format.
+    fn bytes(&self, n_channels: usize, _precision: BlockPrecision) -> u64 {
         const VECTORS: usize = 4;
         (VECTORS * size_of::<f64>() * self.n_rows() * CHANNELS_TOGETHER.min(n_channels)) as u64
     }

@@ -6,6 +6,7 @@ mod prepared_diffusion;
 mod product;
 mod recurrence;
 mod single;
+mod tile_weights;
 mod tiled_diffusion;
 mod tiles;
 mod wide_clenshaw;

@@ -4,24 +4,33 @@
 //! place: first the values around every tile are copied, then each tile overwrites `T_{k−1}`, `T_k` at its interior
 //! vertices with `T_{k+n−1}`, `T_{k+n}`.
 
-use super::kernel::{self, PassInput, PassTerm, TilePass};
-use super::tiled_diffusion::{MAX_CHANNELS, TiledDiffusion, difference};
+use super::kernel::{self, PassInput, PassTerm, TileEntries, TilePass, VectorNumber};
+use super::single::{SingleBound, scale_of};
+use super::tile_weights::TileWeights;
+use super::tiled_diffusion::{DifferenceInput, MAX_CHANNELS, TiledDiffusion, VectorPool, difference};
 use super::tiles::{Index, TileList, TileView, Tiles};
 use crate::operator::{Continuation, RowOutput, RowWeights, SignalBlock, Steps, Sum, Weighing};
 use crate::parallel;
 use crate::{Cancelled, Progress};
 
-/// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for up to four channels.
-pub(super) struct Recurrence<'a> {
+/// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for up to four channels, in double or single
+/// precision.
+pub(super) struct Recurrence<'a, T: VectorNumber> {
     operator: &'a TiledDiffusion,
-    /// Vector `T_k u`, n_vertices × width.
-    now: Vec<f64>,
-    /// Vector `T_{k−1} u`.
-    before: Vec<f64>,
-    scratch: NextVectors,
+    /// Entries of Φ₁ of the rows of each tile.
+    entries: RecurrenceEntries<'a, T>,
+    bound: Option<&'a SingleBound>,
+    pool: &'a VectorPool<T>,
+    /// Vector `T_k u` times the scale, n_vertices × width.
+    now: Vec<T>,
+    /// Vector `T_{k−1} u` times the scale.
+    before: Vec<T>,
+    scratch: NextVectors<T>,
+    /// Power of 2 by which the vectors are multiplied, so that single precision neither overflows nor underflows.
+    scale: f64,
     /// Weights μ of the norm.
     weights: &'a [f64],
-    /// Squared norm `Σ_x μ(x)|u(x)|²`.
+    /// Squared norm `Σ_x μ(x)|u(x)|²` times the square of the scale.
     square: f64,
     moves: bool,
     k: usize,
@@ -33,30 +42,47 @@ pub(super) struct Recurrence<'a> {
 
 /// Buffers that allow the next vectors to be written while others still read the present ones. Allocated when a
 /// second pass is needed.
-enum NextVectors {
+enum NextVectors<T> {
     None,
     /// Values around each tile: of `T_k`, then of `T_{k−1}`.
-    Around(Vec<f64>),
+    Around(Vec<T>),
     /// Separate vectors, if the tiles have more values around them than inside.
-    Separate(Vec<f64>, Vec<f64>),
+    Separate(Vec<T>, Vec<T>),
 }
 
 /// Output of a pass over one tile, besides the sums.
-enum TileOutput<'a> {
+enum TileOutput<'a, T> {
     Nothing,
     /// Interior part of `T_{k−1}` and `T_k`, and the values around.
     InPlace {
-        before: &'a mut [f64],
-        now: &'a mut [f64],
-        around: &'a [f64],
+        before: &'a mut [T],
+        now: &'a mut [T],
+        around: &'a [T],
     },
     Apart {
-        before: &'a mut [f64],
-        now: &'a mut [f64],
+        before: &'a mut [T],
+        now: &'a mut [T],
     },
 }
 
-impl<'a> Recurrence<'a> {
+/// Where the entries of the rows of a tile are.
+#[derive(Clone, Copy)]
+enum RecurrenceEntries<'a, T> {
+    /// In the operator.
+    Operator(&'a [T]),
+    Tiles(&'a TileWeights<T>),
+}
+
+impl<'a, T: VectorNumber> RecurrenceEntries<'a, T> {
+    fn tile_entries(self, tile: usize) -> TileEntries<'a, T> {
+        match self {
+            Self::Operator(entries) => TileEntries::Operator(entries),
+            Self::Tiles(weights) => TileEntries::Tile(weights.tile_entries(tile)),
+        }
+    }
+}
+
+impl<'a> Recurrence<'a, f64> {
     /// Starts at `T_0 u = u = (I − Φ₁)f`.
     ///
     /// # Panics
@@ -64,10 +90,73 @@ impl<'a> Recurrence<'a> {
     /// components.
     pub(super) fn new(
         operator: &'a TiledDiffusion,
-        block: SignalBlock<'a>,
+        block: &SignalBlock<'a>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let SignalBlock { values, n_channels, channels, output, .. } = block;
+        let entries = RecurrenceEntries::Operator(operator.diffusion().weights());
+        Self::allocated(operator, entries, &operator.double, block).start(block, progress)
+    }
+}
+
+impl<'a> Recurrence<'a, f32> {
+    /// Starts at u as in double precision, and rounds it.
+    ///
+    /// # Panics
+    /// As for [`new`](Recurrence::new).
+    pub(super) fn new_single(
+        operator: &'a TiledDiffusion,
+        weights: &'a TileWeights<f32>,
+        bound: &'a SingleBound,
+        block: &SignalBlock<'a>,
+        progress: Progress<'_>,
+    ) -> Result<Self, Cancelled> {
+        let entries = RecurrenceEntries::Tiles(weights);
+        let mut recurrence = Self::allocated(operator, entries, &operator.single, block);
+        recurrence.bound = Some(bound);
+        recurrence.scale = scale_of(largest_value(block, progress)?);
+        recurrence.start(block, progress)
+    }
+}
+
+/// Largest absolute value in the channels of a block.
+fn largest_value(block: &SignalBlock<'_>, progress: Progress<'_>) -> Result<f64, Cancelled> {
+    const ROWS_AT_A_TIME: usize = 1 << 12;
+    /// Number of maxima that are kept at once, so that they are not computed one after another.
+    const TOGETHER: usize = 8;
+    let SignalBlock { values, n_channels, channels, .. } = block;
+    let largest = parallel::try_map_chunks(
+        values.len() / n_channels,
+        ROWS_AT_A_TIME,
+        progress,
+        || (),
+        |(), rows| {
+            let values = &values[rows.start * n_channels..rows.end * n_channels];
+            if channels.len() < *n_channels {
+                let block = values.chunks_exact(*n_channels).flat_map(|row| &row[channels.clone()]);
+                return block.fold(0.0, |most: f64, v| most.max(v.abs()));
+            }
+            let (values, rest) = values.as_chunks::<TOGETHER>();
+            let mut most = [0.0; TOGETHER];
+            for values in values {
+                for (most, v) in most.iter_mut().zip(values) {
+                    *most = if v.abs() > *most { v.abs() } else { *most };
+                }
+            }
+            most.iter().chain(rest).fold(0.0, |most: f64, v| most.max(v.abs()))
+        },
+    )?;
+    Ok(largest.into_iter().fold(0.0, f64::max))
+}
+
+impl<'a, T: VectorNumber> Recurrence<'a, T> {
+    /// The recurrence without u.
+    fn allocated(
+        operator: &'a TiledDiffusion,
+        entries: RecurrenceEntries<'a, T>,
+        pool: &'a VectorPool<T>,
+        block: &SignalBlock<'a>,
+    ) -> Self {
+        let &SignalBlock { n_channels, ref channels, output, .. } = block;
         let RowWeights::Each(weights) = block.weights else {
             panic!("a diffusion has a weight for each row")
         };
@@ -86,11 +175,15 @@ impl<'a> Recurrence<'a> {
                 (normals, 1)
             }
         };
-        let mut recurrence = Self {
+        Self {
             operator,
-            now: operator.take(len),
-            before: operator.take(len),
+            entries,
+            bound: None,
+            pool,
+            now: pool.take(len),
+            before: pool.take(len),
             scratch: NextVectors::None,
+            scale: 1.0,
             weights,
             square: 0.0,
             moves: false,
@@ -99,11 +192,22 @@ impl<'a> Recurrence<'a> {
             at,
             stride,
             normals,
+        }
+    }
+
+    /// Computes u.
+    fn start(mut self, block: &SignalBlock<'_>, progress: Progress<'_>) -> Result<Self, Cancelled> {
+        let SignalBlock { values, n_channels, channels, .. } = block;
+        let len = self.operator.n_vertices() * self.width;
+        let input = DifferenceInput {
+            signal: values,
+            n_channels: *n_channels,
+            at: channels.start,
+            scale: self.scale,
         };
-        let u = &mut recurrence.now[..len];
-        (recurrence.square, recurrence.moves) =
-            difference(operator.diffusion(), weights, values, n_channels, at, u, progress)?;
-        Ok(recurrence)
+        let u = &mut self.now[..len];
+        (self.square, self.moves) = difference(self.operator.diffusion(), self.weights, input, u, progress)?;
+        Ok(self)
     }
 
     fn pass<I: Index>(
@@ -127,7 +231,7 @@ impl<'a> Recurrence<'a> {
             let to = sum.coefficients.len().min(k + n_steps + 1);
             if from < to {
                 terms.push(PassTerm {
-                    coefficients: &sum.coefficients[from..to],
+                    coefficients: sum.coefficients[from..to].iter().map(|a| a / self.scale).collect(),
                     first: usize::from(!is_first),
                     is_new: is_first,
                     is_weighed: sum.weighing == Weighing::Weighed,
@@ -138,8 +242,8 @@ impl<'a> Recurrence<'a> {
             }
         }
         let len = self.operator.n_vertices() * width;
-        let (mut whole_before, mut whole_now): (&[f64], &[f64]) = (&[], &[]);
-        let outputs: Vec<TileOutput<'_>> = match (&mut self.scratch, next) {
+        let (mut whole_before, mut whole_now): (&[T], &[T]) = (&[], &[]);
+        let outputs: Vec<TileOutput<'_, T>> = match (&mut self.scratch, next) {
             (NextVectors::Around(around), Continuation::Continues) if n_steps > 0 => {
                 let mut around = &around[..];
                 let own =
@@ -161,37 +265,38 @@ impl<'a> Recurrence<'a> {
                 tiles.iter().map(|_| TileOutput::Nothing).collect()
             }
         };
-        let (terms, pool, target, weights) =
-            (&terms, &self.operator.pool, self.operator.target, self.weights);
-        let normals = self.normals;
-        let jobs: Vec<_> = tiles.iter().zip(outs).zip(outputs).collect();
-        let squares = parallel::try_map_owned(jobs, len / width, progress, |((tile, mut outs), output)| {
-            let whole = PassInput::Whole { before: whole_before, now: whole_now };
-            let (input, next_before, next_now): (_, &mut [f64], &mut [f64]) = match output {
-                TileOutput::Nothing => (whole, &mut [], &mut []),
-                TileOutput::Apart { before, now } => (whole, before, now),
-                TileOutput::InPlace { before, now, around } => {
-                    let (around_now, around_before) = around.split_at(tile.halo().len() * width);
-                    (PassInput::Copied { before: around_before, now: around_now }, before, now)
-                }
-            };
-            let pass = TilePass {
-                input,
-                n_steps,
-                is_first,
-                is_lazy,
-                next_before,
-                next_now,
-                terms,
-                weights: &weights[tile.first()..],
-                outs: &mut outs,
-                stride,
-                at,
-                normals: if normals.is_empty() { normals } else { &normals[tile.first()..] },
-            };
-            let len = kernel::scratch_len(tile, n_steps, kernel::lanes(width));
-            pool.use_free(len, |scratch| kernel::run(target, tile, width, pass, scratch))
-        })?;
+        let (terms, target, weights) = (&terms, self.operator.target, self.weights);
+        let (pool, normals, entries) = (self.pool, self.normals, self.entries);
+        let jobs: Vec<_> = tiles.iter().enumerate().zip(outs).zip(outputs).collect();
+        let squares =
+            parallel::try_map_owned(jobs, len / width, progress, |(((number, tile), mut outs), output)| {
+                let whole = PassInput::Whole { before: whole_before, now: whole_now };
+                let (input, next_before, next_now): (_, &mut [T], &mut [T]) = match output {
+                    TileOutput::Nothing => (whole, &mut [], &mut []),
+                    TileOutput::Apart { before, now } => (whole, before, now),
+                    TileOutput::InPlace { before, now, around } => {
+                        let (around_now, around_before) = around.split_at(tile.halo().len() * width);
+                        (PassInput::Copied { before: around_before, now: around_now }, before, now)
+                    }
+                };
+                let pass = TilePass {
+                    input,
+                    entries: entries.tile_entries(number),
+                    n_steps,
+                    is_first,
+                    is_lazy,
+                    next_before,
+                    next_now,
+                    terms,
+                    weights: &weights[tile.first()..],
+                    outs: &mut outs,
+                    stride,
+                    at,
+                    normals: if normals.is_empty() { normals } else { &normals[tile.first()..] },
+                };
+                let len = kernel::scratch_len::<_, T>(tile, n_steps, kernel::lanes(width));
+                pool.use_scratch(len, |scratch| kernel::run(target, tile, width, pass, scratch))
+            })?;
         // In the order of the tiles, so that the sum does not depend on the scheduling.
         for (i, sum) in sums.iter_mut().filter(|sum| from < sum.coefficients.len()).enumerate() {
             sum.square = squares.iter().map(|tile| tile[i]).sum();
@@ -210,9 +315,9 @@ impl<'a> Recurrence<'a> {
         let len = operator.n_vertices() * width;
         if let NextVectors::None = self.scratch {
             self.scratch = if operator.is_in_place() {
-                NextVectors::Around(operator.take(operator.n_around * width))
+                NextVectors::Around(self.pool.take(operator.n_around * width))
             } else {
-                NextVectors::Separate(operator.take(len), operator.take(len))
+                NextVectors::Separate(self.pool.take(len), self.pool.take(len))
             };
         }
         let NextVectors::Around(around) = &mut self.scratch else { return Ok(()) };
@@ -236,7 +341,7 @@ impl<'a> Recurrence<'a> {
     }
 }
 
-impl Steps for Recurrence<'_> {
+impl<T: VectorNumber> Steps for Recurrence<'_, T> {
     fn steps_per_pass(&self) -> usize {
         self.operator.steps_per_pass()
     }
@@ -246,7 +351,11 @@ impl Steps for Recurrence<'_> {
     }
 
     fn square(&self) -> f64 {
-        self.square
+        self.square / (self.scale * self.scale)
+    }
+
+    fn rounding(&self, coefficients: &[f64]) -> f64 {
+        self.bound.map_or(0.0, |bound| bound.rounding(coefficients, self.k, self.square.sqrt()))
     }
 
     fn is_nonzero(&self) -> bool {
@@ -281,9 +390,9 @@ fn n_around<I: Index>(tile: TileView<'_, I>, width: usize) -> usize {
     tile.n_around() * width
 }
 
-impl Drop for Recurrence<'_> {
+impl<T: VectorNumber> Drop for Recurrence<'_, T> {
     fn drop(&mut self) {
-        let give = |vector: &mut Vec<f64>| self.operator.give(std::mem::take(vector));
+        let give = |vector: &mut Vec<T>| self.pool.give(std::mem::take(vector));
         give(&mut self.now);
         give(&mut self.before);
         match &mut self.scratch {

@@ -1,6 +1,6 @@
 //! The diffusion operator prepared for many products.
 
-use super::kernel::{InstructionSet, MAX_DEPTH};
+use super::kernel::{InstructionSet, MAX_DEPTH, VectorNumber};
 use super::tiles::{Tiles, halo_shares};
 use crate::operator::Diffusion;
 use crate::pages::zeros;
@@ -28,10 +28,9 @@ pub(crate) struct TiledDiffusion {
     pub(super) target: InstructionSet,
     /// Number of values around all tiles, per channel.
     pub(super) n_around: usize,
-    /// Vectors returned by earlier calls, so that calls in a loop allocate no memory.
-    spare: Mutex<Vec<Vec<f64>>>,
-    /// Scratch buffers of the threads.
-    pub(super) pool: BufferPool,
+    /// Memory of the recurrences in double and in single precision.
+    pub(super) double: VectorPool<f64>,
+    pub(super) single: VectorPool<f32>,
 }
 
 impl TiledDiffusion {
@@ -54,8 +53,9 @@ impl TiledDiffusion {
     ) -> Result<Self, Cancelled> {
         let tiles = Tiles::new(&diffusion, own, depth, progress)?;
         let n_around = tiles.n_around();
-        let (target, spare, pool) = (InstructionSet::detect(), Mutex::default(), BufferPool::default());
-        Ok(Self { diffusion, tiles, own, depth, target, n_around, spare, pool })
+        let (target, double, single) =
+            (InstructionSet::detect(), VectorPool::default(), VectorPool::default());
+        Ok(Self { diffusion, tiles, own, depth, target, n_around, double, single })
     }
 
     /// This operator in tiles of another size.
@@ -92,79 +92,83 @@ impl TiledDiffusion {
         self.tiles.bytes()
     }
 
-    /// Bytes of memory of a recurrence of `width` channels.
-    pub(crate) fn vector_bytes(&self, width: usize) -> u64 {
+    /// Bytes of memory of a recurrence of `width` channels in the number format `T`.
+    pub(crate) fn vector_bytes<T>(&self, width: usize) -> u64 {
         let around = self.n_around.min(2 * self.n_vertices());
-        8 * ((2 * self.n_vertices() + around) * width) as u64
+        (size_of::<T>() * (2 * self.n_vertices() + around) * width) as u64
     }
 
     pub(crate) fn steps_per_pass(&self) -> usize {
         self.depth
-    }
-
-    /// A vector of at least `len` arbitrary values.
-    pub(super) fn take(&self, len: usize) -> Vec<f64> {
-        let mut spare = self.spare.lock().expect("nobody panics with the lock");
-        let fits = (0..spare.len())
-            .filter(|&at| (len..=2 * len).contains(&spare[at].len()))
-            .min_by_key(|&at| spare[at].len());
-        let found = fits.map(|at| spare.swap_remove(at));
-        drop(spare);
-        found.unwrap_or_else(|| zeros(len))
-    }
-
-    /// Keeps a vector for a later [`take`](Self::take).
-    pub(super) fn give(&self, vector: Vec<f64>) {
-        self.spare.lock().expect("nobody panics with the lock").push(vector);
     }
 }
 
 /// Number of rows of u that are computed and weighted together.
 const ROWS_AT_A_TIME: usize = 2048;
 
-/// Computes `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))` for the channels `at ..` of f, as many as u has; returns
-/// `Σ_x weights(x)|u(x)|²`, and whether any value of u is not 0.
+/// Channels of a signal f, n_vertices × `n_channels`, and the power of 2 by which their difference is multiplied; 1 in
+/// double precision.
+#[derive(Clone, Copy)]
+pub(super) struct DifferenceInput<'a> {
+    pub(super) signal: &'a [f64],
+    pub(super) n_channels: usize,
+    /// First channel.
+    pub(super) at: usize,
+    pub(super) scale: f64,
+}
+
+/// Computes `scale·u`, `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))`, in double precision and rounds it, for as many channels
+/// of f as u has; returns `Σ_x weights(x)|scale·u(x)|²` after rounding, and whether any value of u is not 0.
 ///
 /// It is a sum of differences, so u has the relative accuracy of the differences of f and is exactly 0 where f is
 /// constant.
-pub(crate) fn difference(
+pub(super) fn difference<T: VectorNumber>(
     diffusion: &Diffusion,
     weights: &[f64],
-    signal: &[f64],
-    n_channels: usize,
-    at: usize,
-    u: &mut [f64],
+    input: DifferenceInput<'_>,
+    u: &mut [T],
     progress: Progress<'_>,
 ) -> Result<(f64, bool), Cancelled> {
     let n = diffusion.n_vertices();
     let width = u.len() / n.max(1);
+    let DifferenceInput { signal, n_channels, at, scale } = input;
     let parts = parallel::try_map_rows(u, width, ROWS_AT_A_TIME, progress, |first, u| {
         match (width, n_channels) {
-            (1, 1) => difference_rows::<1>(diffusion, signal, first, u),
-            (2, 2) => difference_rows::<2>(diffusion, signal, first, u),
-            (3, 3) => difference_rows::<3>(diffusion, signal, first, u),
-            (4, 4) => difference_rows::<4>(diffusion, signal, first, u),
+            (1, 1) => difference_rows::<T, 1>(diffusion, signal, scale, first, u),
+            (2, 2) => difference_rows::<T, 2>(diffusion, signal, scale, first, u),
+            (3, 3) => difference_rows::<T, 3>(diffusion, signal, scale, first, u),
+            (4, 4) => difference_rows::<T, 4>(diffusion, signal, scale, first, u),
             _ => {
+                let mut sum = vec![0.0; width];
                 for (x, u) in (first..).zip(u.chunks_exact_mut(width)) {
                     let row = |x: usize| &signal[x * n_channels + at..][..width];
                     let (columns, values) = diffusion.row(x);
-                    u.fill(0.0);
+                    sum.fill(0.0);
                     for (&y, w) in columns.iter().zip(values) {
-                        for ((u, here), there) in u.iter_mut().zip(row(x)).zip(row(y as usize)) {
-                            *u += w * (here - there);
+                        for ((sum, here), there) in sum.iter_mut().zip(row(x)).zip(row(y as usize)) {
+                            *sum += w * (here - there);
                         }
+                    }
+                    for (u, &v) in u.iter_mut().zip(&sum) {
+                        *u = T::rounded(v, scale);
                     }
                 }
             }
         }
-        let square = |(u, w): (&[f64], &f64)| w * u.iter().map(|v| v * v).sum::<f64>();
+        let square = |(u, w): (&[T], &f64)| w * u.iter().map(|v| v.to_f64() * v.to_f64()).sum::<f64>();
         let square: f64 = u.chunks_exact(width).zip(&weights[first..]).map(square).sum();
-        (square, u.iter().any(|&v| v != 0.0))
+        (square, u.iter().any(|&v| v.to_f64() != 0.0))
     })?;
     Ok(parts.into_iter().fold((0.0, false), |(sum, moves), (s, m)| (sum + s, moves || m)))
 }
 
-fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first: usize, u: &mut [f64]) {
+fn difference_rows<T: VectorNumber, const D: usize>(
+    diffusion: &Diffusion,
+    signal: &[f64],
+    scale: f64,
+    first: usize,
+    u: &mut [T],
+) {
     let signal = signal.as_chunks::<D>().0;
     for (x, u) in (first..).zip(u.as_chunks_mut::<D>().0) {
         let (columns, values) = diffusion.row(x);
@@ -176,7 +180,7 @@ fn difference_rows<const D: usize>(diffusion: &Diffusion, signal: &[f64], first:
                 sum[c] += w * (here[c] - there[c]);
             }
         }
-        *u = sum;
+        *u = sum.map(|v| T::rounded(v, scale));
     }
 }
 
@@ -195,19 +199,40 @@ fn best_depth(shares: &[f64]) -> usize {
         .unwrap_or(1)
 }
 
-/// Scratch buffers of threads, taken at the start of a tile and returned after it.
+/// Memory of recurrences in one number format, kept between calls, so that calls in a loop allocate none.
 #[derive(Debug, Default)]
-pub(super) struct BufferPool(Mutex<Vec<Vec<f64>>>);
+pub(super) struct VectorPool<T> {
+    /// Vectors of all vertices.
+    spare: Mutex<Vec<Vec<T>>>,
+    /// Scratch buffers of threads, taken at the start of a tile and returned after it.
+    scratch: Mutex<Vec<Vec<T>>>,
+}
 
-impl BufferPool {
-    /// Calls `work` with a buffer of `len` arbitrary values.
-    pub(super) fn use_free<R>(&self, len: usize, work: impl FnOnce(&mut [f64]) -> R) -> R {
-        let mut scratch = self.0.lock().expect("nobody panics with the lock").pop().unwrap_or_default();
+impl<T: VectorNumber> VectorPool<T> {
+    /// A vector of at least `len` arbitrary values.
+    pub(super) fn take(&self, len: usize) -> Vec<T> {
+        let mut spare = self.spare.lock().expect("nobody panics with the lock");
+        let fits = (0..spare.len())
+            .filter(|&at| (len..=2 * len).contains(&spare[at].len()))
+            .min_by_key(|&at| spare[at].len());
+        let found = fits.map(|at| spare.swap_remove(at));
+        drop(spare);
+        found.unwrap_or_else(|| zeros(len))
+    }
+
+    /// Keeps a vector for a later [`take`](Self::take).
+    pub(super) fn give(&self, vector: Vec<T>) {
+        self.spare.lock().expect("nobody panics with the lock").push(vector);
+    }
+
+    /// Calls `work` with a scratch buffer of `len` arbitrary values.
+    pub(super) fn use_scratch<R>(&self, len: usize, work: impl FnOnce(&mut [T]) -> R) -> R {
+        let mut scratch = self.scratch.lock().expect("nobody panics with the lock").pop().unwrap_or_default();
         if scratch.len() < len {
             scratch = zeros(len);
         }
         let result = work(&mut scratch);
-        self.0.lock().expect("nobody panics with the lock").push(scratch);
+        self.scratch.lock().expect("nobody panics with the lock").push(scratch);
         result
     }
 }

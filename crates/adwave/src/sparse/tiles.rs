@@ -67,7 +67,6 @@ pub(super) struct Tile<I> {
 pub(super) struct TileView<'a, I> {
     tile: &'a Tile<I>,
     offsets: &'a [usize],
-    weights: &'a [f64],
 }
 
 impl<I> Clone for TileView<'_, I> {
@@ -85,6 +84,11 @@ impl<'a, I: Index> TileView<'a, I> {
 
     pub(super) fn n_own(self) -> usize {
         self.tile.within[0]
+    }
+
+    /// Number of rings of a full pass.
+    pub(super) fn depth(self) -> usize {
+        self.tile.runs_within.len()
     }
 
     pub(super) fn n_within(self, rings: usize) -> usize {
@@ -119,14 +123,9 @@ impl<'a, I: Index> TileView<'a, I> {
         &self.tile.columns
     }
 
-    /// Start of the weights of each vertex of the operator.
+    /// Start of the entries of each vertex of the operator, and the end of the last.
     pub(super) fn offsets(self) -> &'a [usize] {
         self.offsets
-    }
-
-    /// Weights `Φ₁(x,y)`.
-    pub(super) fn weights(self) -> &'a [f64] {
-        self.weights
     }
 }
 
@@ -191,10 +190,16 @@ impl<I: Index> TileList<I> {
         self.tiles.len()
     }
 
+    /// The operator that the tiles belong to.
+    #[cfg(test)]
+    pub(super) fn diffusion(&self) -> &Diffusion {
+        &self.diffusion
+    }
+
     /// The tiles, each with the operator that it has been checked against.
     pub(super) fn iter(&self) -> impl Iterator<Item = TileView<'_, I>> {
-        let (offsets, weights) = (self.diffusion.neighbors().offsets(), self.diffusion.weights());
-        self.tiles.iter().map(move |tile| TileView { tile, offsets, weights })
+        let offsets = self.diffusion.neighbors().offsets();
+        self.tiles.iter().map(move |tile| TileView { tile, offsets })
     }
 
     /// Cuts the operator into tiles of `own` vertices and `depth` rings; `None` if `I` cannot number the vertices

@@ -5,7 +5,7 @@
 //! halo. On graphs whose neighborhoods are large or irregular, tiles repeat most rows; this form does not.
 
 use super::kernel::{InstructionSet, WideNumber, WideProduct, WideRows, WideTerms};
-use super::single::SingleWeights;
+use super::single::{SingleBound, scale_of};
 use crate::operator::{Continuation, Diffusion, RowWeights, SignalBlock, Steps, Sum};
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
@@ -27,7 +27,7 @@ pub(super) const WIDE_FROM: usize = 16;
 /// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, for 8 to 64 channels.
 pub(super) struct WideRecurrence<'a, T> {
     rows: WideRows<'a, T>,
-    single: Option<&'a SingleWeights>,
+    bound: Option<&'a SingleBound>,
     target: InstructionSet,
     weights: &'a [f64],
     /// `T_{k−1}u` and `T_k u` times the scale, n_vertices × lanes.
@@ -115,22 +115,21 @@ impl<'a> WideRecurrence<'a, f32> {
     /// Starts at u as in double precision, and rounds it.
     pub(super) fn new_single(
         diffusion: &'a Diffusion,
-        single: &'a SingleWeights,
+        entries: &'a [f32],
+        bound: &'a SingleBound,
         block: SignalBlock<'a>,
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
-        let rows = rows_in(diffusion, &single.weights[..]);
+        let rows = rows_in(diffusion, entries);
         let weights = each_weight(block.weights);
         let channels = ChannelBlock::new::<f32>(block.channels, block.n_channels);
         let n = diffusion.n_vertices();
         let block = CopiedBlock::new(block.values, channels, n, progress)?;
-        // The values are then between −1 and 1, and u between −2 and 2.
-        let exponent = if block.largest > 0.0 { block.largest.log2().ceil() } else { 0.0 };
-        let scale = (-exponent.clamp(-1000.0, 1000.0)).exp2();
+        let scale = scale_of(block.largest);
         let mut recurrence = Self::start(rows, weights, channels, &block.values, scale, progress)?;
         drop(block);
         recurrence.before = zeros(n * channels.lanes);
-        recurrence.single = Some(single);
+        recurrence.bound = Some(bound);
         Ok(recurrence)
     }
 }
@@ -178,7 +177,7 @@ impl<'a, T: WideNumber> WideRecurrence<'a, T> {
             parts.into_iter().fold((0.0, false), |(sum, moves), (s, m)| (sum + s, moves || m));
         Ok(Self {
             rows,
-            single: None,
+            bound: None,
             target,
             weights,
             before: Vec::new(),
@@ -302,7 +301,7 @@ impl<T: WideNumber> Steps for WideRecurrence<'_, T> {
     }
 
     fn rounding(&self, coefficients: &[f64]) -> f64 {
-        self.single.map_or(0.0, |single| single.rounding(coefficients, self.k, self.square.sqrt()))
+        self.bound.map_or(0.0, |bound| bound.rounding(coefficients, self.k, self.square.sqrt()))
     }
 
     fn is_nonzero(&self) -> bool {

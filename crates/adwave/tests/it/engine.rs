@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use adwave::bands::{Bands, BandsError, BandsParams, Engine, Schedule, Transform};
+use adwave::bands::{Bands, BandsError, BandsParams, Engine, Precision, Schedule, Transform};
 use adwave::operator::{CloudGraph, Diffusion, OperatorParams, local_operator};
 use adwave::shape::{Graph, Mesh, PointCloud, Polygons, PreparedGeometry, Shape, VertexMap};
 use adwave::{Cancelled, Progress};
@@ -535,5 +535,45 @@ fn scanned_shapes_keep_the_stated_accuracy() {
         let shape = read_path(&path, &ReadLimits::default()).expect("a mesh").into_shape().expect("a mesh");
         let schedule = Schedule::dyadic(9).expect("valid");
         engines_agree(&shape, &OperatorParams::default(), &coordinates(&shape), 3, &schedule);
+    }
+}
+
+/// Bands in single precision are off by no more than their bound.
+fn single_agrees(shape: &Shape, operator: &OperatorParams, signal: &[f64], d: usize, schedule: &Schedule) {
+    let (geometry, diffusion) = prepare(shape, operator);
+    let bands = |accuracy, precision| {
+        let params = BandsParams::default().with_accuracy(accuracy).with_precision(precision);
+        split(&diffusion, geometry.vertex_map(), signal, d, schedule, &params)
+    };
+    let (exact, single) = (bands(1e-12, Precision::Double), bands(1e-4, Precision::Single));
+    assert_eq!((exact.info.precision, single.info.precision), (Precision::Double, Precision::Single));
+    let (error, bound) = (worst(&levels(&single), &levels(&exact)), single.info.error_bound);
+    // The bound is one of the norm under the stationary law; the plain norm of these shapes differs by less than 10.
+    assert!(error > 1e-9 && error <= 10.0 * bound && bound < 0.1, "error {error:e} for a bound of {bound:e}");
+    let auto = bands(1e-10, Precision::Auto);
+    assert_eq!(auto.info.precision, Precision::Double);
+}
+
+#[test]
+fn single_precision_keeps_to_its_bound_on_meshes_and_clouds() {
+    let mesh = sheet(30, 30, 0.3);
+    let points = coordinates(&mesh);
+    let cloud = Shape::Cloud(PointCloud::new(mesh.points().expect("points").to_vec()).expect("finite"));
+    let schedule = Schedule::dyadic(7).expect("valid");
+    for d in 1..=4 {
+        let signal: Vec<f64> = (0..900 * d).map(|i| points[i % points.len()] + (i % d) as f64).collect();
+        single_agrees(&mesh, &OperatorParams::default(), &signal, d, &schedule);
+        single_agrees(&cloud, &OperatorParams::default(), &signal, d, &schedule);
+    }
+}
+
+#[data_test]
+fn single_precision_keeps_to_its_bound_on_scanned_shapes() {
+    for name in ["paper/common-3d-test-models/stanford-bunny.obj", "paper/libigl-tutorial-data/armadillo.obj"]
+    {
+        let path = Path::new(adwave_test_data::folder!()).join(name);
+        let shape = read_path(&path, &ReadLimits::default()).expect("a mesh").into_shape().expect("a mesh");
+        let schedule = Schedule::dyadic(8).expect("valid");
+        single_agrees(&shape, &OperatorParams::default(), &coordinates(&shape), 3, &schedule);
     }
 }

@@ -2,6 +2,10 @@
 
 use super::super::series::{Series, TruncationBound};
 use crate::operator::Weighing;
+use std::ops::RangeInclusive;
+
+/// Error by truncation, relative to the bound of the rounding error, that does not matter.
+const NEGLIGIBLE: f64 = 0.1;
 
 /// Degree at which a series is truncated.
 pub(super) struct SeriesCut<'a> {
@@ -9,7 +13,7 @@ pub(super) struct SeriesCut<'a> {
     pub(super) degree: usize,
     /// Lower bound of the norm of the value, once it is known.
     least: Option<f64>,
-    /// Norm of the sum of the terms so far, where it is computed; it always is in single precision.
+    /// Norm of the sum of the terms so far, where it is computed; it always is after the last term in single precision.
     pub(super) norm: f64,
 }
 
@@ -31,8 +35,19 @@ impl<'a> SeriesCut<'a> {
         }
     }
 
-    /// Chooses the degree, given the norm `norm` of the sum of the terms up to `k`.
-    pub(super) fn decide(&mut self, k: usize, start: f64, norm: f64, accuracy: f64) {
+    /// True if one of the terms is the last, or the only one is T_0.
+    pub(super) fn is_completed_within(&self, terms: RangeInclusive<usize>) -> bool {
+        terms.contains(&self.degree) || self.degree == 0
+    }
+
+    /// True if the error will exceed the accuracy whatever follows the terms up to `k`, of which `rounding` is the error.
+    pub(super) fn must_miss(&self, k: usize, start: f64, rounding: f64, accuracy: f64) -> bool {
+        let left = self.series.tail[k.min(self.degree)] + self.series.rest.always;
+        rounding > accuracy * (self.norm + left * start + rounding)
+    }
+
+    /// Chooses the degree, given the norm `norm` of the sum of the terms up to `k` and the bound of their rounding error.
+    pub(super) fn decide(&mut self, k: usize, start: f64, norm: f64, rounding: f64, accuracy: f64) {
         if self.weighing_after(k) == Weighing::Unweighed {
             return;
         }
@@ -43,7 +58,10 @@ impl<'a> SeriesCut<'a> {
         } else if missing < 0.5 * norm {
             let least = norm - missing;
             self.least = Some(least);
-            self.degree = self.series.degree_within(accuracy * least / start, k);
+            // Terms far below the rounding error make nothing more accurate, unless all of them are asked for.
+            let negligible = if accuracy > 0.0 { NEGLIGIBLE * rounding } else { 0.0 };
+            let missing = (accuracy * least).max(negligible);
+            self.degree = self.series.degree_within(missing / start, k);
         }
     }
 

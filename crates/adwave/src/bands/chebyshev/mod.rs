@@ -14,7 +14,7 @@ use crate::operator::{
 };
 use crate::pages::zeros;
 use crate::parallel::{self, SERIAL};
-use crate::sparse::{SignalView, copied, is_wide};
+use crate::sparse::{SignalView, copied};
 use crate::{Cancelled, Progress};
 use cut::SeriesCut;
 pub(crate) use plan::PassPlan;
@@ -68,6 +68,10 @@ pub(crate) struct Polynomials<'a> {
 
 /// Rounding error of a polynomial of fractional steps, relative to `Σ|a_k|·‖u‖`; no accuracy below it is required.
 const ROUNDING: f64 = 1e-15;
+
+/// Rounding error of a step in single precision, relative to the vectors, that no operator stays below: three roundings of
+/// numbers that sum to 1. Where the accuracy excludes even this, nothing is prepared for single precision.
+const LEAST_PER_STEP: f64 = 3.0 * f32::EPSILON as f64 / 2.0;
 
 /// An operator with the norm in which the recurrence bounds errors. It is built once, evaluates any number of signals,
 /// and can be used by several threads at a time.
@@ -155,9 +159,9 @@ impl ChebyshevEvaluator {
 
     /// Bytes that an evaluation of some series needs for a signal of `n_channels` channels beyond the signal and its
     /// results: the prepared data, including the operator, and the vectors of the recurrence.
-    pub(crate) fn working_bytes(&self, n_channels: usize) -> u64 {
+    pub(crate) fn working_bytes(&self, n_channels: usize, format: BlockPrecision) -> u64 {
         let weights = self.weights.as_ref().map_or(0, |weights| size_of_val(&weights[..]) as u64);
-        self.operator.bytes(n_channels) + weights
+        self.operator.bytes(n_channels, format) + weights
     }
 
     /// Computes `series[j](Φ₁)·(I − Φ₁)·signal` into `outs[j]`, each n_vertices × n_channels, with a relative error
@@ -186,7 +190,7 @@ impl ChebyshevEvaluator {
             guard.is_empty() || precision == Precision::Double,
             "a guard is measured in double precision"
         );
-        let mut format = self.format_for(signal, series, precision, accuracy, progress)?;
+        let mut format = self.format_for(series, precision, accuracy, progress)?;
         let (mut at, mut number) = (0, 0);
         while at < signal.n_channels {
             let width = self.operator.width(signal.n_channels, signal.n_channels - at, format);
@@ -221,31 +225,34 @@ impl ChebyshevEvaluator {
 
     /// Number format of an evaluation: single precision if it is asked for, or nothing that is known before shows that its
     /// errors exceed the accuracy.
-    fn format_for(
+    pub(super) fn format_for(
         &self,
-        signal: SignalView<'_>,
         series: &[Series],
         precision: Precision,
         accuracy: f64,
         progress: Progress<'_>,
     ) -> Result<BlockPrecision, Cancelled> {
-        let is_out = precision == Precision::Auto && accuracy < FINEST_SINGLE;
+        // ‖value‖ ≤ total·‖u‖, so these are lower bounds of the degree and of the relative error.
+        let most = |series: &Series| accuracy * series.total;
+        let degree = |series: &Series| series.degree_within(most(series), 0);
+        let is_out = |series: &Series| {
+            let k = degree(series);
+            let terms = series.coefficients[..=k].iter().zip(0_u32..);
+            let growth = |k: u32| f64::from(k) * f64::from(k + 1);
+            let least: f64 = terms.map(|(a, k)| a.abs() * growth(k) * LEAST_PER_STEP / 2.0).sum();
+            least > most(series)
+        };
+        let is_auto = precision == Precision::Auto;
         if precision == Precision::Double
-            || is_out
-            || !is_wide(signal.n_channels)
+            || is_auto && (accuracy < FINEST_SINGLE || series.iter().any(is_out))
             || !self.has_single(progress)?
         {
             return Ok(BlockPrecision::Double);
         }
-        if precision == Precision::Auto {
-            for series in series {
-                // ‖value‖ ≤ total·‖u‖, so these are lower bounds of the degree and of the relative error.
-                let most = accuracy * series.total;
-                let degree = series.degree_within(most, 0);
-                let rounding = self.operator.single_rounding(&series.coefficients, degree, progress)?;
-                if !rounding.is_some_and(|rounding| rounding <= most) {
-                    return Ok(BlockPrecision::Double);
-                }
+        for series in series.iter().filter(|_| is_auto) {
+            let rounding = self.operator.single_rounding(&series.coefficients, degree(series), progress)?;
+            if !rounding.is_some_and(|rounding| rounding <= most(series)) {
+                return Ok(BlockPrecision::Double);
             }
         }
         Ok(BlockPrecision::Single)
@@ -260,7 +267,7 @@ impl ChebyshevEvaluator {
         target: BlockTarget<'_, '_>,
         progress: Progress<'_>,
     ) -> Result<Option<BlockInfo>, Cancelled> {
-        let Polynomials { series, guard, passes, output, .. } = polynomials;
+        let Polynomials { series, guard, passes, output, precision } = polynomials;
         let BlockTarget { accuracy, outs, guarded } = target;
         // In single precision the other half is for rounding.
         let is_single = block.format == BlockPrecision::Single;
@@ -296,7 +303,11 @@ impl ChebyshevEvaluator {
                 .map(|(cut, out)| Sum {
                     coefficients: &cut.series.coefficients[..=cut.degree],
                     out,
-                    weighing: cut.weighing_after(k + n_steps),
+                    weighing: if is_single && cut.is_completed_within(k + 1..=k + n_steps) {
+                        Weighing::Weighed
+                    } else {
+                        cut.weighing_after(k + n_steps)
+                    },
                     square: 0.0,
                 })
                 .collect();
@@ -307,15 +318,22 @@ impl ChebyshevEvaluator {
             }
             let next = if k + n_steps < last { Continuation::Continues } else { Continuation::Ends };
             recurrence.advance(n_steps, &mut sums, next, progress)?;
-            let norms: Vec<f64> = sums.iter().map(|sum| sum.square.sqrt()).collect();
+            let norms: Vec<Option<f64>> = sums
+                .iter()
+                .map(|sum| (sum.weighing == Weighing::Weighed).then(|| sum.square.sqrt()))
+                .collect();
             if completes_guard && !guard.is_empty() {
-                guard_norm = norms[series.len()];
+                guard_norm = norms[series.len()].unwrap_or(0.0);
             }
             for (cut, norm) in cuts.iter_mut().zip(norms) {
-                if k == 0 || k < cut.degree {
-                    cut.norm = norm;
+                let Some(norm) = norm.filter(|_| k == 0 || k < cut.degree) else { continue };
+                cut.norm = norm;
+                let rounding = start * recurrence.rounding(&cut.series.coefficients[..=cut.degree]);
+                if precision == Precision::Auto && cut.must_miss(k + n_steps, start, rounding, accuracy) {
+                    let errors = vec![WorstError { relative: f64::INFINITY, falls_short: false }];
+                    return Ok(Some(BlockInfo { info: EvaluationInfo::default(), errors }));
                 }
-                cut.decide(k + n_steps, start, norm, truncated);
+                cut.decide(k + n_steps, start, norm, rounding, truncated);
             }
             if next == Continuation::Ends {
                 break;

@@ -23,6 +23,19 @@ fn ring(n: u32, width: u32) -> Arc<Diffusion> {
     Arc::new(Diffusion::new(operator, Progress::none()).expect("nobody stops it"))
 }
 
+/// The walk on a cycle of `n` vertices with 3 neighbors to each side, on another of 7, and on 5 vertices without edges.
+fn ring_and_others(n: u32) -> Arc<Diffusion> {
+    let edges: Vec<_> = (0..n)
+        .flat_map(|u| (1..=3).map(move |e| (u, (u + e) % n, 1.0)))
+        .chain((0..7).map(|u| (n + u, n + (u + 1) % 7, 2.0)))
+        .collect();
+    let shape = Shape::Graph(Graph::new(n as usize + 12, &edges).expect("edges of the graph"));
+    let params = OperatorParams::default();
+    let geometry = PreparedGeometry::new(&shape, params.weld, Progress::none()).expect("nobody stops it");
+    let operator = local_operator(&geometry, &params, Progress::none()).expect("nobody stops it");
+    Arc::new(Diffusion::new(operator, Progress::none()).expect("nobody stops it"))
+}
+
 /// A diffusion operator prepared for the recurrence.
 fn evaluator(diffusion: Arc<Diffusion>) -> ChebyshevEvaluator {
     let operator = Arc::new(PreparedDiffusion::new(diffusion));
@@ -35,19 +48,21 @@ fn evaluate(
     d: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Vec<f64>>, Cancelled> {
+    evaluate_all_terms(Precision::Double, prepared, SignalView { values: signal, n_channels: d }, progress)
+}
+
+fn evaluate_all_terms(
+    precision: Precision,
+    prepared: &ChebyshevEvaluator,
+    signal: SignalView<'_>,
+    progress: Progress<'_>,
+) -> Result<Vec<Vec<f64>>, Cancelled> {
     let series: Vec<Series> =
         [(0, 1), (8, 16), (64, 128)].map(|(a, b)| Series::band(a, b, Growth::Bounded)).to_vec();
-    let mut bands = vec![vec![0.0; signal.len()]; series.len()];
+    let mut bands = vec![vec![0.0; signal.values.len()]; series.len()];
     let mut outs: Vec<&mut [f64]> = bands.iter_mut().map(Vec::as_mut_slice).collect();
-    let passes = &mut PassPlan::default();
-    let polynomials = Polynomials {
-        series: &series,
-        guard: &[],
-        passes,
-        output: RowOutput::Channels,
-        precision: Precision::Double,
-    };
-    let signal = SignalView { values: signal, n_channels: d };
+    let (passes, output) = (&mut PassPlan::default(), RowOutput::Channels);
+    let polynomials = Polynomials { series: &series, guard: &[], passes, output, precision };
     prepared.evaluate(signal, polynomials, 0.0, &mut outs, progress)?; // all terms
     Ok(bands)
 }
@@ -62,10 +77,16 @@ fn tiles_in_place_and_apart_give_the_bits_of_the_recurrence_one_step_at_a_time()
         let plain = Arc::new(prepared.with_tiles(n as usize, 1));
         let plain = ChebyshevEvaluator::new(plain, Progress::none()).expect("nobody stops it");
         let fused = ChebyshevEvaluator::new(Arc::new(prepared), Progress::none()).expect("nobody stops it");
-        let found = evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it");
-        assert!(found == evaluate(&plain, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
-        // Again, with vectors that an earlier call returned to the pool.
-        assert!(found == evaluate(&fused, &signal, d, Progress::none()).expect("nobody stops it"), "{n}");
+        for precision in [Precision::Double, Precision::Single] {
+            let all = |evaluator: &ChebyshevEvaluator| {
+                let signal = SignalView { values: &signal, n_channels: d };
+                evaluate_all_terms(precision, evaluator, signal, Progress::none()).expect("nobody stops it")
+            };
+            let found = all(&fused);
+            assert!(found == all(&plain), "{n}, {precision}");
+            // Again, with vectors that an earlier call returned to the pool.
+            assert!(found == all(&fused), "{n}, {precision}");
+        }
     }
 }
 
@@ -209,12 +230,14 @@ fn single_precision_keeps_to_its_bound_on_any_number_of_threads() {
     let params = OperatorParams::default();
     let heat = surface_diffusion(&ring_geometry(3000, 9), &params, Progress::none());
     let heat = Arc::new(heat.expect("nobody stops it").diffusion);
-    // Fewer rows than channels, and rows of one, several and many groups.
-    for diffusion in [ring(3000, 9), ring(40, 2), ring(500, 140), heat] {
+    // Fewer rows than channels, rows of one, several and many groups, and a part without edges.
+    for diffusion in [ring(3000, 9), ring(40, 2), ring(500, 140), heat, ring_and_others(900)] {
         let weights = diffusion.stationary().to_vec();
         let prepared = evaluator(diffusion);
         let n = weights.len();
-        for (d, offset, size) in [(16, 0.0, 1.0), (47, 1e6, 1.0), (64, 0.0, 1e-100), (130, -3.0, 1e100)] {
+        let many = [(16, 0.0, 1.0), (47, 1e6, 1.0), (64, 0.0, 1e-100), (130, -3.0, 1e100)];
+        let few = [(1, 0.0, 1.0), (2, 1e6, 1e-30), (3, 0.0, 1e30), (4, -3.0, 1e100), (5, 0.0, 1e-100)];
+        for (d, offset, size) in many.into_iter().chain(few) {
             let value = |i: usize| size * (offset + ((i * 31 + i / 7) % 101) as f64 / 101.0);
             let values: Vec<f64> = (0..n * d).map(value).collect();
             let signal = SignalView { values: &values, n_channels: d };
@@ -237,9 +260,9 @@ fn single_precision_keeps_to_its_bound_on_any_number_of_threads() {
 #[test]
 fn single_precision_has_no_bound_where_norms_underflow_or_overflow() {
     let prepared = evaluator(ring(300, 3));
-    for size in [1e-200, 1e200] {
+    for (size, n_channels) in [(1e-200, 16), (1e200, 16), (1e-200, 3), (1e200, 3)] {
         let values: Vec<f64> = (0..300 * 16).map(|i| size * f64::from(i % 7)).collect();
-        let signal = SignalView { values: &values, n_channels: 16 };
+        let signal = SignalView { values: &values[..300 * n_channels], n_channels };
         let (_, info) = evaluate_in(Precision::Single, &prepared, signal, 1e-3);
         assert!(info.single_products > 0 && info.error_bound == f64::INFINITY, "{size}: {info:?}");
         assert_eq!(evaluate_in(Precision::Auto, &prepared, signal, 1e-3).1.single_products, 0);
@@ -250,18 +273,23 @@ fn single_precision_has_no_bound_where_norms_underflow_or_overflow() {
 fn automatic_precision_is_single_only_where_its_bound_keeps_to_the_accuracy() {
     let weights = ring(3000, 9).stationary().to_vec();
     let prepared = evaluator(ring(3000, 9));
-    let n_channels = 100;
+    for n_channels in [1, 3, 100] {
+        assert_automatic_precision(&prepared, &weights, n_channels);
+    }
+}
+
+fn assert_automatic_precision(prepared: &ChebyshevEvaluator, weights: &[f64], n_channels: usize) {
     let rough: Vec<f64> = (0..3000 * n_channels).map(|i| ((i * 31 + i / 7) % 101) as f64).collect();
     let signal = SignalView { values: &rough, n_channels };
     let mut formats = Vec::new();
     for accuracy in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-10] {
-        let (found, info) = evaluate_in(Precision::Auto, &prepared, signal, accuracy);
+        let (found, info) = evaluate_in(Precision::Auto, prepared, signal, accuracy);
         assert!(info.error_bound <= accuracy, "{accuracy:e}: {:e}", info.error_bound);
         formats.push(info.single_products > 0);
         if info.single_products == 0 {
-            let (exact, _) = evaluate_in(Precision::Double, &prepared, signal, accuracy);
+            let (exact, _) = evaluate_in(Precision::Double, prepared, signal, accuracy);
             for (found, exact) in found.iter().zip(&exact) {
-                assert!(relative_difference(&weights, found, exact) <= 2.0 * accuracy);
+                assert!(relative_difference(weights, found, exact) <= 2.0 * accuracy);
             }
         }
     }
@@ -272,8 +300,27 @@ fn automatic_precision_is_single_only_where_its_bound_keeps_to_the_accuracy() {
 #[test]
 fn constants_give_exact_zeros_in_single_precision() {
     let prepared = evaluator(ring(300, 3));
-    let signal = SignalView { values: &vec![0.1; 300 * 20], n_channels: 20 };
-    let (found, info) = evaluate_in(Precision::Single, &prepared, signal, 1e-3);
-    assert!(found.iter().flatten().all(|&v| v == 0.0));
-    assert_eq!(info.error_bound, 0.0);
+    for n_channels in [3, 20] {
+        let signal = SignalView { values: &vec![0.1; 300 * n_channels], n_channels };
+        let (found, info) = evaluate_in(Precision::Single, &prepared, signal, 1e-3);
+        assert!(found.iter().flatten().all(|&v| v == 0.0));
+        assert_eq!(info.error_bound, 0.0);
+    }
+}
+
+#[test]
+fn few_channels_take_half_the_memory_in_single_precision() {
+    let prepared = evaluator(ring(3000, 9));
+    let values: Vec<f64> = (0..9000).map(|i| f64::from(i % 89)).collect();
+    let signal = SignalView { values: &values, n_channels: 3 };
+    evaluate_in(Precision::Double, &prepared, signal, 1e-3);
+    let bytes = |format| prepared.working_bytes(3, format);
+    let (without, double) = (bytes(BlockPrecision::Single), bytes(BlockPrecision::Double));
+    // Two vectors at least, and values around the tiles.
+    assert!(double - without >= 4 * 2 * 9000, "{double} and {without} bytes");
+    evaluate_in(Precision::Single, &prepared, signal, 1e-3);
+    let nnz = prepared.operator.rows().expect("rows").nnz() as u64;
+    let entries = bytes(BlockPrecision::Single) - without;
+    assert!((4 * nnz..4 * 4 * nnz).contains(&entries), "{entries} bytes of {nnz} entries");
+    assert_eq!(bytes(BlockPrecision::Double) - bytes(BlockPrecision::Single), double - without);
 }

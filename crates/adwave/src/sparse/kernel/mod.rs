@@ -8,17 +8,19 @@
 #![allow(clippy::inline_always)]
 
 mod combine;
+mod number;
 mod rows;
 mod step;
 #[cfg(test)]
 mod tests;
 mod wide;
 
+pub(crate) use number::{GROUP, VectorNumber};
 pub(crate) use rows::{RowProduct, apply_rows};
-pub(crate) use wide::{GROUP, WideNumber, WideProduct, WideRows, WideTerms};
+pub(crate) use wide::{WideNumber, WideProduct, WideRows, WideTerms};
 
 use super::tiles::{DegreeRun, Index, TileView};
-use combine::{combine_all, combine_along};
+use combine::combine;
 use step::{InteriorRows, RingRows, RowEntries, StepVectors, WeightRows, gather, step};
 
 /// Largest number of steps that a tile takes in one pass.
@@ -100,9 +102,9 @@ fn range<T, const CHECKED: bool>(slice: &[T], start: usize, len: usize) -> &[T] 
 }
 
 /// A term added to a band: its coefficients for the vectors of a pass.
-pub(super) struct PassTerm<'a> {
+pub(super) struct PassTerm {
     /// Coefficients of the vectors `first ..` of the pass.
-    pub(super) coefficients: &'a [f64],
+    pub(super) coefficients: Vec<f64>,
     /// First vector that counts: 0 at the very start of a recurrence, else 1.
     pub(super) first: usize,
     /// True if the band starts here.
@@ -111,19 +113,29 @@ pub(super) struct PassTerm<'a> {
     pub(super) is_weighed: bool,
 }
 
+/// Entries of the rows of a tile, in the format of the vectors.
+#[derive(Clone, Copy)]
+pub(super) enum TileEntries<'a, T> {
+    /// Entries of all rows of the operator, of which a pass gathers those of the tile.
+    Operator(&'a [T]),
+    /// Entries of the tile in its order, as [`gather_tile`] copies them.
+    Tile(&'a [T]),
+}
+
 /// Location of the vectors before a pass, n_vertices × D.
 #[derive(Clone, Copy)]
-pub(super) enum PassInput<'a> {
+pub(super) enum PassInput<'a, T> {
     /// `T_{k−1}` and `T_k` of all vertices.
-    Whole { before: &'a [f64], now: &'a [f64] },
+    Whole { before: &'a [T], now: &'a [T] },
     /// Values at the tile's halo, as copied by [`copy_halo`]; those at its interior vertices are in the output
     /// buffers.
-    Copied { before: &'a [f64], now: &'a [f64] },
+    Copied { before: &'a [T], now: &'a [T] },
 }
 
 /// Input and output of a pass over a tile: `D` channels in rows of `L ≥ D`.
-pub(super) struct TilePass<'a, 'b> {
-    pub(super) input: PassInput<'a>,
+pub(super) struct TilePass<'a, 'b, T> {
+    pub(super) input: PassInput<'a, T>,
+    pub(super) entries: TileEntries<'a, T>,
     /// Number of steps, at least 1 unless k is 0.
     pub(super) n_steps: usize,
     /// True for the very first pass: `T_1 = ½(2Y T_0 − 0)`.
@@ -131,10 +143,10 @@ pub(super) struct TilePass<'a, 'b> {
     /// True if every row of Φ₁ has the diagonal ½, or no entries at all.
     pub(super) is_lazy: bool,
     /// Interior part of `T_{k+n−1}` and `T_{k+n}`; empty if they are not needed.
-    pub(super) next_before: &'b mut [f64],
-    pub(super) next_now: &'b mut [f64],
+    pub(super) next_before: &'b mut [T],
+    pub(super) next_now: &'b mut [T],
     /// One term per band, with at least one coefficient each.
-    pub(super) terms: &'a [PassTerm<'a>],
+    pub(super) terms: &'a [PassTerm],
     /// Weights μ of the interior vertices.
     pub(super) weights: &'a [f64],
     /// Interior part of each band, in rows of `stride`, written at `at .. at + D`.
@@ -145,11 +157,11 @@ pub(super) struct TilePass<'a, 'b> {
     pub(super) normals: &'a [[f64; 3]],
 }
 
-/// Number of values, in f64, that a pass over `tile` needs as scratch memory.
-pub(super) fn scratch_len<I: Index>(tile: TileView<'_, I>, n_steps: usize, lanes: usize) -> usize {
+/// Number of values that a pass over `tile` needs as scratch memory.
+pub(super) fn scratch_len<I: Index, T>(tile: TileView<'_, I>, n_steps: usize, lanes: usize) -> usize {
     let vectors = (0..n_steps + 2).map(|i| n_rows(tile, n_steps, i)).sum::<usize>() * lanes;
     let weights = n_entries(tile.own_runs()) + n_entries(tile.ring_runs(n_steps.saturating_sub(1)));
-    vectors + weights.next_multiple_of(lanes) + ALIGNMENT
+    vectors + weights.next_multiple_of(lanes) + ALIGNMENT / size_of::<T>()
 }
 
 fn n_entries(runs: &[DegreeRun]) -> usize {
@@ -165,19 +177,19 @@ fn n_rows<I: Index>(tile: TileView<'_, I>, n_steps: usize, i: usize) -> usize {
     }
 }
 
-/// Alignment of rows to 64 bytes, so that none crosses a cache line.
-const ALIGNMENT: usize = 8;
+/// Alignment of rows in bytes, so that none crosses a cache line.
+const ALIGNMENT: usize = 64;
 
 #[inline(always)]
-fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKED: bool>(
+fn steps<I: Index, T: VectorNumber, const L: usize, const D: usize, const FMA: bool, const CHECKED: bool>(
     tile: TileView<'_, I>,
-    mut pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
+    mut pass: TilePass<'_, '_, T>,
+    scratch: &mut [T],
 ) -> Vec<f64> {
     let n_steps = pass.n_steps;
-    let skip = scratch.as_ptr().align_offset(64).min(ALIGNMENT);
+    let skip = scratch.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT / size_of::<T>());
     let mut rest = scratch[skip..].as_chunks_mut::<L>().0;
-    let mut vectors: [&mut [[f64; L]]; MAX_DEPTH + 2] = std::array::from_fn(|_| Default::default());
+    let mut vectors: [&mut [[T; L]]; MAX_DEPTH + 2] = std::array::from_fn(|_| Default::default());
     for (i, vector) in vectors.iter_mut().enumerate().take(n_steps + 2) {
         (*vector, rest) = rest.split_at_mut(n_rows(tile, n_steps, i));
     }
@@ -190,27 +202,33 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         PassInput::Whole { before, now } => (HaloValues::Gathered(before), HaloValues::Gathered(now)),
         PassInput::Copied { before, now } => (HaloValues::Copied(before), HaloValues::Copied(now)),
     };
-    fill::<I, L, D>(tile, &own_now[..own], halo_now, vectors[1]);
+    fill::<I, T, L, D>(tile, &own_now[..own], halo_now, vectors[1]);
     if n_steps > 0 {
         if pass.is_first {
-            vectors[0].fill([0.0; L]);
+            vectors[0].fill([T::default(); L]);
         } else {
-            fill::<I, L, D>(tile, &own_before[..own], halo_before, vectors[0]);
+            fill::<I, T, L, D>(tile, &own_before[..own], halo_before, vectors[0]);
         }
     }
     let own_rows = InteriorRows { rows: tile.rows(), first: tile.first() };
     let ring_rows = RingRows { first: tile.n_own(), halo: tile.halo() };
     let n_own_entries = n_entries(tile.own_runs());
     let (own_columns, ring_columns) = tile.columns().split_at(n_own_entries);
-    let (own_weights, ring_weights) = rest.as_flattened_mut().split_at_mut(n_own_entries);
-    if n_steps > 0 {
-        let rows = WeightRows { offsets: tile.offsets(), weights: tile.weights() };
-        gather::<CHECKED>(own_rows, tile.own_runs(), rows, own_weights);
-        gather::<CHECKED>(ring_rows, tile.ring_runs(n_steps - 1), rows, ring_weights);
-    }
+    let (own_weights, ring_weights) = match pass.entries {
+        TileEntries::Tile(weights) => weights.split_at(n_own_entries),
+        TileEntries::Operator(weights) => {
+            let (own, rings) = rest.as_flattened_mut().split_at_mut(n_own_entries);
+            if n_steps > 0 {
+                let rows = weight_rows(tile, weights);
+                gather::<_, _, CHECKED>(own_rows, tile.own_runs(), rows, own);
+                gather::<_, _, CHECKED>(ring_rows, tile.ring_runs(n_steps - 1), rows, rings);
+            }
+            (&*own, &*rings)
+        }
+    };
     for i in 1..=n_steps {
         let (old, new) = vectors.split_at_mut(i + 1);
-        let scale = if pass.is_first && i == 1 { 2.0 } else { 4.0 };
+        let scale = T::rounded(if pass.is_first && i == 1 { 2.0 } else { 4.0 }, 1.0);
         let mut vectors = StepVectors { before: &*old[i - 1], now: &*old[i], next: &mut *new[0] };
         // The unchecked loops rely on this: rows are within n − i rings, columns within n − i + 1.
         assert!(
@@ -218,22 +236,18 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
         );
         assert!(vectors.now.len() == tile.n_within(n_steps + 1 - i));
         let (own_runs, ring_runs) = (tile.own_runs(), tile.ring_runs(n_steps - i));
-        let own = RowEntries { columns: own_columns, weights: &*own_weights };
-        let rings = RowEntries { columns: ring_columns, weights: &*ring_weights };
+        let own = RowEntries { columns: own_columns, weights: own_weights };
+        let rings = RowEntries { columns: ring_columns, weights: ring_weights };
         if pass.is_lazy {
-            step::<I, L, FMA, CHECKED, true>(own_rows, own_runs, own, &mut vectors, scale);
-            step::<I, L, FMA, CHECKED, true>(ring_rows, ring_runs, rings, &mut vectors, scale);
+            step::<I, T, L, FMA, CHECKED, true>(own_rows, own_runs, own, &mut vectors, scale);
+            step::<I, T, L, FMA, CHECKED, true>(ring_rows, ring_runs, rings, &mut vectors, scale);
         } else {
-            step::<I, L, FMA, CHECKED, false>(own_rows, own_runs, own, &mut vectors, scale);
-            step::<I, L, FMA, CHECKED, false>(ring_rows, ring_runs, rings, &mut vectors, scale);
+            step::<I, T, L, FMA, CHECKED, false>(own_rows, own_runs, own, &mut vectors, scale);
+            step::<I, T, L, FMA, CHECKED, false>(ring_rows, ring_runs, rings, &mut vectors, scale);
         }
     }
-    let read: [&[[f64; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
-    let squares = if pass.normals.is_empty() {
-        combine_all::<L, D, FMA>(&mut pass, &read, tile.n_own())
-    } else {
-        combine_along::<L, FMA>(&mut pass, &read[..=n_steps], tile.n_own())
-    };
+    let read: [&[[T; L]]; MAX_DEPTH + 1] = std::array::from_fn(|i| &*vectors[i + 1]);
+    let squares = combine::<T, L, D, FMA>(&mut pass, &read, tile.n_own());
     if !pass.next_now.is_empty() && n_steps > 0 {
         for (out, v) in pass.next_now.as_chunks_mut::<D>().0.iter_mut().zip(read[n_steps]) {
             out.copy_from_slice(&v[..D]);
@@ -245,77 +259,107 @@ fn steps<I: Index, const L: usize, const D: usize, const FMA: bool, const CHECKE
     squares
 }
 
+/// The entries of the operator of a tile by vertex.
+///
+/// # Panics
+/// Unless there is one for each neighbor.
+#[inline(always)]
+fn weight_rows<'a, I: Index, T>(tile: TileView<'a, I>, weights: &'a [T]) -> WeightRows<'a, T> {
+    assert_eq!(tile.offsets().last(), Some(&weights.len()), "an entry for each neighbor");
+    WeightRows { offsets: tile.offsets(), weights }
+}
+
+/// Number of entries of all rows of a tile.
+pub(super) fn n_tile_entries<I: Index>(tile: TileView<'_, I>) -> usize {
+    n_entries(tile.own_runs()) + n_entries(tile.ring_runs(tile.depth() - 1))
+}
+
+/// Copies the entries of all rows of the tile in its order, and rounds them.
+pub(super) fn gather_tile<I: Index, T: VectorNumber>(tile: TileView<'_, I>, weights: &[f64], to: &mut [T]) {
+    let rows = weight_rows(tile, weights);
+    let (own, rings) = to.split_at_mut(n_entries(tile.own_runs()));
+    let own_rows = InteriorRows { rows: tile.rows(), first: tile.first() };
+    let ring_rows = RingRows { first: tile.n_own(), halo: tile.halo() };
+    gather::<_, _, true>(own_rows, tile.own_runs(), rows, own);
+    gather::<_, _, true>(ring_rows, tile.ring_runs(tile.depth() - 1), rows, rings);
+}
+
 /// Location of the values at the rings.
 #[derive(Clone, Copy)]
-enum HaloValues<'a> {
+enum HaloValues<'a, T> {
     /// Among the values at all vertices.
-    Gathered(&'a [f64]),
+    Gathered(&'a [T]),
     /// In the order of the tile.
-    Copied(&'a [f64]),
+    Copied(&'a [T]),
 }
 
 /// Copies the values at the tile's first vertices, as many as fit in `to`: the interior, then the rings.
 #[inline(always)]
-fn fill<I: Index, const L: usize, const D: usize>(
+fn fill<I: Index, T: VectorNumber, const L: usize, const D: usize>(
     tile: TileView<'_, I>,
-    own: &[f64],
-    halo: HaloValues<'_>,
-    to: &mut [[f64; L]],
+    own: &[T],
+    halo: HaloValues<'_, T>,
+    to: &mut [[T; L]],
 ) {
     let (to_own, to_halo) = to.split_at_mut(tile.n_own());
     for (to, from) in to_own.iter_mut().zip(own.as_chunks::<D>().0) {
-        to[..D].copy_from_slice(from);
-        to[D..].fill(0.0);
+        *to = padded(from);
     }
     match halo {
         HaloValues::Gathered(values) => {
             let values = values.as_chunks::<D>().0;
             assert!(tile.halo().len() >= to_halo.len());
             for (to, &x) in to_halo.iter_mut().zip(tile.halo()) {
-                to[..D].copy_from_slice(&values[x as usize]);
-                to[D..].fill(0.0);
+                *to = padded(&values[x as usize]);
             }
         }
         HaloValues::Copied(values) => {
             assert!(values.len() >= to_halo.len() * D);
             for (to, from) in to_halo.iter_mut().zip(values.as_chunks::<D>().0) {
-                to[..D].copy_from_slice(from);
-                to[D..].fill(0.0);
+                *to = padded(from);
             }
         }
     }
 }
 
+/// A row of `L` lanes that begins with the given values.
+#[inline(always)]
+fn padded<T: VectorNumber, const L: usize, const D: usize>(from: &[T; D]) -> [T; L] {
+    let mut row = [T::default(); L];
+    row[..D].copy_from_slice(from);
+    row
+}
+
 /// Copies the values at the tile's halo, as many as fit in `to`, n × `width`.
-pub(super) fn copy_halo<I: Index>(tile: TileView<'_, I>, width: usize, from: &[f64], to: &mut [f64]) {
-    fn copy<const D: usize>(halo: &[u32], from: &[f64], to: &mut [f64]) {
+pub(super) fn copy_halo<I: Index, T: Copy>(tile: TileView<'_, I>, width: usize, from: &[T], to: &mut [T]) {
+    fn copy<T: Copy, const D: usize>(halo: &[u32], from: &[T], to: &mut [T]) {
         let from = from.as_chunks::<D>().0;
         for (to, &x) in to.as_chunks_mut::<D>().0.iter_mut().zip(halo) {
             *to = from[x as usize];
         }
     }
     match width {
-        1 => copy::<1>(tile.halo(), from, to),
-        2 => copy::<2>(tile.halo(), from, to),
-        3 => copy::<3>(tile.halo(), from, to),
-        4 => copy::<4>(tile.halo(), from, to),
+        1 => copy::<T, 1>(tile.halo(), from, to),
+        2 => copy::<T, 2>(tile.halo(), from, to),
+        3 => copy::<T, 3>(tile.halo(), from, to),
+        4 => copy::<T, 4>(tile.halo(), from, to),
         _ => unreachable!("a block has 1 to 4 channels, not {width}"),
     }
 }
 
 /// Runs the pass over the tile for `width` channels, 1 … 4, and computes the requested norms.
-pub(super) fn run<I: Index>(
+pub(super) fn run<I: Index, T: VectorNumber>(
     target: InstructionSet,
     tile: TileView<'_, I>,
     width: usize,
-    pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
+    pass: TilePass<'_, '_, T>,
+    scratch: &mut [T],
 ) -> Vec<f64> {
     match width {
-        1 => run_width::<I, 1, 1>(target, tile, pass, scratch),
-        2 => run_width::<I, 2, 2>(target, tile, pass, scratch),
-        3 => run_width::<I, 4, 3>(target, tile, pass, scratch),
-        4 => run_width::<I, 4, 4>(target, tile, pass, scratch),
+        1 => run_width::<I, T, 1, 1>(target, tile, pass, scratch),
+        2 => run_width::<I, T, 2, 2>(target, tile, pass, scratch),
+        3 => run_width::<I, T, 4, 3>(target, tile, pass, scratch),
+        4 => run_width::<I, T, 4, 4>(target, tile, pass, scratch),
         _ => unreachable!("a block has 1 to 4 channels, not {width}"),
     }
 }
@@ -324,41 +368,41 @@ pub(super) fn run<I: Index>(
 ///
 /// Each width and instruction set is a function of its own: as one function for all of them they take far longer to
 /// compile.
-fn run_width<I: Index, const L: usize, const D: usize>(
+fn run_width<I: Index, T: VectorNumber, const L: usize, const D: usize>(
     target: InstructionSet,
     tile: TileView<'_, I>,
-    pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
+    pass: TilePass<'_, '_, T>,
+    scratch: &mut [T],
 ) -> Vec<f64> {
     match target {
-        InstructionSet::Portable => steps::<I, L, D, FUSED, false>(tile, pass, scratch),
+        InstructionSet::Portable => steps::<I, T, L, D, FUSED, false>(tile, pass, scratch),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
-        InstructionSet::Avx2 => unsafe { avx2::<I, L, D>(tile, pass, scratch) },
+        InstructionSet::Avx2 => unsafe { avx2::<I, T, L, D>(tile, pass, scratch) },
         #[cfg(target_arch = "x86_64")]
         // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
-        InstructionSet::Avx512 => unsafe { avx512::<I, L, D>(tile, pass, scratch) },
+        InstructionSet::Avx512 => unsafe { avx512::<I, T, L, D>(tile, pass, scratch) },
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn avx2<I: Index, const L: usize, const D: usize>(
+fn avx2<I: Index, T: VectorNumber, const L: usize, const D: usize>(
     tile: TileView<'_, I>,
-    pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
+    pass: TilePass<'_, '_, T>,
+    scratch: &mut [T],
 ) -> Vec<f64> {
-    steps::<I, L, D, true, false>(tile, pass, scratch)
+    steps::<I, T, L, D, true, false>(tile, pass, scratch)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx2,fma")]
-fn avx512<I: Index, const L: usize, const D: usize>(
+fn avx512<I: Index, T: VectorNumber, const L: usize, const D: usize>(
     tile: TileView<'_, I>,
-    pass: TilePass<'_, '_>,
-    scratch: &mut [f64],
+    pass: TilePass<'_, '_, T>,
+    scratch: &mut [T],
 ) -> Vec<f64> {
-    steps::<I, L, D, true, false>(tile, pass, scratch)
+    steps::<I, T, L, D, true, false>(tile, pass, scratch)
 }
 
 /// Number of lanes of a scratch row for `width` channels.

@@ -1,13 +1,13 @@
 //! One step of the recurrence for the rows of a tile, by the number of neighbors of the rows.
 
 use super::super::tiles::{DegreeRun, Index};
-use super::{fma, get, get_mut, range};
+use super::{GROUP, VectorNumber, get, get_mut, range};
 
 /// `T_{k−1}`, `T_k` and the buffer for `T_{k+1}` at the vertices of a tile.
-pub(super) struct StepVectors<'a, const L: usize> {
-    pub(super) before: &'a [[f64; L]],
-    pub(super) now: &'a [[f64; L]],
-    pub(super) next: &'a mut [[f64; L]],
+pub(super) struct StepVectors<'a, T, const L: usize> {
+    pub(super) before: &'a [[T; L]],
+    pub(super) now: &'a [[T; L]],
+    pub(super) next: &'a mut [[T; L]],
 }
 
 /// Rows of a tile, in the order of its runs.
@@ -72,20 +72,20 @@ impl TileRows for RingRows<'_> {
 
 /// Weights of the rows of Φ₁ by vertex.
 #[derive(Clone, Copy)]
-pub(super) struct WeightRows<'a> {
+pub(super) struct WeightRows<'a, T> {
     /// Start of each row, and the end of the last.
     pub(super) offsets: &'a [usize],
-    pub(super) weights: &'a [f64],
+    pub(super) weights: &'a [T],
 }
 
 /// Columns and weights of consecutive rows, one row after another.
 #[derive(Clone, Copy)]
-pub(super) struct RowEntries<'a, I> {
+pub(super) struct RowEntries<'a, I, T> {
     pub(super) columns: &'a [I],
-    pub(super) weights: &'a [f64],
+    pub(super) weights: &'a [T],
 }
 
-impl<I> RowEntries<'_, I> {
+impl<I, T> RowEntries<'_, I, T> {
     /// The first `n` entries, and the others.
     #[inline(always)]
     fn split_at(self, n: usize) -> (Self, Self) {
@@ -95,15 +95,16 @@ impl<I> RowEntries<'_, I> {
     }
 }
 
-/// Copies the weights of the rows of `runs` to `to`, in the order of the runs. In the operator they are in vertex
+/// Copies the weights of the rows of `runs` to `to`, in the order of the runs, and rounds them if `to` is in single
+/// precision. In the operator they are in vertex
 /// order, and those of the rings are scattered over memory, which no prefetcher follows. The copies gain nothing from
 /// wider instructions, so this is compiled for the base instructions alone.
 #[inline(never)]
-pub(super) fn gather<const CHECKED: bool>(
+pub(super) fn gather<S: VectorNumber, T: VectorNumber, const CHECKED: bool>(
     mut rows: impl TileRows,
     runs: &[DegreeRun],
-    matrix: WeightRows<'_>,
-    mut to: &mut [f64],
+    matrix: WeightRows<'_, S>,
+    mut to: &mut [T],
 ) {
     let WeightRows { offsets, weights } = matrix;
     for run in runs {
@@ -116,11 +117,15 @@ pub(super) fn gather<const CHECKED: bool>(
                     $($degree => for (r, to) in these.as_chunks_mut::<$degree>().0.iter_mut().enumerate() {
                         let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
                         let row = range::<_, CHECKED>(weights, start, $degree);
-                        *to = *row.first_chunk().expect("a row of this degree");
+                        let row: &[S; $degree] = row.first_chunk().expect("a row of this degree");
+                        *to = row.map(|w| T::rounded(w.to_f64(), 1.0));
                     },)*
                     _ => for r in 0..n_rows {
                         let start = *get::<_, CHECKED>(offsets, rows.vertex::<CHECKED>(r));
-                        these[r * degree..][..degree].copy_from_slice(range::<_, CHECKED>(weights, start, degree));
+                        let row = range::<_, CHECKED>(weights, start, degree);
+                        for (to, &w) in these[r * degree..][..degree].iter_mut().zip(row) {
+                            *to = T::rounded(w.to_f64(), 1.0);
+                        }
                     },
                 }
             };
@@ -136,12 +141,19 @@ pub(super) fn gather<const CHECKED: bool>(
 /// for any other Φ₁ it is `scale·(Σ w·(now[y] − now[x]) + ½·now[x] − ¼·before)`. The factor 4 is in the scale,
 /// because a power of two rounds nothing.
 #[inline(always)]
-pub(super) fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
+pub(super) fn step<
+    I: Index,
+    T: VectorNumber,
+    const L: usize,
+    const FMA: bool,
+    const CHECKED: bool,
+    const LAZY: bool,
+>(
     mut rows: impl TileRows,
     runs: &[DegreeRun],
-    mut entries: RowEntries<'_, I>,
-    vectors: &mut StepVectors<'_, L>,
-    scale: f64,
+    mut entries: RowEntries<'_, I, T>,
+    vectors: &mut StepVectors<'_, T, L>,
+    scale: T,
 ) {
     for run in runs {
         let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
@@ -149,15 +161,15 @@ pub(super) fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: boo
         (these, entries) = entries.split_at(n_rows * degree);
         if !FMA {
             // Old processors: the same bits in a fraction of the code.
-            any::<I, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale);
+            any::<I, T, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale);
             rows = rows.after(n_rows);
             continue;
         }
         macro_rules! unrolled {
             ($($degree:literal)*) => {
                 match degree {
-                    $($degree => fixed::<I, $degree, L, FMA, CHECKED, LAZY>(rows, these, vectors, scale),)*
-                    _ => any::<I, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale),
+                    $($degree => fixed::<I, T, $degree, L, FMA, CHECKED, LAZY>(rows, these, vectors, scale),)*
+                    _ => any::<I, T, L, FMA, CHECKED, LAZY>(rows, *run, these, vectors, scale),
                 }
             };
         }
@@ -168,25 +180,50 @@ pub(super) fn step<I: Index, const L: usize, const FMA: bool, const CHECKED: boo
 
 /// Start value of a row's sum, and the value at its own vertex, which a lazy walk does not need.
 #[inline(always)]
-fn start<const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
-    before: &[[f64; L]],
-    now: &[[f64; L]],
+fn start<T: VectorNumber, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
+    before: &[[T; L]],
+    now: &[[T; L]],
     row: usize,
-) -> ([f64; L], [f64; L]) {
-    let mut sum = get::<_, CHECKED>(before, row).map(|v| -0.25 * v);
+) -> ([T; L], [T; L]) {
+    let [minus_quarter, half] = [-0.25, 0.5].map(|v| T::rounded(v, 1.0));
+    let mut sum = get::<_, CHECKED>(before, row).map(|v| minus_quarter.times(v));
     if LAZY {
-        return (sum, [0.0; L]);
+        return (sum, [T::default(); L]);
     }
     let here = *get::<_, CHECKED>(now, row);
     for c in 0..L {
-        sum[c] = fma::<FMA>(0.5, here[c], sum[c]);
+        sum[c] = half.times_plus::<FMA>(here[c], sum[c]);
     }
     (sum, here)
+}
+
+/// Adds the product of an entry with the value there, or with its difference to the value `here` unless the walk is lazy.
+#[inline(always)]
+fn add_entry<T: VectorNumber, const L: usize, const FMA: bool, const LAZY: bool>(
+    w: T,
+    there: &[T; L],
+    here: &[T; L],
+    sum: &mut [T; L],
+) {
+    for c in 0..L {
+        let moved = if LAZY { there[c] } else { there[c].minus(here[c]) };
+        sum[c] = w.times_plus::<FMA>(moved, sum[c]);
+    }
+}
+
+/// Adds the sum of a group to that of its row, and clears it.
+#[inline(always)]
+fn add_group<T: VectorNumber, const L: usize>(group: &mut [T; L], sum: &mut [T; L]) {
+    for c in 0..L {
+        sum[c] = sum[c].plus(group[c]);
+    }
+    *group = [T::default(); L];
 }
 
 #[inline(always)]
 fn fixed<
     I: Index,
+    T: VectorNumber,
     const DEGREE: usize,
     const L: usize,
     const FMA: bool,
@@ -194,48 +231,56 @@ fn fixed<
     const LAZY: bool,
 >(
     rows: impl TileRows,
-    entries: RowEntries<'_, I>,
-    vectors: &mut StepVectors<'_, L>,
-    scale: f64,
+    entries: RowEntries<'_, I, T>,
+    vectors: &mut StepVectors<'_, T, L>,
+    scale: T,
 ) {
     let RowEntries { columns, weights } = entries;
     let StepVectors { before, now, next } = vectors;
     let entries = columns.as_chunks::<DEGREE>().0.iter().zip(weights.as_chunks::<DEGREE>().0);
     for (r, (columns, weights)) in entries.enumerate() {
         let row = rows.get::<CHECKED>(r);
-        let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
+        let (mut sum, here) = start::<T, L, FMA, CHECKED, LAZY>(before, now, row);
+        let mut group = [T::default(); L];
         for e in 0..DEGREE {
             let there = get::<_, CHECKED>(now, columns[e].get());
-            for c in 0..L {
-                let moved = if LAZY { there[c] } else { there[c] - here[c] };
-                sum[c] = fma::<FMA>(weights[e], moved, sum[c]);
+            let part = if T::IS_GROUPED { &mut group } else { &mut sum };
+            add_entry::<T, L, FMA, LAZY>(weights[e], there, &here, part);
+            if T::IS_GROUPED && (e % GROUP == GROUP - 1 || e == DEGREE - 1) {
+                add_group(&mut group, &mut sum);
             }
         }
-        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
+        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale.times(v));
     }
 }
 
 #[inline(always)]
-fn any<I: Index, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
+fn any<I: Index, T: VectorNumber, const L: usize, const FMA: bool, const CHECKED: bool, const LAZY: bool>(
     rows: impl TileRows,
     run: DegreeRun,
-    entries: RowEntries<'_, I>,
-    vectors: &mut StepVectors<'_, L>,
-    scale: f64,
+    entries: RowEntries<'_, I, T>,
+    vectors: &mut StepVectors<'_, T, L>,
+    scale: T,
 ) {
     let RowEntries { columns, weights } = entries;
     let StepVectors { before, now, next } = vectors;
     let (degree, n_rows) = (run.degree as usize, run.n_rows as usize);
+    let together = if T::IS_GROUPED { GROUP } else { degree.max(1) };
     for r in 0..n_rows {
         let row = rows.get::<CHECKED>(r);
-        let (mut sum, here) = start::<L, FMA, CHECKED, LAZY>(before, now, row);
-        for (column, &w) in columns[r * degree..][..degree].iter().zip(&weights[r * degree..][..degree]) {
-            let there = get::<_, CHECKED>(now, column.get());
-            for c in 0..L {
-                let moved = if LAZY { there[c] } else { there[c] - here[c] };
-                sum[c] = fma::<FMA>(w, moved, sum[c]);
+        let (mut sum, here) = start::<T, L, FMA, CHECKED, LAZY>(before, now, row);
+        let (columns, weights) = (&columns[r * degree..][..degree], &weights[r * degree..][..degree]);
+        for (columns, weights) in columns.chunks(together).zip(weights.chunks(together)) {
+            let mut group = [T::default(); L];
+            let part = if T::IS_GROUPED { &mut group } else { &mut sum };
+            for (column, &w) in columns.iter().zip(weights) {
+                let there = get::<_, CHECKED>(now, column.get());
+                add_entry::<T, L, FMA, LAZY>(w, there, &here, part);
+            }
+            if T::IS_GROUPED {
+                add_group(&mut group, &mut sum);
             }
         }
-        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale * v);
+        *get_mut::<_, CHECKED>(next, row) = sum.map(|v| scale.times(v));
     }
 }

@@ -1,6 +1,7 @@
 //! Loops over rows of many channels, in double or single precision: 8 to 64 lanes, one after another in memory, so that
 //! an entry of the operator reads whole cache lines and its weight is loaded once for all of them.
 
+use super::number::{GROUP, VectorNumber};
 use super::{FUSED, InstructionSet, fma};
 use crate::pages::prefetch;
 use std::ops::Range;
@@ -9,32 +10,12 @@ use std::ops::Range;
 /// follows.
 const AHEAD: usize = 8;
 
-/// Number of entries whose products are summed before they are added to a row in single precision, so that rounding grows
-/// with this number plus the number of groups instead of the number of entries.
-pub(crate) const GROUP: usize = 8;
-
 /// Number format of the vectors of a wide block.
-pub(crate) trait WideNumber: Copy + Default + Send + Sync + 'static {
+pub(crate) trait WideNumber: VectorNumber {
     /// Largest number of channels of a block.
     const MAX_LANES: usize;
     /// Number of values of a cache line.
     const PER_LINE: usize;
-    /// True if the entries of a row are summed in groups of [`GROUP`].
-    const IS_GROUPED: bool;
-
-    /// The product `a·scale`, rounded; the scale is a power of 2, and 1 in double precision.
-    fn rounded(a: f64, scale: f64) -> Self;
-
-    fn to_f64(self) -> f64;
-
-    fn times(self, factor: Self) -> Self;
-
-    fn plus(self, other: Self) -> Self;
-
-    fn minus(self, other: Self) -> Self;
-
-    /// The sum `self·b + c`, rounded once if `FMA`.
-    fn times_plus<const FMA: bool>(self, b: Self, c: Self) -> Self;
 
     /// Computes the rows from `first` on, as many as `out` has, for `lanes` channels.
     fn multiply(
@@ -52,41 +33,10 @@ pub(crate) trait WideNumber: Copy + Default + Send + Sync + 'static {
 
 /// Implements [`WideNumber`] for a primitive type and its numbers of lanes.
 macro_rules! wide_number {
-    ($type:ident, $per_line:literal, $is_grouped:literal, |$a:ident, $scale:ident| $rounded:expr, [$($lanes:literal),*]) => {
+    ($type:ident, $per_line:literal, [$($lanes:literal),*]) => {
         impl WideNumber for $type {
             const MAX_LANES: usize = 4 * $per_line;
             const PER_LINE: usize = $per_line;
-            const IS_GROUPED: bool = $is_grouped;
-
-            #[inline(always)]
-            fn rounded($a: f64, $scale: f64) -> Self {
-                $rounded
-            }
-
-            #[inline(always)]
-            fn to_f64(self) -> f64 {
-                self.into()
-            }
-
-            #[inline(always)]
-            fn times(self, factor: Self) -> Self {
-                self * factor
-            }
-
-            #[inline(always)]
-            fn plus(self, other: Self) -> Self {
-                self + other
-            }
-
-            #[inline(always)]
-            fn minus(self, other: Self) -> Self {
-                self - other
-            }
-
-            #[inline(always)]
-            fn times_plus<const FMA: bool>(self, b: Self, c: Self) -> Self {
-                if FMA { self.mul_add(b, c) } else { self * b + c }
-            }
 
             fn multiply(
                 target: InstructionSet,
@@ -117,8 +67,8 @@ macro_rules! wide_number {
     };
 }
 
-wide_number!(f64, 8, false, |a, _scale| a, [8, 16, 24, 32]);
-wide_number!(f32, 16, true, |a, scale| (a * scale) as f32, [16, 32, 48, 64]);
+wide_number!(f64, 8, [8, 16, 24, 32]);
+wide_number!(f32, 16, [16, 32, 48, 64]);
 
 /// Rows of Φ₁ without its diagonal.
 #[derive(Clone, Copy)]
