@@ -87,10 +87,25 @@ fn single_precision_keeps_to_the_bound_that_is_printed() {
         json(path, &line("--accuracy 0.01 --precision double", "d.npy"))["bands"]["precision"],
         "double"
     );
-    write(&path.join("few.npy"), &[N, 15], &all[..N * 15]);
-    let few =
-        "filter sample:sphere --vertices 300 --signal few.npy --preset smooth --precision single -o out.npy";
-    assert!(refused(path, few).contains("16 and more channels, and few.npy has 15 channels"));
+    for n_channels in [1, 3, 15] {
+        write(&path.join("few.npy"), &[N, n_channels], &all[..N * n_channels]);
+        let few = |options: &str, out: &str| line(options, out).replace("all.npy", "few.npy");
+        let exact = json(path, &few("", "exact.npy"));
+        assert!(exact["bands"].is_null());
+        let single = json(path, &few("--precision single", "single.npy"));
+        assert_eq!(single["bands"]["precision"], "single");
+        let bound = single["bands"]["error_bound"].as_f64().unwrap();
+        let (exact, found) = (read(&path.join("exact.npy")), read(&path.join("single.npy")));
+        let norm = |v: &dyn Fn(usize) -> f64| (0..exact.len()).map(|i| v(i).powi(2)).sum::<f64>().sqrt();
+        let error = norm(&|i| found[i] - exact[i]) / norm(&|i| exact[i] - all[i]);
+        assert!(error > 1e-9 && error < 3.0 * bound && bound < 1e-3, "{error} with a bound of {bound}");
+    }
+    let positions =
+        "filter sample:sphere --vertices 300 --preset smooth --levels 4 --precision single -o out.ply";
+    assert_eq!(json(path, positions)["bands"]["precision"], "single");
+    let region = "filter sample:sphere --vertices 300 --region ball:vertex=0,radius=30% --gains 0,0 \
+        --precision single -o out.ply";
+    assert_eq!(json(path, region)["bands"]["precision"], "single");
     let linear =
         "filter sample:sphere --vertices 300 --signal all.npy --preset smooth --precision single -o out.npy";
     assert!(refused(path, linear).contains("--local-fit constant"));

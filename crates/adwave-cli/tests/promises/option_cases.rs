@@ -116,7 +116,7 @@ const CASES: &[OptionCase] = &[
     case("*", "--fwhm", "5%,10%,20%"),
     with(case("*", "--accuracy", "0.1"), "--steps 1.5,20,300"),
     case("tiles", "--accuracy", "0.1"),
-    with(case("filter", "--precision", "single"), "--signal heat"),
+    with(case("filter", "--precision", "single"), "--signal heat --local-fit constant"),
     with(case("info", "--accuracy", "0.1"), "--detail --steps 1.5,20,300"),
     case("info", "--detail", ""),
     case("info", "--error", "1%"),

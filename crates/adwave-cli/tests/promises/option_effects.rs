@@ -34,8 +34,7 @@ const WITHOUT_EFFECT: [(&str, &str, &str); 15] = [
 ];
 
 /// Options that need data that no fixture has, with the reason.
-const WITHOUT_DATA: [(&str, &str, &str); 5] = [
-    ("filter", "--precision", "no fixture has 16 channels"),
+const WITHOUT_DATA: [(&str, &str, &str); 4] = [
     ("*", "--resolution", "COPC and EPT are not written"),
     ("tiles", "--allow-degrees", "the lines of the command have coordinates in meters"),
     ("match", "--weld", "the shapes with features are closed"),

@@ -49,7 +49,7 @@ pub(crate) struct FilterArgs {
     pub(crate) as_labels: bool,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
-    /// Number format for signals of 16 and more channels
+    /// Number format of the bands: 32 bits take less time, with an error bound that is printed
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Precision>(), default_value_t, help_heading = "Levels")]
     pub(crate) precision: Precision,
     #[command(flatten)]

@@ -245,26 +245,32 @@ fn edited_values(
             Ok(request.filter_layers_with_info(&layers)?)
         });
     }
-    let edited = |values: &[f64], n_channels: usize| -> Result<Vec<f64>, CliError> {
+    let edited = |values: &[f64], n_channels: usize| -> Result<(Vec<f64>, BandsInfo), CliError> {
         let edit = Edit::new(layers).with_fields(&lookup, &names);
         let request = request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress);
         if let ([Layer { region: Region::Everywhere {}, .. }], false) = (&layers[..], job.has_recipe) {
             // One polynomial, for which no band is kept.
-            return Ok(request.filter(&edit)?);
+            let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
+            return Ok(request.filter_layers_with_info(&layers)?);
         }
         let mut editor = request.editor()?;
         editor.set_edit(&edit)?;
-        Ok(editor.into_edited())
+        let info = editor.wavelets().info.clone();
+        Ok((editor.into_edited(), info))
     };
-    let values = match axis {
+    let (values, info) = match axis {
         Some(axis) => {
             let points = values.as_chunks().0;
             let heights: Vec<f64> = points.iter().map(|p: &[f64; 3]| p[axis]).collect();
-            with_axis(points, axis, &edited(&heights, 1)?).into_flattened()
+            let (heights, info) = edited(&heights, 1)?;
+            (with_axis(points, axis, &heights).into_flattened(), info)
         }
         None => edited(values, n_channels)?,
     };
-    Ok(EditedGroup { values, accuracy: None })
+    // Of few channels only what single precision did is worth a line.
+    let accuracy = (info.precision == Precision::Single)
+        .then_some(BandsAccuracy { precision: info.precision, error_bound: info.error_bound });
+    Ok(EditedGroup { values, accuracy })
 }
 
 /// Number of channels from which a signal is filtered in groups without an editor, whose bands would take several times

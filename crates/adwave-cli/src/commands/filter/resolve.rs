@@ -7,7 +7,7 @@ use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{count, has_extension, note};
+use crate::output::{has_extension, note};
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::pose::ReshapedBy;
@@ -103,12 +103,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         }
         None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
     };
-    if signal.n_channels < MANY_CHANNELS {
-        let has = count(signal.n_channels, "channel", "channels");
-        let applies = format!("applies to signals of 16 and more channels, and {signal_name} has {has}");
-        global.given.refuse(&["--precision"], &applies)?;
-    }
     let labels = if args.as_labels {
+        global.given.refuse(&["--precision"], "applies to numbers, and the signal is one of labels")?;
         Some(load_labels(&signal_name, &signal)?)
     } else {
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;
