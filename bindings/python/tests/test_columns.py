@@ -57,9 +57,23 @@ def test_single_precision_keeps_to_its_bound() -> None:
     )
 
 
+@pytest.mark.parametrize("channels", [1, 3, 5])
+def test_few_channels_in_single_precision_keep_to_the_bound(channels: int) -> None:
+    values = np.random.default_rng(5).normal(size=(80, channels))
+    exact = np.asarray(SPHERE.decompose(values, levels=3))
+    bands = aw.decompose(SPHERE, values, levels=3, precision="single")
+    assert bands.info["bits"] == 32 and 1e-7 < bands.info["error_bound"] < 1e-3
+    for found, expected in zip(np.asarray(bands)[:-1], exact[:-1], strict=True):
+        error = np.linalg.norm(found - expected) / np.linalg.norm(expected)
+        assert 1e-10 < error < 3 * bands.info["error_bound"]
+    assert aw.decompose(SPHERE, values, levels=3).info["bits"] == 64
+    one, two = (aw.filter(SPHERE, [0.0, 0.5], precision=p) for p in ("single", "double"))
+    assert 0 < np.abs(one.points - two.points).max() < 1e-5
+
+
 def test_precision_is_refused_where_it_changes_nothing() -> None:
-    with pytest.raises(ValueError, match="fewer than 16 channels"):
-        aw.decompose(SPHERE, np.ones((80, 15)), precision="single")
+    with pytest.raises(ValueError, match="fractional"):
+        aw.decompose(SPHERE, np.ones((80, 15)), steps=[0.5, 2], operator="walk", precision="single")
     with pytest.raises(ValueError, match="local_fit='constant'"):
         aw.filter(SPHERE, "smooth", signal=np.ones((80, 20)), levels=3, precision="single")
     with pytest.raises(ValueError, match="precision must be one of"):

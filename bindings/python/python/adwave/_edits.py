@@ -81,8 +81,8 @@ def decompose(
     **options
         ``faces=`` of an array of points; ``mask=`` or ``only=``, the vertices that take part (the bands of the others are
         NaN); ``fwhm=[2, 4, 8]`` and ``steps=[1, 2.5, 8]``, short for `levels`; ``exact=True``, heat on a surface with the
-        masses of the mesh as they are (see `Operator.with_exact_masses`); ``precision='single'`` for 16 and more channels
-        (by default where its error bound keeps to the accuracy).
+        masses of the mesh as they are (see `Operator.with_exact_masses`); ``precision='single'`` for bands in 32 bits (by
+        default where its error bound keeps to the accuracy; the bound is in ``bands.info``).
 
     Returns
     -------
@@ -311,7 +311,7 @@ def filter(
         As in `decompose`.
     **options
         ``faces=``, ``mask=`` or ``only=`` (the other vertices keep their values), ``fwhm=``, ``steps=`` and, with
-        ``local_fit='constant'``, ``precision=`` as in `decompose`.
+        ``local_fit='constant'`` or coordinates, ``precision=`` as in `decompose`.
 
     Returns
     -------
@@ -335,8 +335,9 @@ def filter(
     levels = levels_of(levels, options)
     named = default_signal(part.given, signal)
     precision = options.get("precision") or "auto"
-    if precision != "auto" and (named is None or isinstance(named, str) or local_fit != "constant"):
-        raise ValueError("precision: it applies to signal= of numbers with local_fit='constant'; leave it out")
+    moves = named is None or (isinstance(named, str) and named == "coords")
+    if precision != "auto" and local_fit != "constant" and not moves:
+        raise ValueError("precision: it applies to a signal with local_fit='constant'; leave it out")
     _check_gains(gains, part.whole_shape.n_vertices)
     if constraints is not None:
         operator = _constrained_operator(part, constraints, named, operator)
@@ -367,7 +368,7 @@ def filter(
                 return map_columns(named, axis, len(steps) + 4, lambda group: edited(group)[0])
             found, layout = edited(named)
         return part.spread(found, layout, named)
-    settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy)
+    settings = EditSettings(named or "coords", steps, constraints or Constraints(), local_fit, accuracy, precision)
     return part.with_named_signal(edit_shape(decomposer, settings, edit, progress), settings.signal)
 
 
@@ -417,6 +418,7 @@ class EditSettings:
     constraints: Constraints
     local_fit: str = "linear"
     accuracy: float = _native.ACCURACY
+    precision: str = "auto"
 
 
 def edit_shape(
@@ -439,7 +441,7 @@ def edit_shape(
     with report_progress(progress, "filtering") as report:
 
         def filtered(owner: Decomposer, values: NDArray[np.float64] | None, _: list[int]) -> NDArray[np.float64]:
-            request = BandsRequest(values, settings.steps, settings.accuracy, fit)
+            request = BandsRequest(values, settings.steps, settings.accuracy, fit, settings.precision)
             return edit(owner, request, report)
 
         edited = decomposer._map_channels(values, filtered)

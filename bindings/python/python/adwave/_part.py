@@ -58,13 +58,12 @@ class SignalOptions(SmoothOptions, LevelOptions, total=False):
 
 
 class PrecisionOptions(SignalOptions, total=False):
-    """Options of functions that split or filter signals of many channels.
+    """Options of functions that split or filter signals in 32 or 64 bits.
 
     Parameters
     ----------
     precision : {'auto', 'single', 'double'}
-        Number format for signals of 16 and more channels: single where its error bound keeps to the accuracy, always, or
-        never.
+        Number format of the bands: single where its error bound keeps to the accuracy, always, or never.
     """
 
     precision: Literal["auto", "single", "double"]
