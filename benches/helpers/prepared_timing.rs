@@ -4,7 +4,7 @@
 //! `prepared_timing [VERTICES …]`: for each number a torus of about that many vertices, 8 levels, coordinates,
 //! accuracy 1e-5.
 
-use adwave::bands::{BandsParams, Schedule};
+use adwave::bands::{BandsParams, Precision, Schedule};
 use adwave::filter::WeightedLayer;
 use adwave::region::{RegionWeights, parse_region};
 use adwave::sample::Sample;
@@ -84,15 +84,11 @@ fn measure(n: usize) -> Result<(), Failure> {
     let decomposer = Decomposer::new(&shape);
 
     // The transform alone, in the analysis order, into allocated memory.
-    let transform = decomposer.transform().with_params(&BandsParams::default().with_accuracy(ACCURACY))?;
+    let params = BandsParams::default().with_accuracy(ACCURACY);
+    let transform = decomposer.transform().with_params(&params)?;
     let mean = decomposer.geometry().vertex_map().mean(coords, 3);
     let mut levels = vec![vec![0.0; mean.len()]; LEVELS];
-    let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
-    let alone = time(|| {
-        transform.wavelets_into(&mean, 3, &schedule, &mut outs, Progress::none())?;
-        Ok(())
-    })?;
-    print("transform alone", n, alone);
+    transforms_alone(&decomposer, &mean, &schedule, &mut levels, n)?;
     let per_vertex = transform.working_bytes(3) as f64 / n as f64;
     println!(r#"{{"what":"memory of the transform","vertices":{n},"bytes_per_vertex":{per_vertex:.1}}}"#);
     let request = decomposer.request(coords, 3, &schedule).accuracy(ACCURACY);
@@ -102,7 +98,7 @@ fn measure(n: usize) -> Result<(), Failure> {
         Ok(())
     })?;
     print("bands into a buffer, order of the shape", n, into);
-    drop((levels, buffer));
+    drop((levels, buffer, mean));
 
     let mut editor = request.editor()?;
     editor.set_layers(vec![WeightedLayer::everywhere(vec![0.5; LEVELS])])?;
@@ -125,6 +121,54 @@ fn measure(n: usize) -> Result<(), Failure> {
         })?,
     );
     regions(&decomposer, &mut editor, n)
+}
+
+/// Measures the transform in double and in single precision in turns, truncated for the same accuracy; the rounding of
+/// single precision comes on top, and its bound is printed.
+fn transforms_alone(
+    decomposer: &Decomposer,
+    mean: &[f64],
+    schedule: &Schedule,
+    levels: &mut [Vec<f64>],
+    n: usize,
+) -> Result<(), Failure> {
+    let mut outs: Vec<&mut [f64]> = levels.iter_mut().map(Vec::as_mut_slice).collect();
+    let formats = [
+        (Precision::Double, ACCURACY),
+        // Half of the accuracy is for rounding.
+        (Precision::Single, 2.0 * ACCURACY),
+    ];
+    let mut seconds: [Vec<f64>; 2] = Default::default();
+    let mut bounds = [0.0; 2];
+    for call in 0..=CALLS {
+        for ((precision, accuracy), (seconds, bound)) in
+            formats.into_iter().zip(seconds.iter_mut().zip(&mut bounds))
+        {
+            let params = BandsParams::default().with_accuracy(accuracy).with_precision(precision);
+            let transform = decomposer.transform().with_params(&params)?;
+            let start = Instant::now();
+            let info = transform.wavelets_into(mean, 3, schedule, &mut outs, Progress::none())?;
+            // The first call prepares.
+            if call > 0 {
+                seconds.push(start.elapsed().as_secs_f64());
+            }
+            *bound = info.error_bound;
+        }
+    }
+    let mut ratios: Vec<f64> =
+        seconds[0].iter().zip(&seconds[1]).map(|(double, single)| single / double).collect();
+    ratios.sort_by(f64::total_cmp);
+    for (mut seconds, what) in
+        seconds.into_iter().zip(["transform alone", "transform alone, single precision"])
+    {
+        seconds.sort_by(f64::total_cmp);
+        print(what, n, Timing { least: seconds[0], median: seconds[CALLS / 2] });
+    }
+    let (ratio, [_, bound]) = (ratios[CALLS / 2], bounds);
+    println!(
+        r#"{{"what":"single beside double precision","vertices":{n},"median_ratio":{ratio:.3},"error_bound":{bound:.1e}}}"#
+    );
+    Ok(())
 }
 
 /// Measures a ball and a stroke of about 1 % of the vertices: weights and edits.
