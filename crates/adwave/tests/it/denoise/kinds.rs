@@ -166,26 +166,26 @@ fn noise_that_grows_along_a_shape_is_found_and_taken_off_by_place() {
     let [low, high] = [f64::min, f64::max]
         .map(|least: fn(f64, f64) -> f64| sample.points.iter().map(|p| p[0]).reduce(least).unwrap());
     let mut random = Random(11);
-    let mut moved = |p: &[f64; 3], deviation: f64| [p[0], p[1], p[2] + deviation * edge * random.normal()];
+    let mut moved = |p: &[f64; 3], deviation: f64| [p[0], p[1] + deviation * edge * random.normal(), p[2]];
     let growing = |p: &[f64; 3]| 0.05 + 0.45 * (p[0] - low) / (high - low);
     let clean = mesh(sample.points.clone(), &sample.faces);
     let noisy = sample.points.iter().map(|p| moved(p, growing(p))).collect();
     let (before, after, found) = angles(&clean, &mesh(noisy, &sample.faces));
     let [least, most] = found.noise_range.map(|level| level / edge);
     assert!((0.05..0.13).contains(&least) && (0.36..0.55).contains(&most), "{least} to {most}");
-    assert!(after < 0.12 * before, "{before} → {after}");
+    assert!(before > 20.0 && after < 0.3 * before, "{before} → {after}");
 
     let noisy = sample.points.iter().map(|p| moved(p, 0.2)).collect();
     let (_, _, found) = angles(&clean, &mesh(noisy, &sample.faces));
-    assert!(found.noise_range[0] == found.noise_range[1] && found.kept_by_place.is_empty(), "{found:?}");
+    assert!(found.noise_range[0] == found.noise_range[1], "{found:?}");
 }
 
 #[test]
 fn flat_places_are_smoothed_more_than_those_with_detail() {
-    // Waves that the triangles barely resolve on one half of a sheet, the other half flat, with noise.
+    // Waves of eight edges on one half of a sheet, the other half flat, with noise.
     let n = 90_usize;
     let wave = |x: usize, y: usize| {
-        if x < n / 2 { 0.0 } else { 0.5 * (1.6 * x as f64).sin() * (1.6 * y as f64).cos() }
+        if x < n / 2 { 0.0 } else { 0.5 * (0.8 * x as f64).sin() * (0.8 * y as f64).cos() }
     };
     let at = |i: usize| [(i % n) as f64, (i / n) as f64, wave(i % n, i / n)];
     let clean: Vec<[f64; 3]> = (0..n * n).map(at).collect();
@@ -206,5 +206,5 @@ fn flat_places_are_smoothed_more_than_those_with_detail() {
     };
     let noisy = noisy.points().unwrap();
     println!("{} → {}, {} → {}", rms(0, noisy), rms(0, &points), rms(1, noisy), rms(1, &points));
-    assert!(rms(0, &points) < 0.4 * rms(0, noisy) && rms(1, &points) < rms(1, noisy));
+    assert!(rms(0, &points) < 0.3 * rms(0, noisy) && rms(1, &points) < 0.8 * rms(1, noisy));
 }
