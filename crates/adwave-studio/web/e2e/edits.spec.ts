@@ -158,6 +158,15 @@ test('a deleted layer frees its mask, and undo brings both back', async () => {
   await waitUntilSaved(page);
   const masks = () => page.evaluate(() => window.studio.maskCount());
   const mask = () => page.evaluate(async () => Array.from(await window.studio.mask()));
+  // The end of the last stroke may still be on its way.
+  const weights = async () => (await mask()).reduce((total, w) => total + w, 0);
+  await expect
+    .poll(async () => {
+      const total = await weights();
+      await page.waitForTimeout(300);
+      return (await weights()) === total;
+    })
+    .toBe(true);
   const [before, painted, sum] = [await masks(), await mask(), await positionSum(page)];
   expect(painted.filter((w) => w > 0).length).toBeGreaterThan(20);
   const { layers } = await currentEdit(page);
