@@ -12,7 +12,7 @@ pub(crate) trait LaneNumber: Copy + Default + Send + Sync + std::fmt::Debug + 's
     /// The nearest number of this format.
     fn rounded(value: f64) -> Self;
 
-    /// The same number in double precision.
+    /// Value in double precision.
     fn widened(self) -> f64;
 
     /// Lets `fill` write a row, and in single precision multiplies it by the factors and raises the sizes to those of its

@@ -545,8 +545,9 @@ class DenoiseResult(NamedTuple):
         over the vertices, equal if it is the same everywhere), ``kept_by_place`` (share of the normals that are unchanged
         where the surface bends least, in between and most; empty if these are smoothed alike), ``shared_noise`` and
         ``shared_noise_at_most`` (noise that neighbors share as it was assumed, and the most that the mesh admits),
-        ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units), ``turned_share`` (share of the triangles that noise turned over) and
-        ``linear_rounds`` (rounds of the linear filter that come first). For a signal ``kept``, ``plain_weights``,
+        ``impulse_share`` and ``impulse_size`` (share of the vertices that impulses moved, and their size in model units),
+        ``turned_share`` (share of the triangles that noise turned over) and ``linear_rounds`` (rounds of the linear filter
+        that come first). For a signal ``kept``, ``plain_weights``,
         ``step_weights`` and ``risk`` (expected squared error before and after), for each group of ``channels``.
 
     Examples

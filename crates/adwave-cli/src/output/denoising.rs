@@ -140,9 +140,9 @@ fn describe_cloud(text: &mut String, info: &DenoiseInfo, cloud: &CloudDenoising)
         writeln!(text, "surface: {:.0} % of the estimated noise left as it is, by risk", 100.0 * info.kept);
     if cloud.n_outliers > 0 {
         let treatment = match cloud.outliers {
-            Outliers::Pull => "moved to their neighbors",
+            Outliers::Pull => "moved to the surface of the neighbors",
             Outliers::Drop => "dropped",
-            _ => "kept where they are",
+            _ => "kept in place",
         };
         let _ = writeln!(text, "{}, {treatment}", count(cloud.n_outliers, "outlier", "outliers"));
     }

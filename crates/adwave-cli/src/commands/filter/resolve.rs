@@ -104,7 +104,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
     };
     let labels = if args.as_labels {
-        global.given.refuse(&["--precision"], "applies to numbers, and the signal is one of labels")?;
+        global.given.refuse(&["--precision"], "applies to numbers, and the signal holds labels")?;
         Some(load_labels(&signal_name, &signal)?)
     } else {
         refuse_labels(&signal_name, &signal, args.labels, "--as-labels smooths them by their shares")?;

@@ -96,9 +96,9 @@ impl<I, T> RowEntries<'_, I, T> {
 }
 
 /// Copies the weights of the rows of `runs` to `to`, in the order of the runs, and rounds them if `to` is in single
-/// precision. In the operator they are in vertex
-/// order, and those of the rings are scattered over memory, which no prefetcher follows. The copies gain nothing from
-/// wider instructions, so this is compiled for the base instructions alone.
+/// precision. In the operator they are in vertex order, and those of the rings are scattered over memory, which no
+/// prefetcher follows. The copies gain nothing from wider instructions, so this is compiled for the base instructions
+/// alone.
 #[inline(never)]
 pub(super) fn gather<S: VectorNumber, T: VectorNumber, const CHECKED: bool>(
     mut rows: impl TileRows,
