@@ -73,7 +73,7 @@ fn measure(n: usize, neighbors: usize, channels: usize) -> Result<(), Failure> {
     let params = OperatorParams::default().with_neighbors(neighbors);
     let cloud = Shape::Cloud(PointCloud::new(points)?);
     let decomposer = Decomposer::with_params(&cloud, &params, Progress::none())?;
-    let entries = decomposer.diffusion().nnz();
+    let entries = decomposer.n_entries().unwrap_or_default();
     let signal: Vec<f64> = (0..n * channels).map(|_| noise.next()).collect();
     let mut out = vec![0.0; signal.len()];
     let schedule = Schedule::new(vec![STEPS])?;
@@ -92,7 +92,7 @@ fn measure(n: usize, neighbors: usize, channels: usize) -> Result<(), Failure> {
     {
         let params = BandsParams::default().with_precision(precision).with_accuracy(accuracy);
         let transform = decomposer.transform().with_params(&params)?;
-        let mean = decomposer.geometry().vertex_map().mean(&signal, channels);
+        let mean = decomposer.vertex_map().mean(&signal, channels);
         let taken = time(|| {
             transform.weighted_into(&mean, channels, &schedule, &[1.0], &mut out, Progress::none())?;
             Ok(())
@@ -100,7 +100,7 @@ fn measure(n: usize, neighbors: usize, channels: usize) -> Result<(), Failure> {
         print(&format!("power {STEPS}, {}", precision.name()), taken, STEPS);
     }
     if channels == GRADIENT_CHANNELS {
-        let (map, schedule) = (decomposer.geometry().vertex_map(), Schedule::dyadic(GRADIENT_LEVELS)?);
+        let (map, schedule) = (decomposer.vertex_map(), Schedule::dyadic(GRADIENT_LEVELS)?);
         let transform = decomposer.transform();
         let mut bands = vec![0.0; (GRADIENT_LEVELS + 1) * signal.len()];
         let forward = time(|| {

@@ -86,7 +86,7 @@ fn measure(n: usize) -> Result<(), Failure> {
     // The transform alone, in the analysis order, into allocated memory.
     let params = BandsParams::default().with_accuracy(ACCURACY);
     let transform = decomposer.transform().with_params(&params)?;
-    let mean = decomposer.geometry().vertex_map().mean(coords, 3);
+    let mean = decomposer.vertex_map().mean(coords, 3);
     let mut levels = vec![vec![0.0; mean.len()]; LEVELS];
     transforms_alone(&decomposer, &mean, &schedule, &mut levels, n)?;
     let per_vertex = transform.working_bytes(3) as f64 / n as f64;

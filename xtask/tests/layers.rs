@@ -62,7 +62,7 @@ fn the_method_knows_no_files_and_no_terminal() {
 }
 
 /// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves here.
-const LAYERS: [&[&str]; 17] = [
+const LAYERS: [&[&str]; 18] = [
     &["error", "named", "pages"],
     &["progress", "vector"],
     &["parallel"],
@@ -73,6 +73,7 @@ const LAYERS: [&[&str]; 17] = [
     &["sparse"],
     &["bands"],
     &["mask", "sample", "signal", "basis", "local_fit"],
+    &["domain"],
     &["region"],
     &["filter"],
     &["decomposer"],

@@ -154,7 +154,7 @@ fn apply_bands<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let own = prepared.get();
     let SignalValues { values: signal, n_channels } = own.signal(signal.as_ref())?;
-    let map = own.decomposer.geometry().vertex_map();
+    let map = own.decomposer.vertex_map();
     let n = map.n_vertices();
     let n_levels = bands.shape()[0].saturating_sub(1);
     if !bands.is_c_contiguous() || bands.shape()[1..] != [n, n_channels] || map.n_welded() < n {

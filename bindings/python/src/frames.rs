@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, Stage, stage, value_error};
+use crate::error::{self, Stage, StageError, stage, value_error};
 use crate::options::word;
 use crate::prepared::Prepared;
 use adwave::Progress;
@@ -61,12 +61,13 @@ impl FrameData {
         let family = word("family", family, FAMILIES)?;
         let decomposer = &prepared.get().decomposer;
         let (frame, root) = run(py, usize::MAX, None, |_| {
-            let (laplacian, root) = normalized_laplacian(decomposer.diffusion())?;
+            let rows = stage(decomposer.rows("a spectral graph wavelet"))?;
+            let (laplacian, root) = stage(normalized_laplacian(rows))?;
             // I − Q has its spectrum in [0, 2].
-            let frame = Frame::new(laplacian, Kernels::new(family, n_kernels, 2.0)?, accuracy)?;
-            Ok::<_, adwave_baselines::sgwt::SgwtError>((frame, root))
+            let kernels = stage(Kernels::new(family, n_kernels, 2.0))?;
+            Ok::<_, StageError>((stage(Frame::new(laplacian, kernels, accuracy))?, root))
         })?;
-        Ok(Self { frame, root, map: decomposer.geometry().vertex_map().clone() })
+        Ok(Self { frame, root, map: decomposer.vertex_map().clone() })
     }
 
     #[getter]
@@ -205,7 +206,7 @@ impl MultiscaleData {
     ) -> PyResult<Self> {
         let decomposer = &prepared.get().decomposer;
         let params = MultiscaleParams::default().with_levels(n_levels).with_precision(precision);
-        let diffusion = decomposer.diffusion();
+        let diffusion = decomposer.rows("a diffusion wavelet basis").map_err(|e| error::to_exception(&e))?;
         let basis = run(py, usize::MAX, progress.as_ref(), |p: Progress<'_>| -> Stage<WaveletBasis> {
             Ok(if orthogonal {
                 WaveletBasis::Orthogonal(stage(DiffusionWavelets::new(diffusion, &params, p))?)
@@ -213,7 +214,7 @@ impl MultiscaleData {
                 WaveletBasis::Biorthogonal(stage(BiorthogonalDiffusionWavelets::new(diffusion, &params, p))?)
             })
         })?;
-        Ok(Self { basis, map: decomposer.geometry().vertex_map().clone() })
+        Ok(Self { basis, map: decomposer.vertex_map().clone() })
     }
 
     /// Number of scaling functions of each level, from level 0.

@@ -18,7 +18,6 @@ use adwave::features::{
 use adwave::measure::{agreement, center_distance};
 use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_level, with_height};
 use adwave::shape::{PreparedGeometry, Shape};
-use adwave::signal::outward_normals;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -78,7 +77,7 @@ fn saliency_map<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<MapAndLevels<'py>> {
     let own = prepared.get();
-    let is_geometry = request.signal.is_none() && !own.decomposer.geometry().points().is_empty();
+    let is_geometry = request.signal.is_none() && !own.decomposer.positions().is_empty();
     let signal = own.signal(request.signal.as_ref())?;
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
     let chosen = word("weighting", weighting, WEIGHTINGS)?;
@@ -89,7 +88,7 @@ fn saliency_map<'py>(
         let mut sides = "unsigned".to_owned();
         let mut along = None;
         if chosen.is_none() && is_geometry {
-            let found = stage(outward_normals(decomposer.geometry(), own.normals.as_deref(), p))?;
+            let found = stage(decomposer.outward_normals(own.normals.as_deref(), p))?;
             if found.info.has_outside() {
                 along = Some(stage(request.normal_components(&found.normals))?);
             }
@@ -115,7 +114,7 @@ fn saliency_map<'py>(
     };
     let (mut found, levels, sides) = run(py, decomposer.n_vertices(), progress.as_ref(), work)?;
     if let Some(axis) = up {
-        let Some(points) = decomposer.geometry().shape().points() else {
+        let Some(points) = decomposer.points() else {
             return Err(value_error("up: a graph has no heights"));
         };
         let heights: Vec<f64> = points.iter().map(|p| p[axis]).collect();
@@ -179,11 +178,11 @@ fn find_features<'py>(
     let decomposer = &own.decomposer;
     let is_shape_of_cloud = request.signal.is_none()
         && params.response != Response::Channels
-        && matches!(decomposer.geometry().shape(), Shape::Cloud(_));
+        && decomposer.shape().is_some_and(Shape::is_cloud);
     let work = |p: Progress<'_>| {
         let (found, wavelets) = if is_shape_of_cloud {
             let coordinates = CloudCoordinates {
-                points: decomposer.geometry().shape().points().unwrap_or_default(),
+                points: decomposer.points().unwrap_or_default(),
                 normals: own.normals.as_deref(),
                 schedule: &schedule,
                 bands,

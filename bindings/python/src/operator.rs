@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::call::run;
-use crate::error::{self, value_error};
+use crate::error::{self, StageError, stage, value_error};
 use crate::prepared::Prepared;
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows, Value, basis};
@@ -41,8 +41,8 @@ fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
 fn diffusion_matrix<'py>(py: Python<'py>, prepared: &Bound<'py, Prepared>) -> PyResult<Csr<'py>> {
     let decomposer = &prepared.get().decomposer;
     let rows = run(py, decomposer.n_vertices(), None, |p| {
-        let rows = decomposer.diffusion().to_rows(p)?;
-        Ok::<_, adwave::Cancelled>(match shape_order(decomposer.geometry().vertex_map()) {
+        let rows = stage(stage(decomposer.rows("a matrix of the operator"))?.to_rows(p))?;
+        Ok::<_, StageError>(match shape_order(decomposer.vertex_map()) {
             Some(order) => rows.permute(&order),
             None => rows,
         })
@@ -70,10 +70,10 @@ fn basis_matrices<'py>(
     if let Some(bytes) = max_bytes {
         params = params.with_memory_limit(bytes);
     }
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let found = run(py, usize::MAX, progress.as_ref(), |p| {
-        let found = basis(decomposer.diffusion(), &params, p)?;
-        if map.n_welded() < map.n_vertices() { Ok(found) } else { found.to_shape_order(map) }
+        let found = stage(basis(stage(decomposer.rows("a basis"))?, &params, p))?;
+        if map.n_welded() < map.n_vertices() { Ok(found) } else { stage(found.to_shape_order(map)) }
     })?;
     let wavelets = (1..=n_levels).map(|j| csr(py, found.wavelet(j))).collect::<PyResult<_>>()?;
     let scaling = found.scaling.into_iter().map(|rows| csr(py, rows)).collect::<PyResult<_>>()?;

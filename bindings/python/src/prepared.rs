@@ -7,9 +7,9 @@ use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOpti
 use crate::region::region_weights;
 use crate::shape::ShapeData;
 use crate::walk::WalkData;
-use adwave::bands::{BandsParams, DEFAULT_EXTENT, Precision, Schedule, Transform};
+use adwave::bands::{BandsParams, DEFAULT_EXTENT, Precision, Schedule};
 use adwave::positions::constrain_positions;
-use adwave::shape::{Shape, VertexRole, bounding_box};
+use adwave::shape::{PreparedGeometry, Shape, VertexRole, bounding_box};
 use adwave::{BandsRequest, Cancelled, Decomposer, LevelSpec, Progress};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -39,7 +39,7 @@ impl Prepared {
         given: Option<&'a PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<SignalValues<'a>> {
         let Some(array) = given else {
-            return match self.decomposer.geometry().shape().points() {
+            return match self.decomposer.points() {
                 Some(points) => Ok(SignalValues { values: points.as_flattened(), n_channels: 3 }),
                 None => {
                     Err(value_error("signal: a graph has no coordinates; give one value for each vertex"))
@@ -146,20 +146,20 @@ impl Prepared {
         facts.set_item("area", health.area)?;
         facts.set_item("volume", health.volume)?;
         facts.set_item("euler_characteristic", health.euler_characteristic)?;
-        facts.set_item("bounding_box", d.geometry().shape().points().and_then(bounding_box))?;
+        facts.set_item("bounding_box", d.points().and_then(bounding_box))?;
         facts.set_item("diagonal", d.diagonal())?;
         facts.set_item("extent", d.extent())?;
-        let outsiders = d.geometry().outsiders();
+        let outsiders = d.geometry().map(PreparedGeometry::outsiders).unwrap_or_default();
         for role in VertexRole::OUTSIDE {
             let rows: Vec<usize> =
                 outsiders.iter().filter(|(_, own)| *own == role).map(|(row, _)| *row).collect();
             facts.set_item(role.plural(), rows)?;
         }
         facts.set_item("operator", d.operator_kind().name())?;
-        facts.set_item("entries", d.diffusion().nnz())?;
+        facts.set_item("entries", d.n_entries())?;
         facts.set_item("mean_length", d.mean_length())?;
-        facts.set_item("step_length", d.diffusion().step_length())?;
-        facts.set_item("reversible", d.diffusion().is_reversible())?;
+        facts.set_item("step_length", d.operator().step_length())?;
+        facts.set_item("reversible", d.operator().is_reversible())?;
         if let Some(info) = d.surface_info() {
             facts.set_item("raised_masses", info.n_raised)?;
             facts.set_item("added_mass", info.added_mass)?;
@@ -174,7 +174,7 @@ impl Prepared {
 
     /// Diagonal, mean length and step length, in model units.
     fn lengths(&self) -> (f64, f64, f64) {
-        (self.decomposer.diagonal(), self.decomposer.mean_length(), self.decomposer.diffusion().step_length())
+        (self.decomposer.diagonal(), self.decomposer.mean_length(), self.decomposer.operator().step_length())
     }
 
     /// Number of vertices whose masses were raised, and the share of the area that this adds; `None` for a walk.
@@ -184,7 +184,7 @@ impl Prepared {
 
     /// Tells whether the diffusion is reversible.
     fn is_reversible(&self) -> bool {
-        self.decomposer.diffusion().is_reversible()
+        self.decomposer.operator().is_reversible()
     }
 
     /// Area of each vertex.
@@ -195,21 +195,15 @@ impl Prepared {
 
     /// Index of the welded vertex of each vertex, and the share of each vertex in the stationary distribution.
     fn welding<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, Bound<'py, PyAny>) {
-        let map = self.decomposer.geometry().vertex_map();
-        let stationary = self.decomposer.diffusion().stationary();
-        let mut members = vec![0_u32; map.n_welded()];
-        for &x in map.as_slice() {
-            members[x as usize] += 1;
-        }
-        let share = |&x: &u32| stationary[x as usize] / f64::from(members[x as usize]);
-        let shares: Vec<f64> = map.as_slice().iter().map(share).collect();
+        let map = self.decomposer.vertex_map();
+        let shares = self.decomposer.stationary();
         (arrays::vector(py, map.as_slice().to_vec()).into_any(), arrays::vector(py, shares).into_any())
     }
 
     /// Steps of each level; without levels, of the default ones, up to a share of the extent.
     #[pyo3(signature = (levels=None, extent=None))]
     fn schedule(&self, levels: Option<LevelOptions<'_>>, extent: Option<f64>) -> PyResult<Vec<f64>> {
-        let (step, diagonal) = (self.decomposer.diffusion().step_length(), self.decomposer.extent());
+        let (step, diagonal) = (self.decomposer.operator().step_length(), self.decomposer.extent());
         let Some(levels) = levels else {
             let spec = LevelSpec::Default.resolve(&self.decomposer, extent.unwrap_or(DEFAULT_EXTENT));
             return Ok(spec.map_err(|e| error::to_exception(&e))?.schedule.steps().to_vec());
@@ -219,13 +213,13 @@ impl Prepared {
 
     /// Width σ of the signal itself, 0, and of each level, in model units.
     fn sigma(&self, steps: Vec<f64>) -> PyResult<Vec<f64>> {
-        Ok(schedule(&steps)?.sigma(self.decomposer.diffusion().step_length()))
+        Ok(schedule(&steps)?.sigma(self.decomposer.operator().step_length()))
     }
 
     /// Bytes that bands need: for the work, and for the result.
     fn bytes(&self, n_channels: usize, n_levels: usize) -> (u64, u64) {
         let values = (n_levels as u64 + 1) * self.decomposer.n_vertices() as u64 * n_channels as u64;
-        (Transform::forecast_bytes(self.decomposer.diffusion(), n_channels), 8 * values)
+        (self.decomposer.transform().forecast(n_channels), 8 * values)
     }
 
     /// Bands in one array, W_1 … W_J and S_J, with the error bound, the degree and the memory used.
@@ -292,7 +286,7 @@ impl Prepared {
             )));
         }
         let values = signals.as_slice()?;
-        let map = self.decomposer.geometry().vertex_map();
+        let map = self.decomposer.vertex_map();
         let sum = run(py, n, progress.as_ref(), |p| {
             self.decomposer.transform().sum_of_bands(map, values, n_channels, &schedule, p)
         })?;
@@ -309,8 +303,8 @@ impl Prepared {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let after = arrays::points(&after, "points")?.to_vec();
-        let geometry = self.decomposer.geometry();
-        let Some(before) = geometry.shape().points().filter(|_| !geometry.points().is_empty()) else {
+        let Some(before) = self.decomposer.points().filter(|_| !self.decomposer.positions().is_empty())
+        else {
             return Ok(arrays::point_rows(py, after)?.into_any());
         };
         let params = constraints.params()?;
@@ -324,7 +318,7 @@ impl Prepared {
     /// Weights of a region in its text form, one for each vertex.
     fn region<'py>(&self, py: Python<'py>, region: &str) -> PyResult<Bound<'py, PyAny>> {
         let weights = region_weights(py, &self.decomposer, self.shape.get(), region)?;
-        let map = self.decomposer.geometry().vertex_map();
+        let map = self.decomposer.vertex_map();
         let weights = run(py, self.n_vertices(), None, |_| Ok::<_, Cancelled>(weights.to_vertices(map)))?;
         Ok(arrays::vector(py, weights).into_any())
     }
@@ -346,6 +340,6 @@ impl Prepared {
 
     #[getter]
     fn is_graph(&self) -> bool {
-        matches!(self.decomposer.geometry().shape(), Shape::Graph(_))
+        self.decomposer.shape().is_none_or(Shape::is_graph)
     }
 }

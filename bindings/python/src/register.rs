@@ -8,7 +8,6 @@ use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::Progress;
 use adwave::shape::Shape;
-use adwave::signal::outward_normals;
 use adwave_io::Subset;
 use adwave_register::{
     AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Surface, align as fit_motion,
@@ -181,7 +180,7 @@ fn registrand(side: &Prepared, features: ShapeFeatures, p: Progress<'_>) -> Stag
 /// Motion that brings the points of `a` closest to `b`, from where they are or from anywhere.
 fn aligning_motion(a: &Prepared, b: &Prepared, surface: &Surface, p: Progress<'_>) -> Stage<Motion> {
     let plain = |side: &Prepared| -> Stage<Registrand> {
-        let outward = stage(outward_normals(side.decomposer.geometry(), side.normals.as_deref(), p))?;
+        let outward = stage(side.decomposer.outward_normals(side.normals.as_deref(), p))?;
         registrand(side, ShapeFeatures::without_features(outward), p)
     };
     let start = if let Some(found) = stage(fit_in_place(&plain(a)?, &plain(b)?, p))? {
@@ -190,7 +189,7 @@ fn aligning_motion(a: &Prepared, b: &Prepared, surface: &Surface, p: Progress<'_
         let [one, two] = registrands(a, b, THETA, false, p)?;
         stage(closest_fit(&one, &two, p))?.map_or_else(Motion::default, |found| found.motion)
     };
-    let points = a.decomposer.geometry().points();
+    let points = a.decomposer.positions();
     Ok(stage(fit_motion(points, surface, start, &AlignParams::default(), p))?.0)
 }
 
@@ -215,7 +214,7 @@ fn distances<'py>(
     let limit = limit.as_ref().map(length).transpose()?;
     let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
     let (Some(own), Some(surface)) =
-        (Surface::new(decomposer.geometry()), Surface::new(b.decomposer.geometry()))
+        (decomposer.geometry().and_then(Surface::new), b.decomposer.geometry().and_then(Surface::new))
     else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
@@ -224,16 +223,15 @@ fn distances<'py>(
         if align {
             motion = aligning_motion(b, a, &own, p)?;
         }
-        let outward = stage(outward_normals(decomposer.geometry(), a.normals.as_deref(), p))?;
+        let outward = stage(decomposer.outward_normals(a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
-        let points: Vec<[f64; 3]> =
-            decomposer.geometry().points().iter().map(|point| back.apply(point)).collect();
+        let points: Vec<[f64; 3]> = decomposer.positions().iter().map(|point| back.apply(point)).collect();
         let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
         let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
         let is_signed = outward.info.has_outside();
         let values = if is_signed { found.values } else { found.values.iter().map(|v| v.abs()).collect() };
-        Ok::<_, StageError>((decomposer.geometry().vertex_map().scatter(&values, 1), is_signed, motion))
+        Ok::<_, StageError>((decomposer.vertex_map().scatter(&values, 1), is_signed, motion))
     };
     let (values, is_signed, motion) = run(py, usize::MAX, progress.as_ref(), work)?;
     Ok((arrays::vector(py, values).into_any(), is_signed, matrix(py, &motion)?))

@@ -1,7 +1,7 @@
 //! Shapes changed on purpose, and the features that are found again.
 
 use crate::call::run;
-use crate::error::{Stage, stage, value_error};
+use crate::error::{Stage, stage, to_exception, value_error};
 use crate::prepared::Prepared;
 use crate::shape::ShapeData;
 use adwave::features::Feature;
@@ -65,7 +65,7 @@ impl ChangeData {
         seed: u64,
     ) -> PyResult<Self> {
         let decomposer = &prepared.get().decomposer;
-        let shape = decomposer.geometry().shape();
+        let shape = decomposer.geometry_for("a change").map_err(|e| to_exception(&e))?.shape();
         let step = match kind {
             "noise" => Some(Change::Noise { edges: amount, seed }),
             "rotation" => Some(Change::Rotation { seed }),
@@ -132,10 +132,10 @@ impl ChangeData {
         let (before, after) = (features(before)?, features(after)?);
         let params = RepeatabilityParams { sigmas, ..RepeatabilityParams::default() };
         run(py, usize::MAX, None, |_| {
-            let geometry = decomposer.geometry();
-            let area = match geometry.triangles() {
+            let triangles = decomposer.geometry().map_or(&[][..], |geometry| geometry.triangles());
+            let area = match triangles {
                 [] => decomposer.areas().iter().sum(),
-                triangles => surface_area(geometry.points(), triangles),
+                triangles => surface_area(decomposer.positions(), triangles),
             };
             let levels = repeatability(&before, &after, &self.changed, &params);
             let levels = levels.iter().map(|l| (l.level, l.n_reference, l.n_found)).collect();

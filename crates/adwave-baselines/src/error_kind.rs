@@ -91,7 +91,9 @@ impl ClassifiedError for MultiscaleError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::TooLarge { .. } => ErrorKind::Memory,
-            Self::NotReversible | Self::Params { .. } | Self::Length { .. } => ErrorKind::Input,
+            Self::NotReversible | Self::Params { .. } | Self::Length { .. } | Self::NoRows(_) => {
+                ErrorKind::Input
+            }
             Self::Linalg(error) => error.kind(),
             Self::Cancelled(error) => error.kind(),
         }
@@ -119,6 +121,8 @@ impl ClassifiedError for CompareError {
             | Self::Saliency(_)
             | Self::Features(_)
             | Self::Channels(_)
+            | Self::NoRows(_)
+            | Self::NoShape(_)
             | Self::NotCoordinates
             | Self::NotMesh => ErrorKind::Input,
             Self::Subdivision(error) => error.kind(),

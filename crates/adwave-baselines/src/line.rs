@@ -60,7 +60,7 @@ pub struct MeanLocality {
 /// [`MultiscaleError`] if the walk is too large or not reversible.
 pub fn line_case(shape: &Shape, levels: &[usize]) -> Result<Vec<LineCase>, MultiscaleError> {
     let decomposer = Decomposer::new(shape);
-    let walk = decomposer.diffusion();
+    let walk = decomposer.rows("a comparison of bases")?;
     let n = walk.n_vertices();
     let top = levels.iter().copied().max().unwrap_or(1);
     let params = MultiscaleParams::default().with_levels(top);
@@ -125,7 +125,7 @@ impl LineTest<'_> {
     }
 
     fn adaptive_case(&self, level: usize) -> Result<LineCase, MultiscaleError> {
-        let walk = self.decomposer.diffusion();
+        let walk = self.decomposer.rows("a comparison of bases")?;
         let n = walk.n_vertices();
         // Rows of Φ_j: powers of the walk, 2·(2^(j−1) − 1) + 1 = 2^j − 1.
         let once = dense_walk(walk);
@@ -161,7 +161,7 @@ impl LineTest<'_> {
 
     /// Functions in the shape's order, so that the middle index is the middle vertex.
     fn scatter(&self, functions: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let vertex_map = self.decomposer.geometry().vertex_map();
+        let vertex_map = self.decomposer.vertex_map();
         functions.iter().map(|f| vertex_map.scatter(f, 1)).collect()
     }
 

@@ -69,6 +69,8 @@ macro_rules! by_kind {
 
 by_kind!(
     adwave::bands::ScheduleError,
+    adwave::domain::NoShape,
+    adwave::operator::NoRows,
     adwave::filter::KeepVolumeError,
     adwave::positions::PositionsError,
     adwave_io::NamedSignalError,

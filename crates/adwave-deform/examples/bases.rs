@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [shape, simpler] = &args[..] else { return Err("bases SHAPE SIMPLER".into()) };
     let shape = Decomposer::new(&read_mesh(shape)?);
-    let points = shape.geometry().shape().points().unwrap_or_default();
+    let points = shape.points().unwrap_or_default();
     let diagonal = shape.diagonal();
     let (low, high) = points.iter().fold(([f64::MAX; 3], [f64::MIN; 3]), |(low, high), p| {
         ([0, 1, 2].map(|c| low[c].min(p[c])), [0, 1, 2].map(|c| high[c].max(p[c])))
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let wanted: Vec<[f64; 3]> = points.iter().map(bend).collect();
     println!("| σ_J, % | error on a bent base, % of the diagonal | without frames |\n|---|---|---|");
     for width in WIDTHS {
-        let step = shape.diffusion().step_length();
+        let step = shape.operator().step_length();
         let schedule = Schedule::lengths(&[width / 100.0 * shape.extent()], step)?;
         let base = base_points(&shape, &schedule, Progress::none())?;
         let bent: Vec<[f64; 3]> = base.iter().map(bend).collect();
@@ -50,9 +50,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("| {width} | {:.3} | {:.3} |", percent(with_frames), percent(plain));
     }
     let (from, onto) =
-        (transfer_decomposer(shape.geometry().shape(), Progress::none())?, read_mesh(simpler)?);
+        (transfer_decomposer(shape.geometry().unwrap().shape(), Progress::none())?, read_mesh(simpler)?);
     let onto = transfer_decomposer(&onto, Progress::none())?;
-    let surface = Surface::new(from.geometry()).ok_or("no surface")?;
+    let surface = Surface::new(from.geometry().unwrap()).ok_or("no surface")?;
     println!(
         "| width, % | distance of the simpler mesh with its detail from the shape, rms, % | of the simpler mesh's base |\n|---|---|---|"
     );
@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let away = |points: &[[f64; 3]]| -> Vec<f64> {
             points.iter().map(|p| norm(&subtract(p, &surface.closest(p).point))).collect()
         };
-        let schedule = Schedule::lengths(&[sigma], onto.diffusion().step_length())?;
+        let schedule = Schedule::lengths(&[sigma], onto.operator().step_length())?;
         let base = base_points(&onto, &schedule, Progress::none())?;
         println!("| {width} | {:.4} | {:.3} |", percent(away(&found.points)), percent(away(&base)));
     }

@@ -30,7 +30,7 @@ pub fn base_points(
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, DeformError> {
     let smooth = smooth_positions(decomposer, schedule, progress)?;
-    Ok(decomposer.geometry().vertex_map().scatter(&smooth, 1))
+    Ok(decomposer.vertex_map().scatter(&smooth, 1))
 }
 
 /// The shape on an edited base: `f′ = S′ + R (f − S_J)`, with S′ the edited [`base_points`] and R the rotation of each
@@ -48,10 +48,10 @@ pub fn with_base(
     base: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, DeformError> {
-    let Some(points) = decomposer.geometry().shape().points() else { return Err(DeformError::NoPositions) };
+    let Some(points) = decomposer.points() else { return Err(DeformError::NoPositions) };
     check_points(base, points.len())?;
     let smooth = smooth_positions(decomposer, schedule, progress)?;
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let edited = map.positions(base);
     check_base(decomposer, &smooth, &edited)?;
     let turns = turns_between(decomposer, &smooth, &edited, progress)?;
@@ -100,7 +100,7 @@ fn check_base(decomposer: &Decomposer, smooth: &[Vector], edited: &[Vector]) -> 
     if ratio > OTHER_ORDER {
         return Err(DeformError::OtherBase { ratio });
     }
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a deformation")?;
     let volume = |points: &[Vector], size: f64| {
         // Near the origin and in units of the size, so that nothing overflows.
         let local: Vec<Vector> = points.iter().map(|p| subtract(p, &points[0]).map(|c| c / size)).collect();

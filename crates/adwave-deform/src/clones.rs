@@ -67,7 +67,7 @@ impl Clones {
     /// # Panics
     /// Unless there is a position for each vertex.
     pub fn add_to(&self, points: &mut [[f64; 3]]) {
-        let welded = self.decomposer.geometry().vertex_map().as_slice();
+        let welded = self.decomposer.vertex_map().as_slice();
         assert_eq!(points.len(), welded.len(), "a position for each vertex");
         for (p, &x) in points.iter_mut().zip(welded) {
             let x = x as usize;

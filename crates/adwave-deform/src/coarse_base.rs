@@ -3,7 +3,7 @@
 use crate::DeformError;
 use crate::front::{NO_SOURCE, PlacedGraph, RepeatedFront};
 use adwave::bands::{BandsParams, Schedule};
-use adwave::shape::{Adjacency, VertexRole, label_components};
+use adwave::shape::{Adjacency, label_components};
 use adwave::vector::{Vector, norm, subtract};
 use adwave::{Decomposer, Progress};
 use rayon::prelude::*;
@@ -127,12 +127,12 @@ impl CoarseBase {
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<Self, DeformError> {
-        let geometry = decomposer.geometry();
+        let geometry = decomposer.geometry_for("a deformation")?;
         let n = geometry.n_vertices();
         if geometry.points().len() != n || n == 0 {
             return Err(DeformError::NoPositions);
         }
-        let step = decomposer.diffusion().step_length();
+        let step = decomposer.operator().step_length();
         let sigma = schedule.sigma(step).last().copied().unwrap_or_default();
         let smooth = smooth_positions_within(ACCURACY, decomposer, schedule, progress)?;
         let takes_part = participants(decomposer);
@@ -186,7 +186,7 @@ impl CoarseBase {
 /// default levels of a shape that is too coarse for it.
 pub fn default_base(decomposer: &Decomposer) -> Schedule {
     let width = DEFAULT_WIDTH * decomposer.extent();
-    let by_width = Schedule::lengths(&[width], decomposer.diffusion().step_length());
+    let by_width = Schedule::lengths(&[width], decomposer.operator().step_length());
     match by_width {
         Ok(schedule) if schedule.steps()[0] >= 1.0 => schedule,
         _ => decomposer.default_schedule().schedule,
@@ -209,7 +209,7 @@ fn smooth_positions_within(
     schedule: &Schedule,
     progress: Progress<'_>,
 ) -> Result<Vec<Vector>, DeformError> {
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a deformation")?;
     let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
     let request =
         decomposer.request(points.as_flattened(), 3, schedule).accuracy(accuracy).progress(progress);
@@ -224,12 +224,9 @@ fn smooth_positions_within(
 
 /// Flags of the welded vertices that take part in the analysis.
 fn participants(decomposer: &Decomposer) -> Vec<bool> {
-    let geometry = decomposer.geometry();
-    let mut takes_part = vec![true; geometry.n_vertices()];
-    for (v, role) in geometry.outsiders() {
-        if role != VertexRole::Member {
-            takes_part[geometry.vertex_map().welded(v)] = false;
-        }
+    let mut takes_part = vec![true; decomposer.n_places()];
+    for (flag, out) in takes_part.iter_mut().zip(decomposer.domain().outsiders().unwrap_or_default()) {
+        *flag = !out;
     }
     for (flag, masked) in takes_part.iter_mut().zip(decomposer.mask_flags().unwrap_or_default()) {
         *flag &= !masked;
@@ -242,7 +239,7 @@ fn participants(decomposer: &Decomposer) -> Vec<bool> {
 fn areas_of_cells(decomposer: &Decomposer, owner: &[u32], n_cells: usize, n_nodes: f64) -> Vec<f64> {
     // Over the vertices of the analysis, whose order only their positions decide.
     let mut welded = vec![0.0; owner.len()];
-    for (a, &x) in decomposer.areas().iter().zip(decomposer.geometry().vertex_map().as_slice()) {
+    for (a, &x) in decomposer.areas().iter().zip(decomposer.vertex_map().as_slice()) {
         welded[x as usize] += a;
     }
     let mut areas = vec![0.0; n_cells];

@@ -230,7 +230,7 @@ impl Deformer {
 
     /// Mean position of the vertices of handle `k`, from 0, in model units.
     pub(crate) fn center_of_handle(&self, k: usize) -> Vector {
-        let points = self.decomposer.geometry().shape().points().unwrap_or_default();
+        let points = self.decomposer.points().unwrap_or_default();
         let vertices = &self.regions.handles[k];
         let share = 1.0 / vertices.len().max(1) as f64;
         let sum = |c: usize| vertices.iter().map(|&v| share * points[v as usize][c]).sum();
@@ -284,7 +284,7 @@ impl Deformer {
     /// Displacement of the single point of a region by a motion.
     fn shift_of_point(&self, region: usize, motion: &HandleMotion) -> Vector {
         let vertex = self.bound.regions[region].vertices[0] as usize;
-        let p = self.decomposer.geometry().points()[vertex].map(|c| c / self.base.unit);
+        let p = self.decomposer.positions()[vertex].map(|c| c / self.base.unit);
         subtract(&motion.apply(&p), &p)
     }
 
@@ -371,7 +371,7 @@ impl Deformer {
             if region.is_point {
                 // The detail of a point turns, and the point itself goes where it was sent.
                 let vertex = region.vertices[0] as usize;
-                let p = self.decomposer.geometry().points()[vertex].map(|c| c / self.base.unit);
+                let p = self.decomposer.positions()[vertex].map(|c| c / self.base.unit);
                 let change = turn_change(&motion.turn, &subtract(&p, &self.base.points[vertex]));
                 motion.offset = subtract(&motion.offset, &change);
             } else if !self.motions[k].is_rigid() {
@@ -409,7 +409,7 @@ impl Deformer {
     /// # Panics
     /// Unless the buffer has a place for each vertex.
     pub fn points_into(&self, points: &mut [[f64; 3]]) {
-        let rest = self.decomposer.geometry().shape().points().unwrap_or_default();
+        let rest = self.decomposer.points().unwrap_or_default();
         self.carried_into(rest, points);
     }
 

@@ -134,6 +134,12 @@ pub enum DeformError {
     Cancelled(#[from] Cancelled),
 }
 
+impl From<adwave::domain::NoShape> for DeformError {
+    fn from(_: adwave::domain::NoShape) -> Self {
+        Self::NoPositions
+    }
+}
+
 impl ClassifiedError for DeformError {
     fn kind(&self) -> ErrorKind {
         match self {

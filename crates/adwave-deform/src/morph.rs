@@ -26,7 +26,8 @@ pub fn morph(
     shares: &[f64],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, DeformError> {
-    check_alike(a.geometry().shape(), b.geometry().shape())?;
+    let [first, second] = [a.geometry_for("a morph")?, b.geometry_for("a morph")?];
+    check_alike(first.shape(), second.shape())?;
     let n_levels = schedule.n_levels();
     if shares.len() != n_levels + 1 {
         let found = shares.len();
@@ -48,17 +49,17 @@ pub fn morph(
     };
     let in_order = |d: &Decomposer| -> Result<Vec<[f64; 3]>, DeformError> {
         let smooth = smooth_positions(d, schedule, progress)?;
-        Ok(d.geometry().vertex_map().scatter(&smooth, 1))
+        Ok(d.vertex_map().scatter(&smooth, 1))
     };
     let bases = [in_order(a)?, in_order(b)?];
     let middle = from_b(&bases);
     let mut points = middle.clone();
     for (decomposer, smooth, is_second) in [(a, &bases[0], false), (b, &bases[1], true)] {
         let factors: Vec<f64> = bands.iter().map(|t| if is_second { *t } else { 1.0 - t }).collect();
-        let shape = decomposer.geometry().shape().points().unwrap_or_default();
+        let shape = decomposer.points().unwrap_or_default();
         let request = decomposer.request(shape.as_flattened(), 3, schedule).progress(progress);
         let (detail, _) = request.weighted(&factors)?;
-        let map = decomposer.geometry().vertex_map();
+        let map = decomposer.vertex_map();
         let (from, to) = (map.positions(smooth), map.positions(&middle));
         let turns = turns_between(decomposer, &from, &to, progress)?;
         let welded = map.as_slice();

@@ -31,7 +31,7 @@ pub fn bind_pose<E: From<DeformError>>(
     let schedule = match pose.width.map(|width| width.to_model_units(extent)) {
         None => default_base(decomposer),
         Some(value) if value > 0.0 && value.is_finite() => {
-            let lengths = Schedule::lengths(&[value], decomposer.diffusion().step_length());
+            let lengths = Schedule::lengths(&[value], decomposer.operator().step_length());
             lengths.map_err(|_| DeformError::BadLength { what: "the width of a pose", value })?
         }
         Some(value) => return Err(DeformError::BadLength { what: "the width of a pose", value }.into()),
@@ -68,7 +68,7 @@ fn pose_regions<E>(
     pose: &Pose,
     mut vertices: impl FnMut(&Region) -> Result<Vec<u32>, E>,
 ) -> Result<DeformRegions, E> {
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let mut is_taken = vec![false; map.n_welded()];
     let mut free = |found: Vec<u32>| -> Vec<u32> {
         let is_free = |v: &u32| !is_taken.get(map.welded(*v as usize)).copied().unwrap_or(false);
@@ -109,7 +109,7 @@ mod tests {
         let vertices = |region: &Region| -> Result<Vec<u32>, DeformError> {
             let weights =
                 region.weights(decomposer.metric(), &|_| None, &[], Progress::none()).expect("weights");
-            let weights = weights.to_vertices(decomposer.geometry().vertex_map());
+            let weights = weights.to_vertices(decomposer.vertex_map());
             Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
         };
         let mut deformer = bind_pose(decomposer, pose, earlier, vertices, Progress::none()).unwrap();

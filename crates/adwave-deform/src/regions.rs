@@ -145,7 +145,7 @@ fn bind_regions(
     if regions.handles.is_empty() {
         return Err(DeformError::NoHandles);
     }
-    let (map, n_vertices) = (decomposer.geometry().vertex_map(), decomposer.n_vertices());
+    let (map, n_vertices) = (decomposer.vertex_map(), decomposer.n_vertices());
     let has_fixed = !regions.fixed.is_empty();
     let mut region_of = vec![NO_SOURCE; map.n_welded()];
     let mut bound = Vec::new();

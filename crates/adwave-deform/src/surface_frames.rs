@@ -2,7 +2,7 @@
 
 use crate::DeformError;
 use crate::rotation::{NO_TURN, add_outer, normalized, symmetric_eigen};
-use adwave::shape::{Shape, face_vertex_normals};
+use adwave::shape::face_vertex_normals;
 use adwave::signal::{OutwardError, outward_normals};
 use adwave::vector::{Vector, cross, dot, subtract};
 use adwave::{Decomposer, Progress};
@@ -14,8 +14,8 @@ pub(crate) fn base_normals(
     base: &[Vector],
     progress: Progress<'_>,
 ) -> Result<Vec<Vector>, DeformError> {
-    let geometry = decomposer.geometry();
-    if matches!(geometry.shape(), Shape::Mesh(_)) {
+    let geometry = decomposer.geometry_for("a deformation")?;
+    if geometry.shape().is_mesh() {
         return Ok(face_vertex_normals(base, geometry.faces()));
     }
     let outward = match outward_normals(geometry, None, progress) {

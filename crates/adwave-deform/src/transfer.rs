@@ -71,7 +71,7 @@ pub fn transfer(
         return Err(DeformError::WrongWeights { expected, found });
     }
     let coarse = |d: &Decomposer| -> Result<Vec<Vector>, DeformError> {
-        let lengths = Schedule::lengths(&[width], d.diffusion().step_length());
+        let lengths = Schedule::lengths(&[width], d.operator().step_length());
         let schedule =
             lengths.map_err(|_| DeformError::BadLength { what: "the width of a transfer", value: width })?;
         smooth_positions(d, &schedule, progress)
@@ -80,8 +80,7 @@ pub fn transfer(
     let place = CoarsePlaces::new(from, &source, progress)?;
     let (source_normals, target_normals) =
         (base_normals(from, &source, progress)?, base_normals(onto, &target, progress)?);
-    let details: Vec<Vector> =
-        from.geometry().points().iter().zip(&source).map(|(p, s)| subtract(p, s)).collect();
+    let details: Vec<Vector> = from.positions().iter().zip(&source).map(|(p, s)| subtract(p, s)).collect();
     let carried = |x: usize| -> (Vector, f64) {
         if progress.is_cancelled() {
             return ([0.0; 3], 0.0);
@@ -105,8 +104,8 @@ pub fn transfer(
     };
     let carried: Vec<(Vector, f64)> = (0..target.len()).into_par_iter().map(carried).collect();
     progress.check()?;
-    let map = onto.geometry().vertex_map();
-    let own = onto.geometry().shape().points().unwrap_or_default();
+    let map = onto.vertex_map();
+    let own = onto.points().unwrap_or_default();
     let (mut largest_gap, mut n_far) = (0.0_f64, 0);
     let mut points = own.to_vec();
     for (v, point) in points.iter_mut().enumerate() {
@@ -144,7 +143,7 @@ struct CoarsePlace {
 
 impl CoarsePlaces {
     fn new(decomposer: &Decomposer, base: &[Vector], progress: Progress<'_>) -> Result<Self, DeformError> {
-        let faces = decomposer.geometry().faces();
+        let faces = decomposer.geometry_for("a transfer of detail")?.faces();
         let shape = if faces.is_empty() {
             PointCloud::new(base.to_vec()).map(Shape::Cloud)
         } else {

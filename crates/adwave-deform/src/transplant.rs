@@ -63,7 +63,7 @@ pub fn transplant(
     clone: &Transplant,
     progress: Progress<'_>,
 ) -> Result<Transplanted, DeformError> {
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a clone of detail")?;
     let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
     let (map, n_levels) = (geometry.vertex_map(), schedule.n_levels());
     let (first, last) = (*clone.levels.start(), *clone.levels.end());
@@ -142,7 +142,7 @@ impl DetailCloner {
         levels: RangeInclusive<usize>,
         progress: Progress<'_>,
     ) -> Result<Self, DeformError> {
-        let geometry = decomposer.geometry();
+        let geometry = decomposer.geometry_for("a clone of detail")?;
         let Some(points) = geometry.shape().points() else { return Err(DeformError::NoPositions) };
         let base = smooth_positions(decomposer, schedule, progress)?;
         let share = |j: usize| f64::from(u8::from(levels.contains(&j)));
@@ -175,7 +175,7 @@ impl DetailCloner {
     ) -> Result<Stamped, DeformError> {
         assert_eq!(details.len(), self.details.len(), "a row for each welded vertex");
         check_stamp(&self.decomposer, stamp)?;
-        let map = self.decomposer.geometry().vertex_map();
+        let map = self.decomposer.vertex_map();
         let unroller = Unroller { decomposer: &self.decomposer, base: &self.base, normals: &self.normals };
         let (source, target) = (map.welded(stamp.source as usize), map.welded(stamp.target as usize));
         let from = unroller.root(source, None, 0.0);
@@ -213,7 +213,7 @@ impl DetailCloner {
 /// Checks the vertices and numbers of a stamp.
 fn check_stamp(decomposer: &Decomposer, stamp: &Stamp) -> Result<(), DeformError> {
     let n_vertices = decomposer.n_vertices();
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     for vertex in [stamp.source, stamp.target] {
         if vertex as usize >= n_vertices {
             let region = "the clone".to_owned();
@@ -330,7 +330,7 @@ impl Unroller<'_> {
     }
 
     fn is_cloud(&self) -> bool {
-        self.decomposer.geometry().faces().is_empty()
+        self.decomposer.geometry().is_none_or(|geometry| geometry.faces().is_empty())
     }
 
     /// Largest ratio of the distance to a neighbor on the shape and in the map.

@@ -109,7 +109,7 @@ fn targets_a_hundred_diagonals_away_stay_finite_and_exact() {
     bound.solve(Progress::none()).unwrap();
     let points = bound.points();
     assert!(points.iter().flatten().all(|c| c.is_finite()));
-    let rest = sphere.geometry().shape().points().unwrap();
+    let rest = sphere.points().unwrap();
     assert!((points[1900][2] - rest[1900][2] - 100.0 * sphere.diagonal()).abs() < 1e-9);
 }
 

@@ -38,7 +38,7 @@ fn bind(decomposer: &Decomposer, schedule: &Schedule, regions: &DeformRegions) -
 }
 
 fn points(decomposer: &Decomposer) -> &[[f64; 3]] {
-    decomposer.geometry().shape().points().unwrap()
+    decomposer.points().unwrap()
 }
 
 fn bend() -> HandleMotion {
@@ -137,7 +137,7 @@ fn scaling_changes_nothing_and_the_number_of_threads_no_bit() {
         deformer.points()
     };
     let plain = result(&decomposer, 1.0);
-    let Shape::Mesh(shape) = decomposer.geometry().shape() else { unreachable!() };
+    let Shape::Mesh(shape) = decomposer.geometry().unwrap().shape() else { unreachable!() };
     for scale in [0.5_f64.powi(40), 2.0_f64.powi(30)] {
         let scaled = shape.points().iter().map(|p| p.map(|c| scale * c)).collect();
         let scaled = Decomposer::new(&mesh(scaled, shape.faces().clone()));
@@ -162,7 +162,7 @@ fn scaling_changes_nothing_and_the_number_of_threads_no_bit() {
 #[test]
 fn the_order_of_vertices_changes_nothing() {
     let (decomposer, schedule, regions) = bound_sphere();
-    let Shape::Mesh(shape) = decomposer.geometry().shape() else { unreachable!() };
+    let Shape::Mesh(shape) = decomposer.geometry().unwrap().shape() else { unreachable!() };
     let n = shape.points().len() as u32;
     // A permutation, as 7 and n have no common divisor.
     assert_ne!(n % 7, 0);
@@ -229,8 +229,8 @@ fn single_points_turn_freely_and_are_reached() {
     let turn = deformer.rotations()[top as usize];
     assert!(turn[0].abs() < 0.999, "pulled sideways it turns: {turn:?}");
     // No spike at the point: its neighbors have moved as far, nearly.
-    let x = decomposer.geometry().vertex_map().welded(top as usize);
-    let map = decomposer.geometry().vertex_map().as_slice();
+    let x = decomposer.vertex_map().welded(top as usize);
+    let map = decomposer.vertex_map().as_slice();
     for &y in decomposer.neighbors().row(x) {
         let v = map.iter().position(|&w| w == y).unwrap();
         let moved = subtract(&deformer.points()[v], &points(&decomposer)[v]);
@@ -319,8 +319,8 @@ fn clouds_bend_too() {
         assert!(norm(&subtract(&after[v as usize], &nod.apply(&sample.points[v as usize]))) < ROUNDING);
     }
     // Neighbors stay neighbors: no edge of the cloud's graph is torn.
-    let map = decomposer.geometry().vertex_map();
-    let (welded, rest) = (map.positions(&after), decomposer.geometry().points());
+    let map = decomposer.vertex_map();
+    let (welded, rest) = (map.positions(&after), decomposer.positions());
     for x in 0..rest.len() {
         for &y in decomposer.neighbors().row(x) {
             let length = |p: &[[f64; 3]]| norm(&subtract(&p[x], &p[y as usize]));
@@ -359,7 +359,7 @@ fn a_morph_begins_at_one_shape_and_ends_at_the_other() {
     let mut deformer = bind(&a, &schedule, &regions);
     deformer.set(1, bend()).unwrap();
     deformer.solve(Progress::none()).unwrap();
-    let Shape::Mesh(shape) = a.geometry().shape() else { unreachable!() };
+    let Shape::Mesh(shape) = a.geometry().unwrap().shape() else { unreachable!() };
     let b = Decomposer::new(&mesh(deformer.points(), shape.faces().clone()));
     for (t, wanted) in [(0.0, points(&a)), (1.0, points(&b))] {
         let found = morph(&a, &b, &schedule, &[t; 7], Progress::none()).unwrap();
@@ -376,7 +376,7 @@ fn a_morph_begins_at_one_shape_and_ends_at_the_other() {
 #[test]
 fn a_transfer_onto_the_same_mesh_is_the_shape() {
     let (decomposer, _, _) = bound_sphere();
-    let own = transfer_decomposer(decomposer.geometry().shape(), Progress::none()).unwrap();
+    let own = transfer_decomposer(decomposer.geometry().unwrap().shape(), Progress::none()).unwrap();
     let found = transfer(&own, &own, Some(0.1), None, Progress::none()).unwrap();
     for (p, q) in points(&own).iter().zip(&found.points) {
         assert!(norm(&subtract(p, q)) < 1e-9);

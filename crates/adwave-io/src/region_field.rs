@@ -3,7 +3,7 @@
 use crate::{ShapeFile, file_normals};
 use adwave::bands::Schedule;
 use adwave::saliency::{SaliencyParams, saliency};
-use adwave::signal::{SurfaceSignal, outward_normals, surface_signal};
+use adwave::signal::{SurfaceSignal, surface_signal};
 use adwave::{Decomposer, Progress};
 
 /// Finds the vertex field of a name for a region: `(n_channels, values)`. Fields of the file come first, then those
@@ -33,7 +33,7 @@ pub fn region_field(file: &ShapeFile, decomposer: &Decomposer, name: &str) -> Op
         return Some((field.n_channels, field.to_f64()));
     }
     let values = if let Some(kind) = SurfaceSignal::from_name(name) {
-        let values = surface_signal(decomposer.geometry(), kind, Progress::none()).ok()?;
+        let values = surface_signal(decomposer.geometry()?, kind, Progress::none()).ok()?;
         return Some((kind.n_channels(), values));
     } else if name == "saliency" {
         shape_saliency(file, decomposer)?
@@ -44,19 +44,19 @@ pub fn region_field(file: &ShapeFile, decomposer: &Decomposer, name: &str) -> Op
 }
 
 fn shape_saliency(file: &ShapeFile, decomposer: &Decomposer) -> Option<Vec<f64>> {
-    let points = decomposer.geometry().shape().points()?;
+    let points = decomposer.points()?;
     let schedule = Schedule::dyadic(decomposer.default_levels().0).ok()?;
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
     let normals = file_normals(file);
-    let found = outward_normals(decomposer.geometry(), normals.as_deref(), Progress::none()).ok()?;
+    let found = decomposer.outward_normals(normals.as_deref(), Progress::none()).ok()?;
     let wavelets =
         if found.info.has_outside() { request.normal_components(&found.normals) } else { request.norms() };
     Some(saliency(decomposer, &wavelets.ok()?, &SaliencyParams::default(), Progress::none()).ok()?.map)
 }
 
 fn band_sizes(decomposer: &Decomposer, level: usize) -> Option<Vec<f64>> {
-    let points = decomposer.geometry().shape().points()?;
+    let points = decomposer.points()?;
     let schedule = Schedule::dyadic(level).ok()?;
     let wavelets = decomposer.request(points.as_flattened(), 3, &schedule).norms().ok()?;
-    Some(decomposer.geometry().vertex_map().scatter(wavelets.levels.get(level.checked_sub(1)?)?, 1))
+    Some(decomposer.vertex_map().scatter(wavelets.levels.get(level.checked_sub(1)?)?, 1))
 }

@@ -56,7 +56,7 @@ impl Registrand {
         features: ShapeFeatures,
         progress: Progress<'_>,
     ) -> Result<Option<Self>, Cancelled> {
-        let geometry = decomposer.geometry();
+        let Some(geometry) = decomposer.geometry() else { return Ok(None) };
         let Some(surface) = Surface::new(geometry) else { return Ok(None) };
         let widest = features.bands.as_ref().map_or(0.0, |b| b.sigma.iter().copied().fold(0.0, f64::max));
         progress.check()?;
@@ -169,8 +169,8 @@ impl<'a> RegistrandView<'a> {
 
 /// Areas of the welded vertices.
 fn welded_areas(decomposer: &Decomposer) -> Vec<f64> {
-    let map = decomposer.geometry().vertex_map().as_slice();
-    let mut areas = vec![0.0; decomposer.geometry().n_vertices()];
+    let map = decomposer.vertex_map().as_slice();
+    let mut areas = vec![0.0; decomposer.n_places()];
     for (&x, area) in map.iter().zip(decomposer.areas()) {
         areas[x as usize] += area;
     }
@@ -179,11 +179,11 @@ fn welded_areas(decomposer: &Decomposer) -> Vec<f64> {
 
 /// Distance of each welded vertex from the border along edges, infinite beyond `radius` and without a border.
 fn distance_from_border(decomposer: &Decomposer, radius: f64) -> Vec<f64> {
-    let (points, neighbors) = (decomposer.geometry().points(), decomposer.neighbors());
+    let (points, neighbors) = (decomposer.positions(), decomposer.neighbors());
     let mut distance = vec![f64::INFINITY; points.len()];
     // Nonnegative numbers have the order of their bits.
     let mut queue: BinaryHeap<Reverse<(u64, u32)>> = BinaryHeap::new();
-    for x in border_vertices(decomposer.geometry().triangles()) {
+    for x in border_vertices(decomposer.geometry().map_or(&[], |geometry| geometry.triangles())) {
         distance[x as usize] = 0.0;
         queue.push(Reverse((0, x)));
     }

@@ -98,9 +98,8 @@ pub(crate) struct Landmarks {
 impl Landmarks {
     /// Finds the [`MAX_LANDMARKS`] strongest on levels an octave apart, from [`LANDMARK_SPACINGS`] upward. O(n × levels).
     fn new(decomposer: &Decomposer, bands: &Wavelets, normal: impl Fn(usize) -> [f64; 3]) -> Self {
-        let geometry = decomposer.geometry();
-        let (neighbors, map) = (decomposer.neighbors(), geometry.vertex_map().as_slice());
-        let mut first = vec![usize::MAX; geometry.n_vertices()];
+        let (neighbors, map) = (decomposer.neighbors(), decomposer.vertex_map().as_slice());
+        let mut first = vec![usize::MAX; decomposer.n_places()];
         for (vertex, &x) in map.iter().enumerate().rev() {
             first[x as usize] = vertex;
         }
@@ -123,7 +122,7 @@ impl Landmarks {
             found.extend((0..band.len()).filter(|&x| first[x] != usize::MAX && is_extremal(x)).map(|x| {
                 Feature {
                     vertex: first[x],
-                    position: geometry.points().get(x).copied(),
+                    position: decomposer.positions().get(x).copied(),
                     level,
                     sigma: bands.sigma[level],
                     response: band[x],
@@ -188,7 +187,7 @@ impl ShapeFeatures {
 /// Returns a [`DescribeError`] for a graph and for a shape without extent.
 pub fn common_lengths(first: &Decomposer, second: &Decomposer) -> Result<Vec<f64>, DescribeError> {
     for side in [first, second] {
-        if matches!(side.geometry().shape(), Shape::Graph(_)) {
+        if side.shape().is_none_or(Shape::is_graph) {
             return Err(DescribeError::NoPositions);
         }
         if !(side.extent() > 0.0 && side.mean_length() > 0.0) {
@@ -216,12 +215,12 @@ pub fn describe_shape(
     theta: f64,
     progress: Progress<'_>,
 ) -> Result<ShapeFeatures, DescribeError> {
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry().ok_or(DescribeError::NoPositions)?;
     let points = geometry.shape().points().ok_or(DescribeError::NoPositions)?;
     let outward = outward_normals(geometry, normals, progress.quiet())?;
     let is_signed = outward.info.has_outside();
     let is_guessed = outward.info.n_by_majority > 0;
-    let schedule = Schedule::lengths(lengths, decomposer.diffusion().step_length())?;
+    let schedule = Schedule::lengths(lengths, decomposer.operator().step_length())?;
     let request =
         decomposer.request(points.as_flattened(), 3, &schedule).accuracy(ACCURACY).progress(progress);
     let wavelets = if is_signed { request.normal_components(&outward.normals)? } else { request.norms()? };

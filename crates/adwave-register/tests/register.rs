@@ -318,5 +318,5 @@ fn what_has_no_extent_is_refused() {
     // Points on a line do not determine the rotation about it.
     let line: Vec<[f64; 3]> = (0..5).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     assert_eq!(Motion::fit(&line, &line, &[1.0; 5], false), None);
-    assert!(Surface::new(graph.geometry()).is_none());
+    assert!(Surface::new(graph.geometry().unwrap()).is_none());
 }

@@ -7,7 +7,7 @@ use adwave::signal::{OutwardInfo, outward_normals};
 use adwave::{Decomposer, Progress};
 
 fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(decomposer.geometry().vertex_map())
+    bands.to_wavelets(decomposer.vertex_map())
 }
 
 /// The map of [`saliency::saliency`] over all channels together.
@@ -36,8 +36,8 @@ pub(crate) fn signed_saliency(
     is_geometry: bool,
     normals: Option<&[f64]>,
 ) -> Result<SignedMap, SaliencyError> {
-    let outward = is_geometry.then(|| outward_normals(decomposer.geometry(), normals, Progress::none()));
-    let outward = outward.and_then(Result::ok);
+    let geometry = decomposer.geometry().filter(|_| is_geometry);
+    let outward = geometry.and_then(|geometry| outward_normals(geometry, normals, Progress::none()).ok());
     let wavelets = wavelets(decomposer, bands);
     let (wavelets, is_signed) = match &outward {
         Some(outward) if outward.info.has_outside() => (wavelets.into_along(&outward.normals), true),

@@ -62,8 +62,8 @@ pub(crate) fn compare(
         )));
     }
     let original = session.points();
-    let differential =
-        Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let rows = decomposer.rows("a comparison").map_err(|e| ApiError::from_classified(&e))?;
+    let differential = Differential::from_diffusion(rows, decomposer.vertex_map().clone());
     let roughness = |points: &[[f64; 3]]| -> Result<f64, ApiError> {
         let offsets =
             differential.coordinates(points.as_flattened(), 3).map_err(|e| ApiError::from_classified(&e))?;

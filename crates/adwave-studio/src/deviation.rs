@@ -24,7 +24,7 @@ pub(crate) struct DeviationRequest {
 pub(crate) fn deviation_response(file: &ShapeFile, other: &ShapeFile, progress: Progress<'_>) -> ApiResult {
     // The areas of the summary are those of the diffusion.
     let decomposer = build_decomposer(&shape_of(file)?, OperatorKind::Walk, progress)?;
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a comparison").map_err(|e| ApiError::from_classified(&e))?;
     let other = PreparedGeometry::new(&shape_of(other)?, WeldMode::default(), progress)
         .map_err(|e| ApiError::from_classified(&e))?;
     let surface =

@@ -73,7 +73,7 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
 /// Encodes the content: the length of a JSON head (`u32`), the head, positions `f32 × 3 × n`, triangles `u32 × 3 × m`,
 /// bands `i16 × 3 × n` from fine to coarse, and masks of the layers `u8 × n`. Each array begins at a multiple of 4.
 fn encode_content(session: &Session, prepared: &PreparedShape, exported: &ExportedShape) -> Vec<u8> {
-    let (points, map) = (session.points(), prepared.decomposer.geometry().vertex_map());
+    let (points, map) = (session.points(), prepared.decomposer.vertex_map());
     let n_levels = prepared.n_levels();
     let bands: Vec<(f32, Vec<u8>)> = (1..=n_levels).map(|level| prepared.encode_band(level)).collect();
     let mut masks = Vec::new();

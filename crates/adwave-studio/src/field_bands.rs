@@ -80,7 +80,7 @@ impl FieldBands {
 
     /// Encodes the values and then W_1 … W_J, `f32 × n` each; a vertex without a value has NaN and bands of 0.
     fn encode(&self) -> Vec<u8> {
-        let map = self.editor.decomposer().geometry().vertex_map();
+        let map = self.editor.decomposer().vertex_map();
         let n = map.n_vertices();
         let mut content = encode_f32(n, |x| self.editor.signal()[x] as f32);
         for level in &self.editor.wavelets().levels {

@@ -136,7 +136,7 @@ pub(crate) fn field_response(session: &Session, name: &str) -> ApiResult {
         let (before, after) = (session.points(), &prepared.points);
         encode_f32(n, |x| norm((0..3).map(|c| after[x][c] - before[x][c])))
     } else if let Some(level) = band.filter(|&j| (1..=prepared.n_levels()).contains(&j)) {
-        let map = prepared.decomposer.geometry().vertex_map();
+        let map = prepared.decomposer.vertex_map();
         let rows: &[[f64; 3]] = prepared.editor.wavelets().levels[level - 1].as_chunks().0;
         encode_f32(n, |x| norm(rows[map.welded(x)].into_iter()))
     } else if name == "saliency" {

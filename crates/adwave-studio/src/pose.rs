@@ -209,7 +209,7 @@ impl Poser {
     fn vertices(&self, region: &Region, file: &ShapeFile) -> Result<Vec<u32>, ApiError> {
         let weights = region_weights(region, file, &self.walk, Progress::none());
         let weights = weights.map_err(|e| ApiError::from_classified(&e))?;
-        let weights = weights.to_vertices(self.walk.geometry().vertex_map());
+        let weights = weights.to_vertices(self.walk.vertex_map());
         Ok((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
     }
 }

@@ -13,7 +13,7 @@ use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::positions::constrain_positions;
 use adwave::region::{Length, Region, RegionWeights};
 use adwave::shape::{Health, Shape};
-use adwave::signal::{OutwardNormals, outward_normals};
+use adwave::signal::OutwardNormals;
 use adwave::{Decomposer, Editor, Progress};
 use adwave_io::{ShapeFile, file_normals};
 use serde::{Deserialize, Serialize};
@@ -219,7 +219,7 @@ impl PreparedShape {
             return Ok(normals);
         }
         let stored = file_normals(file);
-        let normals = outward_normals(self.decomposer.geometry(), stored.as_deref(), Progress::none());
+        let normals = self.decomposer.outward_normals(stored.as_deref(), Progress::none());
         let normals = normals.map_err(|e| ApiError::from_classified(&e))?;
         Ok(self.outward_normals.get_or_init(|| normals))
     }
@@ -235,7 +235,7 @@ impl PreparedShape {
 
     /// Widths σ of the levels in model units, fine to coarse.
     pub(crate) fn sigmas(&self) -> Vec<f64> {
-        self.schedule.sigma(self.decomposer.diffusion().step_length())[1..].to_vec()
+        self.schedule.sigma(self.decomposer.operator().step_length())[1..].to_vec()
     }
 
     /// Describes the levels for the page, fine to coarse.
@@ -344,7 +344,7 @@ impl PreparedShape {
 
     /// Returns the volume before and after the edit; `None` for a surface that encloses none.
     fn volumes(&self, points: &[[f64; 3]]) -> Option<[f64; 2]> {
-        let geometry = self.decomposer.geometry();
+        let geometry = self.decomposer.geometry()?;
         self.health()
             .volume
             .map(|before| [before, geometry.volume_of(&geometry.vertex_map().positions(points))])
@@ -352,7 +352,7 @@ impl PreparedShape {
 
     /// Encodes W_j at all vertices as a scale and integers `i16 × 4 × n`, of which every fourth is 0.
     pub(crate) fn encode_band(&self, level: usize) -> (f32, Vec<u8>) {
-        let map = self.decomposer.geometry().vertex_map();
+        let map = self.decomposer.vertex_map();
         let values = &self.editor.wavelets().levels[level - 1];
         let max = values.iter().fold(0.0_f64, |max, v| max.max(v.abs()));
         let scale = max / f64::from(i16::MAX);

@@ -31,7 +31,7 @@ mod tests {
         let decomposer = Decomposer::new(&Shape::Cloud(PointCloud::new(points).unwrap()));
         let weights = |region: &Region| {
             let weights = region_weights(region, &file, &decomposer, Progress::none()).unwrap();
-            weights.to_vertices(decomposer.geometry().vertex_map())
+            weights.to_vertices(decomposer.vertex_map())
         };
         let rising = Region::Field { name: "t".to_owned(), low: 0.0, high: 10.0 };
         let falling = Region::Field { name: "t".to_owned(), low: 10.0, high: 0.0 };

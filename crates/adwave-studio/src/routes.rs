@@ -149,7 +149,7 @@ async fn send_triangles(State(studio): StudioState, Path(id): Path<u64>) -> Resp
 async fn send_surface(State(studio): StudioState, Path(id): Path<u64>) -> Response {
     with_shape(studio, id, |session| {
         let points = session.points();
-        let welded = session.walk_decomposer()?.geometry().vertex_map().as_slice();
+        let welded = session.walk_decomposer()?.vertex_map().as_slice();
         let mut content = encode_rows(points.len(), 24, |x, row| {
             for c in 0..3 {
                 row[8 * c..][..8].copy_from_slice(&points[x][c].to_le_bytes());
@@ -308,7 +308,7 @@ async fn compute_weights(State(studio): StudioState, Path(id): Path<u64>, body: 
         let mut prepared = session.lock_prepared()?;
         let weights =
             prepared.region_weights(&region, &session.file()).map_err(|e| ApiError::from_classified(&e))?;
-        let weights = weights.to_vertices(prepared.decomposer.geometry().vertex_map());
+        let weights = weights.to_vertices(prepared.decomposer.vertex_map());
         Ok(bytes_response(encode_rows(weights.len(), 1, |x, byte| {
             byte[0] = (255.0 * weights[x]).round() as u8;
         })))

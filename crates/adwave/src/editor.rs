@@ -77,7 +77,7 @@ impl BandsRequest<'_> {
 
 impl Editor {
     fn new(decomposer: Decomposer, signal: Vec<f64>, wavelets: Wavelets, mean: Vec<f64>) -> Self {
-        let (first_member, members) = decomposer.geometry().vertex_map().members().into_parts();
+        let (first_member, members) = decomposer.vertex_map().members().into_parts();
         let mut edited = zeros(signal.len());
         edited.copy_from_slice(&signal);
         let (change, layers) = (Vec::new(), Vec::new());
@@ -134,7 +134,7 @@ impl Editor {
     /// # Errors
     /// As for [`set_edit`](Self::set_edit).
     pub fn set_layers(&mut self, layers: Vec<WeightedLayer>) -> Result<(), FilterError> {
-        let vertex_map = self.decomposer.geometry().vertex_map();
+        let vertex_map = self.decomposer.vertex_map();
         for (k, layer) in layers.iter().enumerate() {
             layer.check(k + 1, self.wavelets.n_levels(), vertex_map)?;
         }
@@ -148,7 +148,7 @@ impl Editor {
     /// # Errors
     /// As for [`set_edit`](Self::set_edit).
     pub fn push_layer(&mut self, layer: WeightedLayer) -> Result<ChangedVertices, FilterError> {
-        let vertex_map = self.decomposer.geometry().vertex_map();
+        let vertex_map = self.decomposer.vertex_map();
         layer.check(self.layers.len() + 1, self.wavelets.n_levels(), vertex_map)?;
         let slot = LayerSlot::new(layer, vertex_map);
         let touched = support(&slot);
@@ -189,7 +189,7 @@ impl Editor {
         weights: RegionWeights,
     ) -> Result<ChangedVertices, FilterError> {
         let decomposer = self.decomposer.clone();
-        let vertex_map = decomposer.geometry().vertex_map();
+        let vertex_map = decomposer.vertex_map();
         weights.check(vertex_map).map_err(|source| FilterError::Region { layer, source })?;
         let touched = self.slot(layer)?.set_weights(weights, vertex_map);
         Ok(self.update(touched.map_or(ChangedVertices::All, ChangedVertices::Listed)))
@@ -207,7 +207,7 @@ impl Editor {
             signal: &self.signal,
             wavelets: &self.wavelets,
             mean: &self.mean,
-            vertex_map: self.decomposer.geometry().vertex_map(),
+            vertex_map: self.decomposer.vertex_map(),
             masked: self.decomposer.mask().map(Mask::vertices),
         };
         match &touched {

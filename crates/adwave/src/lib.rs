@@ -56,6 +56,7 @@ pub mod bands;
 pub mod basis;
 mod decomposer;
 pub mod denoise;
+pub mod domain;
 mod editor;
 mod error;
 pub mod features;

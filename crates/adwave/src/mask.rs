@@ -1,13 +1,13 @@
 //! Masked vertices, where a signal is unknown: the diffusion goes around them.
 
 use crate::bands::BandsError;
-use crate::operator::NoRows;
+use crate::operator::{DiffusionError, NoRows};
 use crate::shape::VertexMap;
 use crate::{ClassifiedError, ErrorKind};
 use thiserror::Error;
 
 /// Error of masking vertices.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MaskError {
     /// The number of flags does not match the shape.
@@ -24,9 +24,15 @@ pub enum MaskError {
         /// Number of vertices of the shape.
         n_vertices: usize,
     },
-    /// The operator of the shape has no rows that could go around a vertex.
+    /// The operator has no rows that could go around a vertex, and no other way.
     #[error(transparent)]
     NoRows(#[from] NoRows),
+    /// The rows cannot go around these vertices.
+    #[error(transparent)]
+    Rows(#[from] DiffusionError),
+    /// The operator without these vertices does not keep its promises.
+    #[error(transparent)]
+    Operator(#[from] BandsError),
 }
 
 impl ClassifiedError for MaskError {

@@ -1,11 +1,11 @@
 //! Statistics over the welded vertices that take part in the diffusion.
 
-use crate::operator::Semigroup;
+use crate::operator::KeptMeasure;
 use crate::{Decomposer, parallel};
 use std::borrow::Cow;
 
-/// The welded vertices of a shape without the masked ones, with weight 1 each for a walk, and weighted by area for
-/// heat on the surface.
+/// The places of a domain without the masked ones, weighted by the measure that the operator keeps: 1 each for a walk, areas
+/// for heat on the surface.
 pub(crate) struct Population<'a> {
     masked: Option<Cow<'a, [bool]>>,
     areas: Option<&'a [f64]>,
@@ -15,19 +15,23 @@ pub(crate) struct Population<'a> {
 impl<'a> Population<'a> {
     pub(crate) fn new(decomposer: &'a Decomposer) -> Self {
         let mut masked = decomposer.mask_flags().map(Cow::Borrowed);
-        let n_welded = decomposer.geometry().n_vertices();
-        if let Some(mut outsiders) = decomposer.geometry().participation().outsiders() {
+        let n_welded = decomposer.n_places();
+        if let Some(mut outsiders) = decomposer.domain().outsiders() {
             let flags = masked.iter().flat_map(|flags| flags.iter());
             outsiders.iter_mut().zip(flags).for_each(|(out, masked)| *out |= masked);
             masked = Some(Cow::Owned(outsiders));
         }
         let n = masked.as_ref().map_or(n_welded, |masked| masked.iter().filter(|&&masked| !masked).count());
         // The areas of masked vertices are 0. If no vertex has an area, all have the same weight.
-        let total = parallel::sum(n_welded, |x| decomposer.welded_areas()[x]);
-        if !matches!(decomposer.operator().semigroup(), Semigroup::Heat { .. }) || total <= 0.0 {
+        let areas = match decomposer.operator().kept_measure() {
+            KeptMeasure::Domain => decomposer.place_measure(),
+            KeptMeasure::Count => None,
+        };
+        let total = areas.map_or(0.0, |areas| parallel::sum(n_welded, |x| areas[x]));
+        if total <= 0.0 {
             return Self { masked, areas: None, total: n as f64 };
         }
-        Self { masked, areas: Some(decomposer.welded_areas()), total }
+        Self { masked, areas, total }
     }
 
     /// True if all vertices have the same weight.

@@ -19,7 +19,9 @@ use crate::normal_filter::NormalFilterError;
 use crate::sgwt::SgwtError;
 use crate::taubin::TaubinError;
 use adwave::bands::{BandsError, BandsParams, Schedule};
+use adwave::domain::NoShape;
 use adwave::features::FeatureError;
+use adwave::operator::NoRows;
 use adwave::region::RegionError;
 use adwave::saliency::SaliencyError;
 use adwave::shape::Shape;
@@ -100,6 +102,10 @@ pub enum CompareError {
     Subdivision(#[from] SubdivisionError),
     #[error(transparent)]
     Region(#[from] RegionError),
+    #[error(transparent)]
+    NoRows(#[from] NoRows),
+    #[error(transparent)]
+    NoShape(#[from] NoShape),
     /// The task needs a mesh.
     #[error("wavelets by lifting need a mesh of triangles; give one, or read the shape with --as mesh")]
     NotMesh,

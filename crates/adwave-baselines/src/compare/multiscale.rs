@@ -39,8 +39,8 @@ pub(super) fn compare(
     method: Method,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    let (diffusion, vertex_map, d) =
-        (input.decomposer.diffusion(), input.decomposer.geometry().vertex_map(), input.n_channels);
+    let diffusion = input.decomposer.rows("a diffusion wavelet basis")?;
+    let (vertex_map, d) = (input.decomposer.vertex_map(), input.n_channels);
     let params = MultiscaleParams::default().with_levels(bands.n_levels());
     let start = Instant::now();
     let (basis, ranks, defect, functions) = if method == Method::DiffusionWavelets {

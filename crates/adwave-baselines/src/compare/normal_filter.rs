@@ -21,7 +21,7 @@ pub(super) fn compare(
     if input.shape.points().is_none_or(|points| points.as_flattened() != input.signal) {
         return Err(CompareError::NotCoordinates);
     }
-    let geometry = input.decomposer.geometry();
+    let geometry = input.decomposer.geometry_for("a normal filter")?;
     let start = Instant::now();
     let theirs = match method {
         Method::Guided => guided_normals(geometry, &GuidedParams::default(), progress)?,

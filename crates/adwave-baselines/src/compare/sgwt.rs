@@ -17,8 +17,8 @@ pub(super) fn compare(
     const ACCURACY: f64 = 1e-6;
     const SOLVED: f64 = 1e-10;
     let start = Instant::now();
-    let walk = input.decomposer.diffusion();
-    let vertex_map = input.decomposer.geometry().vertex_map();
+    let walk = input.decomposer.rows("a spectral graph wavelet")?;
+    let vertex_map = input.decomposer.vertex_map();
     let (laplacian, root) = normalized_laplacian(walk)?;
     // I − Q has its spectrum in [0, 2].
     let kernels = Kernels::new(KernelFamily::Meyer, (bands.n_levels() + 1).max(3), 2.0)?;

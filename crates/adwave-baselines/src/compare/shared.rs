@@ -50,7 +50,7 @@ pub(super) fn reconstruct(bands: &Bands) -> (Vec<f64>, f64) {
 
 /// Norms of the wavelets, as saliency and features need them.
 pub(super) fn norms(input: &ComparisonInput<'_>, bands: &Bands) -> Wavelets {
-    bands.to_wavelets(input.decomposer.geometry().vertex_map()).into_norms()
+    bands.to_wavelets(input.decomposer.vertex_map()).into_norms()
 }
 
 /// Extracts channel `c` of a signal.

@@ -148,7 +148,7 @@ impl<'a> Bumps<'a> {
             let center = Location::Vertex((place * masses.len() / n_places) as u32);
             let ball = Region::Ball { center, radius, falloff: Some(radius) };
             let weights = ball.weights(decomposer.metric(), &|_| None, &[], progress)?;
-            let mut bump = weights.to_vertices(decomposer.geometry().vertex_map());
+            let mut bump = weights.to_vertices(decomposer.vertex_map());
             let energy: f64 = bump.iter().zip(&masses).map(|(b, m)| m * b * b).sum();
             if energy > 0.0 {
                 for b in &mut bump {

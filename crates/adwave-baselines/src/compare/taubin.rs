@@ -37,13 +37,13 @@ pub(super) fn compare(
     bands: &Bands,
     seconds: f64,
 ) -> Result<Comparison, CompareError> {
-    let (steps, semigroup) = (bands.steps[bands.n_levels()], input.decomposer.diffusion().semigroup());
+    let (steps, semigroup) = (bands.steps[bands.n_levels()], input.decomposer.operator().semigroup());
     let frequency = half_gain_frequency(semigroup, steps);
     let degree = (8.0 / (1.0 - frequency / 2.0).acos()).ceil().clamp(10.0, 20_000.0) as usize;
     let start = Instant::now();
     let k = Differential::from_diffusion(
-        input.decomposer.diffusion(),
-        input.decomposer.geometry().vertex_map().clone(),
+        input.decomposer.rows("a windowed sinc filter")?,
+        input.decomposer.vertex_map().clone(),
     );
     let filter = WindowedSinc::half_gain(frequency, degree)?;
     let prepared = start.elapsed().as_secs_f64();

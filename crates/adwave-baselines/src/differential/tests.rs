@@ -40,7 +40,7 @@ fn the_first_wavelets_are_half_the_differential_coordinates_of_the_walk() {
     let shape = torus();
     let points = shape.points().unwrap().as_flattened();
     let decomposer = Decomposer::new(&shape);
-    let l = Differential::from_diffusion(decomposer.diffusion(), decomposer.geometry().vertex_map().clone());
+    let l = Differential::from_diffusion(decomposer.rows("a test").unwrap(), decomposer.vertex_map().clone());
     let delta = l.coordinates(points, 3).unwrap();
     let schedule = Schedule::dyadic(1).unwrap();
     let bands = decomposer.decompose(points, 3, &schedule).unwrap();

@@ -16,7 +16,7 @@ pub use orthogonal::DiffusionWavelets;
 
 use crate::linalg::LinalgError;
 use adwave::Cancelled;
-use adwave::operator::Diffusion;
+use adwave::operator::{Diffusion, NoRows};
 use dense::Dense;
 use thiserror::Error;
 
@@ -38,6 +38,9 @@ pub enum MultiscaleError {
     /// The operator is not reversible, or its walk never stays at a vertex.
     #[error("the diffusion operator is not reversible, so it has no symmetric form")]
     NotReversible,
+    /// The operator has no rows.
+    #[error(transparent)]
+    NoRows(#[from] NoRows),
     /// The precision or the number of levels is out of range.
     #[error("precision must be in 1e-14..=0.1 and levels in 1..={most}, got precision {precision} and \
             {levels} levels", most = MAX_LEVELS)]

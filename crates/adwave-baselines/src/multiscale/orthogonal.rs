@@ -48,7 +48,7 @@ impl DiffusionWavelets {
     /// let edges: Vec<_> = (0..9).map(|i| (i, i + 1, 1.0)).collect();
     /// let shape = Shape::Graph(Graph::new(10, &edges)?);
     /// let decomposer = Decomposer::new(&shape);
-    /// let wavelets = DiffusionWavelets::new(decomposer.diffusion(), &MultiscaleParams::default(), Progress::none())?;
+    /// let wavelets = DiffusionWavelets::new(decomposer.rows("a basis")?, &MultiscaleParams::default(), Progress::none())?;
     /// let signal: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
     /// let back = wavelets.synthesize(&wavelets.analyze(&signal)?)?;
     /// assert!(signal.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12));

@@ -14,7 +14,7 @@ fn sphere() -> Shape {
 }
 
 fn walk(shape: &Shape) -> Diffusion {
-    Diffusion::clone(Decomposer::new(shape).diffusion())
+    Diffusion::clone(Decomposer::new(shape).rows("a test").unwrap())
 }
 
 fn signal(n: usize) -> Vec<f64> {

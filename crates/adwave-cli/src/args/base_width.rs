@@ -38,6 +38,6 @@ impl BaseWidthArgs {
     pub(crate) fn resolve(&self, decomposer: &Decomposer) -> Result<Schedule, CliError> {
         let Some(width) = self.width else { return Ok(default_base(decomposer)) };
         let width = width.to_model_units(decomposer.extent());
-        Ok(Schedule::lengths(&[width], decomposer.diffusion().step_length())?)
+        Ok(Schedule::lengths(&[width], decomposer.operator().step_length())?)
     }
 }

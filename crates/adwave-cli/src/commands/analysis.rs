@@ -17,7 +17,7 @@ use adwave::features::{
 };
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
 use adwave::shape::Shape;
-use adwave::signal::{OutwardInfo, outward_normals};
+use adwave::signal::OutwardInfo;
 use adwave::{BandsRequest, Decomposer};
 use serde_json::{Value, json};
 use std::time::Instant;
@@ -177,7 +177,7 @@ impl Analysis {
     ) -> Result<Map, CliError> {
         let outward = if map.weighting == MapWeighting::Signed && self.is_geometry() {
             let normals = file_normals(&self.input.file);
-            let found = outward_normals(self.decomposer.geometry(), normals.as_deref(), global.progress());
+            let found = self.decomposer.outward_normals(normals.as_deref(), global.progress());
             Some(found.map_err(|e| CliError::classify(&e))?)
         } else {
             None
@@ -257,7 +257,7 @@ impl Analysis {
 
     /// Widths σ_j of the levels 0 … J in model units.
     pub(crate) fn sigma(&self) -> Vec<f64> {
-        self.schedule.sigma(self.decomposer.diffusion().step_length())
+        self.schedule.sigma(self.decomposer.operator().step_length())
     }
 
     /// `NAME: N vertices, coords`, and a line with the reason for the number of levels.

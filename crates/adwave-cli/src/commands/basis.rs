@@ -89,7 +89,7 @@ fn write_functions_of_vertex(
     }
     write_shape(global, &file, &args.output)?;
     let (phi, psi) = (functions.scaling_function[vertex], functions.wavelet[vertex]);
-    let sigma = schedule.sigma(decomposer.diffusion().step_length())[level];
+    let sigma = schedule.sigma(decomposer.operator().step_length())[level];
     let steps = 1_u64 << (level - 1);
     let text = format!(
         "vertex {row} of {}, level {level}: {}, sigma {}\n\
@@ -138,10 +138,10 @@ fn write_matrices(args: &BasisArgs, global: &Global<'_>, levels: usize) -> Resul
     let input = load_shape(&args.shape, global)?;
     let decomposer =
         prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
-    let vertex_map = decomposer.geometry().vertex_map();
+    let vertex_map = decomposer.vertex_map();
     let start = Instant::now();
     let mut basis = with_progress(global, "computing", |progress| {
-        adwave::basis::basis(decomposer.diffusion(), &params, progress)
+        adwave::basis::basis(decomposer.rows("a basis")?, &params, progress)
     })?;
     let seconds = start.elapsed().as_secs_f64();
     let welded = vertex_map.n_welded() < vertex_map.n_vertices();

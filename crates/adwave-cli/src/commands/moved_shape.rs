@@ -27,8 +27,8 @@ pub(crate) struct MovedShape<'a> {
 impl MovedShape<'_> {
     /// Writes the shape to `path` and reports how far its vertices moved.
     pub(crate) fn write(mut self, path: &Path, global: &Global<'_>) -> Result<(), CliError> {
-        let movement =
-            Movement::measure(self.decomposer.geometry(), &self.points)?.in_file_rows(&self.input.file);
+        let geometry = self.decomposer.geometry_for("a report of the movement")?;
+        let movement = Movement::measure(geometry, &self.points)?.in_file_rows(&self.input.file);
         let (mut text, mut report) = (self.text, self.report);
         let _ = writeln!(text, "{}", count(self.input.shape.n_vertices(), "vertex", "vertices"));
         movement.describe(&mut text);

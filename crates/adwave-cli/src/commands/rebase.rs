@@ -59,7 +59,7 @@ pub(crate) fn run(args: &RebaseArgs, global: &Global<'_>) -> Result<(), CliError
     let decomposer =
         prepare(global, &input, &operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?)?;
     let schedule = args.width.resolve(&decomposer)?;
-    let sigma = schedule.sigma(decomposer.diffusion().step_length()).last().copied().unwrap_or_default();
+    let sigma = schedule.sigma(decomposer.operator().step_length()).last().copied().unwrap_or_default();
     let points = with_progress(global, "splitting", |progress| match &base {
         Some(base) => {
             let points = base.shape.points().unwrap_or_default();

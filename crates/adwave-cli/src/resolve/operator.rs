@@ -72,7 +72,8 @@ pub(crate) fn prepare(
 
 /// Prints notes on placeholders and strays, with their rows in the file, on vertices that were welded although their positions
 /// differ, and on given normals whose signs are not what they seem.
-pub(crate) fn note_outsiders(geometry: &PreparedGeometry, input: &Input, global: &Global<'_>) {
+pub(crate) fn note_outsiders(geometry: Option<&PreparedGeometry>, input: &Input, global: &Global<'_>) {
+    let Some(geometry) = geometry else { return };
     if let Some(seams) = geometry.seams() {
         let text = format!(
             "{} within {} of another, along open borders that nearly coincide; they are welded (--weld 0 keeps them apart)",

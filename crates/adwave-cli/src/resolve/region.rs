@@ -44,7 +44,7 @@ pub(crate) fn region_weights(
     let lookup = |name: &str| region_field(&input.file, decomposer, name);
     let weights = region.weights(decomposer.metric(), &lookup, &names, progress);
     let weights = weights.map_err(|e| CliError::classify(&e))?;
-    Ok(weights.to_vertices(decomposer.geometry().vertex_map()))
+    Ok(weights.to_vertices(decomposer.vertex_map()))
 }
 
 /// Prints a note for each point of the region that lies off the shape, so that another place stands for it, and for each

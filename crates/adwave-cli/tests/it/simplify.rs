@@ -359,7 +359,7 @@ fn bands_agree_where_they_are_wider_than_the_edges() {
     let edge = part.mean_length();
     let widths: Vec<f64> = [2.5, 4.0, 6.0, 9.0].iter().map(|k| k * edge).collect();
     let bands = |decomposer: &Decomposer, mesh: &adwave::shape::Mesh| {
-        let schedule = Schedule::lengths(&widths, decomposer.diffusion().step_length()).unwrap();
+        let schedule = Schedule::lengths(&widths, decomposer.operator().step_length()).unwrap();
         decomposer.decompose(mesh.points().as_flattened(), 3, &schedule).unwrap()
     };
     let (whole, part) = (bands(&whole, &mesh), bands(&part, &small));

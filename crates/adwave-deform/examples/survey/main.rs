@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Some(&levels) => Schedule::dyadic(levels)?,
             None if width.is_some() => {
                 let sigma = width.unwrap_or_default() / 100.0 * decomposer.extent();
-                Schedule::lengths(&[sigma], decomposer.diffusion().step_length())?
+                Schedule::lengths(&[sigma], decomposer.operator().step_length())?
             }
             None => default_base(&decomposer),
         };

@@ -23,7 +23,7 @@ type Points<'a> = &'a [[f64; 3]];
 
 /// Measures `after` against `before`.
 pub(crate) fn measure(decomposer: &Decomposer, schedule: &Schedule, after: Points<'_>) -> Measures {
-    let Shape::Mesh(mesh) = decomposer.geometry().shape() else { panic!("a mesh") };
+    let Shape::Mesh(mesh) = decomposer.geometry().unwrap().shape() else { panic!("a mesh") };
     let (before, triangles) = (mesh.points(), mesh.faces().triangles().expect("triangles").to_vec());
     let edges = edges(&triangles);
     let length = |p: Points<'_>, a: u32, b: u32| norm(&subtract(&p[a as usize], &p[b as usize]));
@@ -74,14 +74,14 @@ fn dihedral(p: Points<'_>, triangles: &[[u32; 3]], faces: &[usize]) -> f64 {
 /// Details of the result against the turned details of the original, over their size: rms of `|d′ − R d| / |d|` with R
 /// from the neighbors on the coarse shapes.
 fn detail_error(decomposer: &Decomposer, schedule: &Schedule, after: Points<'_>) -> f64 {
-    let before = decomposer.geometry().shape().points().expect("positions");
+    let before = decomposer.points().expect("positions");
     let details = |p: Points<'_>| -> Vec<[f64; 3]> {
         let request = decomposer.request(p.as_flattened(), 3, schedule);
         let (sum, _) = request.weighted(&vec![1.0; schedule.n_levels()]).expect("bands");
         sum.as_chunks().0.to_vec()
     };
     let (d, e) = (details(before), details(after));
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let base = |p: Points<'_>, d: Points<'_>| -> Vec<[f64; 3]> {
         let smooth: Vec<[f64; 3]> = p.iter().zip(d).map(|(p, d)| subtract(p, d)).collect();
         map.positions(&smooth)

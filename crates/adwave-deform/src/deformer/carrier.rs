@@ -25,7 +25,7 @@ impl<'a> Carrier<'a> {
         let common = deformer.common_motion();
         Self {
             deformer,
-            welded: deformer.decomposer.geometry().vertex_map().as_slice(),
+            welded: deformer.decomposer.vertex_map().as_slice(),
             has_stretch: motions.iter().any(|motion| motion.stretch.is_some()),
             motions,
             exact: deformer.exact_regions(),

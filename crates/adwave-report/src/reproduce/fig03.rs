@@ -21,15 +21,15 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let model = context.model_or(&["bunny", "kitten"], "creature", N_VERTICES)?;
     let decomposer = decomposer(&model);
     let size = diagonal(model.points());
-    let sigma = |j: usize| decomposer.diffusion().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
+    let sigma = |j: usize| decomposer.operator().step_length() * ((j as f64 - 1.0) / 2.0).exp2();
     let shown = (3..=N_LEVELS).find(|&j| sigma(j) >= WIDTH * size).unwrap_or(N_LEVELS);
     let vertex = facing_vertex(&model);
     let center = model.points()[vertex];
-    let classes = decomposer.geometry().vertex_map().as_slice();
+    let classes = decomposer.vertex_map().as_slice();
     let areas = decomposer.areas();
     // Sums are over welded vertices: only the first vertex of each counts.
     let mut first = vec![true; model.points().len()];
-    let mut seen = vec![false; decomposer.geometry().n_vertices()];
+    let mut seen = vec![false; decomposer.n_places()];
     for (x, &class) in classes.iter().enumerate() {
         first[x] = !std::mem::replace(&mut seen[class as usize], true);
     }

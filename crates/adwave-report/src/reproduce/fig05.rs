@@ -150,7 +150,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
 
 /// Number of levels until σ exceeds three diagonals, when the walk is stationary.
 fn levels(decomposer: &Decomposer, size: f64) -> usize {
-    let step = decomposer.diffusion().step_length();
+    let step = decomposer.operator().step_length();
     (DRAWN_LEVELS[3] + 1..MAX_LEVELS)
         .find(|&j| step * ((j as f64 - 1.0) / 2.0).exp2() >= 3.0 * size)
         .unwrap_or(MAX_LEVELS)
@@ -180,7 +180,7 @@ impl Case {
     /// Limits of all components with more than one vertex.
     fn limits(&self) -> Vec<Limit> {
         let neighbors = self.decomposer.neighbors();
-        let n = self.decomposer.geometry().n_vertices();
+        let n = self.decomposer.n_places();
         let mut component = vec![usize::MAX; n];
         let mut n_components = 0;
         for start in 0..n {
@@ -199,13 +199,14 @@ impl Case {
             }
             n_components += 1;
         }
-        let vertex_map = self.decomposer.geometry().vertex_map();
+        let vertex_map = self.decomposer.vertex_map();
         let (signal, coarsest) = (vertex_map.mean(&self.signal, 1), vertex_map.mean(&self.coarsest, 1));
         let mut areas = vec![0.0; n];
         for (&class, area) in vertex_map.as_slice().iter().zip(self.decomposer.areas()) {
             areas[class as usize] += area;
         }
-        let law = self.decomposer.diffusion().stationary();
+        let operator = self.decomposer.operator();
+        let law: Vec<f64> = (0..n).map(|x| operator.weights().weight(x, n)).collect();
         let of = |k: usize| -> Vec<usize> { (0..n).filter(|&x| component[x] == k).collect() };
         let mean = |vertices: &[usize], weight: &[f64]| {
             let total: f64 = vertices.iter().map(|&x| weight[x]).sum();
@@ -217,7 +218,7 @@ impl Case {
             Limit {
                 component: k + 1,
                 n_vertices: vertices.len(),
-                stationary: mean(&vertices, law),
+                stationary: mean(&vertices, &law),
                 area: mean(&vertices, &areas),
                 low,
                 high,

@@ -14,8 +14,8 @@ const SPARSE: f64 = 0.25;
 pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let decomposer = Decomposer::new(&line()?);
     let params = BasisParams::new(Schedule::dyadic(N_LEVELS)?);
-    let basis = basis_by_squaring(decomposer.diffusion(), &params, context.progress)?
-        .to_shape_order(decomposer.geometry().vertex_map())?;
+    let basis = basis_by_squaring(decomposer.rows("a basis")?, &params, context.progress)?
+        .to_shape_order(decomposer.vertex_map())?;
     let all = (N_POINTS * N_POINTS) as f64;
     let mut table =
         Table::new("fig07.csv", "Entries above ε = 1e-6", &["level", "steps", "entries", "part of all"]);

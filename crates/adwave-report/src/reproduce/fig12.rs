@@ -69,7 +69,7 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         } else {
             let widths = &split.sigma[1..];
             let schedule =
-                adwave::bands::Schedule::lengths(widths, mesh_decomposer.diffusion().step_length())?;
+                adwave::bands::Schedule::lengths(widths, mesh_decomposer.operator().step_length())?;
             let params = adwave::bands::BandsParams::default();
             let of_mesh = mesh_decomposer
                 .request(model.coordinates(), 3, &schedule)

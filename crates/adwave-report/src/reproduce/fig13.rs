@@ -197,7 +197,7 @@ fn measure(
     region: &Region,
 ) -> Result<EditMeasure, FigureError> {
     let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
-    let weights = weights.to_vertices(decomposer.geometry().vertex_map());
+    let weights = weights.to_vertices(decomposer.vertex_map());
     let normals = vertex_normals(before, &model.triangles);
     let unit = 100.0 / diagonal(model.points());
     let (mut sum, mut total, mut largest, mut outside, mut n_inside) = (0.0, 0.0, 0.0_f64, 0.0_f64, 0);

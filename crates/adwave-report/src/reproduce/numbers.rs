@@ -25,7 +25,8 @@ pub(super) fn bands(
 
 /// Mean curvature of a mesh or cloud, in 1/model unit.
 pub(super) fn mean_curvature(decomposer: &Decomposer) -> Result<Vec<f64>, FigureError> {
-    Ok(surface_signal(decomposer.geometry(), SurfaceSignal::MeanCurvature, Progress::none())?)
+    let geometry = decomposer.geometry_for("a curvature")?;
+    Ok(surface_signal(geometry, SurfaceSignal::MeanCurvature, Progress::none())?)
 }
 
 /// Euclidean norm of the channels of each vertex.

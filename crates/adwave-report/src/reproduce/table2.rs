@@ -55,10 +55,10 @@ pub(super) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         let prepared = start.elapsed().as_secs_f64();
         let params = BasisParams::new(Schedule::dyadic(n_levels)?);
         let start = Instant::now();
-        drop(basis_by_squaring(decomposer.diffusion(), &params, context.progress)?);
+        drop(basis_by_squaring(decomposer.rows("a basis")?, &params, context.progress)?);
         let letter = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        drop(basis(decomposer.diffusion(), &params, context.progress)?);
+        drop(basis(decomposer.rows("a basis")?, &params, context.progress)?);
         let fast = start.elapsed().as_secs_f64();
         let schedule = Schedule::dyadic(n_levels)?;
         let start = Instant::now();

@@ -109,8 +109,7 @@ fn verdict(subject: &Subject<'_>, health: &Health, irregularities: &[Fact]) -> V
 fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = counts(subject, health);
     list.extend(sizes(subject, health));
-    let diffusion = subject.decomposer.diffusion();
-    let (edge, step) = (subject.decomposer.mean_length(), diffusion.step_length());
+    let (edge, step) = (subject.decomposer.mean_length(), subject.decomposer.operator().step_length());
     let unit = subject.width_unit();
     if subject.shape.points().is_some() {
         let kind = subject.decomposer.operator_kind();

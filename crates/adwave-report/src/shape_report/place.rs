@@ -91,6 +91,6 @@ pub(super) fn patches(subject: &Subject<'_>, values: &[f64], threshold: f64) -> 
 
 /// First vertex of the shape that belongs to a welded vertex.
 pub(super) fn vertex_of(subject: &Subject<'_>, class: usize) -> usize {
-    let classes = subject.decomposer.geometry().vertex_map().as_slice();
+    let classes = subject.decomposer.vertex_map().as_slice();
     classes.iter().position(|&c| c as usize == class).unwrap_or(class)
 }

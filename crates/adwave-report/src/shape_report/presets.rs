@@ -109,7 +109,7 @@ fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> O
         return None;
     }
     let before = volume.filter(|v| *v != 0.0)?;
-    let geometry = subject.decomposer.geometry();
+    let geometry = subject.decomposer.geometry()?;
     let points = geometry.vertex_map().positions(values.as_chunks().0);
     Some(geometry.volume_of(&points) / before)
 }

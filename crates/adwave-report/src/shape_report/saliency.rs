@@ -45,7 +45,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     };
     let seconds = start.elapsed().as_secs_f64();
     describe_map(&mut section, outward.as_ref(), is_signed);
-    let by_class = subject.decomposer.geometry().vertex_map().mean(&map, 1);
+    let by_class = subject.decomposer.vertex_map().mean(&map, 1);
     let sum: f64 = by_class.iter().filter(|v| v.is_finite()).map(|v| v.max(0.0)).sum();
     let threshold = value_range(&by_class, 0.0, 1.0 - TOP).1;
     let found = patches(subject, &by_class, threshold);
@@ -63,7 +63,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
         found.iter().map(|p| p.peak).max_by(|&a, &b| by_class[a].total_cmp(&by_class[b])).expect("a patch");
     let vertex = vertex_of(subject, peak);
     let places = Places::new(subject, studio.up());
-    let position = |class: usize| subject.decomposer.geometry().points().get(class).copied();
+    let position = |class: usize| subject.decomposer.positions().get(class).copied();
     let at = match (&places, position(peak)) {
         (Some(places), Some(p)) => {
             format!(", at ({}), {} of the shape", subject.position(p), places.words(&p))
@@ -134,7 +134,7 @@ fn patch_table(subject: &Subject<'_>, places: Option<&Places>, patches: &[Patch]
         ],
     );
     for patch in patches.iter().take(MAX_PATCHES) {
-        let p = subject.decomposer.geometry().points().get(patch.peak).copied();
+        let p = subject.decomposer.positions().get(patch.peak).copied();
         let none = || NONE.to_owned();
         table.push([
             vertex_of(subject, patch.peak).to_string(),

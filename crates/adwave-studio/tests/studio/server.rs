@@ -38,7 +38,7 @@ pub(crate) fn edit(revision: u64, layers: &[Value]) -> Value {
 fn posed(decomposer: &Decomposer, pose: &Pose, points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let vertices = |region: &Region| {
         let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none()).unwrap();
-        let weights = weights.to_vertices(decomposer.geometry().vertex_map());
+        let weights = weights.to_vertices(decomposer.vertex_map());
         Ok::<_, DeformError>((0..).zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).collect())
     };
     let mut deformer = bind_pose(decomposer, pose, None, vertices, Progress::none()).unwrap();
@@ -340,7 +340,7 @@ fn distances_are_measured_on_the_surface_that_the_page_is_given() {
     let studio = Studio::on(&path, folder.path());
     let body = studio.get("/api/shapes/1/surface").body;
     let StudioInput { shape, .. } = opened(&path);
-    let (points, map) = (shape.points().unwrap(), Decomposer::new(&shape).geometry().vertex_map().clone());
+    let (points, map) = (shape.points().unwrap(), Decomposer::new(&shape).vertex_map().clone());
     let (positions, places) = body.split_at(24 * points.len());
     let positions: Vec<f64> = positions.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
     let places: Vec<u32> = places.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect();

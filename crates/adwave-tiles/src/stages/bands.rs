@@ -60,7 +60,7 @@ fn tile_bands(
         |(block, n_members)| StepSums::from_operator(&operator, block_range(block), n_members);
     let step_sums: Vec<StepSums> = interior.into_par_iter().zip(members).map(block_step_sums).collect();
     let diffusion = Arc::new(Diffusion::new(operator, progress)?);
-    let transform = Transform::new(diffusion, &BandsParams::default())?;
+    let transform = Transform::new(Arc::clone(&diffusion), &BandsParams::default())?;
     let mut series_values: Vec<Vec<f64>> = series.iter().map(|_| zeros(3 * points.len())).collect();
     if !series.is_empty() {
         let mut outputs: Vec<&mut [f64]> = series_values.iter_mut().map(|values| &mut values[..]).collect();
@@ -68,7 +68,7 @@ fn tile_bands(
     }
     if params.moves_heights() {
         let axis = params.along.and_then(MoveDirection::axis).unwrap_or(2);
-        let part = HeightPart { transform: &transform, points: &points, axis };
+        let part = HeightPart { transform: &transform, rows: &diffusion, points: &points, axis };
         series_values.insert(0, height_changes(params, motion, part, interior_range.clone(), progress)?);
     } else if params.changes_positions() {
         let first = blocks.vertices(first).start;

@@ -1,6 +1,7 @@
 //! Motion: the directions in which the vertices of a tile move, and what they depend on beyond the tile.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use adwave::Progress;
 use adwave::bands::{BandsParams, Transform};
@@ -136,8 +137,9 @@ pub(crate) fn fit_heights(
             let TileWithHalo { points, neighbors, areas, interior_range, .. } = tile;
             let operator =
                 local_operator_of_neighbors(&points, neighbors, areas, neighbor_index.mean_length, progress)?;
-            let transform = Transform::new(Diffusion::new(operator, progress)?, &BandsParams::default())?;
-            let part = HeightPart { transform: &transform, points: &points, axis };
+            let rows = Arc::new(Diffusion::new(operator, progress)?);
+            let transform = Transform::new(Arc::clone(&rows), &BandsParams::default())?;
+            let part = HeightPart { transform: &transform, rows: &rows, points: &points, axis };
             n += interior_range.len();
             sum += HeightSeries::sum_of_confidence(part, interior_range, progress)?;
             Ok(())

@@ -20,6 +20,16 @@ pub enum BandsError {
         /// Number of channels of the signal.
         n_channels: usize,
     },
+    /// Channels that belong together are missing.
+    #[error(
+        "the operator takes vectors of {together} channels at each place, so the number of channels must be a multiple of {together}, got {n_channels}"
+    )]
+    ChannelGroups {
+        /// Number of channels of the signal.
+        n_channels: usize,
+        /// Number of channels that belong together.
+        together: usize,
+    },
     /// A value is NaN or infinite.
     #[error(
         "the signal at vertex {vertex}, channel {channel} (both counted from 0) is {value}, which is not finite; correct it, or mask the vertex"

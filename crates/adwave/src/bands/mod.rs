@@ -9,6 +9,7 @@ mod chebyshev;
 mod error;
 mod fixed_series;
 mod heat_series;
+mod leaps;
 mod norms;
 mod params;
 mod plain_series;

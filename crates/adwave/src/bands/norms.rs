@@ -156,7 +156,7 @@ mod tests {
         let sample = Sample::from_name("creature", Some(6000)).expect("a built-in shape");
         let shape = Shape::Mesh(Mesh::new(sample.points, sample.faces).expect("a mesh"));
         let decomposer = Decomposer::new(&shape);
-        let mean = decomposer.geometry().points().as_flattened().to_vec();
+        let mean = decomposer.positions().as_flattened().to_vec();
         (decomposer, mean)
     }
 
@@ -208,7 +208,7 @@ mod tests {
             assert_eq!((&found.steps, &found.sigma), (&exact.steps, &exact.sigma));
             assert!(found.info.error_bound <= accuracy, "{:?}", found.info);
             for (found, exact) in found.levels.iter().zip(&exact.levels) {
-                let mu = decomposer.diffusion().stationary();
+                let mu = decomposer.rows("the test").expect("a stored walk").stationary();
                 let square = |value: &dyn Fn(usize) -> f64| -> f64 {
                     (0..mu.len()).map(|x| mu[x] * value(x) * value(x)).sum()
                 };
@@ -238,7 +238,7 @@ mod tests {
             (along.expect("a signal").expect("no powers"), exact.clone().into_along(&normals)),
             (one, exact.into_norms()),
         ];
-        let mu = decomposer.diffusion().stationary();
+        let mu = decomposer.rows("the test").expect("a stored walk").stationary();
         let norm = |value: &dyn Fn(usize) -> f64| -> f64 {
             (0..mu.len()).map(|x| mu[x] * value(x) * value(x)).sum::<f64>().sqrt()
         };

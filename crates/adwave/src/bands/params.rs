@@ -13,7 +13,8 @@ pub(super) const FINEST_SINGLE: f64 = 1e-7;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Engine {
-    /// [`Chebyshev`](Self::Chebyshev) if the operator is reversible, else [`Powers`](Self::Powers).
+    /// [`Leaps`](Self::Leaps) if the operator has a way to take many steps; else [`Chebyshev`](Self::Chebyshev) if it is
+    /// reversible, else [`Powers`](Self::Powers).
     #[default]
     Auto,
     /// One product per step: exact up to rounding, for any operator.
@@ -21,6 +22,9 @@ pub enum Engine {
     /// One recurrence for all levels: about `√(n·ln(1/accuracy))` products for n steps. Requires a reversible
     /// operator; others use [`Powers`](Self::Powers).
     Chebyshev,
+    /// One call of the operator's own way to take many steps ([`Leap`](crate::operator::Leap)) for each level. Operators
+    /// without one use [`Chebyshev`](Self::Chebyshev) or [`Powers`](Self::Powers).
+    Leaps,
 }
 
 /// Number format in which a signal is multiplied with Φ₁. Powers, fractional steps of a walk and very long diffusions

@@ -106,7 +106,7 @@ impl Transform {
     /// use adwave::shape::{Graph, Shape};
     /// use adwave::{Decomposer, Progress};
     /// let pair = Decomposer::new(&Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?));
-    /// let map = pair.geometry().vertex_map();
+    /// let map = pair.vertex_map();
     /// // W_f(1) of the first vertex is (f_0 − f_1)/2.
     /// let schedule = Schedule::dyadic(1)?;
     /// let gradient =
@@ -259,7 +259,7 @@ mod tests {
         for kind in [OperatorKind::Walk, OperatorKind::Surface] {
             let params = OperatorParams::default().with_kind(kind);
             let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
-            let (map, transform) = (decomposer.geometry().vertex_map(), decomposer.transform());
+            let (map, transform) = (decomposer.vertex_map(), decomposer.transform());
             let sum = transform.sum_of_bands(map, &signals, n_channels, &schedule, Progress::none()).unwrap();
             let mut expected = vec![0.0; len];
             for (level, signal) in signals.chunks_exact(len).enumerate() {
@@ -302,7 +302,7 @@ mod tests {
         {
             let params = OperatorParams::default().with_kind(kind);
             let decomposer = Decomposer::with_params(shape, &params, Progress::none()).unwrap();
-            let (map, transform) = (decomposer.geometry().vertex_map(), decomposer.transform());
+            let (map, transform) = (decomposer.vertex_map(), decomposer.transform());
             let len = map.n_vertices() * n_channels;
             let (signal, gradients) = (noise(len, 1), noise(4 * len, 77));
             let bands = transform.bands(map, &signal, n_channels, schedule, Progress::none()).unwrap();
@@ -328,7 +328,7 @@ mod tests {
         let shape = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)]).unwrap());
         let decomposer = Decomposer::new(&shape);
         let schedule = Schedule::real(vec![0.5]).unwrap();
-        let map = decomposer.geometry().vertex_map();
+        let map = decomposer.vertex_map();
         let found =
             decomposer.transform().sum_of_bands(map, &[1.0, 2.0, 3.0], 1, &schedule, Progress::none());
         assert!(matches!(found, Err(BandsError::NotWhole { level: 1, .. })), "{found:?}");

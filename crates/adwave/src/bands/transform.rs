@@ -5,12 +5,21 @@ use super::error::{check_buffer, check_factors, check_signal};
 use super::real_series::{self, InterpolationGrid, LADDER};
 use super::series::{Growth, Series};
 use super::{BandsError, BandsInfo, BandsParams, Engine, Precision, Schedule, heat_series, plain_series};
-use crate::operator::{BlockPrecision, Diffusion, NoRows, Operator, RowOutput, RowWeights, Semigroup};
+use crate::operator::{
+    BlockPrecision, Diffusion, Invariant, Leap, NoRows, Operator, RowOutput, RowWeights, Semigroup,
+};
 use crate::pages::zeros;
 use crate::parallel;
 use crate::sparse::{PreparedDiffusion, SignalView};
 use crate::{Cancelled, Progress};
 use std::sync::{Arc, OnceLock};
+
+/// Levels with a factor each.
+#[derive(Clone, Copy)]
+pub(super) struct LevelFactors<'a> {
+    pub(super) schedule: &'a Schedule,
+    pub(super) factors: &'a [f64],
+}
 
 /// Error bound beyond which single precision is refused although it was asked for: the largest accuracy of bands.
 const WORST_SINGLE: f64 = 0.1;
@@ -52,11 +61,10 @@ impl Transform {
     }
 
     /// Takes any operator that can be multiplied. Tests what it promises by a product with three vectors: that constants
-    /// are kept, and, if it is reversible, that it is self-adjoint and neither expands nor turns a vector round. These
+    /// are kept ([`Operator::invariant`]), and, if it is reversible, that it is self-adjoint and neither expands nor turns a vector round. These
     /// conditions are necessary, not sufficient; the bounds of the errors rest on the promise.
     ///
-    /// Methods that need stored rows ([`Operator::rows`]) refuse an operator without ([`NoRows`]): linear fits, masks and
-    /// explicit basis functions. [`Operator`] has an example.
+    /// Explicit basis functions need stored rows ([`Operator::rows`]). [`Operator`] has an example.
     ///
     /// # Errors
     /// [`BandsError::Accuracy`] if the accuracy is out of range, [`BandsError::WrongNumber`] or
@@ -117,15 +125,6 @@ impl Transform {
         &self.operator
     }
 
-    /// The rows of the operator.
-    ///
-    /// # Panics
-    /// If it has none, which only [`from_operator`](Self::from_operator) allows; [`rows`](Self::rows) returns an error
-    /// then.
-    pub fn diffusion(&self) -> &Arc<Diffusion> {
-        self.operator.rows().expect("an operator with rows; `Transform::rows` tells whether it has them")
-    }
-
     /// The rows of the operator for a method, which is named with an article in the error.
     ///
     /// # Errors
@@ -160,7 +159,7 @@ impl Transform {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        check_signal(signal, self.operator.n_rows(), n_channels)?;
+        self.check_signal(signal, n_channels)?;
         let len = wavelets.len() * signal.len();
         let wrong = wavelets.iter().find(|w| w.len() != signal.len());
         check_buffer(wrong.map_or(len, |w| w.len() * wavelets.len()), schedule.n_levels() * signal.len())?;
@@ -168,7 +167,9 @@ impl Transform {
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
         self.check_precision(schedule, progress)?;
-        let outcome = if stages.len() > 1 {
+        let outcome = if let Some(leap) = self.leap() {
+            self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress)?
+        } else if stages.len() > 1 {
             self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
         } else if self.engine == Engine::Chebyshev {
             let prepared = self.evaluator(progress)?;
@@ -202,14 +203,17 @@ impl Transform {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<BandsInfo, BandsError> {
-        check_signal(signal, self.operator.n_rows(), n_channels)?;
+        self.check_signal(signal, n_channels)?;
         check_factors(factors, schedule)?;
         check_buffer(out.len(), signal.len())?;
         self.check_steps(schedule)?;
         let steps = schedule.steps_from_zero();
         let stages = self.stages(schedule);
         self.check_precision(schedule, progress)?;
-        let outcome = if stages.len() > 1 {
+        let outcome = if let Some(leap) = self.leap() {
+            let levels = LevelFactors { schedule, factors };
+            self.weighted_by_leaps(leap, signal, n_channels, levels, out, progress)?
+        } else if stages.len() > 1 {
             self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
         } else if self.engine == Engine::Chebyshev {
             let prepared = self.evaluator(progress)?;
@@ -236,6 +240,21 @@ impl Transform {
             })?
         };
         Ok(self.info(&outcome, n_channels).with_stages(stages.len(), signal.len()))
+    }
+
+    /// Checks a signal in the order of the rows, and that its channels come in groups of those that belong together.
+    pub(super) fn check_signal(&self, signal: &[f64], n_channels: usize) -> Result<(), BandsError> {
+        check_signal(signal, self.operator.n_rows(), n_channels)?;
+        let together = self.operator.channels_at_place();
+        if !n_channels.is_multiple_of(together) {
+            return Err(BandsError::ChannelGroups { n_channels, together });
+        }
+        Ok(())
+    }
+
+    /// The operator's own way to take many steps, if it is used.
+    fn leap(&self) -> Option<&dyn Leap> {
+        self.operator.leap().filter(|_| self.engine == Engine::Leaps)
     }
 
     /// Checks that a walk that need not stay takes whole steps.
@@ -400,7 +419,7 @@ impl Transform {
     }
 
     /// [`forecast_bytes`](Self::forecast_bytes) for this operator.
-    pub(super) fn forecast(&self, n_channels: usize) -> u64 {
+    pub fn forecast(&self, n_channels: usize) -> u64 {
         match self.operator.rows() {
             Some(diffusion) => {
                 let single = if self.engine == Engine::Chebyshev && self.params.may_be_single() {
@@ -442,6 +461,9 @@ impl Transform {
 
 /// Method that `params` imply for an operator.
 fn engine(operator: &dyn Operator, params: &BandsParams) -> Engine {
+    if operator.leap().is_some() && matches!(params.engine, Engine::Auto | Engine::Leaps) {
+        return Engine::Leaps;
+    }
     let needs_series = operator.semigroup() != Semigroup::Steps;
     if needs_series || operator.is_reversible() && params.engine != Engine::Powers {
         Engine::Chebyshev
@@ -471,23 +493,31 @@ fn check_operator(operator: &dyn Operator) -> Result<(), BandsError> {
             });
         }
     }
-    // A constant, and two vectors of values between −1 and 1.
+    // A constant, and two vectors of values between −1 and 1, each with the channels that belong together.
+    let k = operator.channels_at_place();
     let value = |i: usize| {
         let hash = (i as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        if i.is_multiple_of(3) { 1.0 } else { (hash >> 11) as f64 * (-52_f64).exp2() - 1.0 }
+        if i % (3 * k) < k { 1.0 } else { (hash >> 11) as f64 * (-52_f64).exp2() - 1.0 }
     };
-    let x: Vec<f64> = parallel::collect(3 * n, value);
-    let mut d: Vec<f64> = zeros(3 * n);
-    operator.difference(&x, 3, &mut d, Progress::none())?;
+    let width = 3 * k;
+    let x: Vec<f64> = parallel::collect(width * n, value);
+    let mut d: Vec<f64> = zeros(width * n);
+    operator.difference(&x, width, &mut d, Progress::none())?;
     if let Some(at) = d.iter().position(|v| !v.is_finite()) {
-        let (vertex, channel) = (at / 3, at % 3);
+        let (vertex, channel) = (at / width, at % width);
         return Err(BandsError::NotFinite { vertex, channel, value: d[at] });
     }
-    let product =
-        |a: usize, b: usize| parallel::sum(n, |row| weights.weight(row, n) * x[3 * row + a] * d[3 * row + b]);
-    let norm = |a: usize| parallel::sum(n, |row| weights.weight(row, n) * x[3 * row + a].powi(2));
+    let inner = |y: &[f64], a: usize, b: usize| {
+        parallel::sum(n, |row| {
+            let (x, y) = (&x[width * row + k * a..][..k], &y[width * row + k * b..][..k]);
+            weights.weight(row, n) * x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>()
+        })
+    };
+    let (product, norm) = (|a, b| inner(&d, a, b), |a| inner(&x, a, a));
     let size = norm(0);
-    let reason = if parallel::max(n, 0.0, |row| d[3 * row].abs()) > ROUNDING {
+    let keeps_constants = operator.invariant() == Invariant::Constants;
+    let change = |row: usize| d[width * row..][..k].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let reason = if keeps_constants && parallel::max(n, 0.0, change) > ROUNDING {
         "the difference (I − Φ₁)x of a constant x is not 0: rows must sum to 1"
     } else if !operator.is_reversible() {
         return Ok(());

@@ -83,7 +83,7 @@ impl Decomposer {
 
     /// Volume of a closed mesh in units of its extent, if levels of this width may remove half of it.
     fn volume_at_risk(&self, width: f64) -> Option<f64> {
-        let geometry = self.geometry();
+        let geometry = self.geometry()?;
         if geometry.faces().is_empty() || self.mask.is_some() || self.extent <= 0.0 {
             return None;
         }
@@ -98,7 +98,7 @@ impl Decomposer {
 
     /// Positions of the welded vertices in units of the extent, so that volumes neither overflow nor underflow.
     fn unit_positions(&self) -> Vec<[f64; 3]> {
-        let points = self.geometry().points();
+        let points = self.positions();
         let origin = points.first().copied().unwrap_or_default();
         points.iter().map(|p| [0, 1, 2].map(|c| (p[c] - origin[c]) / self.extent)).collect()
     }
@@ -106,12 +106,12 @@ impl Decomposer {
     /// Volumes of the closed mesh smoothed to each level, in units of its extent; `None` if the levels do not suit the
     /// operator.
     fn volumes(&self, schedule: &Schedule) -> Option<Vec<f64>> {
-        let map = self.geometry().vertex_map();
+        let (map, geometry) = (self.vertex_map(), self.geometry()?);
         let points = map.scatter(&self.unit_positions(), 1);
         let bands = self.decompose(points.as_flattened(), 3, schedule).ok()?;
         let volume = |j: usize| {
             let smooth = bands.scaling(j);
-            self.geometry().volume_of(&map.positions(smooth.as_chunks().0))
+            geometry.volume_of(&map.positions(smooth.as_chunks().0))
         };
         Some((1..=schedule.n_levels()).map(volume).collect())
     }

@@ -5,7 +5,6 @@ use crate::Progress;
 use crate::bands::{BandsError, BandsParams, Transform};
 use crate::operator::{Diffusion, DiffusionError, Operator};
 use crate::rows::CompressedRows;
-use std::sync::Arc;
 
 impl Decomposer {
     /// This shape with the given walk as its diffusion operator (see [`Diffusion::from_walk`]): row x of `walk` holds the
@@ -30,7 +29,7 @@ impl Decomposer {
         walk: &CompressedRows<f64>,
         progress: Progress<'_>,
     ) -> Result<Self, DiffusionError> {
-        let map = self.geometry.vertex_map();
+        let map = self.vertex_map();
         let (n_rows, n_vertices) = (walk.n_rows(), map.n_vertices());
         if n_rows != n_vertices || map.n_welded() != n_vertices {
             return Err(DiffusionError::RowCount { n_rows, n_vertices: map.n_welded() });
@@ -41,22 +40,16 @@ impl Decomposer {
         } else {
             Diffusion::from_walk(walk, progress)?
         };
-        Ok(Self {
-            transform: transform(diffusion),
-            own_rows: None,
-            surface_info: None,
-            ring: Arc::default(),
-            metric: Arc::default(),
-            ..self.clone()
-        })
+        Ok(self.with_transform(transform(diffusion)))
     }
+
     /// This shape with any operator that can be multiplied (see [`Operator`]), whose row x belongs to the welded vertex x
-    /// of [`geometry`](Self::geometry), not to vertex x of the shape:
+    /// of [`vertex_map`](Self::vertex_map), not to vertex x of the shape:
     /// [`VertexMap::welded`](crate::shape::VertexMap::welded) maps one to the other. O(one product).
     ///
     /// Bands, filters, saliency and features are those of the operator. Regions, and the neighbors of features, follow the
-    /// edges of the shape unless the operator has rows. What needs rows is refused for an operator without
-    /// ([`NoRows`](crate::operator::NoRows)): masks, linear fits and basis functions.
+    /// edges of the shape unless the operator has rows. A mask needs an operator that can leave places out
+    /// ([`Operator::masked`]).
     ///
     /// # Errors
     /// As for [`Transform::from_operator`], and [`BandsError::WrongNumber`] unless the operator has a row for each welded
@@ -66,38 +59,24 @@ impl Decomposer {
     /// use adwave::bands::Schedule;
     /// use adwave::operator::RowFunction;
     /// use adwave::shape::{PointCloud, Shape};
-    /// use adwave::{Decomposer, Progress};
+    /// use adwave::Decomposer;
     /// // Points on a circle. A step leads to the point on the other side, or stays.
     /// let angle = |i: u32| std::f64::consts::PI * f64::from(i) / 4.0;
     /// let points: Vec<_> = (0..8).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]).collect();
     /// let circle = Decomposer::new(&Shape::Cloud(PointCloud::new(points.clone())?));
-    /// let map = circle.geometry().vertex_map().clone();
+    /// let map = circle.vertex_map().clone();
     /// let vertex: Vec<usize> = (0..8).map(|x| (0..8).find(|&v| map.welded(v) == x).unwrap()).collect();
     /// let across = RowFunction::new(8, move |x| [(map.welded((vertex[x] + 4) % 8), 0.5)])?;
     /// let across = circle.with_operator(across)?;
     /// let bands = across.decompose(points.as_flattened(), 3, &Schedule::dyadic(1)?)?;
     /// assert!(bands.coarsest().iter().all(|v| v.abs() < 1e-12)); // the mean of opposite points
-    /// let refused = across.basis_of_vertex(0, &Schedule::dyadic(1)?, Progress::none()).unwrap_err();
-    /// assert!(refused.to_string().starts_with("a function of one vertex needs the rows of the operator"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn with_operator(&self, operator: impl Operator + 'static) -> Result<Self, BandsError> {
-        let (n_given, expected) = (operator.n_rows(), self.geometry.n_vertices());
+        let (n_given, expected) = (operator.n_rows(), self.n_places());
         if n_given != expected {
             return Err(BandsError::WrongNumber { what: "rows of the operator", n_given, expected });
         }
-        let transform = Transform::from_operator(operator, &BandsParams::default())?;
-        let own_rows = match transform.operator().rows() {
-            Some(_) => None,
-            None => Some(Arc::clone(self.neighbor_rows())),
-        };
-        Ok(Self {
-            transform,
-            own_rows,
-            surface_info: None,
-            ring: Arc::default(),
-            metric: Arc::default(),
-            ..self.clone()
-        })
+        Ok(self.with_transform(Transform::from_operator(operator, &BandsParams::default())?))
     }
 }

@@ -1,4 +1,4 @@
-//! The prepared object: a shape with its diffusion operator, for repeated use.
+//! The prepared object: a domain with its diffusion operator, for repeated use.
 
 mod border;
 mod creases;
@@ -13,16 +13,18 @@ pub use request::BandsRequest;
 
 use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
+use crate::domain::{Domain, DomainError, NoShape, ShapeDomain, WalkDomain};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
-    Diffusion, EndPoints, NoRows, Operator, OperatorKind, OperatorParams, RowWeights, Semigroup,
-    SurfaceDiffusion, SurfaceInfo, local_operator, surface_diffusion,
+    Diffusion, DiffusionError, EndPoints, NoRows, Operator, OperatorKind, OperatorParams, RowWeights,
+    Semigroup, SurfaceDiffusion, SurfaceInfo, local_operator, surface_diffusion,
 };
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
-use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, health, squared_distance};
-use crate::signal::{CloseSheets, close_sheets};
+use crate::rows::CompressedRows;
+use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, VertexMap, health};
+use crate::signal::{CloseSheets, OutwardError, OutwardNormals, close_sheets, outward_normals};
 use crate::{Cancelled, Progress};
 use creases::respect_creases;
 use std::borrow::Cow;
@@ -63,7 +65,8 @@ impl VertexFunctions {
     }
 }
 
-/// A shape with its diffusion operator, prepared once in O(n log n). Each signal then costs only its products.
+/// A shape, or another [`Domain`], with its diffusion operator, prepared once in O(n log n). Each signal then costs only its
+/// products.
 ///
 /// It owns its data and is cheap to clone; clones share everything and may be used from several threads at once.
 /// Data that only some requests need (the tiles of the products, the search tree of regions) is built by the first
@@ -80,23 +83,22 @@ impl VertexFunctions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Decomposer {
-    geometry: Arc<PreparedGeometry>,
+    domain: Arc<dyn Domain>,
     transform: Transform,
     /// The rows of the shape's own operator, if those of the given one are not known.
     own_rows: Option<Arc<Diffusion>>,
-    /// Areas of the welded vertices.
-    areas: Arc<[f64]>,
-    mean_length: f64,
-    /// Diagonal of the bounding box of all vertices.
-    diagonal: f64,
-    /// Size of the largest part without strays.
+    /// Measure of the places, 0 at masked ones; `None` if it is 1 everywhere.
+    measure: Option<Arc<[f64]>>,
+    /// Size of the largest part without strays and masked places.
     extent: f64,
-    /// Mask of the vertices without a value.
+    /// Mask of the places without a value.
     mask: Option<Arc<Mask>>,
     params: OperatorParams,
     surface_info: Option<SurfaceInfo>,
-    /// One-ring of a mesh without the masked vertices, if steps use other edges.
-    ring: Arc<OnceLock<Arc<Adjacency>>>,
+    /// Neighbors that the domain states, without masked places.
+    neighbors: Arc<OnceLock<Arc<Adjacency>>>,
+    /// Rows of a walk over the neighbors, for methods that need rows where the operator has none.
+    neighbor_walk: Arc<OnceLock<Arc<Diffusion>>>,
     metric: Arc<OnceLock<SurfaceMetric>>,
 }
 
@@ -116,40 +118,110 @@ impl Decomposer {
         progress: Progress<'_>,
     ) -> Result<Self, Cancelled> {
         let geometry = PreparedGeometry::new(shape, params.weld, progress)?;
-        let has_measure = match shape {
-            Shape::Graph(graph) => graph.is_curve() || graph.cell_areas().is_some(),
-            Shape::Mesh(_) | Shape::Cloud(_) => false,
-        };
+        let has_measure =
+            shape.as_graph().is_some_and(|graph| graph.is_curve() || graph.cell_areas().is_some());
         let kind = if has_measure { OperatorKind::Surface } else { params.kind };
         let params = &params.with_kind(kind);
-        let (diffusion, areas, mean_length, surface_info): (_, Arc<[f64]>, _, _) = match params.kind {
+        let (diffusion, areas, mean_length, surface_info) = match params.kind {
             OperatorKind::Walk => {
                 let operator = local_operator(&geometry, params, progress)?;
-                let (areas, mean_length) = (operator.areas().into(), operator.mean_length());
+                let (areas, mean_length) = (operator.areas().to_vec(), operator.mean_length());
                 (Diffusion::new(operator, progress)?, areas, mean_length, None)
             }
             OperatorKind::Surface => {
                 let SurfaceDiffusion { diffusion, areas, mean_length, info } =
                     surface_diffusion(&geometry, params, progress)?;
-                (diffusion, areas.into(), mean_length, Some(info))
+                (diffusion, areas, mean_length, Some(info))
             }
         };
         let diffusion =
             if params.keep_creases { respect_creases(diffusion, &geometry, progress)? } else { diffusion };
-        Ok(Self {
-            extent: geometry.extent(),
-            geometry: Arc::new(geometry),
-            transform: transform(diffusion),
+        let domain = ShapeDomain::new(geometry, areas, mean_length, params);
+        Ok(Self { surface_info, params: *params, ..Self::join(Arc::new(domain), transform(diffusion)) })
+    }
+
+    /// Joins any domain with any operator over its places (see [`Domain`] and [`Operator`]). O(one product).
+    ///
+    /// Bands, masks, filters, saliency, features and the denoising of signals follow. Methods that need rows where the operator
+    /// has none take those of a walk over the neighbors of the domain.
+    ///
+    /// # Errors
+    /// [`DomainError`] unless the operator has a row and the domain a measure for each place, either of them tells which places
+    /// are neighbors, and the operator passes the checks of [`Transform::from_operator`].
+    pub fn from_domain(
+        domain: impl Domain + 'static,
+        operator: impl Operator + 'static,
+    ) -> Result<Self, DomainError> {
+        let (n_rows, n_places) = (operator.n_rows(), domain.vertex_map().n_welded());
+        if n_rows != n_places {
+            return Err(DomainError::RowCount { n_rows, n_places });
+        }
+        let positions = Some(domain.positions()).filter(|points| !points.is_empty()).map(<[_]>::len);
+        let lengths = [("the measure", domain.measure().map(<[_]>::len)), ("the positions", positions)];
+        for (what, n_found) in lengths {
+            if let Some(n_found) = n_found.filter(|n_found| *n_found != n_places) {
+                return Err(DomainError::Length { what, n_found, n_places });
+            }
+        }
+        if !domain.has_neighbors() && operator.rows().is_none() {
+            return Err(DomainError::NoNeighbors);
+        }
+        let transform = Transform::from_operator(operator, &BandsParams::default())?;
+        Ok(Self::join(Arc::new(domain), transform))
+    }
+
+    /// Prepares a walk that is given by its rows, n × n with its diagonal (see [`Diffusion::from_walk`]): the domain of its
+    /// states ([`WalkDomain`]). O(entries · log).
+    ///
+    /// # Errors
+    /// [`DiffusionError`] unless the matrix is square, entries are finite and ≥ 0, and rows sum to 1; or if the call is
+    /// cancelled.
+    ///
+    /// ```
+    /// use adwave::{Decomposer, Progress, bands::Schedule, rows::CompressedRows};
+    /// let swap = CompressedRows::new(vec![0, 1, 2], vec![1, 0], vec![1.0, 1.0], 2)?;
+    /// let walk = Decomposer::from_walk(&swap, Progress::none())?;
+    /// assert_eq!(walk.decompose(&[1.0, 3.0], 1, &Schedule::dyadic(1)?)?.coarsest(), [3.0, 1.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_walk(walk: &CompressedRows<f64>, progress: Progress<'_>) -> Result<Self, DiffusionError> {
+        let (domain, diffusion) = WalkDomain::new(walk, progress)?;
+        Ok(Self::join(Arc::new(domain), transform(diffusion)))
+    }
+
+    fn join(domain: Arc<dyn Domain>, transform: Transform) -> Self {
+        Self {
+            measure: domain.measure().map(Arc::from),
+            extent: domain.extent(None),
+            domain,
+            transform,
             own_rows: None,
-            areas,
-            mean_length,
-            diagonal: shape.diagonal(),
             mask: None,
-            params: *params,
-            surface_info,
-            ring: Arc::default(),
+            params: OperatorParams::default(),
+            surface_info: None,
+            neighbors: Arc::default(),
+            neighbor_walk: Arc::default(),
             metric: Arc::default(),
-        })
+        }
+    }
+
+    /// This domain with another operator on the same places.
+    fn with_transform(&self, transform: Transform) -> Self {
+        let own_rows = match transform.operator().rows() {
+            Some(_) => None,
+            None => self.own_rows.clone().or_else(|| self.operator().rows().cloned()),
+        };
+        Self { transform, own_rows, surface_info: None, ..self.without_caches() }
+    }
+
+    /// This prepared domain without what depends on its operator or its mask.
+    fn without_caches(&self) -> Self {
+        Self {
+            neighbors: Arc::default(),
+            neighbor_walk: Arc::default(),
+            metric: Arc::default(),
+            ..self.clone()
+        }
     }
 
     /// This shape with the flagged vertices masked (flags in the order of the shape), for a signal that is
@@ -172,24 +244,27 @@ impl Decomposer {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn masked(&self, masked: &[bool]) -> Result<Self, MaskError> {
-        let mask = Mask::new(masked, self.geometry.vertex_map())?;
-        let points = self.geometry.points();
-        let squared_length = |x: usize, y: usize| {
-            if points.is_empty() { 1.0 } else { squared_distance(&points[x], &points[y]) }
+        let mask = Mask::new(masked, self.vertex_map())?;
+        let (domain, none) = (Arc::clone(&self.domain), Progress::none());
+        let squared_length = move |x: usize, y: usize| domain.squared_length(x, y);
+        let transform = match self.operator().masked(mask.welded(), &squared_length, none)? {
+            Some(operator) => Transform::from_shared_operator(operator, &BandsParams::default())?,
+            None => {
+                let rows = self.transform.rows("a mask")?;
+                transform(rows.remove_masked(mask.welded(), squared_length, none)?)
+            }
         };
-        let rows = self.transform.rows("a mask")?;
-        let diffusion = rows.remove_masked(mask.welded(), squared_length, Progress::none());
-        let Ok(diffusion) = diffusion else { unreachable!("there is one flag per welded vertex") };
-        let extent = self.geometry.extent_without(mask.welded());
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
+        let measure = match &self.measure {
+            Some(measure) => measure.iter().enumerate().map(keep).collect(),
+            None => mask.welded().iter().map(|out| f64::from(u8::from(!out))).collect(),
+        };
         Ok(Self {
-            transform: transform(diffusion),
-            areas: self.areas.iter().enumerate().map(keep).collect(),
+            transform,
+            extent: self.domain.extent(Some(mask.welded())),
+            measure: Some(measure),
             mask: Some(Arc::new(mask)),
-            ring: Arc::default(),
-            metric: Arc::default(),
-            extent,
-            ..self.clone()
+            ..self.without_caches()
         })
     }
 
@@ -202,78 +277,124 @@ impl Decomposer {
         self.mask.as_deref()
     }
 
-    /// Areas of the welded vertices, in the analysis order.
-    pub(crate) fn welded_areas(&self) -> &[f64] {
-        &self.areas
+    /// Measure of the places, 0 at masked ones; `None` if it is 1 everywhere.
+    pub(crate) fn place_measure(&self) -> Option<&[f64]> {
+        self.measure.as_deref()
     }
 
-    /// True if the shape has positions and no faces.
-    pub(crate) fn is_cloud(&self) -> bool {
-        matches!(self.geometry.shape(), Shape::Cloud(_))
-    }
-
-    /// The local fit that smoothing a field about `fit` has on this shape: a constant one on a graph or a curve, where
-    /// slopes along the curve are no bias, unless the nodes are cells of a surface.
+    /// The local fit that smoothing a field about `fit` has on this domain ([`Domain::local_fit`]).
     pub fn applied_local_fit(&self, fit: LocalFit) -> LocalFit {
-        match self.geometry.shape() {
-            Shape::Graph(graph) if graph.cell_areas().is_none() => LocalFit::Constant,
-            _ => fit,
-        }
+        self.domain.local_fit(fit)
     }
 
-    /// Domain over which a field with a value at each welded vertex is fitted.
+    /// Domain over which a field with a value at each place is fitted.
     pub(crate) fn fit_domain(&self, field: &[f64]) -> FitDomain {
-        FitDomain::from_field(field, self.geometry.points(), self.mask_flags())
+        FitDomain::from_field(field, self.positions(), self.mask_flags())
     }
 
-    /// A transform of this shape's welded vertices prepared for bands about a local linear fit.
+    /// A transform of this domain's places prepared for bands about a local linear fit.
     pub(crate) fn linear_transform<'t>(
-        &self,
+        &'t self,
         transform: &'t Transform,
         domain: FitDomain,
         progress: Progress<'_>,
     ) -> Result<LinearTransform<'t>, BandsError> {
-        let (points, _) = self.geometry.unit_points(progress)?;
-        LinearTransform::new(transform, &points, domain, !self.is_cloud(), progress)
+        let points = match self.geometry() {
+            Some(geometry) => geometry.unit_points(progress)?.0,
+            None => Cow::Borrowed(self.positions()),
+        };
+        let rows = transform.operator().rows().map_or_else(|| self.step_rows(), Arc::as_ref);
+        LinearTransform::new(transform, rows, &points, domain, !self.domain.may_fill_volume(), progress)
     }
 
-    /// One-ring of a mesh without the masked vertices; for a cloud or graph, the neighbors of one step.
+    /// Rows of steps between neighbors: those of the operator, or of a walk over the neighbors of the domain.
+    pub(crate) fn step_rows(&self) -> &Diffusion {
+        match self.operator().rows() {
+            Some(rows) => rows,
+            None => self.neighbor_walk.get_or_init(|| Arc::new(Diffusion::over_neighbors(self.neighbors()))),
+        }
+    }
+
+    /// One-ring of a mesh without the masked vertices; elsewhere the neighbors of one step.
     pub(crate) fn ring(&self, progress: Progress<'_>) -> Result<Cow<'_, Adjacency>, Cancelled> {
-        if self.has_own_ring() {
-            return Ok(Cow::Borrowed(self.mesh_ring(progress)?));
+        match self.domain.one_ring(progress)? {
+            Some(ring) => Ok(Cow::Owned(self.without_masked(ring, progress)?)),
+            None => Ok(Cow::Borrowed(self.try_neighbors(progress)?)),
         }
-        if self.params.rings == 1 || self.geometry.triangles().is_empty() {
-            return Ok(Cow::Borrowed(self.neighbors()));
-        }
-        Ok(Cow::Owned(self.new_ring(progress)?))
     }
 
-    fn new_ring(&self, progress: Progress<'_>) -> Result<Adjacency, Cancelled> {
-        let ring = self.geometry.incidence(progress)?.ring(progress)?;
+    fn without_masked(
+        &self,
+        neighbors: Cow<'_, Adjacency>,
+        progress: Progress<'_>,
+    ) -> Result<Adjacency, Cancelled> {
         match self.mask_flags() {
-            Some(masked) => ring.remove_masked(masked, progress),
-            None => Ok(ring),
+            Some(masked) => neighbors.remove_masked(masked, progress),
+            None => Ok(neighbors.into_owned()),
         }
     }
 
-    /// Cached one-ring of a mesh whose steps do not follow its edges.
-    fn mesh_ring(&self, progress: Progress<'_>) -> Result<&Arc<Adjacency>, Cancelled> {
-        if let Some(ring) = self.ring.get() {
-            return Ok(ring);
+    /// The neighbors that the domain states, without masked places; `None` if they are those of the operator.
+    fn stated_neighbors(&self, progress: Progress<'_>) -> Result<Option<&Arc<Adjacency>>, Cancelled> {
+        if !self.domain.has_neighbors() {
+            return Ok(None);
         }
-        let ring = Arc::new(self.new_ring(progress)?);
-        Ok(self.ring.get_or_init(|| ring))
+        if let Some(neighbors) = self.neighbors.get() {
+            return Ok(Some(neighbors));
+        }
+        let Some(stated) = self.domain.neighbors(progress)? else { return Ok(None) };
+        let stated = Arc::new(self.without_masked(stated, progress)?);
+        Ok(Some(self.neighbors.get_or_init(|| stated)))
     }
 
-    /// True if steps use other edges than those of the mesh.
-    fn has_own_ring(&self) -> bool {
-        let by_length = self.params.kind == OperatorKind::Surface || self.params.density_invariant;
-        by_length && !self.geometry.triangles().is_empty()
+    fn try_neighbors(&self, progress: Progress<'_>) -> Result<&Adjacency, Cancelled> {
+        match self.stated_neighbors(progress)? {
+            Some(stated) => Ok(stated),
+            None => Ok(self.neighbor_rows().neighbors()),
+        }
     }
 
-    /// The welded vertices and their relation to the vertices of the shape.
-    pub fn geometry(&self) -> &PreparedGeometry {
-        &self.geometry
+    /// The domain whose places carry the signal.
+    pub fn domain(&self) -> &Arc<dyn Domain> {
+        &self.domain
+    }
+
+    /// The prepared mesh, cloud or graph; `None` for another domain.
+    pub fn geometry(&self) -> Option<&PreparedGeometry> {
+        self.domain.geometry()
+    }
+
+    /// [`geometry`](Self::geometry) for a method, which is named in the error.
+    ///
+    /// # Errors
+    /// [`NoShape`] for a domain that is no shape.
+    pub fn geometry_for(&self, needed_by: &'static str) -> Result<&PreparedGeometry, NoShape> {
+        self.geometry().ok_or(NoShape { needed_by })
+    }
+
+    /// The shape, in the order of its file; `None` for another domain.
+    pub fn shape(&self) -> Option<&Shape> {
+        self.geometry().map(PreparedGeometry::shape)
+    }
+
+    /// Coordinates of the vertices of the shape in model units, in its order; `None` without positions.
+    pub fn points(&self) -> Option<&[[f64; 3]]> {
+        self.shape().and_then(Shape::points)
+    }
+
+    /// Map from the vertices of the shape, or the places in the caller's order, to the rows of the operator.
+    pub fn vertex_map(&self) -> &VertexMap {
+        self.domain.vertex_map()
+    }
+
+    /// Number of rows of the operator: of welded vertices, or of places.
+    pub fn n_places(&self) -> usize {
+        self.vertex_map().n_welded()
+    }
+
+    /// Positions of the welded vertices or places in model units; empty without positions.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        self.domain.positions()
     }
 
     /// Kind of operator that smooths signals.
@@ -291,15 +412,8 @@ impl Decomposer {
         self.surface_info.as_ref()
     }
 
-    /// The rows of the diffusion operator Φ₁ of one step, in the numbering of [`geometry`](Self::geometry).
-    ///
-    /// # Panics
-    /// If a given operator has none ([`with_operator`](Self::with_operator)); [`rows`](Self::rows) returns an error then.
-    pub fn diffusion(&self) -> &Arc<Diffusion> {
-        self.transform.diffusion()
-    }
-
-    /// [`diffusion`](Self::diffusion) for a method, which is named with an article in the error.
+    /// The rows of the diffusion operator Φ₁ of one step, in the order of [`vertex_map`](Self::vertex_map), for a method,
+    /// which is named with an article in the error.
     ///
     /// # Errors
     /// [`NoRows`] if a given operator has none.
@@ -314,45 +428,43 @@ impl Decomposer {
 
     /// The rows whose entries join neighbors: those of the operator, or, if it has none, those of the shape's own.
     fn neighbor_rows(&self) -> &Arc<Diffusion> {
-        self.own_rows.as_ref().unwrap_or_else(|| self.diffusion())
+        match (&self.own_rows, self.operator().rows()) {
+            (Some(rows), _) | (None, Some(rows)) => rows,
+            (None, None) => unreachable!("a domain states its neighbors if its operator has no rows"),
+        }
     }
 
-    /// The transform with default parameters, in the numbering of [`geometry`](Self::geometry). It shares its tiles
+    /// The transform with default parameters, in the order of [`vertex_map`](Self::vertex_map). It shares its tiles
     /// with everything computed here.
     pub fn transform(&self) -> &Transform {
         &self.transform
     }
 
-    /// Neighbors of each vertex in one diffusion step, in the numbering of [`geometry`](Self::geometry). For heat
-    /// on a mesh they are the neighbors along mesh edges, although heat flows along the edges of another
-    /// triangulation.
+    /// Neighbors of each place in one diffusion step, in the order of [`vertex_map`](Self::vertex_map). For heat on a mesh
+    /// they are the neighbors along mesh edges, although heat flows along the edges of another triangulation.
     pub fn neighbors(&self) -> &Adjacency {
-        if self.has_own_ring() {
-            return expect_not_cancelled(self.mesh_ring(Progress::none())).as_ref();
-        }
-        self.neighbor_rows().neighbors()
+        expect_not_cancelled(self.try_neighbors(Progress::none()))
     }
 
-    /// Distances along the shape, for regions.
+    /// Distances along the domain, for regions.
     pub fn metric(&self) -> &SurfaceMetric {
         self.metric.get_or_init(|| {
-            let edges = if self.has_own_ring() {
-                MetricEdges::Mesh(Arc::clone(expect_not_cancelled(self.mesh_ring(Progress::none()))))
-            } else {
-                MetricEdges::Diffusion(Arc::clone(self.neighbor_rows()))
+            let edges = match expect_not_cancelled(self.stated_neighbors(Progress::none())) {
+                Some(stated) => MetricEdges::Neighbors(Arc::clone(stated)),
+                None => MetricEdges::Diffusion(Arc::clone(self.neighbor_rows())),
             };
-            SurfaceMetric::new(Arc::clone(&self.geometry), edges, self.extent, self.mean_length)
+            SurfaceMetric::new(Arc::clone(&self.domain), edges, self.extent, self.mean_length())
         })
     }
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.geometry.vertex_map().n_vertices()
+        self.vertex_map().n_vertices()
     }
 
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
     pub fn diagonal(&self) -> f64 {
-        self.diagonal
+        self.domain.diagonal()
     }
 
     /// Size of the shape in model units, from which default levels and lengths in percent follow: the diagonal of the
@@ -364,13 +476,16 @@ impl Decomposer {
 
     /// Mean edge length E, or mean distance to the nearest neighbors, in model units.
     pub fn mean_length(&self) -> f64 {
-        self.mean_length
+        self.domain.spacings().first().copied().unwrap_or(1.0)
     }
 
     /// Area of each vertex of the shape in squared model units, on a curve its length in model units; welded vertices
     /// share theirs equally.
     pub fn areas(&self) -> Vec<f64> {
-        self.share_among_copies(&self.areas)
+        match &self.measure {
+            Some(measure) => self.share_among_copies(measure),
+            None => self.share_among_copies(&vec![1.0; self.n_places()]),
+        }
     }
 
     /// Stationary distribution π of the diffusion operator at each vertex of the shape, with sum 1; welded vertices
@@ -380,7 +495,7 @@ impl Decomposer {
         match self.operator().weights() {
             RowWeights::Each(weights) => self.share_among_copies(weights),
             RowWeights::Uniform => {
-                let n = self.geometry.n_vertices();
+                let n = self.n_places();
                 self.share_among_copies(&vec![1.0 / n as f64; n])
             }
         }
@@ -388,12 +503,12 @@ impl Decomposer {
 
     /// Weights of welded vertices, divided among the vertices of the shape.
     fn share_among_copies(&self, weights: &[f64]) -> Vec<f64> {
-        let mut shares = vec![0_u32; self.geometry.n_vertices()];
-        for &x in self.geometry.vertex_map().as_slice() {
+        let mut shares = vec![0_u32; self.n_places()];
+        for &x in self.vertex_map().as_slice() {
             shares[x as usize] += 1;
         }
         let share: Vec<f64> = weights.iter().zip(shares).map(|(a, n)| a / f64::from(n)).collect();
-        self.geometry.vertex_map().scatter(&share, 1)
+        self.vertex_map().scatter(&share, 1)
     }
 
     /// Sheets of a cloud that are closer to each other than its points, found by its neighbors ([`close_sheets`]); `None`
@@ -402,15 +517,42 @@ impl Decomposer {
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
     pub fn close_sheets(&self, progress: Progress<'_>) -> Result<Option<CloseSheets>, Cancelled> {
-        if !self.is_cloud() || self.geometry.has_separate_sheets() {
-            return Ok(None);
+        match self.geometry() {
+            Some(geometry) if geometry.shape().is_cloud() && !geometry.has_separate_sheets() => {
+                close_sheets(geometry.points(), self.neighbors(), progress)
+            }
+            _ => Ok(None),
         }
-        close_sheets(self.geometry.points(), self.neighbors(), progress)
     }
 
-    /// Counts of the elements of the shape.
+    /// Outward normals of the welded vertices ([`outward_normals`]); `file` has those of the file, n_vertices × 3.
+    ///
+    /// # Errors
+    /// As for [`outward_normals`]; [`OutwardError::NoPositions`] also for a domain that is no shape.
+    pub fn outward_normals(
+        &self,
+        file: Option<&[f64]>,
+        progress: Progress<'_>,
+    ) -> Result<OutwardNormals, OutwardError> {
+        outward_normals(self.geometry_for("an outside")?, file, progress)
+    }
+
+    /// Number of entries of the rows of the operator; `None` if it stores none.
+    pub fn n_entries(&self) -> Option<usize> {
+        self.operator().rows().map(|rows| rows.nnz())
+    }
+
+    /// Counts of the elements of the shape; of a domain without one, of the graph of its neighbors.
     pub fn health(&self) -> Health {
-        expect_not_cancelled(health(&self.geometry, self.neighbors(), Progress::none()))
+        let graph;
+        let geometry = match self.geometry() {
+            Some(geometry) => geometry,
+            None => {
+                graph = PreparedGeometry::from_neighbors(self.neighbors());
+                &graph
+            }
+        };
+        expect_not_cancelled(health(geometry, self.neighbors(), Progress::none()))
     }
 
     /// Default number of levels and the reason for it (see [`default_schedule`](Self::default_schedule)).
@@ -477,26 +619,27 @@ impl Decomposer {
         if vertex >= n_vertices {
             return Err(BasisError::NoVertex { vertex, n_vertices });
         }
-        if self.params.end_points == EndPoints::Keep && !self.geometry.curve_ends().is_empty() {
+        if let Some(curve) = self.geometry().filter(|geometry| !geometry.curve_ends().is_empty())
+            && self.params.end_points == EndPoints::Keep
+        {
             // An operator that keeps values is not self-adjoint, by which a row is computed.
             let params = self.params.with_end_points(EndPoints::Free);
-            let free = Self::with_params(self.geometry.shape(), &params, progress)?;
+            let free = Self::with_params(curve.shape(), &params, progress)?;
             return free.basis_of_vertex(vertex, schedule, progress);
         }
-        let rows = self.rows("a function of one vertex")?;
-        let x = self.geometry.vertex_map().welded(vertex);
-        if rows.semigroup() != Semigroup::Steps {
-            return self.heat_of_vertex(x, schedule, progress);
+        let x = self.vertex_map().welded(vertex);
+        let has_rows = self.operator().rows().is_some();
+        if self.operator().semigroup() != Semigroup::Steps || !has_rows && self.operator().is_reversible() {
+            return self.adjoint_of_vertex(x, schedule, progress);
         }
+        let rows = self.rows("a function of one vertex of a walk that is not reversible")?;
         check_whole(schedule)?;
         let [.., before, last] = schedule.steps_from_zero()[..] else {
             unreachable!("a schedule has a level")
         };
         let (before, last) = (before as u64, last as u64);
         let functions = one_vertex(rows, x, before, last, 0.0, progress)?;
-        let dense = |row: &SparseRow| {
-            self.geometry.vertex_map().scatter(&row.to_dense(self.geometry.n_vertices()), 1)
-        };
+        let dense = |row: &SparseRow| self.vertex_map().scatter(&row.to_dense(self.n_places()), 1);
         Ok(VertexFunctions {
             scaling_function: dense(&functions.scaling),
             wavelet: dense(&functions.wavelet),
@@ -504,15 +647,16 @@ impl Decomposer {
         })
     }
 
-    /// Functions of heat from one welded vertex: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`. P is self-adjoint, so the
+    /// Functions of one place under a reversible operator: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`. P is self-adjoint, so the
     /// bands of the unit vector at x give them.
-    fn heat_of_vertex(
+    fn adjoint_of_vertex(
         &self,
         x: usize,
         schedule: &Schedule,
         progress: Progress<'_>,
     ) -> Result<VertexFunctions, BasisError> {
-        let (n, pi) = (self.geometry.n_vertices(), self.diffusion().stationary());
+        let (n, weights) = (self.n_places(), self.operator().weights());
+        let pi = |y: usize| weights.weight(y, n);
         let mut unit = vec![0.0; n];
         unit[x] = 1.0;
         let steps = schedule.steps();
@@ -523,6 +667,7 @@ impl Decomposer {
         self.transform.wavelets_into(&unit, 1, &last_two, &mut outs, progress).map_err(
             |error| match error {
                 BandsError::Cancelled(cancelled) => BasisError::Cancelled(cancelled),
+                BandsError::NotWhole { level, steps } => BasisError::NotWhole { level, steps },
                 other => unreachable!("{other}"),
             },
         )?;
@@ -531,7 +676,7 @@ impl Decomposer {
             scaling.iter_mut().zip(band).for_each(|(s, w)| *s -= w);
         }
         let mut wavelet = bands.pop().expect("a schedule has a level");
-        let share = |y: usize| if pi[x] > 0.0 { pi[y] / pi[x] } else { f64::from(u8::from(x == y)) };
+        let share = |y: usize| if pi(x) > 0.0 { pi(y) / pi(x) } else { f64::from(u8::from(x == y)) };
         for (y, (s, w)) in scaling.iter_mut().zip(&mut wavelet).enumerate() {
             *s = (*s * share(y)).max(0.0); // far away only rounding is left, of either sign
             *w *= share(y);
@@ -545,7 +690,7 @@ impl Decomposer {
         let largest = scaling.iter().copied().fold(0.0, f64::max);
         let floor = self.transform.params().accuracy * largest;
         let support = scaling.iter().filter(|s| **s > floor).count();
-        let map = self.geometry.vertex_map();
+        let map = self.vertex_map();
         Ok(VertexFunctions {
             scaling_function: map.scatter(&scaling, 1),
             wavelet: map.scatter(&wavelet, 1),

@@ -12,6 +12,7 @@ use crate::mask::Mask;
 use crate::pages::zeros;
 use crate::parallel;
 use crate::region::RegionWeights;
+use crate::shape::Shape;
 use std::borrow::Cow;
 
 /// A request for the bands of a signal: options first, then the call that selects the result.
@@ -106,7 +107,7 @@ impl<'a> BandsRequest<'a> {
     }
 
     pub(crate) fn vertex_map(&self) -> &'a crate::shape::VertexMap {
-        self.decomposer.geometry().vertex_map()
+        self.decomposer.vertex_map()
     }
 
     /// The signal with a value at every vertex.
@@ -242,12 +243,11 @@ impl<'a> BandsRequest<'a> {
     /// Mean of the signal at each welded vertex.
     fn mean<'s>(&'s self, filled: &'s [f64]) -> Result<Cow<'s, [f64]>, BandsError> {
         check_signal(filled, self.decomposer.n_vertices(), self.n_channels)?;
-        let geometry = self.decomposer.geometry();
         // Only for the shape's own coordinates, not for equal ones: their means are the positions of the welded
         // vertices, which exist already.
-        let own = geometry.shape().points().unwrap_or_default().as_flattened();
+        let own = self.decomposer.shape().and_then(Shape::points).unwrap_or_default().as_flattened();
         if std::ptr::eq(filled, own) && self.n_channels == 3 {
-            return Ok(Cow::Borrowed(geometry.points().as_flattened()));
+            return Ok(Cow::Borrowed(self.decomposer.positions().as_flattened()));
         }
         Ok(Cow::Owned(self.vertex_map().mean(filled, self.n_channels)))
     }
@@ -271,7 +271,7 @@ impl<'a> BandsRequest<'a> {
     /// # Panics
     /// Unless the signal has three channels and there is one normal per welded vertex.
     pub fn normal_components(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
-        let n_welded = self.decomposer.geometry().n_vertices();
+        let n_welded = self.decomposer.n_places();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         self.one_channel(RowMeasure::Along(normals))
     }
@@ -285,7 +285,7 @@ impl<'a> BandsRequest<'a> {
     /// # Panics
     /// As for [`normal_components`](Self::normal_components).
     pub fn normal_components_in_one_pass(&self, normals: &[[f64; 3]]) -> Result<Wavelets, BandsError> {
-        let n_welded = self.decomposer.geometry().n_vertices();
+        let n_welded = self.decomposer.n_places();
         assert_eq!((self.n_channels, n_welded), (3, normals.len()), "a vector and a normal at each vertex");
         if self.is_linear() {
             return self.normal_components(normals);

@@ -4,12 +4,24 @@ use super::DenoiseError;
 use crate::Progress;
 use crate::bands::{BandsParams, Precision, Schedule, Transform};
 use crate::operator::Diffusion;
+use std::sync::Arc;
 
 /// Transform of a walk whose bands have a relative error of at most `accuracy`.
-pub(super) fn transform(diffusion: Diffusion, accuracy: f64) -> Result<Transform, DenoiseError> {
+pub(super) fn transform(
+    diffusion: impl Into<Arc<Diffusion>>,
+    accuracy: f64,
+) -> Result<Transform, DenoiseError> {
+    Ok(Transform::new(diffusion, &params(accuracy))?)
+}
+
+/// A transform whose bands have a relative error of at most `accuracy`.
+pub(super) fn with_accuracy(transform: &Transform, accuracy: f64) -> Result<Transform, DenoiseError> {
+    Ok(transform.with_params(&params(accuracy))?)
+}
+
+fn params(accuracy: f64) -> BandsParams {
     // One call for each walk would not repay the preparation of single precision.
-    let params = BandsParams::default().with_accuracy(accuracy).with_precision(Precision::Double);
-    Ok(Transform::new(diffusion, &params)?)
+    BandsParams::default().with_accuracy(accuracy).with_precision(Precision::Double)
 }
 
 /// Scaling coefficients S on every level of `data` (n_channels per vertex, row-major), fine to coarse.

@@ -3,7 +3,7 @@
 use super::noise_level::median;
 use super::noise_model::{NoiseModel, Stabilizer};
 use super::risk::Risk;
-use super::scaling::{scaling_functions, transform};
+use super::scaling::{scaling_functions, transform, with_accuracy};
 use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
 use crate::bands::{Schedule, Transform};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
@@ -14,6 +14,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Steps of the shape's own walk that smooth a signal: two per doubling, whole numbers so that any walk can take
 /// them.
@@ -147,7 +148,7 @@ pub fn denoise_signal(
         return Err(DenoiseError::SignalLength { found, expected });
     }
     let masked = decomposer.mask_flags();
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let is_known = |x: usize| masked.is_none_or(|masked| !masked[x]);
     let known = |v: usize| is_known(map.welded(v));
     if let Some(at) = (0..signal.len()).find(|&i| !signal[i].is_finite() && known(i / n_channels)) {
@@ -177,7 +178,7 @@ pub fn denoise_signal(
             let domains = Some(domains).filter(|_| is_linear);
             ChannelGroup { decomposer, d: n_together, is_known: &is_known, domains }
         };
-        let walk = transform(Diffusion::clone(decomposer.diffusion()), ACCURACY)?;
+        let walk = with_accuracy(decomposer.transform(), ACCURACY)?;
         let scale = Stabilizer::new(&data, params, |data| group_of(data).level(data, &walk, progress))?;
         let stable = scale.transformed(&data);
         let (found, mut report) =
@@ -213,14 +214,20 @@ fn channel(data: &[f64], c: usize, d: usize) -> Vec<f64> {
     data[c.min(data.len())..].iter().step_by(d).copied().collect()
 }
 
-/// The walk of the shape, prepared for a group of channels.
+/// The diffusion of the domain, prepared for a group of channels.
 struct ShapeWalk<'a> {
     transform: &'a Transform,
     /// Fit of each channel; empty if smoothing is about the local mean.
     fits: Vec<LinearTransform<'a>>,
 }
 
-impl ChannelGroup<'_> {
+/// A walk that favors neighbors with similar values of the signal.
+struct LedWalk {
+    transform: Transform,
+    rows: Arc<Diffusion>,
+}
+
+impl<'a> ChannelGroup<'a> {
     /// Standard deviation of the noise of `data`.
     fn level(&self, data: &[f64], walk: &Transform, progress: Progress<'_>) -> Result<f64, DenoiseError> {
         let fits = self.fits(walk, progress)?;
@@ -304,7 +311,10 @@ impl ChannelGroup<'_> {
         &self,
         walk: &'t Transform,
         progress: Progress<'_>,
-    ) -> Result<Vec<LinearTransform<'t>>, DenoiseError> {
+    ) -> Result<Vec<LinearTransform<'t>>, DenoiseError>
+    where
+        'a: 't,
+    {
         let mut fits: Vec<LinearTransform<'t>> = Vec::new();
         for &domain in self.domains.iter().flatten() {
             let fit = match fits.last().filter(|fit| fit.domain() == domain) {
@@ -352,19 +362,21 @@ impl ChannelGroup<'_> {
         walk: &ShapeWalk<'_>,
         progress: Progress<'_>,
     ) -> Result<Vec<Vec<f64>>, DenoiseError> {
-        let led = |by: &[f64]| -> Result<Transform, DenoiseError> {
+        let led = |by: &[f64]| -> Result<LedWalk, DenoiseError> {
             let guide: Vec<[f64; 3]> = by
                 .chunks_exact(self.d)
                 .map(|row| std::array::from_fn(|c| row.get(c).copied().unwrap_or_default()))
                 .collect();
             // The lengths of steps are not needed.
-            let led = walk.transform.diffusion().weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
-            transform(led, ACCURACY)
+            let rows = self.decomposer.step_rows().weigh_by_guide(&guide, REACH, |_, _| 0.0, progress)?;
+            let rows = Arc::new(rows);
+            Ok(LedWalk { transform: transform(Arc::clone(&rows), ACCURACY)?, rows })
         };
-        let scaling_by = |led: &Transform, n_levels: usize| {
+        let scaling_by = |led: &LedWalk, n_levels: usize| {
             let schedule = Schedule::dyadic(n_levels).expect("a few levels");
-            let fits = distinct_fits(&walk.fits, |fit| fit.with_transform(led, progress))?;
-            self.scaling(led, &fits, data, &schedule, n_levels, progress)
+            let fits =
+                distinct_fits(&walk.fits, |fit| fit.with_transform(&led.transform, &led.rows, progress))?;
+            self.scaling(&led.transform, &fits, data, &schedule, n_levels, progress)
         };
         let plain_schedule = Schedule::real(PLAIN_STEPS.to_vec()).expect("increasing numbers");
         let plain =
@@ -384,7 +396,7 @@ impl ChannelGroup<'_> {
         fits: &[LinearTransform<'_>],
         progress: Progress<'_>,
     ) -> Result<f64, DenoiseError> {
-        let neighbors = self.decomposer.diffusion().neighbors();
+        let neighbors = self.decomposer.step_rows().neighbors();
         let mut channels = Vec::new();
         for (c, fit) in fits.iter().enumerate() {
             let field = channel(data, c, self.d);

@@ -9,6 +9,7 @@
 use super::sample::SampleResponse;
 use super::{Feature, FeatureError, FeatureParams, Response, features, select_spread};
 use crate::bands::{BandsError, BandsParams, Schedule, Wavelets};
+use crate::domain::NoShape;
 use crate::population::Population;
 use crate::shape::{distance, squared_distance};
 use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
@@ -50,6 +51,9 @@ pub enum CloudFeatureError {
     /// The normals cannot be found.
     #[error(transparent)]
     Outward(#[from] OutwardError),
+    /// The domain is no shape.
+    #[error(transparent)]
+    NoShape(#[from] NoShape),
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -61,6 +65,7 @@ impl ClassifiedError for CloudFeatureError {
             Self::Features(e) => e.kind(),
             Self::Bands(e) => e.kind(),
             Self::Outward(e) => e.kind(),
+            Self::NoShape(e) => e.kind(),
             Self::Cancelled(e) => e.kind(),
         }
     }
@@ -159,7 +164,7 @@ fn normals(
     file: Option<&[f64]>,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, CloudFeatureError> {
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a search for features of a cloud")?;
     let mut normals = outward_normals(geometry, file, progress.quiet())?.normals;
     if normals.contains(&[0.0; 3]) {
         let (points, _) = geometry.unit_points(progress)?;
@@ -182,7 +187,7 @@ pub(super) fn normal_response(
     progress: Progress<'_>,
 ) -> Result<Wavelets, BandsError> {
     let points = coordinates.points;
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     let n = points.len().max(1) as f64;
     let center: [f64; 3] = std::array::from_fn(|c| points.iter().map(|p| p[c] / n).sum());
     let with_square = |p: &[f64; 3]| {
@@ -222,10 +227,10 @@ pub(super) fn normal_response(
 /// Subtracts from each level its median, which is the response of the shape as a whole: that of a sphere, for a ball with
 /// bumps.
 fn center_levels(decomposer: &Decomposer, wavelets: &mut Wavelets) {
-    let participation = decomposer.geometry().participation();
+    let outsiders = decomposer.domain().outsiders();
+    let is_member = |x: usize| outsiders.as_ref().is_none_or(|outsiders| !outsiders[x]);
     for level in &mut wavelets.levels {
-        let mut known: Vec<f64> =
-            (0..level.len()).filter(|&x| participation.is_member(x)).map(|x| level[x]).collect();
+        let mut known: Vec<f64> = (0..level.len()).filter(|&x| is_member(x)).map(|x| level[x]).collect();
         if known.is_empty() {
             continue;
         }
@@ -263,7 +268,7 @@ struct SignificanceTest<'a> {
 impl SignificanceTest<'_> {
     /// True if the response at a feature differs from its surroundings by more than drawing and noise explain.
     fn is_significant(&self, feature: &Feature) -> bool {
-        let x = self.decomposer.geometry().vertex_map().welded(feature.vertex);
+        let x = self.decomposer.vertex_map().welded(feature.vertex);
         let level = &self.wavelets.levels[feature.level - 1];
         let Some(differences) = self.sample.differences(feature.level) else { return false };
         let sigma = self.wavelets.sigma[feature.level];
@@ -291,7 +296,7 @@ impl SignificanceTest<'_> {
 
     /// Welded points within a distance of `x` that neighbors connect, with their distances.
     fn points_within(&self, x: usize, reach: f64) -> Vec<(usize, f64)> {
-        let (points, neighbors) = (self.decomposer.geometry().points(), self.decomposer.neighbors());
+        let (points, neighbors) = (self.decomposer.positions(), self.decomposer.neighbors());
         let mut seen = HashSet::from([x as u32]);
         let mut found = vec![(x, 0.0)];
         let mut at = 0;

@@ -44,7 +44,7 @@ pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Featur
         Progress::none(),
     ));
     let levels = &layers[0].levels;
-    let areas = decomposer.welded_areas();
+    let areas = decomposer.place_measure();
     parallel::map_items(decomposer.n_vertices(), features.len(), |k| {
         descriptor(decomposer, levels, areas, &features[k])
     })
@@ -53,10 +53,10 @@ pub fn describe(decomposer: &Decomposer, wavelets: &Wavelets, features: &[Featur
 fn descriptor(
     decomposer: &Decomposer,
     levels: &[ResponseLevel<'_>],
-    areas: &[f64],
+    areas: Option<&[f64]>,
     feature: &Feature,
 ) -> Descriptor {
-    let x = decomposer.geometry().vertex_map().welded(feature.vertex);
+    let x = decomposer.vertex_map().welded(feature.vertex);
     let mut numbers = [0.0; DESCRIPTOR_LENGTH];
     let mut ring_areas = [0.0; RINGS];
     let first = feature.level as isize - LEVELS_BESIDE as isize;
@@ -64,11 +64,12 @@ fn descriptor(
         .filter_map(|k| Some((k, levels.get(usize::try_from(first + k as isize - 1).ok()?)?)))
         .collect();
     for (y, ring) in find_within(decomposer, x, feature.sigma) {
-        ring_areas[ring] += areas[y];
+        let area = areas.map_or(1.0, |areas| areas[y]);
+        ring_areas[ring] += area;
         for &(k, level) in &looked_at {
             let r = level.value(y);
             let part = usize::from(r < 0.0);
-            numbers[k * PER_LEVEL + 2 * ring + part] += areas[y] * r * r;
+            numbers[k * PER_LEVEL + 2 * ring + part] += area * r * r;
         }
     }
     for (k, level) in looked_at {
@@ -91,7 +92,7 @@ fn descriptor(
 
 /// The vertices connected to `x` within the outermost ring, and their rings.
 fn find_within(decomposer: &Decomposer, x: usize, sigma: f64) -> Vec<(usize, usize)> {
-    let points = decomposer.geometry().points();
+    let points = decomposer.positions();
     let neighbors = decomposer.neighbors();
     let mut seen = HashSet::from([x]);
     let mut found = vec![(x, 0)];

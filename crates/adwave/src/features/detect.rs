@@ -58,13 +58,13 @@ pub fn features(
     if n_levels < 3 {
         return Err(FeatureError::TooFewLevels { n_levels });
     }
-    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.geometry().n_vertices());
+    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.n_places());
     if n_bands != n_vertices {
         return Err(FeatureError::OtherShape { n_bands, n_vertices });
     }
     let population = Population::new(decomposer);
     let ring = decomposer.ring(progress)?;
-    let neighborhood = Neighborhood { ring: &ring, rings: if decomposer.is_cloud() { 1 } else { 2 } };
+    let neighborhood = Neighborhood { ring: &ring, rings: decomposer.domain().feature_rings() };
     let means = Means::new(&ring, params.scope, progress)?;
     let mut found: Vec<(usize, Feature)> = Vec::new();
     for layer in layers(&population, wavelets, params.response, progress)? {
@@ -84,7 +84,7 @@ pub fn features(
                 let response = level.value(x);
                 let mut feature = Feature {
                     vertex: x,
-                    position: decomposer.geometry().points().get(x).copied(),
+                    position: decomposer.positions().get(x).copied(),
                     level: j,
                     sigma: wavelets.sigma[j],
                     response,
@@ -119,8 +119,8 @@ pub fn features(
 
 /// First vertex of the shape in each welded vertex.
 fn first_members(decomposer: &Decomposer) -> Vec<u32> {
-    let mut first = vec![u32::MAX; decomposer.geometry().n_vertices()];
-    for (&x, vertex) in decomposer.geometry().vertex_map().as_slice().iter().zip(0..) {
+    let mut first = vec![u32::MAX; decomposer.n_places()];
+    for (&x, vertex) in decomposer.vertex_map().as_slice().iter().zip(0..) {
         first[x as usize] = vertex.min(first[x as usize]);
     }
     first

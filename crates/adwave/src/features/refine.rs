@@ -16,7 +16,7 @@ pub(super) struct TangentNeighborhood {
 impl TangentNeighborhood {
     /// The neighbors of `x` in their best-fitting plane; on a graph there is no frame.
     pub(super) fn new(decomposer: &Decomposer, neighbors: &[u32], x: usize) -> Self {
-        let points = decomposer.geometry().points();
+        let points = decomposer.positions();
         let flat = Self { frame: None, around: Vec::new(), size: 0.0 };
         let Some(origin) = points.get(x).map(|p| Vector3::from(*p)) else { return flat };
         let offsets = neighbors.iter().map(|&y| Vector3::from(points[y as usize]) - origin);

@@ -78,7 +78,7 @@ impl Half {
         is_drawn: bool,
         progress: Progress<'_>,
     ) -> Result<Option<Self>, BandsError> {
-        let geometry = decomposer.geometry();
+        let Some(geometry) = decomposer.geometry() else { return Ok(None) };
         let is_in =
             |x: &u32| in_first_half(*x) == is_drawn && geometry.participation().is_member(*x as usize);
         let half: Vec<u32> = (0..geometry.n_vertices() as u32).filter(is_in).collect();
@@ -91,14 +91,15 @@ impl Half {
         let own = Decomposer::with_params(&Shape::Cloud(cloud), decomposer.operator_params(), progress)?;
         let ratio = (own.operator().step_length() / decomposer.operator().step_length()).powi(2);
         let Some(steps) = HalfSteps::new(coordinates.schedule, ratio) else { return Ok(None) };
-        let map = own.geometry().vertex_map();
-        let mut vertices = vec![0_u32; own.geometry().n_vertices()];
+        let map = own.vertex_map();
+        let mut vertices = vec![0_u32; own.n_places()];
         for (k, &x) in half.iter().enumerate() {
             vertices[map.welded(k)] = x;
         }
         let old: Vec<[f64; 3]> = vertices.iter().map(|&x| normals[x as usize]).collect();
-        let (unit, _) = own.geometry().unit_points(progress)?;
-        let near = own.geometry().nearest(&unit, FIT_NEIGHBORS, progress)?;
+        let Some(own_geometry) = own.geometry() else { return Ok(None) };
+        let (unit, _) = own_geometry.unit_points(progress)?;
+        let near = own_geometry.nearest(&unit, FIT_NEIGHBORS, progress)?;
         let own_normals = aligned_normals(&unit, &near.adjacency, &old, progress)?;
         let welded = geometry.vertex_map().mean(coordinates.points.as_flattened(), 3);
         let points = pick(welded.as_chunks().0);

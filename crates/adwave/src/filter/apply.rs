@@ -44,7 +44,7 @@ pub(crate) struct WeldedMembers<'a> {
 /// let path = Shape::Graph(Graph::new(3, &[(0, 1, 1.0), (1, 2, 1.0)])?);
 /// let (decomposer, f) = (Decomposer::new(&path), [0.0, 4.0, 0.0]);
 /// let bands = decomposer.request(&f, 1, &Schedule::dyadic(1)?).bands()?.into_vec();
-/// let (map, mut out) = (decomposer.geometry().vertex_map(), [0.0; 3]);
+/// let (map, mut out) = (decomposer.vertex_map(), [0.0; 3]);
 /// let bands = BandsView { coefficients: &bands, n_levels: 1, n_channels: 1 };
 /// filter_bands(&f, bands, &[WeightedLayer::everywhere(vec![0.0])], map, &mut out)?;
 /// assert_eq!(out, [2.0, 2.0, 2.0]); // W_1 = (−2, 2, −2) taken away

@@ -5,6 +5,7 @@ use super::FitDomain;
 use super::gradient::{FIT_REACH, GradientFit};
 use super::wavelets::{GRADIENT_ACCURACY, LEAST_WEIGHT, gradient_steps};
 use crate::bands::{BandsError, FixedSeries, Schedule, Transform};
+use crate::operator::Diffusion;
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
@@ -31,6 +32,8 @@ pub struct HeightSeries {
 pub struct HeightPart<'a> {
     /// Transform of the part.
     pub transform: &'a Transform,
+    /// Rows of its operator.
+    pub rows: &'a Diffusion,
     /// Positions, in a unit in which squares of lengths neither overflow nor underflow.
     pub points: &'a [[f64; 3]],
     /// Index of the coordinate that is smoothed.
@@ -116,12 +119,12 @@ impl HeightSeries {
         mean_confidence: f64,
         progress: Progress<'_>,
     ) -> Result<Vec<f64>, BandsError> {
-        let HeightPart { transform, points, axis } = part;
+        let HeightPart { transform, rows, points, axis } = part;
         let n = points.len();
         let axes = FitDomain::Plane { height: axis }.axes();
         let fit = part.fit(progress)?;
         let field = parallel::try_collect(n, progress, |x| points[x][axis])?;
-        let gradients = fit.gradients(transform.diffusion(), &field, progress)?;
+        let gradients = fit.gradients(rows, &field, progress)?;
         // Gradients times their weights, and the weights.
         let first = parallel::try_collect(n, progress, |x| {
             let (weight, a) = (fit.confidence[x], &gradients[x]);
@@ -166,7 +169,7 @@ impl HeightSeries {
 impl HeightPart<'_> {
     fn fit(&self, progress: Progress<'_>) -> Result<GradientFit, Cancelled> {
         let domain = FitDomain::Plane { height: self.axis };
-        GradientFit::new(self.transform.diffusion(), self.points, domain, true, progress)
+        GradientFit::new(self.rows, self.points, domain, true, progress)
     }
 }
 
@@ -208,12 +211,13 @@ mod tests {
         let request = decomposer.request(&heights, 1, &schedule).accuracy(1e-9).local_fit(LocalFit::Linear);
         let exact = request.weighted(&factors).unwrap().0;
         let series = HeightSeries::new(&schedule, 1e-9, &factors).unwrap();
-        let welded = decomposer.geometry().points();
-        let part = HeightPart { transform: decomposer.transform(), points: welded, axis: 2 };
+        let welded = decomposer.positions();
+        let rows = decomposer.rows("a part").unwrap();
+        let part = HeightPart { transform: decomposer.transform(), rows, points: welded, axis: 2 };
         let (n, none) = (welded.len(), Progress::none());
         let mean = HeightSeries::sum_of_confidence(part, 0..n, none).unwrap() / n as f64;
         let found = series.change(part, 0..n, mean, none).unwrap();
-        let found = decomposer.geometry().vertex_map().scatter(&found, 1);
+        let found = decomposer.vertex_map().scatter(&found, 1);
         found.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 

@@ -3,6 +3,7 @@
 use super::FitDomain;
 use super::gradient::{GradientFit, edges};
 use crate::bands::{BandsError, BandsInfo, Schedule, Transform};
+use crate::operator::Diffusion;
 use crate::{Cancelled, Progress, parallel};
 
 /// Share of a level's steps that smooth its gradient. The gradient is then fitted over half the width σ_j: wide
@@ -25,36 +26,40 @@ const ROWS_AT_A_TIME: usize = 1 << 12;
 #[derive(Clone, Debug)]
 pub(crate) struct LinearTransform<'a> {
     transform: &'a Transform,
+    /// Steps between the neighbors over which gradients are fitted.
+    rows: &'a Diffusion,
     domain: FitDomain,
     fit: GradientFit,
 }
 
 impl<'a> LinearTransform<'a> {
     /// Prepares the fits of an operator whose vertices are at `points`, in a unit in which squares of lengths
-    /// neither overflow nor underflow. `is_surface` excludes that the points fill a volume. O(entries).
+    /// neither overflow nor underflow; `rows` are its own, or steps between the same neighbors. `is_surface` excludes that the
+    /// points fill a volume. O(entries).
     ///
     /// # Errors
-    /// [`BandsError::NoRows`] if the operator has no rows, or if the call is cancelled.
+    /// [`Cancelled`] if the call is cancelled.
     pub(crate) fn new(
         transform: &'a Transform,
+        rows: &'a Diffusion,
         points: &[[f64; 3]],
         domain: FitDomain,
         is_surface: bool,
         progress: Progress<'_>,
     ) -> Result<Self, BandsError> {
-        let rows = transform.rows("a linear fit")?;
         let fit = GradientFit::new(rows, points, domain, is_surface, progress)?;
-        Ok(Self { transform, domain, fit })
+        Ok(Self { transform, rows, domain, fit })
     }
 
     /// The fits of another operator on the same vertices. O(entries).
     pub(crate) fn with_transform<'t>(
         &self,
         transform: &'t Transform,
+        rows: &'t Diffusion,
         progress: Progress<'_>,
     ) -> Result<LinearTransform<'t>, Cancelled> {
-        let fit = self.fit.refit(transform.diffusion(), self.domain, progress)?;
-        Ok(LinearTransform { transform, domain: self.domain, fit })
+        let fit = self.fit.refit(rows, self.domain, progress)?;
+        Ok(LinearTransform { transform, rows, domain: self.domain, fit })
     }
 
     /// Domain of the fits.
@@ -150,7 +155,7 @@ impl<'a> LinearTransform<'a> {
     /// Difference of a field of one channel from the linear fit to the neighbors of each vertex, all with the same
     /// weight; NaN without neighbors. O(entries).
     pub(crate) fn residuals(&self, field: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
-        let diffusion = self.transform.diffusion();
+        let diffusion = self.rows;
         let gradients = self.fit.gradients(diffusion, field, progress)?;
         parallel::try_collect(field.len(), progress, |x| {
             let mut n_neighbors = 0.0;
@@ -174,7 +179,7 @@ impl<'a> LinearTransform<'a> {
             return Ok((1.0, 1.0));
         }
         let unit = power_of_two(largest);
-        let diffusion = self.transform.diffusion();
+        let diffusion = self.rows;
         let square = parallel::try_sum(field.len(), progress, |x| {
             let (columns, weights) = diffusion.row(x);
             let rises =
@@ -218,7 +223,7 @@ impl SmoothedGradients {
     ) -> Result<Self, BandsError> {
         let (fit, axes) = (&of.fit, of.domain.axes());
         let (n, width) = (field.len(), axes.len() + 1);
-        let gradients = fit.gradients(of.transform.diffusion(), field, progress)?;
+        let gradients = fit.gradients(of.rows, field, progress)?;
         let mut rows = crate::pages::zeros(n * width);
         parallel::try_visit_rows(&mut rows, width, ROWS_AT_A_TIME, progress, |first, rows| {
             for (x, row) in (first..).zip(rows.chunks_exact_mut(width)) {

@@ -1,5 +1,6 @@
 //! Changes of a shape that features should survive.
 
+use crate::domain::NoShape;
 use crate::sample::add_noise;
 use crate::shape::{
     Mesh, PointCloud, Polygons, PreparedGeometry, Shape, face_vertex_normals, nearest_neighbors,
@@ -49,6 +50,9 @@ pub enum ChangeError {
     /// The shape is a graph, which has no positions.
     #[error("a graph has no positions that could be changed")]
     NoPositions,
+    /// The domain is no shape.
+    #[error(transparent)]
+    NoShape(#[from] NoShape),
     /// A parameter is out of its range.
     #[error("the {what} is {value}; it must be a finite number {range}")]
     Number {
@@ -101,7 +105,7 @@ impl ChangedShape {
 /// # Errors
 /// [`ChangeError`] for a graph, a parameter out of its range, or a result that is too large.
 pub fn change(shape: &Shape, decomposer: &Decomposer, change: &Change) -> Result<ChangedShape, ChangeError> {
-    let geometry = decomposer.geometry();
+    let geometry = decomposer.geometry_for("a change of positions")?;
     let points = shape.points().ok_or(ChangeError::NoPositions)?;
     let number = |what, value: f64, valid: bool, range| {
         if value.is_finite() && valid { Ok(()) } else { Err(ChangeError::Number { what, value, range }) }

@@ -381,6 +381,21 @@ impl Diffusion {
         Self { rows, stationary, step_length, is_reversible, semigroup, stays_half }
     }
 
+    /// Lazy walk to each neighbor with the same probability: `Φ₁(x,y) = 1/(2·n_x)` for the n_x neighbors y of x. It is
+    /// reversible if the neighbors are symmetric, as those of a domain are. The step length is in hops. O(entries).
+    pub(crate) fn over_neighbors(neighbors: &Adjacency) -> Self {
+        let weights = (0..neighbors.n_rows())
+            .flat_map(|x| {
+                let n = neighbors.row(x).len();
+                std::iter::repeat_n(0.5 / n as f64, n)
+            })
+            .collect();
+        let total = neighbors.nnz().max(1) as f64;
+        let stationary = (0..neighbors.n_rows()).map(|x| neighbors.row(x).len() as f64 / total).collect();
+        let rows = CompressedRows::new_unchecked(neighbors.clone(), weights);
+        Self::from_given(rows, stationary, 0.5_f64.sqrt(), true, Semigroup::Steps)
+    }
+
     /// Φ₁ as a matrix with its diagonal, n_vertices × n_vertices, with ascending columns;
     /// [`CompressedRows::into_scipy`] converts it to SciPy arrays. O(entries).
     ///

@@ -2,10 +2,11 @@
 //!
 //! The series of the bands and the bounds of their errors ask an operator for nothing but what is in [`Operator`]: the
 //! number of its rows, the weights of the norm, the meaning of n steps, and vectors `T_k(Y)u` that [`Steps`] adds to sums.
-//! A call goes through the interface once per pass of several products, never per row.
+//! A call goes through the interface once per pass of several products, never per row. An operator that takes any number of
+//! steps at once, such as the solver of a grid, is a [`Leap`] instead.
 
 use super::difference_steps::DifferenceSteps;
-use super::{Diffusion, Semigroup};
+use super::{Diffusion, DiffusionError, Semigroup};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::fmt::Debug;
 use std::ops::Range;
@@ -15,7 +16,8 @@ use thiserror::Error;
 /// Largest number of channels that products of an operator without a form of its own process together.
 const CHANNELS_TOGETHER: usize = 8;
 
-/// One step of a lazy random walk, Φ₁, n_rows × n_rows: entries ≥ 0, rows with sum 1.
+/// One step of diffusion, Φ₁, n_rows × n_rows: that of a lazy random walk (entries ≥ 0, rows with sum 1), of heat, or of
+/// vectors that turn on their way ([`Invariant::Nothing`]).
 ///
 /// Three functions suffice: the number of rows, `(I − Φ₁)x`, and the promise that the operator is reversible or not. An
 /// operator that stores its rows is a [`Diffusion`]; one that is given by a function of the row is a
@@ -154,8 +156,48 @@ pub trait Operator: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// The operator as stored rows, if it has them. Explicit basis functions, linear fits and masks need them.
+    /// The operator as stored rows, if it has them. Explicit basis functions need them.
     fn rows(&self) -> Option<&Arc<Diffusion>> {
+        None
+    }
+
+    /// This operator without the flagged places, which keep their values and which no step reaches or leaves. The weights of
+    /// the others say how it diffuses among them. `squared_length(x, y)` is the squared length of a step in model units.
+    /// `None` if it cannot leave places out; an operator with [`rows`](Self::rows) need not say how, because they can.
+    ///
+    /// # Errors
+    /// [`DiffusionError`] unless there is one flag per row; or if the call is cancelled.
+    fn masked(
+        &self,
+        _masked: &[bool],
+        _squared_length: &(dyn Fn(usize, usize) -> f64 + Sync + Send),
+        _progress: Progress<'_>,
+    ) -> Result<Option<Arc<dyn Operator>>, DiffusionError> {
+        Ok(None)
+    }
+
+    /// Measure whose integrals the operator keeps, by which means over the places are weighted: the domain's for heat, and
+    /// the number of places for a walk.
+    fn kept_measure(&self) -> KeptMeasure {
+        match self.semigroup() {
+            Semigroup::Heat { .. } => KeptMeasure::Domain,
+            Semigroup::Steps | Semigroup::PlainSteps => KeptMeasure::Count,
+        }
+    }
+
+    /// Signals that the operator leaves unchanged.
+    fn invariant(&self) -> Invariant {
+        Invariant::Constants
+    }
+
+    /// Number of channels that belong together at a place: 1 for scalars, 2 for vectors in a tangent frame. A signal has a
+    /// multiple of it, and blocks of channels are not split within a place.
+    fn channels_at_place(&self) -> usize {
+        1
+    }
+
+    /// The way to take many steps at once, if there is one that is faster than products. Bands then use it.
+    fn leap(&self) -> Option<&dyn Leap> {
         None
     }
 
@@ -171,6 +213,44 @@ pub trait Operator: Debug + Send + Sync {
     ) -> Result<Box<dyn Steps + 'a>, Cancelled> {
         Ok(Box::new(DifferenceSteps::new(self, block, progress)?))
     }
+}
+
+/// Any number of steps at once, as of a separable or an implicit solver.
+pub trait Leap: Sync {
+    /// Computes n steps of `x` (n_rows × n_channels, row-major) into `out`, n whole or not, in the sense of
+    /// [`Operator::semigroup`]. Returns a bound of `‖error‖ / ‖x‖` in the norm of [`Operator::weights`], at most `accuracy`
+    /// where that can be reached, and as small as possible elsewhere. Constants are kept to the last bit if the operator
+    /// keeps them.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the call is cancelled.
+    fn take_steps(
+        &self,
+        n_steps: f64,
+        x: &[f64],
+        n_channels: usize,
+        accuracy: f64,
+        out: &mut [f64],
+        progress: Progress<'_>,
+    ) -> Result<f64, Cancelled>;
+}
+
+/// Measure whose integrals an operator keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptMeasure {
+    /// Each place counts 1.
+    Count,
+    /// The measure of the domain, such as areas.
+    Domain,
+}
+
+/// Signals that an operator leaves unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Invariant {
+    /// Constants: rows sum to 1.
+    Constants,
+    /// None that is known: vectors turn on their way.
+    Nothing,
 }
 
 /// The vectors `T_k(Y)u` for increasing k, `Y = 2Φ₁ − I`, and sums of them.

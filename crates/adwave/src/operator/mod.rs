@@ -15,7 +15,8 @@ mod surface;
 pub use diffusion::{Diffusion, DiffusionError, Semigroup};
 pub(crate) use guided::{Sites, site_diffusion, typical_square};
 pub use interface::{
-    BlockPrecision, Continuation, NoRows, Operator, RowOutput, RowWeights, SignalBlock, Steps, Sum, Weighing,
+    BlockPrecision, Continuation, Invariant, KeptMeasure, Leap, NoRows, Operator, RowOutput, RowWeights,
+    SignalBlock, Steps, Sum, Weighing,
 };
 pub use local::{LocalOperator, local_operator, local_operator_of_neighbors};
 pub use row_function::RowFunction;

@@ -4,6 +4,7 @@ use super::diffusion::DiffusionError;
 use super::interface::{Operator, RowWeights};
 use crate::{Cancelled, Progress, parallel};
 use std::fmt;
+use std::sync::Arc;
 
 /// Number of rows that a thread processes at a time.
 const ROWS_AT_A_TIME: usize = 2048;
@@ -40,7 +41,9 @@ const BALANCE_TOLERANCE: f64 = 1e-9;
 /// ```
 pub struct RowFunction<F> {
     n_rows: usize,
-    row: F,
+    row: Arc<F>,
+    /// Flags of the places that are left out.
+    masked: Option<Vec<bool>>,
     weights: Option<Vec<f64>>,
     is_reversible: bool,
     step_length: f64,
@@ -67,7 +70,9 @@ where
     /// # Errors
     /// [`DiffusionError`] if an entry is negative, not finite or beyond the rows, or a row leaves with more than ½.
     pub fn new(n_rows: usize, row: F) -> Result<Self, DiffusionError> {
-        Self { n_rows, row, weights: None, is_reversible: false, step_length: 1.0 }.with_checked_rows()
+        let row = Arc::new(row);
+        Self { n_rows, row, masked: None, weights: None, is_reversible: false, step_length: 1.0 }
+            .with_checked_rows()
     }
 
     /// This walk with the weights μ of its rows, of any sum, in whose inner product it may be reversible.
@@ -117,10 +122,30 @@ where
         (moves > 0.5 + SUM_TOLERANCE).then_some(DiffusionError::NotLazy { row, moves })
     }
 
+    /// Entries of a row that lead to another place and are not masked, and the factor by which masked ones raise them, so
+    /// that the same probability moves.
+    fn steps(&self, x: usize) -> (f64, impl Iterator<Item = (usize, f64)>) {
+        let is_out = move |y: usize| self.masked.as_ref().is_some_and(|masked| masked[x] || masked[y]);
+        let mut factor = 1.0;
+        if self.masked.is_some() {
+            let (mut all, mut kept) = (0.0, 0.0);
+            for (y, w) in (self.row)(x).into_iter().filter(|(y, _)| *y != x) {
+                all += w;
+                kept += if is_out(y) { 0.0 } else { w };
+            }
+            factor = if kept > 0.0 { all / kept } else { 0.0 };
+        }
+        (factor, (self.row)(x).into_iter().filter(move |&(y, _)| !is_out(y)))
+    }
+
+    fn row_weights(&self) -> RowWeights<'_> {
+        self.weights.as_deref().map_or(RowWeights::Uniform, RowWeights::Each)
+    }
+
     fn is_balanced(&self, x: usize) -> bool {
         let total = |from: usize, to: usize| -> f64 {
             let entries = (self.row)(from).into_iter().filter(|&(y, _)| y == to);
-            self.weights().weight(from, self.n_rows) * entries.map(|(_, w)| w).sum::<f64>()
+            self.row_weights().weight(from, self.n_rows) * entries.map(|(_, w)| w).sum::<f64>()
         };
         (self.row)(x).into_iter().all(|(y, _)| {
             let [there, back] = [total(x, y), total(y, x)];
@@ -131,7 +156,7 @@ where
 
 impl<F, I> Operator for RowFunction<F>
 where
-    F: Fn(usize) -> I + Send + Sync,
+    F: Fn(usize) -> I + Send + Sync + 'static,
     I: IntoIterator<Item = (usize, f64)>,
 {
     fn n_rows(&self) -> usize {
@@ -149,10 +174,11 @@ where
             for (row, out) in (first..).zip(rows.chunks_exact_mut(n_channels)) {
                 let here = &x[row * n_channels..][..n_channels];
                 out.fill(0.0);
-                for (column, w) in (self.row)(row) {
+                let (factor, steps) = self.steps(row);
+                for (column, w) in steps {
                     let there = &x[column * n_channels..][..n_channels];
                     for ((out, here), there) in out.iter_mut().zip(here).zip(there) {
-                        *out += w * (here - there);
+                        *out += w * factor * (here - there);
                     }
                 }
             }
@@ -164,10 +190,41 @@ where
     }
 
     fn weights(&self) -> RowWeights<'_> {
-        self.weights.as_deref().map_or(RowWeights::Uniform, RowWeights::Each)
+        self.row_weights()
     }
 
     fn step_length(&self) -> f64 {
         self.step_length
+    }
+
+    /// The steps to masked places go to the others, as [`Diffusion::remove_masked`](super::Diffusion::remove_masked) does.
+    fn masked(
+        &self,
+        masked: &[bool],
+        squared_length: &(dyn Fn(usize, usize) -> f64 + Sync + Send),
+        progress: Progress<'_>,
+    ) -> Result<Option<Arc<dyn Operator>>, DiffusionError> {
+        let n = self.n_rows;
+        if masked.len() != n {
+            return Err(DiffusionError::MaskLength { n_flags: masked.len(), n_vertices: n });
+        }
+        let before = self.masked.as_deref();
+        let masked = masked.iter().enumerate().map(|(x, out)| *out || before.is_some_and(|flags| flags[x]));
+        let (row, masked) = (Arc::clone(&self.row), Some(masked.collect()));
+        let mut new = Self { n_rows: n, row, masked, weights: None, ..*self };
+        // Of places without steps any weight > 0 is right: their values do not change.
+        let weight = |x: usize| {
+            let factor = new.steps(x).0;
+            self.weights().weight(x, n) / if factor > 0.0 { factor } else { 1.0 }
+        };
+        let weights = parallel::try_collect(n, progress, weight)?;
+        let total = parallel::try_sum(n, progress, |x| weights[x])?;
+        let square = parallel::try_sum(n, progress, |x| {
+            let (factor, steps) = new.steps(x);
+            weights[x] * factor * steps.map(|(y, w)| w * squared_length(x, y)).sum::<f64>()
+        })?;
+        new.step_length = (square / total).sqrt();
+        new.weights = Some(weights.into_iter().map(|w| w / total).collect());
+        Ok(Some(Arc::new(new)))
     }
 }

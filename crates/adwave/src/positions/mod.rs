@@ -4,9 +4,10 @@ mod part;
 
 pub use part::{NORMAL_STEPS, NormalSign, smoothed_normals};
 
+use crate::domain::NoShape;
 use crate::named_values;
 use crate::parallel;
-use crate::shape::{Shape, encloses_volume};
+use crate::shape::{PreparedGeometry, encloses_volume};
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};
 use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress};
@@ -116,6 +117,9 @@ pub enum PositionsError {
         "no offset along the normals restores the volume; filter less strongly, or do not keep the volume"
     )]
     VolumeLost,
+    /// The domain is no shape.
+    #[error(transparent)]
+    NoShape(#[from] NoShape),
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -124,6 +128,7 @@ pub enum PositionsError {
 impl ClassifiedError for PositionsError {
     fn kind(&self) -> ErrorKind {
         match self {
+            Self::NoShape(no_shape) => no_shape.kind(),
             Self::NoVolume | Self::VolumeLost => ErrorKind::Input,
             Self::Cancelled(cancelled) => cancelled.kind(),
         }
@@ -180,13 +185,16 @@ pub fn constrain_positions(
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
     let n = decomposer.n_vertices();
     assert!(before.len() == n && after.len() == n, "a position for each vertex");
-    let after = match decomposer.geometry().shape() {
-        Shape::Graph(_) => directed_along_edges(decomposer, before, &after, *params, progress)?,
-        _ => directed(decomposer, before, after, *params, progress)?,
+    let geometry = decomposer.geometry_for("a constraint on positions")?;
+    let prepared = PreparedShape { decomposer, geometry };
+    let after = if geometry.shape().is_graph() {
+        directed_along_edges(prepared, before, &after, *params, progress)?
+    } else {
+        directed(prepared, before, after, *params, progress)?
     };
     match params.volume {
         Volume::Free => Ok(after),
-        Volume::Keep => with_volume_of(decomposer, before, &after, progress),
+        Volume::Keep => with_volume_of(prepared, before, &after, progress),
     }
 }
 
@@ -214,15 +222,24 @@ pub fn blend_by_weights(before: &[f64], after: &[f64], weights: &[f64]) -> Vec<f
     (0..before.len()).map(blend).collect()
 }
 
+/// A shape with its operator.
+#[derive(Clone, Copy)]
+struct PreparedShape<'a> {
+    decomposer: &'a Decomposer,
+    geometry: &'a PreparedGeometry,
+}
+
 /// New positions with displacements in the allowed directions, and with borders treated.
 fn directed(
-    decomposer: &Decomposer,
+    shape: PreparedShape<'_>,
     before: &[[f64; 3]],
     after: Vec<[f64; 3]>,
     params: PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    let by_default = if decomposer.is_cloud() { MoveDirection::Normal } else { MoveDirection::Free };
+    let decomposer = shape.decomposer;
+    let by_default =
+        if shape.geometry.shape().is_cloud() { MoveDirection::Normal } else { MoveDirection::Free };
     let along = params.along.unwrap_or(by_default);
     // An explicit request for all directions applies at borders too.
     let has_border_rule =
@@ -233,13 +250,13 @@ fn directed(
     }
     let is_open = reached(decomposer, &border, progress)?;
     let needs_normals = matches!(along, MoveDirection::Free | MoveDirection::Normal | MoveDirection::Surface);
-    let normals = if needs_normals { smooth_normals(decomposer, progress)? } else { Vec::new() };
+    let normals = if needs_normals { smooth_normals(shape, progress)? } else { Vec::new() };
     let width = KEPT_EDGES * decomposer.mean_length();
     let kept = match params.borders {
         Borders::Keep if !border.is_empty() => decomposer.distance_from_border(width, progress)?,
         _ => Vec::new(),
     };
-    let welded = decomposer.geometry().vertex_map().as_slice();
+    let welded = decomposer.vertex_map().as_slice();
     parallel::try_collect(after.len(), progress, |v| {
         let x = welded[v] as usize;
         if before[v] == after[v] || (along == MoveDirection::Free && !is_open[x]) {
@@ -262,13 +279,12 @@ fn directed(
 /// ([`EndPoints`](crate::operator::EndPoints)). The normal direction is across the curve, its surface the curve
 /// itself; both are free at ends, branches and sharp returns, where the curve has no direction.
 fn directed_along_edges(
-    decomposer: &Decomposer,
+    PreparedShape { decomposer, geometry }: PreparedShape<'_>,
     before: &[[f64; 3]],
     after: &[[f64; 3]],
     params: PositionParams,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    let geometry = decomposer.geometry();
     let (points, welded) = (geometry.points(), geometry.vertex_map().as_slice());
     let mut is_kept = vec![false; geometry.n_vertices()];
     if params.borders != Borders::Free {
@@ -327,24 +343,20 @@ fn reached(
 /// [`NORMAL_STEPS`] lazy steps with equal weights; zero if there is none. On a cloud they have either sign, and
 /// neighbors count with the sign of the vertex itself: motion along a normal does not depend on its sign, and
 /// orienting a cloud takes longer than filtering it.
-fn smooth_normals(decomposer: &Decomposer, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
+fn smooth_normals(shape: PreparedShape<'_>, progress: Progress<'_>) -> Result<Vec<[f64; 3]>, Cancelled> {
+    let PreparedShape { decomposer, geometry } = shape;
     let ring = decomposer.ring(progress)?;
-    let sign = if decomposer.is_cloud() { NormalSign::Arbitrary } else { NormalSign::Side };
-    smoothed_normals(
-        raw_normals(decomposer, decomposer.geometry().points(), progress)?,
-        &ring,
-        sign,
-        progress,
-    )
+    let sign = if geometry.shape().is_cloud() { NormalSign::Arbitrary } else { NormalSign::Side };
+    smoothed_normals(raw_normals(shape, geometry.points(), progress)?, &ring, sign, progress)
 }
 
 /// Normals from the faces around each vertex; on a cloud from its tangent planes, with either sign.
 fn raw_normals(
-    decomposer: &Decomposer,
+    PreparedShape { decomposer, geometry }: PreparedShape<'_>,
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, Cancelled> {
-    if decomposer.is_cloud() {
+    if geometry.shape().is_cloud() {
         return aligned_normals(
             points,
             &*decomposer.ring(progress)?,
@@ -352,17 +364,17 @@ fn raw_normals(
             progress,
         );
     }
-    decomposer.geometry().incidence(progress)?.normals(points, progress)
+    geometry.incidence(progress)?.normals(points, progress)
 }
 
 /// New positions shifted along their normals by one offset, so that the volume equals that of the old positions.
 fn with_volume_of(
-    decomposer: &Decomposer,
+    shape: PreparedShape<'_>,
     before: &[[f64; 3]],
     after: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, PositionsError> {
-    let geometry = decomposer.geometry();
+    let PreparedShape { decomposer, geometry } = shape;
     let map = geometry.vertex_map();
     if !encloses_volume(geometry, progress)? {
         return Err(PositionsError::NoVolume);
@@ -370,7 +382,7 @@ fn with_volume_of(
     let wanted = geometry.volume_of(geometry.points());
     let points = map.try_positions(after, progress)?;
     let old = map.try_positions(before, progress)?;
-    let mut normals = raw_normals(decomposer, &points, progress)?;
+    let mut normals = raw_normals(shape, &points, progress)?;
     for (x, n) in normals.iter_mut().enumerate() {
         if points[x] == old[x] {
             *n = [0.0; 3];

@@ -93,7 +93,7 @@ impl Region {
         for location in path {
             if let Location::Point(point) = *location
                 && point.iter().all(|c| c.is_finite())
-                && !metric.geometry().points().is_empty()
+                && !metric.positions().is_empty()
             {
                 let place = metric.nearest_place(&point, progress)?;
                 if place.distance > REPORTED * radius {

@@ -3,8 +3,9 @@
 use super::front::{Corners, FrontSearch, FrontSource, SourceExtent};
 use super::place::SurfacePlace;
 use super::{SurfaceSearch, stroke};
+use crate::domain::Domain;
 use crate::operator::Diffusion;
-use crate::shape::{Adjacency, PreparedGeometry, distance, squared_distance};
+use crate::shape::{Adjacency, PreparedGeometry, VertexMap, distance, squared_distance};
 use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -14,15 +15,15 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub enum MetricEdges {
     /// Edges between the neighbors of a diffusion operator.
     Diffusion(Arc<Diffusion>),
-    /// Edges of a mesh.
-    Mesh(Arc<Adjacency>),
+    /// Edges between the neighbors that a domain states, such as those of a mesh.
+    Neighbors(Arc<Adjacency>),
 }
 
 impl MetricEdges {
     fn neighbors(&self) -> &Adjacency {
         match self {
             Self::Diffusion(diffusion) => diffusion.neighbors(),
-            Self::Mesh(ring) => ring,
+            Self::Neighbors(neighbors) => neighbors,
         }
     }
 }
@@ -33,7 +34,7 @@ impl MetricEdges {
 /// search) are built by the first region that needs them; each further region costs what it covers.
 #[derive(Debug)]
 pub struct SurfaceMetric {
-    geometry: Arc<PreparedGeometry>,
+    domain: Arc<dyn Domain>,
     edges: MetricEdges,
     diagonal: f64,
     spacing: f64,
@@ -61,11 +62,11 @@ pub(crate) struct VerticesWithin {
 }
 
 impl SurfaceMetric {
-    /// Metric of a prepared shape over `edges`, in its analysis order. `diagonal` is the diagonal of the bounding
+    /// Metric of a domain over `edges`, in the order of its places. `diagonal` is the diagonal of the bounding
     /// box and `spacing` the mean distance of neighbors, both in model units (0 and 1 for a graph). O(1).
-    pub fn new(geometry: Arc<PreparedGeometry>, edges: MetricEdges, diagonal: f64, spacing: f64) -> Self {
+    pub fn new(domain: Arc<dyn Domain>, edges: MetricEdges, diagonal: f64, spacing: f64) -> Self {
         Self {
-            geometry,
+            domain,
             edges,
             diagonal,
             spacing,
@@ -78,9 +79,24 @@ impl SurfaceMetric {
         }
     }
 
-    /// The prepared shape.
-    pub fn geometry(&self) -> &PreparedGeometry {
-        &self.geometry
+    /// Map from the vertices of the shape, or the places in the caller's order, to the places.
+    pub fn vertex_map(&self) -> &VertexMap {
+        self.domain.vertex_map()
+    }
+
+    /// Number of places.
+    pub(crate) fn n_places(&self) -> usize {
+        self.vertex_map().n_welded()
+    }
+
+    /// Positions of the places in model units; empty without positions.
+    pub(crate) fn positions(&self) -> &[[f64; 3]] {
+        self.domain.positions()
+    }
+
+    /// Triangles between the places; empty unless they are the vertices of a mesh.
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        self.domain.geometry().map_or(&[], PreparedGeometry::triangles)
     }
 
     /// Length of the bounding box's diagonal in model units; 0 for a graph.
@@ -90,18 +106,18 @@ impl SurfaceMetric {
 
     /// Number of vertices of the shape.
     pub fn n_vertices(&self) -> usize {
-        self.geometry.vertex_map().n_vertices()
+        self.vertex_map().n_vertices()
     }
 
     /// Welded vertex nearest to a point (finite, model units); `None` for a graph. O(log n); the first call O(n log
     /// n).
     pub fn nearest(&self, point: &[f64; 3]) -> Option<usize> {
-        if self.geometry.points().is_empty() {
+        if self.positions().is_empty() {
             return None;
         }
         let tree = self.tree.get_or_init(|| {
             VertexTree(
-                ImmutableKdTree::new_from_slice(self.geometry.points())
+                ImmutableKdTree::new_from_slice(self.positions())
                     .expect("the tree of finitely many finite points"),
             )
         });
@@ -118,7 +134,7 @@ impl SurfaceMetric {
         if let Some(length) = self.rms_length.get() {
             return Ok(*length);
         }
-        let (points, neighbors) = (self.geometry.points(), self.neighbors());
+        let (points, neighbors) = (self.positions(), self.neighbors());
         if points.is_empty() {
             return Ok(1.0);
         }
@@ -137,13 +153,16 @@ impl SurfaceMetric {
             return Ok(normals);
         }
         // If two threads arrive here at once, one of them works in vain.
-        let normals = self.geometry.incidence(progress)?.normals(self.geometry.points(), progress)?;
+        let normals = match self.domain.geometry() {
+            Some(geometry) => geometry.incidence(progress)?.normals(geometry.points(), progress)?,
+            None => Vec::new(),
+        };
         Ok(self.normals.get_or_init(|| normals))
     }
 
     /// The triangles at the vertices of a mesh; `None` for a cloud or a graph.
     pub(super) fn corners(&self, progress: Progress<'_>) -> Result<Option<&Corners>, Cancelled> {
-        let triangles = self.geometry.triangles();
+        let triangles = self.triangles();
         if triangles.is_empty() {
             return Ok(None);
         }
@@ -165,7 +184,7 @@ impl SurfaceMetric {
         progress: Progress<'_>,
     ) -> Result<SurfacePlace, Cancelled> {
         progress.check()?;
-        let points = self.geometry.points();
+        let points = self.positions();
         let vertex = self.nearest(p).expect("a place has a position");
         if let Some(corners) = self.corners(progress)? {
             return Ok(SurfacePlace::nearest_on_mesh(p, vertex, corners, points));
@@ -188,7 +207,7 @@ impl SurfaceMetric {
 
     /// A vertex as a source with the distance `start`.
     pub(crate) fn vertex_source(&self, vertex: usize, start: f64) -> FrontSource {
-        let point = self.geometry.points().get(vertex).copied().unwrap_or_default();
+        let point = self.positions().get(vertex).copied().unwrap_or_default();
         FrontSource { vertex, point, start, extent: SourceExtent::Point, number: 0 }
     }
 
@@ -199,7 +218,7 @@ impl SurfaceMetric {
         radius: f64,
         progress: Progress<'_>,
     ) -> Result<VerticesWithin, Cancelled> {
-        let (neighbors, points) = (self.edges.neighbors(), self.geometry.points());
+        let (neighbors, points) = (self.edges.neighbors(), self.positions());
         if let Some(corners) = self.corners(progress)? {
             let mut search = take_search(&self.front_searches);
             let reached = search.run(corners, points, sources, radius, progress).map(<[u32]>::to_vec);

@@ -34,7 +34,7 @@ pub(super) fn facing_weights(
             must: "a cosine, in [0, 1]",
         });
     }
-    if metric.geometry().triangles().is_empty() {
+    if metric.triangles().is_empty() {
         return Err(RegionError::NeedsFaces("facing"));
     }
     let normals = metric.normals(progress)?;
@@ -87,7 +87,7 @@ pub(super) fn grow(
         RegionWeights::Sparse { vertices, weights } => {
             vertices.iter().map(|&x| x as usize).zip(weights.iter().copied()).collect()
         }
-        other => other.to_mean(metric.geometry().vertex_map()).into_iter().enumerate().collect(),
+        other => other.to_mean(metric.vertex_map()).into_iter().enumerate().collect(),
     };
     let sources: Vec<FrontSource> = sources
         .into_iter()
@@ -122,7 +122,7 @@ pub(super) fn blur_weights(
     if matches!(weights, RegionWeights::Everywhere) {
         return Ok(RegionWeights::Everywhere);
     }
-    let r = weights.to_mean(metric.geometry().vertex_map());
+    let r = weights.to_mean(metric.vertex_map());
     Ok(RegionWeights::Welded(blur(metric, &r, by.to_model_units(metric.diagonal()), progress)?))
 }
 

@@ -17,7 +17,7 @@ pub(super) fn sources(
     path: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<Vec<FrontSource>, Cancelled> {
-    let (points, neighbors) = (metric.geometry().points(), metric.neighbors());
+    let (points, neighbors) = (metric.positions(), metric.neighbors());
     metric.corners(progress)?;
     let mut places: Vec<[f64; 3]> = path.first().copied().into_iter().collect();
     // Straight part that each place ends.
@@ -63,7 +63,7 @@ pub(super) fn sources(
 /// two edges reach: those within one edge of the nearest vertex, and if the location is that vertex, those within two
 /// edges, as in a search from the vertex.
 fn point_sources(metric: &SurfaceMetric, place: &SurfacePlace) -> Vec<FrontSource> {
-    let (points, neighbors, vertex) = (metric.geometry().points(), metric.neighbors(), place.vertex);
+    let (points, neighbors, vertex) = (metric.positions(), metric.neighbors(), place.vertex);
     let source = |vertex: usize| {
         let (point, extent) = (place.point, SourceExtent::Point);
         FrontSource { vertex, point, start: 0.0, extent, number: 0 }

@@ -196,7 +196,7 @@ fn invert(weights: RegionWeights, metric: &SurfaceMetric) -> RegionWeights {
     };
     match weights {
         RegionWeights::Vertices(weights) => RegionWeights::Vertices(less(weights)),
-        other => RegionWeights::Welded(less(other.to_welded(metric.geometry().n_vertices()))),
+        other => RegionWeights::Welded(less(other.to_welded(metric.n_places()))),
     }
 }
 
@@ -208,7 +208,7 @@ fn fade(weights: RegionWeights, factor: f64, metric: &SurfaceMetric) -> RegionWe
         weights
     };
     match weights {
-        RegionWeights::Everywhere => RegionWeights::Welded(vec![factor; metric.geometry().n_vertices()]),
+        RegionWeights::Everywhere => RegionWeights::Welded(vec![factor; metric.n_places()]),
         RegionWeights::Sparse { vertices, weights } => {
             RegionWeights::Sparse { vertices, weights: times(weights) }
         }
@@ -224,7 +224,7 @@ fn paint(
     progress: Progress<'_>,
     weights_of: impl Fn(&Region) -> Result<RegionWeights, RegionError>,
 ) -> Result<RegionWeights, RegionError> {
-    let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
+    let (vertex_map, n_welded) = (metric.vertex_map(), metric.n_places());
     let mut welded = vec![0.0; n_welded];
     // One weight per vertex of the shape, from the first stroke that may differ within a welded vertex.
     let mut by_vertex: Option<Vec<f64>> = None;
@@ -273,7 +273,7 @@ fn combine(
 ) -> Result<RegionWeights, RegionError> {
     let parts = regions.iter().map(weights_of).collect::<Result<Vec<_>, _>>()?;
     let by_vertex = parts.iter().any(|part| matches!(part, RegionWeights::Vertices(_)));
-    let (vertex_map, n_welded) = (metric.geometry().vertex_map(), metric.geometry().n_vertices());
+    let (vertex_map, n_welded) = (metric.vertex_map(), metric.n_places());
     let mut weights = vec![start; if by_vertex { metric.n_vertices() } else { n_welded }];
     for part in parts {
         let part = if by_vertex { part.to_vertices(vertex_map) } else { part.to_welded(n_welded) };
@@ -289,7 +289,7 @@ pub(super) fn welded(metric: &SurfaceMetric, vertex: u32) -> Result<usize, Regio
     if vertex as usize >= n_vertices {
         return Err(RegionError::NoSuchVertex { vertex, n_vertices });
     }
-    Ok(metric.geometry().vertex_map().welded(vertex as usize))
+    Ok(metric.vertex_map().welded(vertex as usize))
 }
 
 /// Weights by distance, 0 outside the given vertices.
@@ -315,7 +315,7 @@ fn line_weights(
     if path.is_empty() {
         return Err(RegionError::EmptyStroke);
     }
-    let points = metric.geometry().points();
+    let points = metric.positions();
     let within = if points.is_empty() {
         let source = |place: &Location| match place {
             Location::Vertex(v) => Ok(metric.vertex_source(welded(metric, *v)?, 0.0)),
@@ -347,7 +347,7 @@ fn weights_from_depth(
     progress: Progress<'_>,
     depth: impl Fn(&[f64; 3]) -> f64 + Sync + Send,
 ) -> Result<RegionWeights, RegionError> {
-    let points = metric.geometry().points();
+    let points = metric.positions();
     if points.is_empty() {
         return Err(RegionError::NeedsPositions(what));
     }

@@ -38,7 +38,7 @@ pub fn saliency_f32(
     wavelets: &Wavelets,
     progress: Progress<'_>,
 ) -> Result<Vec<f32>, SaliencyError> {
-    let n = decomposer.geometry().n_vertices();
+    let n = decomposer.n_places();
     let is_plain = Population::new(decomposer).is_even() && wavelets.n_channels == 1;
     let factors = (is_plain && wavelets.n_welded() == n).then(|| factors(wavelets)).flatten();
     let Some(factors) = factors else {
@@ -53,7 +53,7 @@ pub fn saliency_f32(
             }
         }
     })?;
-    Ok(decomposer.geometry().vertex_map().scatter(&map, 1))
+    Ok(decomposer.vertex_map().scatter(&map, 1))
 }
 
 /// Weights α_j of [`Weighting::Entropy`](super::Weighting::Entropy); `None` if the magnitude of a level could not

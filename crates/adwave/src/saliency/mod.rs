@@ -126,13 +126,13 @@ pub fn saliency(
     progress: Progress<'_>,
 ) -> Result<Saliency, SaliencyError> {
     let parts = parts(decomposer, wavelets, params, progress)?;
-    let mut map = vec![0.0; decomposer.geometry().n_vertices()];
+    let mut map = vec![0.0; decomposer.n_places()];
     parallel::try_visit_rows(&mut map, 1, VERTICES_AT_A_TIME, progress, |first, map| {
         for (x, sum) in (first..).zip(map) {
             *sum = parts.iter().map(|part| part.value(x)).sum(); // Λ(x) = Σ_j α_j·|W_f(j,x)| (eq. 17), or with the sign
         }
     })?;
-    let map = decomposer.geometry().vertex_map().scatter(&map, 1);
+    let map = decomposer.vertex_map().scatter(&map, 1);
     Ok(Saliency { map, levels: parts.into_iter().map(|part| part.level).collect() })
 }
 
@@ -147,10 +147,10 @@ pub fn saliency_per_level(
     params: &SaliencyParams,
     progress: Progress<'_>,
 ) -> Result<Vec<(SaliencyLevel, Vec<f64>)>, SaliencyError> {
-    let n = decomposer.geometry().n_vertices();
+    let n = decomposer.n_places();
     let scatter = |part: LevelPart<'_>| {
         let map = parallel::collect(n, |x| part.value(x));
-        (part.level, decomposer.geometry().vertex_map().scatter(&map, 1))
+        (part.level, decomposer.vertex_map().scatter(&map, 1))
     };
     Ok(parts(decomposer, wavelets, params, progress)?.into_iter().map(scatter).collect())
 }
@@ -180,7 +180,7 @@ fn parts<'a>(
 ) -> Result<Vec<LevelPart<'a>>, SaliencyError> {
     params.check()?;
     let (n_levels, skip) = (wavelets.n_levels(), params.skip);
-    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.geometry().n_vertices());
+    let (n_bands, n_vertices) = (wavelets.n_welded(), decomposer.n_places());
     if n_bands != n_vertices {
         return Err(SaliencyError::OtherShape { n_bands, n_vertices });
     }

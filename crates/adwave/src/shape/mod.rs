@@ -48,6 +48,7 @@ pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
+pub(crate) use order::reverse_cuthill_mckee;
 pub use participation::{
     KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to,
     may_be_placeholder, picture_frame,
@@ -97,6 +98,36 @@ impl Shape {
             Self::Cloud(cloud) => Some(cloud.points()),
             Self::Graph(graph) => graph.positions(),
         }
+    }
+
+    /// True if the shape is a polygon mesh.
+    pub fn is_mesh(&self) -> bool {
+        matches!(self, Self::Mesh(_))
+    }
+
+    /// True if the shape is a point cloud.
+    pub fn is_cloud(&self) -> bool {
+        matches!(self, Self::Cloud(_))
+    }
+
+    /// True if the shape is a graph or a curve.
+    pub fn is_graph(&self) -> bool {
+        matches!(self, Self::Graph(_))
+    }
+
+    /// The mesh; `None` for another shape.
+    pub fn as_mesh(&self) -> Option<&Mesh> {
+        if let Self::Mesh(mesh) = self { Some(mesh) } else { None }
+    }
+
+    /// The point cloud; `None` for another shape.
+    pub fn as_cloud(&self) -> Option<&PointCloud> {
+        if let Self::Cloud(cloud) = self { Some(cloud) } else { None }
+    }
+
+    /// The graph or curve; `None` for another shape.
+    pub fn as_graph(&self) -> Option<&Graph> {
+        if let Self::Graph(graph) = self { Some(graph) } else { None }
     }
 
     /// The graph of a curve: nodes with positions, and steps by the lengths of the edges ([`Graph::curve`]).

@@ -224,6 +224,15 @@ impl PreparedGeometry {
         }
     }
 
+    /// Wraps the graph of symmetric neighbors, each edge with the weight 1, in their order.
+    pub(crate) fn from_neighbors(neighbors: &Adjacency) -> Self {
+        let edges =
+            (0..neighbors.n_rows()).flat_map(|x| neighbors.row(x).iter().map(move |&y| (x as u32, y)));
+        let edges: Vec<(u32, u32, f64)> = edges.filter(|(x, y)| x < y).map(|(x, y)| (x, y, 1.0)).collect();
+        let graph = Graph::new(neighbors.n_rows(), &edges).unwrap_or_else(|error| unreachable!("{error}"));
+        Self::from_ordered_graph(graph)
+    }
+
     /// The shape, in the order of its file.
     pub fn shape(&self) -> &Shape {
         &self.shape

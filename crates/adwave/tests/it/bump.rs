@@ -96,7 +96,7 @@ fn the_normalized_response_of_a_lone_bump_has_no_size() {
     // q = b/a, which falls with σ.
     for (n, levels) in MESHES {
         let ground = Ground::new(n, levels, &|p| bump(p, [0.0, 0.0]));
-        let top = ground.decomposer.geometry().vertex_map().welded((n / 2 * (n + 1) + n / 2) as usize);
+        let top = ground.decomposer.vertex_map().welded((n / 2 * (n + 1) + n / 2) as usize);
         let mut before = f64::INFINITY;
         for j in 1..=levels {
             let (w, sigma) = (ground.bands.wavelet(j), ground.bands.sigma[j]);

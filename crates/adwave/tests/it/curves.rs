@@ -113,7 +113,7 @@ fn bands_are_those_of_the_dense_exponential() {
         let shape = curve(&points, &edges);
         let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
         assert_eq!(decomposer.operator_kind(), OperatorKind::Surface);
-        assert!((decomposer.diffusion().step_length() - length / n as f64).abs() < 1e-12);
+        assert!((decomposer.operator().step_length() - length / n as f64).abs() < 1e-12);
         assert!((decomposer.areas().iter().sum::<f64>() - length).abs() < 1e-12);
         let bands =
             decomposer.decompose(points.as_flattened(), 3, &Schedule::real(vec![0.5, 3.0]).unwrap()).unwrap();
@@ -220,7 +220,7 @@ fn given_weights_win_over_lengths() {
     };
     assert_eq!(bits(&plain), bits(&placed));
     assert!(plain.extent() == 0.0 && placed.extent() > 0.0);
-    assert!(placed.diffusion().step_length() > 0.0 && placed.operator_kind() == OperatorKind::Walk);
+    assert!(placed.operator().step_length() > 0.0 && placed.operator_kind() == OperatorKind::Walk);
 }
 
 #[test]

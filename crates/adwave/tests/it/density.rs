@@ -36,9 +36,9 @@ fn sphere(n: usize, jump: f64) -> Vec<[f64; 3]> {
 /// rounds, then Rayleigh–Ritz.
 fn eigenvalues(shape: &Shape, params: &OperatorParams, dimension: f64) -> Vec<f64> {
     let decomposer = Decomposer::with_params(shape, params, Progress::none()).unwrap();
-    let (diffusion, n) = (decomposer.diffusion(), decomposer.n_vertices());
+    let (diffusion, n) = (decomposer.rows("a test").unwrap(), decomposer.n_vertices());
     let pi = diffusion.stationary();
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     // σ² = n_steps·step² = 2·dimension·time.
     let time_of_step = diffusion.step_length().powi(2) / (2.0 * dimension);
     let steps = (0.15 / time_of_step).ceil();
@@ -106,12 +106,12 @@ fn weights_of_a_graph_are_divided_by_both_degrees() {
         edges.iter().filter(|e| (e.0, e.1) == (x, y) || (e.1, e.0) == (x, y)).map(|e| e.2).sum::<f64>()
     };
     let degree = |x: u32| (0..6).map(|y| weight(x, y)).sum::<f64>();
-    let map = decomposer.geometry().vertex_map();
+    let map = decomposer.vertex_map();
     for x in 0..6_u32 {
         let row: Vec<f64> =
             (0..6).map(|y| if degree(y) > 0.0 { weight(x, y) / degree(y) } else { 0.0 }).collect();
         let sum: f64 = row.iter().sum();
-        let (columns, values) = decomposer.diffusion().row(map.welded(x as usize));
+        let (columns, values) = decomposer.rows("a test").unwrap().row(map.welded(x as usize));
         let found = |y: usize| {
             columns
                 .iter()
@@ -146,9 +146,9 @@ fn a_mesh_with_a_tenfold_jump_walks_as_far_on_either_side() {
     let shape = Shape::Mesh(adwave::shape::Mesh::new(points, faces.into()).unwrap());
     let spread = |params: &OperatorParams, x: usize| {
         let decomposer = Decomposer::with_params(&shape, params, Progress::none()).unwrap();
-        let (map, points) = (decomposer.geometry().vertex_map(), decomposer.geometry().points());
+        let (map, points) = (decomposer.vertex_map(), decomposer.positions());
         let x = map.welded(x);
-        let (columns, values) = decomposer.diffusion().row(x);
+        let (columns, values) = decomposer.rows("a test").unwrap().row(x);
         let along = |y: u32| (points[y as usize][0] - points[x][0]).powi(2);
         columns.iter().zip(values).map(|(&y, w)| w * along(y)).sum::<f64>()
     };
@@ -169,7 +169,7 @@ fn points_in_one_spot_and_clumps_end_and_give_rows_that_sum_to_one() {
     {
         let params = OperatorParams::default().with_density_invariant(true).with_weld(weld);
         let decomposer = Decomposer::with_params(&cloud(points), &params, Progress::none()).unwrap();
-        let diffusion = decomposer.diffusion();
+        let diffusion = decomposer.rows("a test").unwrap();
         assert!(diffusion.nnz() < 200 * diffusion.n_vertices(), "{} entries", diffusion.nnz());
         assert!(
             (0..diffusion.n_vertices()).all(|x| diffusion
@@ -188,11 +188,11 @@ fn steps_that_keep_creases_do_not_cross_them() {
         let shape =
             Shape::Mesh(adwave::shape::Mesh::new(sample.points.clone(), sample.faces.clone()).unwrap());
         let decomposer = Decomposer::with_params(&shape, params, Progress::none()).unwrap();
-        let geometry = decomposer.geometry();
+        let geometry = decomposer.geometry().unwrap();
         let normals = adwave::shape::vertex_normals(geometry.points(), geometry.triangles());
         let mut turned = 0.0;
         for x in 0..geometry.n_vertices() {
-            let (columns, values) = decomposer.diffusion().row(x);
+            let (columns, values) = decomposer.rows("a test").unwrap().row(x);
             for (&y, w) in columns.iter().zip(values) {
                 let dot: f64 = normals[x].iter().zip(&normals[y as usize]).map(|(a, b)| a * b).sum();
                 if dot < 0.8 {

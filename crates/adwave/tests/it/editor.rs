@@ -81,7 +81,7 @@ fn it_gives_what_a_single_filter_gives() {
 fn bands_in_the_order_of_the_shape_give_the_same_bits() {
     for (name, shape) in shapes() {
         let f = fixture(&shape);
-        let map = f.decomposer.geometry().vertex_map();
+        let map = f.decomposer.vertex_map();
         if map.n_welded() < map.n_vertices() {
             assert_eq!(name, "soup");
             continue;
@@ -144,7 +144,7 @@ fn what_a_region_does_not_cover_keeps_its_bits() {
     for (name, shape) in shapes() {
         let f = fixture(&shape);
         let layer = f.layer(4.0, "ball:vertex=3,radius=8%");
-        let weights = layer.weights.to_vertices(f.decomposer.geometry().vertex_map());
+        let weights = layer.weights.to_vertices(f.decomposer.vertex_map());
         let edited = fresh(&f, &[layer]);
         for (x, (p, q)) in f.points.iter().zip(edited.as_chunks::<3>().0).enumerate() {
             assert_eq!(p == q, weights[x] == 0.0, "{name}: vertex {x} of weight {}", weights[x]);
@@ -189,7 +189,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     assert!(editor.remove_layer(0).is_err());
     for weights in [
         RegionWeights::Vertices(vec![1.0; 3]),
-        RegionWeights::Welded(vec![f64::NAN; f.decomposer.geometry().n_vertices()]),
+        RegionWeights::Welded(vec![f64::NAN; f.decomposer.n_places()]),
         RegionWeights::Sparse { vertices: vec![u32::MAX], weights: vec![1.0] },
     ] {
         assert!(editor.set_weights(1, weights).is_err());

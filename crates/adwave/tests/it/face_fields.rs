@@ -91,7 +91,7 @@ fn the_width_is_that_of_the_plane_on_any_cells() {
         let decomposer = Decomposer::new(&Shape::Graph(graph));
         let schedule = Schedule::dyadic(8).unwrap();
         let bands = decomposer.decompose(&field, 1, &schedule).unwrap();
-        let sigma = *schedule.sigma(decomposer.diffusion().step_length()).last().unwrap();
+        let sigma = *schedule.sigma(decomposer.operator().step_length()).last().unwrap();
         let (mut mass, mut spread) = (0.0, 0.0);
         for ((p, a), f) in positions.iter().zip(&areas).zip(bands.coarsest()) {
             let from = positions[start];

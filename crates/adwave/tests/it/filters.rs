@@ -49,7 +49,7 @@ impl Fixture {
 /// One weight per vertex of the shape.
 fn weights(decomposer: &Decomposer, region: &Region) -> Vec<f64> {
     let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none()).unwrap();
-    weights.to_vertices(decomposer.geometry().vertex_map())
+    weights.to_vertices(decomposer.vertex_map())
 }
 
 fn everywhere(gains: Gains) -> Vec<Layer> {
@@ -183,7 +183,7 @@ fn strokes_of_a_brush_follow_one_another() {
     ]);
     let field = |_: &str| Some((1, vec![1.0; f.points.len()]));
     let mixed = mixed.weights(f.decomposer.metric(), &field, &["low".to_owned()], Progress::none()).unwrap();
-    let mixed = mixed.to_vertices(f.decomposer.geometry().vertex_map());
+    let mixed = mixed.to_vertices(f.decomposer.vertex_map());
     assert!((0..first.len()).all(|x| mixed[x] == first[x].max(0.5).min(1.0 - third[x])));
     let wrong = Region::Faded { factor: 1.5, region: Box::new(Region::Everywhere {}) };
     let refused = wrong.weights(f.decomposer.metric(), &|_: &str| None, &[], Progress::none());

@@ -36,8 +36,7 @@ fn random_signs(n: usize, seed: u64) -> Vec<bool> {
 fn signed_map(points: &[[f64; 3]], normals: &[[f64; 3]]) -> Vec<f64> {
     let cloud = PointCloud::new(points.to_vec()).unwrap().with_normals(normals.to_vec());
     let decomposer = Decomposer::new(&Shape::Cloud(cloud));
-    let outward =
-        outward_normals(decomposer.geometry(), Some(normals.as_flattened()), Progress::none()).unwrap();
+    let outward = decomposer.outward_normals(Some(normals.as_flattened()), Progress::none()).unwrap();
     assert!(outward.info.has_outside(), "{}", outward.info);
     let schedule = Schedule::dyadic(7).unwrap();
     let request = decomposer.request(points.as_flattened(), 3, &schedule);

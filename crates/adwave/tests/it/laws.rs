@@ -111,7 +111,7 @@ fn rows_of_the_walk_are_probabilities_and_the_law_is_stationary() {
     for (name, shape, params) in all() {
         let decomposer =
             Decomposer::with_params(&shape, &params, Progress::none()).expect("nobody can stop this");
-        let walk = decomposer.diffusion();
+        let walk = decomposer.rows("a test").unwrap();
         let pi = walk.stationary();
         let mut after = vec![0.0; pi.len()];
         for x in 0..walk.n_vertices() {
@@ -318,9 +318,9 @@ fn one_step_on_a_regular_triangulation_is_as_wide_as_the_formula_says() {
     let decomposer = Decomposer::new(&mesh(&points, &Polygons::from_triangles(&triangles)));
     let (at, _) =
         points.iter().enumerate().find(|(_, p)| **p == points[(40 * columns + 40) as usize]).unwrap();
-    let class = decomposer.geometry().vertex_map().welded(at);
-    let (neighbors, weights) = decomposer.diffusion().row(class);
+    let class = decomposer.vertex_map().welded(at);
+    let (neighbors, weights) = decomposer.rows("a test").unwrap().row(class);
     assert_eq!(neighbors.len(), 6);
     assert!(weights.iter().all(|w| (w - 1.0 / 12.0).abs() < ROW_SUM));
-    assert!((decomposer.diffusion().step_length() - 0.5_f64.sqrt()).abs() < 1e-9);
+    assert!((decomposer.operator().step_length() - 0.5_f64.sqrt()).abs() < 1e-9);
 }

@@ -40,7 +40,7 @@ fn assert_close(found: &[f64], expected: &[f64], what: &str) {
 #[test]
 fn a_function_of_the_row_has_the_bands_of_the_stored_rows() {
     let (shape, positions) = creature(3000);
-    let own = shape.with_operator(row_function(shape.diffusion())).unwrap();
+    let own = shape.with_operator(row_function(shape.rows("a test").unwrap())).unwrap();
     assert!(own.operator().is_reversible() && own.operator().rows().is_none());
     assert_eq!(own.default_levels(), shape.default_levels());
     let n = shape.n_vertices();
@@ -66,7 +66,7 @@ fn a_function_of_the_row_has_the_bands_of_the_stored_rows() {
         let schedule = Schedule::dyadic(4).unwrap();
         let gradients = signal.repeat(5);
         let [found, expected] = [&own, &shape].map(|shape| {
-            let (map, none) = (shape.geometry().vertex_map(), Progress::none());
+            let (map, none) = (shape.vertex_map(), Progress::none());
             shape.transform().gradient_of_bands(map, &gradients, n_channels, &schedule, none).unwrap()
         });
         assert_close(&found, &expected, "the gradient");
@@ -76,7 +76,7 @@ fn a_function_of_the_row_has_the_bands_of_the_stored_rows() {
 #[test]
 fn normals_regions_and_features_follow_the_edges_of_the_shape() {
     let (shape, positions) = creature(3000);
-    let own = shape.with_operator(row_function(shape.diffusion())).unwrap();
+    let own = shape.with_operator(row_function(shape.rows("a test").unwrap())).unwrap();
     let schedule = Schedule::dyadic(8).unwrap();
     let normals: Vec<[f64; 3]> = (0..shape.n_vertices()).map(|i| [0.6, 0.8, (i % 3) as f64]).collect();
     let [found, expected] = [&own, &shape].map(|shape| {
@@ -90,7 +90,7 @@ fn normals_regions_and_features_follow_the_edges_of_the_shape() {
         region
             .weights(shape.metric(), &|_| None, &[], Progress::none())
             .unwrap()
-            .to_vertices(shape.geometry().vertex_map())
+            .to_vertices(shape.vertex_map())
     });
     assert!(found == expected && found.iter().any(|&w| w > 0.0));
     let [found, expected] = [&own, &shape].map(|shape| {
@@ -105,7 +105,7 @@ fn normals_regions_and_features_follow_the_edges_of_the_shape() {
 #[test]
 fn what_needs_rows_is_refused_with_a_reason() {
     let (shape, positions) = creature(2000);
-    let own = shape.with_operator(row_function(shape.diffusion())).unwrap();
+    let own = shape.with_operator(row_function(shape.rows("a test").unwrap())).unwrap();
     let schedule = Schedule::dyadic(2).unwrap();
     let reason = |error: &dyn std::error::Error| error.to_string();
     let mask: Vec<bool> = (0..own.n_vertices()).map(|x| x == 3).collect();
@@ -229,7 +229,7 @@ fn a_stored_operator_that_is_shared_keeps_its_bits() {
     let heat = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
     let shared =
         Transform::from_shared_operator(Arc::clone(heat.operator()), &BandsParams::default()).unwrap();
-    let map = heat.geometry().vertex_map();
+    let map = heat.vertex_map();
     let schedule = Schedule::real(vec![0.5, 2.0, 7.5]).unwrap();
     let bands = heat.decompose(&positions, 3, &schedule).unwrap();
     let again = shared.bands(map, &positions, 3, &schedule, Progress::none()).unwrap();

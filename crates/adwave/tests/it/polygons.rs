@@ -8,7 +8,7 @@ use adwave::shape::{
     Mesh, MeshArea, Polygons, PreparedGeometry, Shape, WeldMode, enclosed_face_volume, face_areas, face_ring,
     face_vertex_normals, health, mesh_areas, one_ring, total_face_area, vertex_normals,
 };
-use adwave::signal::{SurfaceSignal, outward_normals, surface_signal};
+use adwave::signal::{SurfaceSignal, surface_signal};
 use adwave::{Decomposer, Progress};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
@@ -119,7 +119,7 @@ fn results_do_not_depend_on_the_corner_that_is_named_first() {
             let [a, b] = both.map(|shape| {
                 let decomposer = Decomposer::new(shape);
                 let schedule = Schedule::dyadic(5).unwrap();
-                let normals = outward_normals(decomposer.geometry(), None, Progress::none()).unwrap().normals;
+                let normals = decomposer.outward_normals(None, Progress::none()).unwrap().normals;
                 let coordinates = shape.points().unwrap().as_flattened();
                 let along =
                     decomposer.request(coordinates, 3, &schedule).normal_components(&normals).unwrap();

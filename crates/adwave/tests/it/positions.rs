@@ -124,7 +124,7 @@ fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
     let (points, faces) = (sample.points, sample.faces);
     let shape = decomposer(&points, &faces);
     let volume = |points: &[[f64; 3]]| {
-        enclosed_volume(&shape.geometry().vertex_map().positions(points), shape.geometry().triangles())
+        enclosed_volume(&shape.vertex_map().positions(points), shape.geometry().unwrap().triangles())
     };
     let smooth = filtered(&shape, &points, Preset::SuppressPaper, 5);
     assert_eq!(settled(&shape, &points, Preset::SuppressPaper, 5, PositionParams::default()), smooth);

@@ -368,7 +368,7 @@ fn the_strongest_response_to_a_bump_is_at_its_size_whatever_the_octave_is_cut_in
     let points: Vec<_> = mesh.points().iter().map(|p| [p[0].round(), p[1].round(), 0.0]).collect();
     let shape = Shape::Mesh(Mesh::new(points.clone(), mesh.faces().clone()).expect("finite"));
     let decomposer = Decomposer::new(&shape);
-    let step = decomposer.diffusion().step_length();
+    let step = decomposer.operator().step_length();
     let top = (n / 2 * n + n / 2) as usize;
     for width in [4.0, 5.0, 6.3] {
         let bump: Vec<f64> = points

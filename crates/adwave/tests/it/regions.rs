@@ -16,7 +16,7 @@ fn sphere(n: usize) -> (Vec<[f64; 3]>, Decomposer) {
 
 fn try_weights(decomposer: &Decomposer, region: &Region) -> Result<Vec<f64>, RegionError> {
     let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none())?;
-    Ok(weights.to_vertices(decomposer.geometry().vertex_map()))
+    Ok(weights.to_vertices(decomposer.vertex_map()))
 }
 
 fn weights(decomposer: &Decomposer, region: &str) -> Vec<f64> {

@@ -155,7 +155,7 @@ fn ties_leave_exactly_one_feature() {
     let mut signal = [0.0; 40];
     (signal[19], signal[20]) = (1.0, 1.0);
     let bands = bands(&walk, &signal, 1, 6);
-    let map = walk.geometry().vertex_map();
+    let map = walk.vertex_map();
     assert_eq!(bands.wavelet(4)[map.welded(19)], bands.wavelet(4)[map.welded(20)]);
     let params = FeatureParams::default().with_response(Response::Literal);
     let found = features(&walk, &bands, &params, Progress::none()).unwrap();
@@ -181,7 +181,7 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         }
         let (level, map) = &levels[2];
         assert_eq!((level.level, level.sigma), (4, bands.sigma[4]));
-        let (w, vertex_map) = (bands.wavelet(4), walk.geometry().vertex_map());
+        let (w, vertex_map) = (bands.wavelet(4), walk.vertex_map());
         let norm = |x: usize| w[3 * vertex_map.welded(x)..][..3].iter().map(|v| v * v).sum::<f64>().sqrt();
         if weighting == Weighting::Ranks {
             let below = (0..map.len()).filter(|&x| norm(x) < norm(5)).count();
@@ -287,7 +287,7 @@ fn a_mask_is_left_out_and_not_spread() {
     // Rows are distributions over what is left.
     let left_out = masked.mask_flags().unwrap();
     for x in 0..left_out.len() {
-        let (columns, weights) = masked.diffusion().row(x);
+        let (columns, weights) = masked.rows("a test").unwrap().row(x);
         assert!(columns.iter().all(|&y| !left_out[y as usize] && !left_out[x]));
         let sum: f64 = weights.iter().sum();
         assert!(columns.is_empty() || (sum - 0.5).abs() < ROUNDING);
@@ -313,7 +313,7 @@ fn a_mask_that_is_empty_changes_nothing_beyond_rounding() {
     let (a, b) = (bands(&whole, &signal, 1, 5), bands(&masked, &signal, 1, 5));
     let largest = a.wavelet(5).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     assert!(a.wavelet(5).iter().zip(b.wavelet(5)).all(|(x, y)| (x - y).abs() < COMMUTES * largest));
-    assert!((whole.diffusion().step_length() / masked.diffusion().step_length() - 1.0).abs() < ROUNDING);
+    assert!((whole.operator().step_length() / masked.operator().step_length() - 1.0).abs() < ROUNDING);
 }
 
 #[test]

@@ -5,7 +5,6 @@ use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::saliency::{SaliencyParams, Sign, saliency, saliency_f32};
 use adwave::sample::Sample;
 use adwave::shape::{Mesh, Polygons, Shape, triangulate};
-use adwave::signal::outward_normals;
 use adwave::{Decomposer, Progress};
 
 /// Sums of a few bands in another order.
@@ -33,7 +32,7 @@ fn map(points: &[[f64; 3]], triangles: &[[u32; 3]], kind: OperatorKind) -> Vec<f
     let mesh = Mesh::new(points.to_vec(), Polygons::from_triangles(triangles)).unwrap();
     let params = OperatorParams::default().with_kind(kind);
     let decomposer = Decomposer::with_params(&Shape::Mesh(mesh), &params, Progress::none()).unwrap();
-    let outward = outward_normals(decomposer.geometry(), None, Progress::none()).unwrap();
+    let outward = decomposer.outward_normals(None, Progress::none()).unwrap();
     assert!(outward.info.has_outside());
     let schedule = Schedule::dyadic(N_LEVELS).unwrap();
     let request = decomposer.request(points.as_flattened(), 3, &schedule);
@@ -64,7 +63,7 @@ fn a_drawn_map_is_within_less_than_a_color_of_the_exact_one() {
     ] {
         let params = OperatorParams::default().with_kind(kind);
         let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
-        let outward = outward_normals(decomposer.geometry(), None, Progress::none()).unwrap();
+        let outward = decomposer.outward_normals(None, Progress::none()).unwrap();
         // Rough, smooth, and equal levels.
         let mut x = 1_u32;
         let mut noise = || {

@@ -151,7 +151,7 @@ fn the_layout_of_parts_does_not_change_them() {
         let weights = |shape: &Shape| {
             let decomposer = Decomposer::new(shape);
             let weights = region.weights(decomposer.metric(), &|_| None, &[], Progress::none()).unwrap();
-            weights.to_vertices(decomposer.geometry().vertex_map())
+            weights.to_vertices(decomposer.vertex_map())
         };
         let (one, many) = (weights(&clean), weights(&plate));
         assert!((0..n).all(|x| (one[x] - many[x]).abs() < UNCHANGED));
@@ -191,7 +191,7 @@ fn a_default_keeps_half_of_the_volume() {
             let levels = decomposer.default_schedule();
             let coordinates = shape.points().unwrap().as_flattened();
             let bands = decomposer.decompose(coordinates, 3, &levels.schedule).unwrap();
-            let geometry = decomposer.geometry();
+            let geometry = decomposer.geometry().unwrap();
             let after = geometry.volume_of(&geometry.vertex_map().positions(bands.coarsest().as_chunks().0));
             assert!(after > 0.5 * before, "{what} {kind:?}: {after} of {before}, {}", levels.reason);
             assert!(levels.schedule.n_levels() < 4, "{what} {kind:?}: {}", levels.reason);

@@ -90,7 +90,7 @@ fn denoise_positions(
     let geometry =
         with_progress(global, "preparing", |progress| PreparedGeometry::new(&input.shape, weld, progress))
             .map_err(|e| CliError::classify(&e))?;
-    note_outsiders(&geometry, &input, global);
+    note_outsiders(Some(&geometry), &input, global);
     let sheets = find_close_sheets(&geometry, None, global.progress()).map_err(|_| CliError::Cancelled)?;
     let denoised =
         with_progress(global, "denoising", |progress| denoise(&geometry, &args.to_params(), progress))

@@ -12,7 +12,6 @@ use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
-use adwave::signal::outward_normals;
 use adwave_register::{
     AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Summary, Surface, align,
     closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
@@ -137,7 +136,8 @@ fn closest_differences(
     let geometry = prepare_geometry(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
     let normals = file_normals(&first.file);
-    let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
+    let outward = decomposer
+        .outward_normals(normals.as_deref(), global.progress())
         .map_err(|e| CliError::classify(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
     let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
@@ -146,8 +146,8 @@ fn closest_differences(
         })
         .map_err(|_| CliError::Cancelled)
     };
-    let there = measured(decomposer.geometry().points(), &outward.normals, &surface)?;
-    let own = self::surface(decomposer.geometry(), &first.name)?;
+    let there = measured(decomposer.positions(), &outward.normals, &surface)?;
+    let own = self::surface(decomposer.geometry_for("a distance")?, &first.name)?;
     let back = measured(geometry.points(), &vec![[0.0; 3]; geometry.points().len()], &own)?;
     how.push(format!(
         "The difference at a vertex of {} is its distance to the closest point of {}, {}.",
@@ -161,7 +161,7 @@ fn closest_differences(
     ));
     let magnitude = |values: &[f64]| values.iter().map(|v| v.abs()).collect();
     let values = if outward.info.has_outside() { there.values.clone() } else { magnitude(&there.values) };
-    let values = decomposer.geometry().vertex_map().scatter(&values, 1);
+    let values = decomposer.vertex_map().scatter(&values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
             "no vertex of {} has a closest point on {} off its borders and within the limit; try --align",
@@ -257,7 +257,8 @@ fn fit(
     let other = prepare(global, second, params)?;
     let plain = |input: &Input, decomposer: &Decomposer| {
         let normals = file_normals(&input.file);
-        let outward = outward_normals(decomposer.geometry(), normals.as_deref(), global.progress())
+        let outward = decomposer
+            .outward_normals(normals.as_deref(), global.progress())
             .map_err(|e| CliError::classify(&e))?;
         registrand(input, decomposer, ShapeFeatures::without_features(outward), global)
     };
@@ -274,7 +275,7 @@ fn fit(
             second.name, first.name
         ))
     })?;
-    let points = other.geometry().points();
+    let points = other.positions();
     let (motion, info) = with_progress(global, "fitting", |progress| {
         align(points, &target.surface, found.motion, &AlignParams::default(), progress)
     })

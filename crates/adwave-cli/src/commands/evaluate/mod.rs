@@ -140,7 +140,7 @@ fn evaluate_repeatability(
     analysis: &mut Analysis,
 ) -> Result<(), CliError> {
     let reference = find(args, global, analysis)?;
-    let geometry = analysis.decomposer.geometry();
+    let geometry = analysis.decomposer.geometry_for("repeatability")?;
     let area = if geometry.faces().is_empty() {
         analysis.decomposer.areas().iter().sum()
     } else {
@@ -159,7 +159,7 @@ fn evaluate_repeatability(
         })
         .collect();
     changes.push(("scaling by 7.3".to_owned(), vec![Trial::Change(Change::Scaling { factor: 7.3 })]));
-    let is_mesh = !analysis.decomposer.geometry().triangles().is_empty();
+    let is_mesh = !geometry.triangles().is_empty();
     let resampling = if is_mesh { "4 × the faces" } else { "half the points" };
     changes.push((resampling.to_owned(), vec![Trial::Change(Change::Resampling { seed: 1 })]));
     if is_mesh {
@@ -331,7 +331,7 @@ fn find_again(
         Some(flags) => decomposer.masked(&flags).map_err(CliError::input)?,
         None => decomposer,
     };
-    let step_length = changed.length_before(decomposer.diffusion().step_length());
+    let step_length = changed.length_before(decomposer.operator().step_length());
     let schedule = rescale_levels(&args.levels.to_spec(), &analysis.sigma()[1..], step_length)?;
     let bands = check_levels(&args.levels)?;
     let params = args.detect.to_params(&args.border);

@@ -322,7 +322,7 @@ fn constrained_points(
 ) -> Result<Vec<[f64; 3]>, CliError> {
     let points = edited.as_chunks().0.to_vec();
     drop(edited);
-    if decomposer.geometry().points().is_empty() {
+    if decomposer.positions().is_empty() {
         return Ok(points);
     }
     Ok(constrain_positions(decomposer, job.input.file.points(), points, &job.positions, progress)?)

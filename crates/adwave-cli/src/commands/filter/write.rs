@@ -23,7 +23,7 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
     let Filtered { decomposer, schedule, layers, edited, change, accuracy } = filtered;
     let (signal, output) = (job.signal_name, job.result.path().display().to_string());
     let n_vertices = job.input.shape.n_vertices();
-    let sigma = schedule.sigma(decomposer.diffusion().step_length());
+    let sigma = schedule.sigma(decomposer.operator().step_length());
     let mut text = format!(
         "{}: {}, {}\n",
         job.input.name,
@@ -46,7 +46,8 @@ pub(super) fn write(mut job: FilterJob<'_>, filtered: Filtered, global: &Global<
         report["local_fit"] = json!(fit);
     }
     if let EditedSignal::Points(points) = &edited {
-        let movement = Movement::measure(decomposer.geometry(), points)?.in_file_rows(&job.input.file);
+        let geometry = decomposer.geometry_for("a report of the movement")?;
+        let movement = Movement::measure(geometry, points)?.in_file_rows(&job.input.file);
         movement.describe(&mut text);
         movement.add_to(&mut report);
         if let Some(widest) = sigma.last().filter(|_| signal == COORDS) {
@@ -110,7 +111,7 @@ fn describe_reshape(by: &ReshapedBy, text: &mut String, report: &mut serde_json:
 /// The levels of the recipe that is saved: widths as they were asked for, unless keeping the volume added levels; or steps.
 fn levels_to_save(job: &FilterJob<'_>, filtered: &Filtered, form: SavedLevels) -> LevelSpec {
     let schedule = &filtered.schedule;
-    let step_length = filtered.decomposer.diffusion().step_length();
+    let step_length = filtered.decomposer.operator().step_length();
     if form == SavedLevels::Steps || step_length <= 0.0 {
         return LevelSpec::Steps(schedule.steps().to_vec());
     }

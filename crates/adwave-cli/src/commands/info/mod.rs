@@ -19,7 +19,7 @@ use crate::resolve::operator::{operator_for_levels, prepare};
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::walk::with_given_walk;
 use adwave::operator::SurfaceInfo;
-use adwave::shape::{Health, Shape, VertexRole, bounding_box, curve_length};
+use adwave::shape::{Health, PreparedGeometry, Shape, VertexRole, bounding_box, curve_length};
 use adwave::{Decomposer, ResolvedLevels};
 use adwave_io::{CloudLevels, Field, Format, GraphChanges, LengthUnit, ReadError, cloud_levels};
 use adwave_subdivision::{Hierarchy, SubdivisionError};
@@ -80,7 +80,7 @@ fn find_hierarchy(
     if mesh.faces().iter().any(|face| face.len() != 3) {
         return Ok(None);
     }
-    let geometry = decomposer.geometry();
+    let Some(geometry) = decomposer.geometry() else { return Ok(None) };
     let found = with_progress(global, "finding levels", |progress| {
         Hierarchy::new(geometry.n_vertices(), geometry.triangles(), progress)
     });
@@ -124,7 +124,7 @@ impl ShapeFacts {
 
     /// Widths σ_0 … σ_J.
     fn sigma(&self) -> Vec<f64> {
-        self.levels.schedule.sigma(self.decomposer.diffusion().step_length())
+        self.levels.schedule.sigma(self.decomposer.operator().step_length())
     }
 
     fn text(&self) -> String {
@@ -214,8 +214,8 @@ impl ShapeFacts {
             "diagonal": decomposer.diagonal(),
             "extent": diagonal,
             "outsiders": outsiders_json(decomposer, input),
-            "seams": decomposer.geometry().seams(),
-            "given_normals": decomposer.geometry().given_normals().map(|given| given_normals_json(&given.check)),
+            "seams": decomposer.geometry().and_then(PreparedGeometry::seams),
+            "given_normals": decomposer.geometry().and_then(PreparedGeometry::given_normals).map(|given| given_normals_json(&given.check)),
             "octree": self.octree.as_ref().and_then(|octree| octree.as_ref().ok()).map(|levels| json!({
                 "spacing": levels.spacing, "points": levels.n_points,
             })),
@@ -251,8 +251,8 @@ struct CurveFacts {
 
 impl CurveFacts {
     fn new(decomposer: &Decomposer) -> Option<Self> {
-        let geometry = decomposer.geometry();
-        let Shape::Graph(graph) = geometry.shape() else { return None };
+        let geometry = decomposer.geometry()?;
+        let graph = geometry.shape().as_graph()?;
         let length = curve_length(graph, graph.positions()?);
         let edges = geometry.curve_edges().unwrap_or(graph.adjacency());
         let n_with = |is_counted: fn(usize) -> bool| {
@@ -275,7 +275,7 @@ impl CurveFacts {
 /// Number of rows of each role that take no part, and the first of these rows.
 fn outsiders_json(decomposer: &Decomposer, input: &Input) -> Value {
     const MOST_ROWS: usize = 100;
-    let outsiders = decomposer.geometry().outsiders();
+    let outsiders = decomposer.geometry().map(PreparedGeometry::outsiders).unwrap_or_default();
     let of_role = |role: VertexRole| {
         let rows: Vec<usize> = outsiders
             .iter()
@@ -299,9 +299,11 @@ fn diffusion_text(decomposer: &Decomposer, shape: &Shape) -> String {
         decomposer.operator_kind().name(),
         if params.density_invariant { ", density-invariant" } else { "" },
         if params.keep_creases { ", keeping creases" } else { "" },
-        count(decomposer.diffusion().nnz(), "entry", "entries"),
+        decomposer
+            .n_entries()
+            .map_or_else(|| "no stored entries".to_owned(), |n| count(n, "entry", "entries")),
         number(decomposer.mean_length()),
-        number(decomposer.diffusion().step_length()),
+        number(decomposer.operator().step_length()),
     );
     if let Some(info) = decomposer.surface_info() {
         let _ = writeln!(text, "  surface       {}", surface_text(info, shape));
@@ -314,11 +316,11 @@ fn diffusion_json(decomposer: &Decomposer) -> Value {
         "operator": decomposer.operator_kind().name(),
         "density_invariant": decomposer.operator_params().density_invariant,
         "keeps_creases": decomposer.operator_params().keep_creases,
-        "vertices": decomposer.diffusion().n_vertices(),
-        "entries": decomposer.diffusion().nnz(),
+        "vertices": decomposer.n_places(),
+        "entries": decomposer.n_entries(),
         "mean_length": decomposer.mean_length(),
-        "step_length": decomposer.diffusion().step_length(),
-        "reversible": decomposer.diffusion().is_reversible(),
+        "step_length": decomposer.operator().step_length(),
+        "reversible": decomposer.operator().is_reversible(),
         "surface": decomposer.surface_info().map(|info| json!({
             "flips": info.laplacian.n_flips,
             "double_cover": info.laplacian.is_covered,

@@ -5,6 +5,7 @@ mod patches;
 mod vote;
 
 use super::FIT_NEIGHBORS;
+use crate::domain::NoShape;
 use crate::shape::{GivenNormals, NormalCheck, NormalSigns, PreparedGeometry, Shape, welded_normals};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::borrow::Cow;
@@ -136,6 +137,12 @@ pub enum OutwardError {
     /// The call was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<NoShape> for OutwardError {
+    fn from(_: NoShape) -> Self {
+        Self::NoPositions
+    }
 }
 
 impl ClassifiedError for OutwardError {

@@ -57,7 +57,7 @@ impl<'a> Fast<'a> {
     pub(crate) fn new(case: &'a Case) -> Self {
         let decomposer =
             Decomposer::with_params(&case.parts.shape(), &case.params, Progress::none()).unwrap();
-        let map = decomposer.geometry().vertex_map();
+        let map = decomposer.vertex_map();
         let place = weld(&case.parts).first.into_iter().map(|x| map.welded(x)).collect();
         Self { case, decomposer, place }
     }
@@ -103,7 +103,7 @@ impl<'a> Fast<'a> {
 
     /// Φ₁.
     pub(crate) fn diffusion(&self) -> Matrix {
-        let diffusion = self.decomposer.diffusion();
+        let diffusion = self.decomposer.rows("a test").unwrap();
         self.matrix(|x| {
             let mut row = vec![0.0; self.n_welded()];
             let (columns, values) = diffusion.row(x);
@@ -115,10 +115,10 @@ impl<'a> Fast<'a> {
 
     /// w and the areas of the Laplacian.
     pub(crate) fn laplacian(&self) -> (Matrix, Vec<f64>) {
-        let geometry = self.decomposer.geometry();
+        let geometry = self.decomposer.geometry().unwrap();
         let laplacian = Laplacian::new(geometry, self.case.params.neighbors, Progress::none()).unwrap();
         let row = |x: usize| {
-            let mut row = vec![0.0; self.decomposer.geometry().n_vertices()];
+            let mut row = vec![0.0; self.decomposer.n_places()];
             let (columns, values) = laplacian.weights().row(x);
             columns.iter().zip(values).for_each(|(&y, w)| row[y as usize] = *w);
             row
@@ -128,7 +128,7 @@ impl<'a> Fast<'a> {
 
     /// `rate·(I − Φ₁)`, of which heat takes the exponential.
     pub(crate) fn heat_generator(&self) -> Matrix {
-        let Semigroup::Heat { rate } = self.decomposer.diffusion().semigroup() else { panic!("no heat") };
+        let Semigroup::Heat { rate } = self.decomposer.operator().semigroup() else { panic!("no heat") };
         let mut generator = self.diffusion();
         for (x, row) in generator.iter_mut().enumerate() {
             let others: f64 = row.iter().enumerate().filter(|&(y, _)| y != x).map(|(_, w)| w).sum();
@@ -141,15 +141,15 @@ impl<'a> Fast<'a> {
     }
 
     pub(crate) fn is_reversible(&self) -> bool {
-        self.decomposer.diffusion().is_reversible()
+        self.decomposer.operator().is_reversible()
     }
 
     pub(crate) fn stationary(&self) -> Vec<f64> {
-        self.vertices(self.decomposer.diffusion().stationary())
+        self.vertices(self.decomposer.rows("a test").unwrap().stationary())
     }
 
     pub(crate) fn step_length(&self) -> f64 {
-        self.decomposer.diffusion().step_length()
+        self.decomposer.operator().step_length()
     }
 
     /// Area of every vertex of the file.
@@ -207,22 +207,29 @@ impl<'a> Fast<'a> {
             there[place * n_channels..][..n_channels]
                 .copy_from_slice(&signal[x * n_channels..][..n_channels]);
         }
-        let out = &smooth(self.decomposer.diffusion(), &there, n_channels, &[n_steps], Progress::none())
-            .unwrap()[0];
+        let out = &smooth(
+            self.decomposer.rows("a test").unwrap(),
+            &there,
+            n_channels,
+            &[n_steps],
+            Progress::none(),
+        )
+        .unwrap()[0];
         self.place.iter().flat_map(|&x| out[x * n_channels..][..n_channels].to_vec()).collect()
     }
 
     /// Φ_1 … Φ_J by Algorithm 1.
     pub(crate) fn squared(&self, n_levels: usize, epsilon: f64) -> Vec<Matrix> {
         let params = BasisParams::new(Schedule::dyadic(n_levels).unwrap()).with_drop_tolerance(epsilon);
-        let basis = basis_by_squaring(self.decomposer.diffusion(), &params, Progress::none()).unwrap();
+        let basis =
+            basis_by_squaring(self.decomposer.rows("a test").unwrap(), &params, Progress::none()).unwrap();
         basis.scaling.iter().map(|level| self.matrix(|x| dense_row(level.row(x), self.n_welded()))).collect()
     }
 
     /// Φ_1 … Φ_J and Ψ_1 … Ψ_J by the fast method, in single precision and without dropping.
     pub(crate) fn basis(&self, n_levels: usize) -> (Vec<Matrix>, Vec<Matrix>) {
         let params = BasisParams::new(Schedule::dyadic(n_levels).unwrap()).with_drop_tolerance(0.0);
-        let basis = basis(self.decomposer.diffusion(), &params, Progress::none()).unwrap();
+        let basis = basis(self.decomposer.rows("a test").unwrap(), &params, Progress::none()).unwrap();
         let n = self.n_welded();
         let wide = |(columns, values): (&[u32], &[f32])| {
             let values: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();

@@ -24,7 +24,7 @@ type Eigenfunction = (f64, Box<dyn Fn(&[f64; 3]) -> f64>);
 /// masses that are raised make up, which belong to one vertex in a hundred however many there are.
 fn largest_decay_error((points, triangles): &(Points, Triangles), functions: &[Eigenfunction]) -> [f64; 2] {
     let decomposer = decomposer(&mesh(points, triangles));
-    let (areas, step) = (decomposer.areas(), decomposer.diffusion().step_length());
+    let (areas, step) = (decomposer.areas(), decomposer.operator().step_length());
     let n_channels = functions.len();
     let signal: Vec<f64> =
         points.iter().flat_map(|p| functions.iter().map(|(_, f)| f(p)).collect::<Vec<_>>()).collect();
@@ -47,8 +47,10 @@ fn largest_decay_error((points, triangles): &(Points, Triangles), functions: &[E
             }
         }
     }
-    let raised =
-        surface_diffusion(decomposer.geometry(), &params(), Progress::none()).unwrap().info.added_mass;
+    let raised = surface_diffusion(decomposer.geometry().unwrap(), &params(), Progress::none())
+        .unwrap()
+        .info
+        .added_mass;
     [worst, LONGEST * raised]
 }
 
@@ -144,7 +146,7 @@ fn cosines_decay_as_on_the_rectangle_and_the_error_is_of_second_order() {
 fn the_second_moments_of_an_impulse_are_half_of_sigma_squared_anywhere() {
     let (points, triangles, edge) = sector(120);
     let decomposer = decomposer(&mesh(&points, &triangles));
-    let step = decomposer.diffusion().step_length();
+    let step = decomposer.operator().step_length();
     let mut errors = Vec::new();
     for edges in [1.5, 2.0, 3.0, 4.0, 6.0] {
         let mut worst = 0.0_f64;
@@ -194,7 +196,7 @@ fn an_impulse_is_as_wide_at_half_its_height_as_was_asked_for() {
     let mut impulse = vec![0.0; points.len()];
     impulse[at(n / 2, n / 2)] = 1.0;
     for asked in [8.0, 12.0, 20.0].map(|cells| cells * spacing) {
-        let schedule = Schedule::lengths(&[asked / FWHM], decomposer.diffusion().step_length()).unwrap();
+        let schedule = Schedule::lengths(&[asked / FWHM], decomposer.operator().step_length()).unwrap();
         let bands = decomposer.decompose(&impulse, 1, &schedule).unwrap();
         let values = bands.coarsest();
         let half = 0.5 * values[at(n / 2, n / 2)];

@@ -24,7 +24,7 @@ fn noise(n: usize) -> Vec<f64> {
 /// All that can be asked of a shape: finite, the bands sum to the signal, no value grows. Gives the bands of noise.
 fn check(name: &str, shape: &Shape) -> (Decomposer, Bands) {
     let decomposer = decomposer(shape);
-    let (n, phi) = (shape.n_vertices(), decomposer.diffusion());
+    let (n, phi) = (shape.n_vertices(), decomposer.rows("a test").unwrap());
     let f = noise(n);
     let schedule = Schedule::dyadic(LEVELS).unwrap();
     for x in 0..phi.n_vertices() {
@@ -57,10 +57,10 @@ fn check(name: &str, shape: &Shape) -> (Decomposer, Bands) {
         let functions = decomposer.basis_of_vertex(vertex, &schedule, Progress::none()).unwrap();
         assert!(functions.wavelet.iter().all(|v| v.is_finite()), "{name}");
         let phi = functions.scaling_function;
-        let sum: f64 = decomposer.geometry().vertex_map().mean(&phi, 1).iter().sum();
+        let sum: f64 = decomposer.vertex_map().mean(&phi, 1).iter().sum();
         // Its function is as accurate as all values are, beside the mass that there is of it. Needles take very many jumps, each
         // of which rounds.
-        let pi = decomposer.diffusion().stationary()[decomposer.geometry().vertex_map().welded(vertex)];
+        let pi = decomposer.rows("a test").unwrap().stationary()[decomposer.vertex_map().welded(vertex)];
         let allowed = (ACCURACY + ROUNDED_JUMPS * n_jumps) / pi.max(f64::MIN_POSITIVE);
         assert!(
             phi.iter().all(|&v| v >= 0.0) && (sum - 1.0).abs() < allowed,
@@ -164,7 +164,7 @@ fn a_moebius_strip_is_a_surface_all_the_same() {
     let area = adwave::shape::surface_area(&points, &triangles);
     assert!((decomposer.areas().iter().sum::<f64>() / area - 1.0).abs() < ACCURACY);
     let f: Vec<f64> = points.iter().map(|p| p[0].atan2(p[1]).cos()).collect();
-    let step = decomposer.diffusion().step_length();
+    let step = decomposer.operator().step_length();
     let bands = decomposer.decompose(&f, 1, &Schedule::lengths(&[2.0], step).unwrap()).unwrap();
     // t = σ²/4 = 1, λ about 1 on a ring of radius 1.
     for (s, f) in bands.coarsest().iter().zip(&f) {
@@ -178,7 +178,7 @@ fn faces_without_area_and_faces_twice_change_next_to_nothing() {
     let f = noise(points.len());
     let bands = |triangles: &[[u32; 3]], name: &str| {
         let (decomposer, _) = check(name, &mesh(&points, triangles));
-        let schedule = Schedule::lengths(&[0.2, 0.4, 0.8], decomposer.diffusion().step_length()).unwrap();
+        let schedule = Schedule::lengths(&[0.2, 0.4, 0.8], decomposer.operator().step_length()).unwrap();
         decomposer.decompose(&f, 1, &schedule).unwrap().wavelets().flatten().copied().collect::<Vec<f64>>()
     };
     let before = bands(&triangles, "sphere");
@@ -217,7 +217,7 @@ fn acute_faces_twice_have_the_heat_of_each_once() {
         .collect();
     let bands = |triangles: &[[u32; 3]]| {
         let (decomposer, _) = check("acute", &mesh(&points, triangles));
-        let schedule = Schedule::lengths(&[1.0, 2.0, 4.0], decomposer.diffusion().step_length()).unwrap();
+        let schedule = Schedule::lengths(&[1.0, 2.0, 4.0], decomposer.operator().step_length()).unwrap();
         let f: Vec<f64> = points.iter().map(|p| (p[0] * 1.3).sin() + p[1].cos()).collect();
         decomposer.decompose(&f, 1, &schedule).unwrap().wavelets().flatten().copied().collect::<Vec<f64>>()
     };
@@ -238,7 +238,7 @@ fn vertices_that_no_face_names_keep_their_value_and_cost_nothing() {
         assert!(bands.wavelets().skip(1).all(|w| w[x] == 0.0) && with_others.areas()[x] == 0.0);
     }
     keeps_its_value("torus and points", &bands, n + 1);
-    let (a, b) = (alone.diffusion().step_length(), with_others.diffusion().step_length());
+    let (a, b) = (alone.operator().step_length(), with_others.operator().step_length());
     assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
 }
 
@@ -281,7 +281,7 @@ fn needles_keep_their_area() {
     let f: Vec<f64> = points.iter().map(|p| p[0] * p[1] + p[2]).collect();
     let smooth = |triangles: &[[u32; 3]]| {
         let (decomposer, _) = check("a needle in a sphere", &mesh(&points, triangles));
-        let schedule = Schedule::lengths(&[0.5], decomposer.diffusion().step_length()).unwrap();
+        let schedule = Schedule::lengths(&[0.5], decomposer.operator().step_length()).unwrap();
         decomposer.decompose(&f, 1, &schedule).unwrap().coarsest().to_vec()
     };
     let off = smooth(&triangles).iter().zip(smooth(&split)).map(|(s, t)| (s - t).abs()).fold(0.0, f64::max);
@@ -293,7 +293,7 @@ fn needles_keep_their_area() {
 fn a_cloud_on_a_line_has_the_heat_of_the_line() {
     let points: Vec<[f64; 3]> = (0..200).map(|i| [f64::from(i), 2.0 * f64::from(i), 0.0]).collect();
     let (decomposer, _) = check("line", &cloud(&points));
-    let step = decomposer.diffusion().step_length();
+    let step = decomposer.operator().step_length();
     let sigma = 8.0 * 5.0_f64.sqrt();
     let schedule = Schedule::lengths(&[sigma], step).unwrap();
     let phi = decomposer.basis_of_vertex(100, &schedule, Progress::none()).unwrap().scaling_function;
@@ -346,7 +346,7 @@ fn an_empty_shape_has_empty_bands_or_is_refused() {
         [cloud_or_none(), mesh_or_none(), Graph::new(0, &[]).ok().map(Shape::Graph)].into_iter().flatten()
     {
         let decomposer = decomposer(&shape);
-        assert_eq!(decomposer.diffusion().n_vertices(), 0);
+        assert_eq!(decomposer.rows("a test").unwrap().n_vertices(), 0);
         let bands = decomposer.decompose(&[], 1, &Schedule::dyadic(2).unwrap());
         assert!(bands.map_or(true, |bands| bands.coarsest().is_empty()));
     }

@@ -58,7 +58,7 @@ fn all() -> Vec<(String, Shape)> {
 
 /// Asserts what makes Φ₁ a reversible walk.
 fn check_operator(name: &str, decomposer: &Decomposer) {
-    let (phi, n) = (decomposer.diffusion(), decomposer.diffusion().n_vertices());
+    let (phi, n) = (decomposer.rows("a test").unwrap(), decomposer.rows("a test").unwrap().n_vertices());
     let pi = phi.stationary();
     assert!(phi.is_reversible() && (pi.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{name}");
     for x in 0..n {
@@ -78,7 +78,7 @@ fn check_operator(name: &str, decomposer: &Decomposer) {
 
 /// The smallest and the largest eigenvalue of Φ₁.
 fn spectrum(decomposer: &Decomposer) -> (f64, f64) {
-    let (phi, n) = (decomposer.diffusion(), decomposer.diffusion().n_vertices());
+    let (phi, n) = (decomposer.rows("a test").unwrap(), decomposer.rows("a test").unwrap().n_vertices());
     let root: Vec<f64> = phi.stationary().iter().map(|&p| if p > 0.0 { p.sqrt() } else { 1.0 }).collect();
     let mut symmetric = DMatrix::zeros(n, n);
     for x in 0..n {
@@ -100,11 +100,11 @@ fn check_bands(name: &str, decomposer: &Decomposer) {
     let bands = decomposer.decompose(&f, 1, &schedule).unwrap();
     assert!(difference(&bands.reconstruct(), &f) < 1e-14, "{name}");
     // Smoothing takes means: no value is larger than the largest was, and what there is by mass stays.
-    let pi = decomposer.diffusion().stationary();
-    let map = decomposer.geometry().vertex_map();
+    let pi = decomposer.rows("a test").unwrap().stationary();
+    let map = decomposer.vertex_map();
     let content = |f: &[f64]| map.mean(f, 1).iter().zip(pi).map(|(v, p)| v * p).sum::<f64>();
     let top = largest(map.mean(&f, 1));
-    let Semigroup::Heat { rate } = decomposer.diffusion().semigroup() else { panic!("{name}: no heat") };
+    let Semigroup::Heat { rate } = decomposer.operator().semigroup() else { panic!("{name}: no heat") };
     for j in 1..=7 {
         let level = bands.scaling(j);
         for (x, v) in level.iter().enumerate() {
@@ -173,9 +173,9 @@ fn a_hundred_thousand_jumps_of_heat_keep_its_content() {
 #[test]
 fn rounding_does_not_grow_with_the_number_of_jumps() {
     let decomposer = decomposer(&needles());
-    let Semigroup::Heat { rate } = decomposer.diffusion().semigroup() else { panic!("no heat") };
-    let (f, pi) = (noise(5, 3), decomposer.diffusion().stationary());
-    let map = decomposer.geometry().vertex_map();
+    let Semigroup::Heat { rate } = decomposer.operator().semigroup() else { panic!("no heat") };
+    let (f, pi) = (noise(5, 3), decomposer.rows("a test").unwrap().stationary());
+    let map = decomposer.vertex_map();
     let content = |f: &[f64]| map.mean(f, 1).iter().zip(pi).map(|(v, p)| v * p).sum::<f64>();
     for jumps in [1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9] {
         let schedule = Schedule::real(vec![jumps / rate]).unwrap();
@@ -216,7 +216,7 @@ fn rotations_and_units_change_nothing() {
         let (Some(points), n) = (shape.points(), shape.n_vertices()) else { continue };
         let f = noise(n, 21);
         let before = bands_of(&shape, &f);
-        let sigma = decomposer(&shape).diffusion().step_length();
+        let sigma = decomposer(&shape).operator().step_length();
         let moved = |change: &dyn Fn([f64; 3]) -> [f64; 3]| {
             let points: Vec<[f64; 3]> = points.iter().map(|&p| change(p)).collect();
             match &shape {
@@ -233,7 +233,7 @@ fn rotations_and_units_change_nothing() {
             let off = difference(&bands_of(&scaled, &f), &before);
             let is_power = factor.log2().fract() == 0.0;
             assert!(off <= if is_power { 0.0 } else { COMMUTES }, "{name} × {factor}: {off:e}");
-            let step = decomposer(&scaled).diffusion().step_length();
+            let step = decomposer(&scaled).operator().step_length();
             assert!((step / (factor * sigma) - 1.0).abs() < COMMUTES, "{name} × {factor}");
         }
     }
@@ -326,7 +326,7 @@ fn finer_triangles_of_the_same_surface_change_bands_by_second_order() {
         let (finer, quarters) = subdivided(&points, &triangles);
         let band = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
             let decomposer = decomposer(&mesh(points, triangles));
-            let schedule = Schedule::lengths(&[0.8, 1.6], decomposer.diffusion().step_length()).unwrap();
+            let schedule = Schedule::lengths(&[0.8, 1.6], decomposer.operator().step_length()).unwrap();
             let f: Vec<f64> = points.iter().map(f).collect();
             let bands = decomposer.decompose(&f, 1, &schedule).unwrap();
             (bands.wavelets().last().unwrap().to_vec(), decomposer.areas())
