@@ -69,7 +69,7 @@ macro_rules! by_kind {
 
 by_kind!(
     adwave::bands::ScheduleError,
-    adwave::domain::NoShape,
+    adwave::shape::NoShape,
     adwave::operator::NoRows,
     adwave::filter::KeepVolumeError,
     adwave::positions::PositionsError,

@@ -134,8 +134,8 @@ pub enum DeformError {
     Cancelled(#[from] Cancelled),
 }
 
-impl From<adwave::domain::NoShape> for DeformError {
-    fn from(_: adwave::domain::NoShape) -> Self {
+impl From<adwave::shape::NoShape> for DeformError {
+    fn from(_: adwave::shape::NoShape) -> Self {
         Self::NoPositions
     }
 }

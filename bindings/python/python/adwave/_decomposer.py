@@ -643,6 +643,22 @@ def _at_rows(weights: Any, rows: NDArray[np.intp]) -> Any:
     return np.ascontiguousarray(weights[rows]) if isinstance(weights, np.ndarray) else weights
 
 
+def as_domain(given: object) -> object:
+    """What carries a signal: a `Walk` as the `Decomposer` of its states, anything else as it is.
+
+    Every function that takes a shape takes a walk by this.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> aw.smooth(aw.walk([[0, 1], [1, 0]]), [1.0, 3.0], steps=1)
+    array([3., 1.])
+    """
+    from adwave._walk import Walk
+
+    return given.prepare() if isinstance(given, Walk) else given
+
+
 def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: LevelsLike = None) -> Decomposer:
     """A `Decomposer` of a shape; of one that is given, the operator that suits the levels.
 
@@ -653,6 +669,7 @@ def prepare_decomposer(shape: object, operator: OperatorLike = None, levels: Lev
     ValueError
         If a `Decomposer` is to have another operator than its own.
     """
+    shape = as_domain(shape)
     if isinstance(shape, Decomposer):
         own = shape.for_levels(levels)
         if operator is not None and as_operator(operator) not in (

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt
-from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where
+from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
 from adwave._layout import Layout, signal_values, vertex_weights
 from adwave._options import LevelOptions, OperatorLike, SignalLike, as_operator
 from adwave._shape import Conditions, Path, Shape, as_shape
@@ -206,6 +206,7 @@ def read_part(
         wanted = _SIGNAL if "levels" in known else _EXACT if "operator" in known else _PART
         wanted += ("precision",) if function in _WITH_PRECISION else ()
         refuse_unknown(function, options, known, wanted)
+    shape = as_domain(shape)
     faces = options.get("faces")
     if faces is None and signal is not None:
         ask_about_faces(function, shape, signal)

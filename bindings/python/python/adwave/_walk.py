@@ -413,8 +413,31 @@ class ScatteringResult:
         return np.moveaxis(self.values, 1, 0).reshape(self.values.shape[1], -1)
 
 
+def as_walk(given: object) -> Walk:
+    """A walk as it is; of any shape or graph, the lazy walk Φ₁ of its operator.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the argument is no shape; see `Shape`.
+
+    Examples
+    --------
+    >>> import adwave as aw
+    >>> from adwave._walk import as_walk
+    >>> as_walk(aw.graph(2, [[0, 1]])).matrix().toarray()
+    array([[0.5, 0.5],
+           [0.5, 0.5]])
+    """
+    if isinstance(given, Walk):
+        return given
+    from adwave._decomposer import prepare_decomposer
+
+    return walk(prepare_decomposer(given).matrix())
+
+
 def scattering(
-    walk: Walk,
+    walk: object,
     signal: ArrayLike,
     *,
     steps: Sequence[int] = SCALES,
@@ -428,8 +451,8 @@ def scattering(
 
     Parameters
     ----------
-    walk : Walk
-        The walk, usually lazy (``stay=0.5``).
+    walk : Walk or shape_like
+        The walk, usually lazy (``stay=0.5``); of a graph or any other shape, the lazy walk of `Decomposer`.
     signal : (n,) or (n, channels) array
         Values at the nodes.
     steps : sequence of int
@@ -457,6 +480,7 @@ def scattering(
     >>> found.values[1, :, 0]
     array([1., 1.])
     """
+    walk = as_walk(walk)
     values, _ = signal_values(signal, walk.n_nodes)
     with report_progress(progress, "scattering") as report:
         scales, wanted = [int(n) for n in steps], [int(order) for order in orders]

@@ -21,10 +21,10 @@ import numpy as np
 import torch
 
 from adwave import _native
-from adwave._decomposer import Decomposer
+from adwave._decomposer import Decomposer, prepare_decomposer
 from adwave._options import BandsRequest, LevelsLike, check_steps
 from adwave._torch_device import DeviceSplit, DeviceWalk, measured_error
-from adwave._walk import SCALES, Walk, from_edge_index
+from adwave._walk import SCALES, Walk, as_walk, from_edge_index
 
 __all__ = ["Scattering", "bands", "combine_bands", "filter", "scatter_bands", "smooth"]
 
@@ -186,7 +186,7 @@ def _rows(signal: torch.Tensor, n: int) -> tuple[torch.Tensor, tuple[int, ...], 
 
 
 def combine_bands(
-    walk: Decomposer,
+    walk: object,
     signal: torch.Tensor,
     factors: Sequence[float] | torch.Tensor,
     steps: Sequence[float],
@@ -197,8 +197,8 @@ def combine_bands(
 
     Parameters
     ----------
-    walk : Decomposer
-        Shape with a reversible diffusion.
+    walk : Decomposer, Walk or shape_like
+        Shape or walk with a reversible diffusion; a `Decomposer` is prepared once, anything else in each call.
     signal : tensor
         Signal on any device, (n,), (n, channels), or a batch, (batch, n) or (batch, n, channels); the work is done on the CPU
         in double precision.
@@ -223,8 +223,9 @@ def combine_bands(
     >>> aw.torch.combine_bands(walk, f, [2.0, 1.0], [1.0, 2.0]).shape  # doctest: +SKIP
     torch.Size([100, 2])
     """
-    levels = _levels(walk, steps, accuracy)
-    rows, channels, axis = _rows(signal, walk.n_vertices)
+    own = prepare_decomposer(walk)
+    levels = _levels(own, steps, accuracy)
+    rows, channels, axis = _rows(signal, own.n_vertices)
     if len(factors) != len(levels.steps):
         raise ValueError(f"factors must be one for each of {len(levels.steps)} levels, got {len(factors)}")
     if torch.is_tensor(factors):
@@ -234,13 +235,13 @@ def combine_bands(
     return found.reshape(rows.shape[0], *channels).movedim(0, axis)
 
 
-def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: float = _native.ACCURACY) -> torch.Tensor:
+def smooth(walk: object, signal: torch.Tensor, steps: float, *, accuracy: float = _native.ACCURACY) -> torch.Tensor:
     """``Φ₁^steps f`` with its exact gradient.
 
     Parameters
     ----------
-    walk : Decomposer
-        Shape with a reversible diffusion.
+    walk : Decomposer, Walk or shape_like
+        Shape or walk with a reversible diffusion; a `Decomposer` is prepared once, anything else in each call.
     signal : tensor
         Signal or batch as in `combine_bands`.
     steps : float
@@ -266,7 +267,7 @@ def smooth(walk: Decomposer, signal: torch.Tensor, steps: float, *, accuracy: fl
 
 
 def bands(
-    walk: Decomposer,
+    walk: object,
     signal: torch.Tensor,
     levels: LevelsLike,
     *,
@@ -282,8 +283,8 @@ def bands(
 
     Parameters
     ----------
-    walk : Decomposer
-        Shape with a reversible diffusion.
+    walk : Decomposer, Walk or shape_like
+        Shape or walk with a reversible diffusion; a `Decomposer` is prepared once, anything else in each call.
     signal : tensor
         Signal or batch as in `combine_bands`.
     levels : int, Widths, Steps or Octaves
@@ -307,7 +308,7 @@ def bands(
     >>> aw.torch.bands(walk, f, 4).shape  # doctest: +SKIP
     torch.Size([5, 100, 2])
     """
-    own = walk.for_levels(levels)
+    own = prepare_decomposer(walk, levels=levels)
     given = _levels(own, own.schedule(levels), accuracy)
     rows, channels, axis = _rows(signal, own.n_vertices)
     found = _Split.apply(rows, given) if device is None else _on_device(rows, given, device)
@@ -336,7 +337,7 @@ def _on_device(rows: torch.Tensor, given: _Levels, device: torch.device | str) -
 
 
 def filter(
-    walk: Decomposer,
+    walk: object,
     signal: torch.Tensor,
     gains: torch.Tensor | Sequence[float],
     levels: LevelsLike = None,
@@ -347,8 +348,8 @@ def filter(
 
     Parameters
     ----------
-    walk : Decomposer
-        Shape with a reversible diffusion.
+    walk : Decomposer, Walk or shape_like
+        Shape or walk with a reversible diffusion; a `Decomposer` is prepared once, anything else in each call.
     signal : tensor
         Signal or batch as in `combine_bands`.
     gains : (J,) or (J, n) tensor
@@ -375,7 +376,7 @@ def filter(
     torch.Size([4])
     """
     gains = torch.as_tensor(gains).to(signal)
-    own = walk.for_levels(levels)
+    own = prepare_decomposer(walk, levels=levels)
     given = _levels(own, own.schedule(len(gains) if levels is None else levels), accuracy)
     if gains.shape not in ((len(given.steps),), (len(given.steps), own.n_vertices)):
         raise ValueError(
@@ -436,15 +437,15 @@ class _PowersAdjoint(torch.autograd.Function):
         return _PowersAdjoint.apply(tangent, ctx.scales)
 
 
-def scatter_bands(walk: Walk, signal: torch.Tensor, scales: Sequence[int] = SCALES) -> torch.Tensor:
+def scatter_bands(walk: object, signal: torch.Tensor, scales: Sequence[int] = SCALES) -> torch.Tensor:
     """Bands ``(P^{n_{j−1}} − P^{n_j}) f`` and the rest, (J + 1) × n × channels, with their gradient.
 
     Directed walks have gradients too: the adjoint uses the transposed walk, at the cost of the bands.
 
     Parameters
     ----------
-    walk : Walk
-        The walk.
+    walk : Walk or shape_like
+        The walk; of a graph or any other shape, the lazy walk of `Decomposer`.
     signal : (n, channels) tensor
         Values at the nodes.
     scales : sequence of int
@@ -455,9 +456,10 @@ def scatter_bands(walk: Walk, signal: torch.Tensor, scales: Sequence[int] = SCAL
     >>> aw.torch.scatter_bands(walk, f, [1, 2]).shape  # doctest: +SKIP
     torch.Size([3, 100, 2])
     """
-    if not torch.is_tensor(signal) or signal.ndim != 2 or signal.shape[0] != walk.n_nodes:
-        raise ValueError(f"signal must be a tensor of {walk.n_nodes} rows and some channels, got {_shape(signal)}")
-    return _Powers.apply(signal, _Scales(walk, tuple(int(n) for n in scales)))
+    own = as_walk(walk)
+    if not torch.is_tensor(signal) or signal.ndim != 2 or signal.shape[0] != own.n_nodes:
+        raise ValueError(f"signal must be a tensor of {own.n_nodes} rows and some channels, got {_shape(signal)}")
+    return _Powers.apply(signal, _Scales(own, tuple(int(n) for n in scales)))
 
 
 def _shape(value: object) -> str:

@@ -19,7 +19,7 @@ use crate::normal_filter::NormalFilterError;
 use crate::sgwt::SgwtError;
 use crate::taubin::TaubinError;
 use adwave::bands::{BandsError, BandsParams, Schedule};
-use adwave::domain::NoShape;
+use adwave::shape::NoShape;
 use adwave::features::FeatureError;
 use adwave::operator::NoRows;
 use adwave::region::RegionError;

@@ -13,7 +13,7 @@ pub use request::BandsRequest;
 
 use crate::bands::{Bands, BandsError, BandsParams, Schedule, Transform, levels_reaching};
 use crate::basis::{BasisError, SparseRow, check_whole, one_vertex};
-use crate::domain::{Domain, DomainError, NoShape, ShapeDomain, WalkDomain};
+use crate::domain::{Domain, DomainError, ShapeDomain, WalkDomain};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::mask::{Mask, MaskError};
 use crate::operator::{
@@ -23,7 +23,7 @@ use crate::operator::{
 use crate::parallel::expect_not_cancelled;
 use crate::region::{MetricEdges, SurfaceMetric};
 use crate::rows::CompressedRows;
-use crate::shape::{Adjacency, Health, PreparedGeometry, Shape, VertexMap, health};
+use crate::shape::{Adjacency, Health, NoShape, PreparedGeometry, Shape, VertexMap, health};
 use crate::signal::{CloseSheets, OutwardError, OutwardNormals, close_sheets, outward_normals};
 use crate::{Cancelled, Progress};
 use creases::respect_creases;

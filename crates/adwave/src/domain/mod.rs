@@ -208,17 +208,3 @@ impl ClassifiedError for DomainError {
         }
     }
 }
-
-/// A mesh, a cloud or a graph that a method needs, for another domain.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[error("{needed_by} needs a mesh, a point cloud or a curve, and this domain is none (`Domain::geometry`)")]
-pub struct NoShape {
-    /// The method, with an article if it is a noun.
-    pub needed_by: &'static str,
-}
-
-impl ClassifiedError for NoShape {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Input
-    }
-}

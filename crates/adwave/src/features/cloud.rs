@@ -9,8 +9,8 @@
 use super::sample::SampleResponse;
 use super::{Feature, FeatureError, FeatureParams, Response, features, select_spread};
 use crate::bands::{BandsError, BandsParams, Schedule, Wavelets};
-use crate::domain::NoShape;
 use crate::population::Population;
+use crate::shape::NoShape;
 use crate::shape::{distance, squared_distance};
 use crate::signal::{FIT_NEIGHBORS, OutwardError, outward_normals, try_cloud_normals};
 use crate::vector::{dot, subtract};

@@ -1,7 +1,7 @@
 //! Changes of a shape that features should survive.
 
-use crate::domain::NoShape;
 use crate::sample::add_noise;
+use crate::shape::NoShape;
 use crate::shape::{
     Mesh, PointCloud, Polygons, PreparedGeometry, Shape, face_vertex_normals, nearest_neighbors,
 };

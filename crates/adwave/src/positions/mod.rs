@@ -4,9 +4,9 @@ mod part;
 
 pub use part::{NORMAL_STEPS, NormalSign, smoothed_normals};
 
-use crate::domain::NoShape;
 use crate::named_values;
 use crate::parallel;
+use crate::shape::NoShape;
 use crate::shape::{PreparedGeometry, encloses_volume};
 use crate::signal::aligned_normals;
 use crate::vector::{add_scaled, dot, subtract, unit};

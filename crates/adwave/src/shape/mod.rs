@@ -213,6 +213,20 @@ impl ClassifiedError for ShapeError {
     }
 }
 
+/// A mesh, a cloud or a graph that a method needs, for another domain.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("{needed_by} needs a mesh, a point cloud or a curve, and this domain is none")]
+pub struct NoShape {
+    /// The method, with an article if it is a noun.
+    pub needed_by: &'static str,
+}
+
+impl ClassifiedError for NoShape {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Input
+    }
+}
+
 /// Number of points that a thread processes at a time.
 const POINTS_AT_A_TIME: usize = 1 << 14;
 

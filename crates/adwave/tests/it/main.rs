@@ -17,6 +17,7 @@ mod frame;
 mod given_normals;
 mod laws;
 mod local_fit;
+mod own_domain;
 mod own_operator;
 mod polygons;
 mod positions;

@@ -103,23 +103,31 @@ fn normals_regions_and_features_follow_the_edges_of_the_shape() {
 }
 
 #[test]
-fn what_needs_rows_is_refused_with_a_reason() {
+fn masks_fits_and_functions_need_no_rows() {
     let (shape, positions) = creature(2000);
     let own = shape.with_operator(row_function(shape.rows("a test").unwrap())).unwrap();
-    let schedule = Schedule::dyadic(2).unwrap();
-    let reason = |error: &dyn std::error::Error| error.to_string();
-    let mask: Vec<bool> = (0..own.n_vertices()).map(|x| x == 3).collect();
-    let refused = [
-        reason(&own.masked(&mask).unwrap_err()),
-        reason(&own.basis_of_vertex(0, &schedule, Progress::none()).unwrap_err()),
-        reason(&own.request(&positions, 3, &schedule).local_fit(LocalFit::Linear).wavelets().unwrap_err()),
-        reason(&own.rows("this test").unwrap_err()),
-    ];
-    for (reason, what) in
-        refused.iter().zip(["a mask", "a function of one vertex", "a linear fit", "this test"])
-    {
-        assert!(reason.starts_with(&format!("{what} needs the rows of the operator")), "{reason}");
-    }
+    let schedule = Schedule::dyadic(4).unwrap();
+    let mask: Vec<bool> = (0..own.n_vertices()).map(|x| x % 50 < 7).collect();
+    let [found, expected] = [&own, &shape].map(|shape| shape.masked(&mask).unwrap());
+    assert!((found.operator().step_length() / expected.operator().step_length() - 1.0).abs() < 1e-12);
+    let [found, expected] =
+        [found, expected].map(|shape| shape.decompose(&positions, 3, &schedule).unwrap().into_vec());
+    let known = |values: &[f64]| -> Vec<f64> { values.iter().copied().filter(|v| !v.is_nan()).collect() };
+    assert_close(&known(&found), &known(&expected), "masked bands");
+    assert!(found.iter().zip(&expected).all(|(a, b)| a.is_nan() == b.is_nan()));
+    let [found, expected] = [&own, &shape].map(|shape| {
+        let functions = shape.basis_of_vertex(17, &schedule, Progress::none()).unwrap();
+        [functions.scaling_function, functions.wavelet].concat()
+    });
+    assert_close(&found, &expected, "the functions of a vertex");
+    // Gradients are fitted over the neighbors, whatever the weights of their steps.
+    let slope: Vec<f64> = positions.iter().step_by(3).map(|x| 2.0 * x).collect();
+    let bands = own.request(&slope, 1, &schedule).local_fit(LocalFit::Linear).bands().unwrap();
+    let largest =
+        |bands: &adwave::bands::Bands| bands.wavelets().flatten().fold(0.0_f64, |m, w| m.max(w.abs()));
+    assert!(largest(&bands) < 0.1 * largest(&own.decompose(&slope, 1, &schedule).unwrap()));
+    let reason = own.rows("this test").unwrap_err().to_string();
+    assert!(reason.starts_with("this test needs the rows of the operator"), "{reason}");
     let short = RowFunction::new(7, |_| []).unwrap();
     assert!(matches!(own.with_operator(short), Err(BandsError::WrongNumber { n_given: 7, .. })));
 }

@@ -5,7 +5,7 @@ mod patches;
 mod vote;
 
 use super::FIT_NEIGHBORS;
-use crate::domain::NoShape;
+use crate::shape::NoShape;
 use crate::shape::{GivenNormals, NormalCheck, NormalSigns, PreparedGeometry, Shape, welded_normals};
 use crate::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use std::borrow::Cow;
