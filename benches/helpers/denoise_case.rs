@@ -27,7 +27,7 @@ fn main() -> CaseOutcome<()> {
     };
     let mut file = read_path(Path::new(input), &ReadLimits::default())?;
     let shape = file.to_shape()?;
-    let Shape::Mesh(mesh) = &shape else { return Err("the shape must be a mesh".into()) };
+    let Some(mesh) = shape.as_mesh() else { return Err("the shape must be a mesh".into()) };
     let start = Instant::now();
     let points = result(step, parameters, &shape, mesh)?;
     println!("{}", start.elapsed().as_secs_f64());

@@ -275,7 +275,7 @@ fn denoise_points<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
     let params = options.params()?;
     let own = shape.get().shape(py)?;
-    if params.shared != SharedNoise::Detail && !matches!(own, Shape::Mesh(_)) {
+    if params.shared != SharedNoise::Detail && !own.is_mesh() {
         return Err(PyValueError::new_err(
             "noise: 'shared' applies to meshes; pass a number or leave it out",
         ));

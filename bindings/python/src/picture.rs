@@ -134,7 +134,7 @@ fn render_picture<'py>(
         {
             Up::Z
         }
-        None => Up::guess(points, || !matches!(own, Shape::Mesh(_))),
+        None => Up::guess(points, || !own.is_mesh()),
     };
     let params = options.params(up)?;
     let ball = |(center, radius, color): &BallTuple| Ball { center: *center, radius: *radius, color: *color };

@@ -99,7 +99,7 @@ pub fn feature_map(
     times: &[f64],
     progress: Progress<'_>,
 ) -> Result<Vec<FeatureLevel>, FeatureMapError> {
-    if !matches!(shape, Shape::Mesh(_)) {
+    if !shape.is_mesh() {
         return Err(FeatureMapError::NotAMesh);
     }
     if signal.len() != shape.n_vertices() || signal.iter().any(|v| !v.is_finite()) {

@@ -56,7 +56,7 @@ pub struct LeeSaliency {
 /// # Errors
 /// [`LeeError`].
 pub fn lee_saliency(shape: &Shape, progress: Progress<'_>) -> Result<LeeSaliency, LeeError> {
-    if !matches!(shape, Shape::Mesh(_)) {
+    if !shape.is_mesh() {
         return Err(LeeError::NotAMesh);
     }
     let geometry = PreparedGeometry::new(shape, WeldMode::default(), progress.quiet())?;

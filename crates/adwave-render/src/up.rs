@@ -91,7 +91,7 @@ impl From<Axis> for Up {
 
 /// Whether a shape has a border or no faces at all.
 fn is_open(shape: &Shape) -> bool {
-    if !matches!(shape, Shape::Mesh(_)) {
+    if !shape.is_mesh() {
         return true;
     }
     let Ok(geometry) = PreparedGeometry::new(shape, WeldMode::default(), Progress::none()) else {

@@ -3,7 +3,6 @@
 use crate::prepared_shape::PreparedShape;
 use crate::response::{ApiError, ApiResult, bytes_response};
 use crate::session::Session;
-use adwave::shape::Shape;
 use adwave_simplify::{MeshParams, MeshTarget, simplify_mesh};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -60,7 +59,7 @@ fn select_vertices(session: &Session) -> Result<ExportedShape, ApiError> {
     if n <= MAX_VERTICES {
         return Ok(ExportedShape { vertices: (0..n as u32).collect(), triangles: session.triangles.clone() });
     }
-    let Shape::Mesh(mesh) = &session.input.shape else {
+    let Some(mesh) = session.input.shape.as_mesh() else {
         let step = n.div_ceil(MAX_VERTICES);
         return Ok(ExportedShape { vertices: (0..n as u32).step_by(step).collect(), triangles: Vec::new() });
     };

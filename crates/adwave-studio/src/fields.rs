@@ -9,7 +9,6 @@ use adwave::Progress;
 use adwave::bands::BandsParams;
 use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features, features};
 use adwave::saliency::saliency_f32;
-use adwave::shape::Shape;
 use adwave::signal::SurfaceSignal;
 use adwave_io::{Field, ShapeFile, SignalSource, named_signal, region_field};
 use serde_json::{Value, json};
@@ -79,7 +78,7 @@ pub(crate) fn list_fields(session: &Session, n_levels: usize) -> Vec<FieldInfo> 
         let info = FieldInfo::new(kind.name(), &label, kind.unit().unwrap_or(""), EditedShape);
         fields.push(FieldInfo { diverging: true, ..info });
     }
-    if matches!(session.input.shape, Shape::Cloud(_)) {
+    if session.input.shape.is_cloud() {
         let unit = SurfaceSignal::Density.unit().unwrap_or("");
         fields.push(FieldInfo::new("density", "Density", unit, EditedShape));
     }
@@ -216,7 +215,7 @@ pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
     let prepared = session.lock_prepared()?;
     let params = FeatureParams { theta, ..FeatureParams::default() };
     params.check().map_err(|e| ApiError::from_classified(&e))?;
-    let list = if let Shape::Cloud(_) = session.input.shape {
+    let list = if session.input.shape.is_cloud() {
         cloud_feature_list(session, &prepared, &params)?
     } else {
         let request = prepared.decomposer.request(prepared.points.as_flattened(), 3, &prepared.schedule);

@@ -74,7 +74,7 @@ impl Session {
         autosave_folder: Option<&Path>,
         stop: Arc<AtomicBool>,
     ) -> Result<Self, StudioError> {
-        let Some(points) = input.shape.points().filter(|_| !matches!(input.shape, Shape::Graph(_))) else {
+        let Some(points) = input.shape.points().filter(|_| !input.shape.is_graph()) else {
             return Err(StudioError::NoPositions(input.name));
         };
         if points.len() > MAX_VERTICES {

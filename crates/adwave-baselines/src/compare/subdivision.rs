@@ -7,7 +7,7 @@ use super::{CompareError, Comparison, ComparisonInput, Outcome};
 use adwave::Progress;
 use adwave::bands::Bands;
 use adwave::region::{Length, Location, Region};
-use adwave::shape::{MeshArea, Shape, mesh_areas};
+use adwave::shape::{MeshArea, mesh_areas};
 use adwave_subdivision::{Family, Hierarchy, LiftedWavelets, SubdivisionError, WeldedMesh};
 use std::time::Instant;
 
@@ -29,7 +29,7 @@ pub(super) fn compare(
     seconds: f64,
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
-    let Shape::Mesh(mesh) = input.shape else { return Err(CompareError::NotMesh) };
+    let Some(mesh) = input.shape.as_mesh() else { return Err(CompareError::NotMesh) };
     let start = Instant::now();
     let welded = WeldedMesh::new(mesh)?;
     let (points, d) = (welded.points(mesh), input.n_channels);

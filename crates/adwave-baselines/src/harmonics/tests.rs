@@ -166,7 +166,7 @@ fn heat_and_wave_signatures_are_constant_on_the_sphere() {
 fn scaling_a_shape_scales_its_spectrum() {
     let shape = sample("torus", 900);
     let big = |s: f64| {
-        let Shape::Mesh(mesh) = &shape else { unreachable!() };
+        let Some(mesh) = shape.as_mesh() else { unreachable!() };
         let points = mesh.points().iter().map(|p| p.map(|c| c * s)).collect();
         Shape::Mesh(Mesh::new(points, mesh.faces().clone()).unwrap())
     };

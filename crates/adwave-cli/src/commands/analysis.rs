@@ -16,7 +16,6 @@ use adwave::features::{
     CloudCoordinates, CloudFeatures, Feature, FeatureParams, Response, cloud_features, features,
 };
 use adwave::saliency::{MapWeighting, Saliency, SaliencyParams, Sign, saliency, with_height};
-use adwave::shape::Shape;
 use adwave::signal::OutwardInfo;
 use adwave::{BandsRequest, Decomposer};
 use serde_json::{Value, json};
@@ -246,13 +245,12 @@ impl Analysis {
 
     /// Whether the signal is the coordinates of a mesh or cloud.
     fn is_geometry(&self) -> bool {
-        matches!(self.signal.values, SignalValues::Coordinates(_))
-            && !matches!(self.input.shape, Shape::Graph(_))
+        matches!(self.signal.values, SignalValues::Coordinates(_)) && !self.input.shape.is_graph()
     }
 
     /// True if the signal is the coordinates of a cloud.
     pub(crate) fn is_cloud_geometry(&self) -> bool {
-        matches!(self.input.shape, Shape::Cloud(_)) && self.is_geometry()
+        self.input.shape.is_cloud() && self.is_geometry()
     }
 
     /// Widths σ_j of the levels 0 … J in model units.

@@ -141,7 +141,7 @@ fn prepare(
         SubdivisionError::Cancelled(_) => CliError::Cancelled,
         other => CliError::Input(format!("{}: {other}", input.name)),
     };
-    let Shape::Mesh(mesh) = &input.shape else {
+    let Some(mesh) = input.shape.as_mesh() else {
         return Err(CliError::Input(format!(
             "{}: --basis needs a mesh of triangles; without --basis, bands are for any shape",
             input.name

@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use adwave::Progress;
 use adwave::filter::{Displacement, displacement};
-use adwave::shape::{PreparedGeometry, Shape, curve_length, encloses_volume};
+use adwave::shape::{PreparedGeometry, curve_length, encloses_volume};
 use adwave_io::ShapeFile;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -83,7 +83,7 @@ impl Movement {
             )));
         }
         let mut this = Self { moved, diagonal, lengths: None, areas: None, volumes: None };
-        if let Shape::Graph(graph) = shape {
+        if let Some(graph) = shape.as_graph() {
             let length = |points: &[[f64; 3]]| curve_length(graph, &in_units(points, unit));
             this.lengths = Some(MeasureChange::new(length(before), length(points), unit));
         }

@@ -31,14 +31,14 @@ pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Res
     let Some(first) = inputs.first() else { return Ok(()) };
     let any = |is_it: fn(&Input) -> bool| inputs.iter().any(|input| is_it(input));
     let described = format!("{} is a {}", first.name, kind_name(&first.shape));
-    if !any(|input| matches!(input.shape, Shape::Mesh(_))) {
+    if !any(|input| input.shape.is_mesh()) {
         given
             .refuse(&["--rings", "--mesh-area", "--weld"], &format!("applies to meshes, and {described}"))?;
     }
-    if !any(|input| matches!(input.shape, Shape::Cloud(_)) || input.name.starts_with(POINTS)) {
+    if !any(|input| input.shape.is_cloud() || input.name.starts_with(POINTS)) {
         given.refuse(&["--neighbors"], &format!("applies to clouds, and {described}"))?;
     }
-    if !any(|input| matches!(input.shape, Shape::Cloud(_))) {
+    if !any(|input| input.shape.is_cloud()) {
         given.refuse(&["--cloud-area"], &format!("applies to clouds, and {described}"))?;
     }
     if !any(|input| matches!(input.shape, Shape::Mesh(_) | Shape::Cloud(_))) {

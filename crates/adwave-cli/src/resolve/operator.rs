@@ -232,7 +232,7 @@ pub(crate) fn check_operator(
     global: &Global<'_>,
 ) -> Result<(), CliError> {
     check_operator_options(shape, params, global)?;
-    if params.keep_creases && matches!(shape, Shape::Graph(_)) {
+    if params.keep_creases && shape.is_graph() {
         return Err(CliError::Input(
             "--keep-creases needs normals, and a graph has none; leave it out".to_owned(),
         ));

@@ -48,7 +48,7 @@ impl Input {
 
     /// The faces of the mesh as the nodes of a shape if the signal is a field of faces; the input itself if not.
     pub(crate) fn resolve_cells(self, signal: &str, global: &Global<'_>) -> Result<Self, CliError> {
-        let Shape::Mesh(mesh) = &self.shape else { return Ok(self) };
+        let Some(mesh) = self.shape.as_mesh() else { return Ok(self) };
         if !self.file.has_face_field(signal) {
             return Ok(self);
         }
@@ -172,7 +172,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             None => file,
         };
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
-        if matches!(shape, Shape::Graph(_))
+        if shape.is_graph()
             && let Some(text) = file.graph_changes().note()
         {
             global.inputs.add_remark(format!("{name}: {text}"));

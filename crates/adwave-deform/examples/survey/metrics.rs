@@ -2,7 +2,7 @@
 
 use adwave::Decomposer;
 use adwave::bands::Schedule;
-use adwave::shape::{Shape, enclosed_volume};
+use adwave::shape::enclosed_volume;
 use adwave::vector::{cross, dot, norm, subtract, unit};
 use adwave_deform::nearest_turn;
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ type Points<'a> = &'a [[f64; 3]];
 
 /// Measures `after` against `before`.
 pub(crate) fn measure(decomposer: &Decomposer, schedule: &Schedule, after: Points<'_>) -> Measures {
-    let Shape::Mesh(mesh) = decomposer.geometry().unwrap().shape() else { panic!("a mesh") };
+    let Some(mesh) = decomposer.geometry().unwrap().shape().as_mesh() else { panic!("a mesh") };
     let (before, triangles) = (mesh.points(), mesh.faces().triangles().expect("triangles").to_vec());
     let edges = edges(&triangles);
     let length = |p: Points<'_>, a: u32, b: u32| norm(&subtract(&p[a as usize], &p[b as usize]));

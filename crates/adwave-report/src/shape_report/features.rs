@@ -9,7 +9,6 @@ use crate::table::{NONE, Table, digits};
 use adwave::Progress;
 use adwave::bands::{BandsParams, Schedule};
 use adwave::features::{CloudCoordinates, Feature, FeatureParams, cloud_features};
-use adwave::shape::Shape;
 use adwave_render::{Ball, ColorMap};
 use std::time::Instant;
 
@@ -29,7 +28,7 @@ pub(crate) fn section(subject: &Subject<'_>, studio: &mut Studio<'_>) -> (Sectio
     let mut section = Section::new("features", "Features");
     let params = FeatureParams::default();
     let start = Instant::now();
-    let is_cloud = subject.is_geometry() && matches!(subject.shape, Shape::Cloud(_));
+    let is_cloud = subject.is_geometry() && subject.shape.is_cloud();
     let found = if is_cloud {
         features_of_cloud(subject, &params).map_err(|why| why.to_string())
     } else {

@@ -123,7 +123,7 @@ fn facts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
             }
             (_, OperatorKind::Surface) => "Mean distance to the neighbors on the surface.",
         };
-        let name = if let Shape::Mesh(_) = subject.shape { "Mean edge" } else { "Mean spacing" };
+        let name = if subject.shape.is_mesh() { "Mean edge" } else { "Mean spacing" };
         list.push(fact(name, format!("{} {unit}", digits(edge)), meaning));
     }
     let (name, meaning) = match subject.decomposer.operator_kind() {
@@ -158,7 +158,7 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         fact("Kind", format!("{kind}, {}", subject.format), ""),
         fact(one, grouped(health.n_vertices), ""),
     ];
-    if let Shape::Mesh(_) = subject.shape {
+    if subject.shape.is_mesh() {
         let polygons = match health.n_polygons {
             0 => String::new(),
             n => format!("{} of them have more than three corners and are triangulated.", grouped(n)),
@@ -176,7 +176,7 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
         grouped(health.n_components - health.n_isolated),
         "Connected by edges. Nothing is averaged across gaps.",
     ));
-    if let Shape::Mesh(_) = subject.shape {
+    if subject.shape.is_mesh() {
         list.push(if health.is_closed() {
             fact("Surface", "closed", "Every edge has two faces: the surface encloses a volume.")
         } else {
@@ -188,7 +188,7 @@ fn counts(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
 
 fn sizes(subject: &Subject<'_>, health: &Health) -> Vec<Fact> {
     let mut list = Vec::new();
-    if let Shape::Mesh(_) = subject.shape {
+    if subject.shape.is_mesh() {
         list.push(fact("Area", format!("{} model units²", digits(health.area)), ""));
         if let Some(volume) = health.volume {
             let meaning = if volume < 0.0 {

@@ -86,12 +86,12 @@ impl Subject<'_> {
 
     /// Word for a vertex of this shape.
     fn vertex(&self) -> &'static str {
-        if let Shape::Graph(_) = self.shape { "node" } else { "vertex" }
+        if self.shape.is_graph() { "node" } else { "vertex" }
     }
 
     /// Word for several vertices of this shape.
     fn vertices(&self) -> &'static str {
-        if let Shape::Graph(_) = self.shape { "nodes" } else { "vertices" }
+        if self.shape.is_graph() { "nodes" } else { "vertices" }
     }
 
     /// Formats a point to a ten-thousandth of the size of the shape.

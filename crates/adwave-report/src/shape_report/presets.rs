@@ -5,7 +5,6 @@ use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::page::{Block, Figure, Section};
 use crate::table::{NONE, Table, column, digits};
 use adwave::filter::Preset;
-use adwave::shape::Shape;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -105,7 +104,7 @@ fn apply_preset(
 }
 
 fn volume_ratio(subject: &Subject<'_>, values: &[f64], volume: Option<f64>) -> Option<f64> {
-    if !(subject.is_geometry() && matches!(subject.shape, Shape::Mesh(_))) {
+    if !(subject.is_geometry() && subject.shape.is_mesh()) {
         return None;
     }
     let before = volume.filter(|v| *v != 0.0)?;

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::Progress;
 use crate::bands::FixedSeries;
-use crate::shape::{Adjacency, PreparedGeometry, Shape};
+use crate::shape::{Adjacency, PreparedGeometry};
 use serde::{Deserialize, Serialize};
 
 /// Global quantities of [`denoise`](super::denoise): the noise level, the weights of the mixture, and the medians
@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```
 /// use adwave::denoise::{DenoiseChoice, DenoiseParams, denoise};
-/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
+/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, WeldMode};
 /// use adwave::Progress;
 /// let rough = |x: u32, y: u32| [f64::from(x), f64::from(y), 0.3 * f64::from((7 * x + 3 * y) % 5) / 5.0];
 /// let points = (0..400).map(|i| rough(i % 20, i / 20)).collect();
@@ -80,13 +80,13 @@ impl DenoiseChoice {
         progress: Progress<'_>,
     ) -> Result<Self, DenoiseError> {
         params.check()?;
-        if matches!(geometry.shape(), Shape::Graph(_)) {
+        if geometry.shape().is_graph() {
             return Err(DenoiseError::NoPositions);
         }
         if let Some(members) = geometry.members(progress)? {
             return Self::estimate(&members.geometry, params, progress);
         }
-        if matches!(geometry.shape(), Shape::Cloud(_)) {
+        if geometry.shape().is_cloud() {
             let mut info = denoise_cloud(geometry, geometry.points(), params, progress)?.info;
             (info.n_far, info.furthest) = (0, 0.0);
             return Ok(Self {

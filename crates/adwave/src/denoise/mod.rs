@@ -36,7 +36,7 @@ pub use params::{
 };
 pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 
-use crate::shape::{PreparedGeometry, Shape};
+use crate::shape::PreparedGeometry;
 use crate::vector::{add_scaled, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
 use filter_rounds::choose_rounds;
@@ -94,7 +94,7 @@ const STAGES: u64 = 5;
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise};
-/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
+/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, WeldMode};
 /// use adwave::Progress;
 /// let rough = |x: u32, y: u32| [f64::from(x), f64::from(y), 0.3 * f64::from((7 * x + 3 * y) % 5) / 5.0];
 /// let points = (0..400).map(|i| rough(i % 20, i / 20)).collect();
@@ -117,7 +117,7 @@ pub fn denoise(
 ) -> Result<Denoised, DenoiseError> {
     params.check()?;
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
-    if let Shape::Graph(_) = geometry.shape() {
+    if geometry.shape().is_graph() {
         return curve::denoise_curve(geometry, params, progress);
     }
     if let Some(members) = geometry.members(progress)? {
@@ -130,7 +130,7 @@ pub fn denoise(
         let outliers = outliers.into_iter().map(|x| members.vertices[x as usize]).collect();
         return Ok(Denoised { points: all, outliers, info });
     }
-    if let Shape::Cloud(_) = geometry.shape() {
+    if geometry.shape().is_cloud() {
         return denoise_cloud(geometry, original, params, progress);
     }
     let (points, unit) = geometry.unit_points(progress)?;

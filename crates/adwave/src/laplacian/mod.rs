@@ -85,7 +85,7 @@ impl Laplacian {
             let laplacian = curve_laplacian(&points, edges);
             return Ok(Self { unit, area_unit: unit, ..laplacian });
         }
-        let mut laplacian = if let Shape::Cloud(_) = geometry.shape() {
+        let mut laplacian = if geometry.shape().is_cloud() {
             let near = geometry.nearest(&points, NEIGHBORS_FOR_A_CELL * neighbors, progress)?;
             cloud::laplacian(&points, &near, progress)?
         } else {

@@ -219,11 +219,12 @@ where
         };
         let weights = parallel::try_collect(n, progress, weight)?;
         let total = parallel::try_sum(n, progress, |x| weights[x])?;
+        let moving = parallel::try_sum(n, progress, |x| if new.steps(x).0 > 0.0 { weights[x] } else { 0.0 })?;
         let square = parallel::try_sum(n, progress, |x| {
             let (factor, steps) = new.steps(x);
             weights[x] * factor * steps.map(|(y, w)| w * squared_length(x, y)).sum::<f64>()
         })?;
-        new.step_length = (square / total).sqrt();
+        new.step_length = if moving > 0.0 { (square / moving).sqrt() } else { 0.0 };
         new.weights = Some(weights.into_iter().map(|w| w / total).collect());
         Ok(Some(Arc::new(new)))
     }

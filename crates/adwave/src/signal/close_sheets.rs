@@ -2,7 +2,7 @@
 
 use super::cloud_normals::plane_normal;
 use super::quadric::{TangentFrame, fit_quadric};
-use crate::shape::{Adjacency, PreparedGeometry, STRAY_NEIGHBORS, Shape};
+use crate::shape::{Adjacency, PreparedGeometry, STRAY_NEIGHBORS};
 use crate::{Cancelled, Progress, parallel};
 use nalgebra::{Vector2, Vector3};
 
@@ -91,7 +91,7 @@ pub fn find_close_sheets(
     moved: Option<&[[f64; 3]]>,
     progress: Progress<'_>,
 ) -> Result<Option<CloseSheets>, Cancelled> {
-    if !matches!(geometry.shape(), Shape::Cloud(_)) || geometry.has_separate_sheets() {
+    if !geometry.shape().is_cloud() || geometry.has_separate_sheets() {
         return Ok(None);
     }
     let near = geometry.nearest(geometry.points(), STRAY_NEIGHBORS, progress)?;

@@ -66,16 +66,16 @@ fn denoise_positions(
     if args.fit.local_fit.is_some() {
         return Err(CliError::Input("--local-fit is for a field (--signal); leave it out".to_owned()));
     }
-    if args.outliers != Outliers::Keep && !matches!(input.shape, Shape::Cloud(_)) {
+    if args.outliers != Outliers::Keep && !input.shape.is_cloud() {
         return Err(CliError::Input(format!(
             "--outliers applies to clouds, and {} has faces or edges; leave it out",
             input.name
         )));
     }
-    if !matches!(input.shape, Shape::Mesh(_)) {
+    if !input.shape.is_mesh() {
         global.given.refuse(&["--shared-noise"], "applies to meshes")?;
     }
-    if matches!(input.shape, Shape::Graph(_)) {
+    if input.shape.is_graph() {
         global.given.refuse(&["--creases"], "applies to meshes and clouds; corners of a curve stay sharp")?;
     }
     let operator = operator_for_task(&args.shape.operator, OperatorTask::StepLevels)?;

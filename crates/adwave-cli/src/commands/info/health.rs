@@ -10,7 +10,7 @@ pub(super) fn health_lines(text: &mut String, shape: &Shape, health: &Health) {
         let _ = writeln!(text, "  {name:<13} {value}");
     };
     line("vertices", health.n_vertices.to_string());
-    if let Shape::Mesh(_) = shape {
+    if shape.is_mesh() {
         let polygons = if health.n_polygons > 0 {
             format!(", {} of them with more than three corners", health.n_polygons)
         } else {

@@ -76,7 +76,7 @@ fn find_hierarchy(
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<Option<Hierarchy>, CliError> {
-    let Shape::Mesh(mesh) = &input.shape else { return Ok(None) };
+    let Some(mesh) = input.shape.as_mesh() else { return Ok(None) };
     if mesh.faces().iter().any(|face| face.len() != 3) {
         return Ok(None);
     }
@@ -119,7 +119,7 @@ impl ShapeFacts {
     }
 
     fn graph_changes(&self) -> Option<GraphChanges> {
-        matches!(self.input.shape, Shape::Graph(_)).then(|| self.input.file.graph_changes())
+        self.input.shape.is_graph().then(|| self.input.file.graph_changes())
     }
 
     /// Widths σ_0 … σ_J.

@@ -219,7 +219,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
         _ => None,
     };
     let triangles =
-        if let Shape::Mesh(mesh) = &input.shape { triangulate(points, mesh.faces()) } else { Vec::new() };
+        if let Some(mesh) = input.shape.as_mesh() { triangulate(points, mesh.faces()) } else { Vec::new() };
     let looks = if !args.region.is_empty() {
         vec![region_look(args, &input, global)?]
     } else if args.color.is_empty() {

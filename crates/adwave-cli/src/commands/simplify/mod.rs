@@ -345,7 +345,7 @@ fn report(
     let diagonal = input.shape.extent();
     let (greatest, rms) = (simplified_shape.deviation.greatest(), simplified_shape.deviation.rms());
     let bytes = global.files.size(&args.output);
-    let by = if let Shape::Mesh(_) = input.shape { "rms by area" } else { "rms" };
+    let by = if input.shape.is_mesh() { "rms by area" } else { "rms" };
     let mut text = format!("{}: {before} → {after} vertices\n", input.name);
     for line in &simplified_shape.lines {
         let _ = writeln!(text, "  {line}");

@@ -96,7 +96,7 @@ pub(super) fn denoise_curve(
 ) -> Result<Denoised, DenoiseError> {
     let Some(original) = geometry.shape().points() else { return Err(DenoiseError::NoPositions) };
     let Some(edges) = geometry.curve_edges() else {
-        let Shape::Graph(graph) = geometry.shape() else { return Err(DenoiseError::NoPositions) };
+        let Some(graph) = geometry.shape().as_graph() else { return Err(DenoiseError::NoPositions) };
         let pairs = pairs(graph.adjacency());
         let Ok(curve) = Graph::curve(original.to_vec(), &pairs) else {
             return Err(DenoiseError::NoPositions);
