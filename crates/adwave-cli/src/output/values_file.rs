@@ -66,14 +66,18 @@ impl ValuesFile {
             let Some(structure) = file.structure() else {
                 return Err(CliError::Input(format!(
                     "{}: a CIFTI names the structure of its surface, and the surface does not state it; use a GIFTI that \
-                     does (AnatomicalStructurePrimary), or a file named lh. or rh.",
+                     does (AnatomicalStructurePrimary), or name its file with lh. or rh. at the beginning",
                     path.display()
                 )));
             };
             if columns == CiftiColumns::Series {
                 note(
                     global,
-                    &format!("{}: the samples of the series are written as 1 s apart", path.display()),
+                    &format!(
+                        "{}: the samples of the series are written as 1 s apart; a series of the same length that is \
+                         edited keeps its time step",
+                        path.display()
+                    ),
                 );
             }
             return write_file_with(global, path, |path| {
@@ -103,9 +107,25 @@ impl ValuesFile {
             if let Some(bytes) = rewrite_values(source, file.structure(), &rows, path)? {
                 return write_file(global, path, &bytes);
             }
+            if matches!(self, Self::Cifti(_)) && is_cifti(source) {
+                note(
+                    global,
+                    &format!(
+                        "{}: a new CIFTI with the values of this surface alone; a result with as many columns and the \
+                         ending of {signal} keeps its other structures, names and time step",
+                        path.display()
+                    ),
+                );
+            }
         }
         self.write(global, path, &[field], file)
     }
+}
+
+/// True if the name is that of a CIFTI of any kind: `.dlabel.nii`.
+fn is_cifti(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    name.ends_with(".nii") || name.ends_with(".nii.gz")
 }
 
 /// Whether a file of that name stores a shape together with any fields of its vertices.

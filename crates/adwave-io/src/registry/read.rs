@@ -94,7 +94,20 @@ fn read_named(
         return Err(unknown_content(format!("{format} is write-only")));
     };
     let context = ReadContext { limits, progress, name: name_hint, folder };
-    finish(read(bytes, &context)?, Some(format), progress)
+    let mut shape = read(bytes, &context)?;
+    if shape.structure.is_none() {
+        shape.structure = name_hint.and_then(hemisphere).map(str::to_owned);
+    }
+    finish(shape, Some(format), progress)
+}
+
+/// Hemisphere that a name of FreeSurfer's kind states: that of `lh.white` and of `surf/rh.pial.obj`.
+fn hemisphere(name: &str) -> Option<&'static str> {
+    match name.rsplit(['/', '\\']).next()?.get(..3)? {
+        "lh." => Some("CortexLeft"),
+        "rh." => Some("CortexRight"),
+        _ => None,
+    }
 }
 
 /// Adds what holds for all files of the format, and leaves out the vertices without a position.

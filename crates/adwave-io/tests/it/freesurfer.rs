@@ -31,6 +31,20 @@ fn surface() -> Vec<u8> {
 }
 
 #[test]
+fn a_name_states_the_hemisphere_in_every_format() {
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (name, structure) in [
+        ("lh.c.obj", Some("CortexLeft")),
+        ("sub/rh.pial.obj", Some("CortexRight")),
+        ("flh.obj", None),
+        ("lh.d/white.obj", None),
+        ("lh", None),
+    ] {
+        assert_eq!(read(obj, Some(name)).unwrap().structure(), structure, "{name}");
+    }
+}
+
+#[test]
 fn a_surface_keeps_its_creator_and_its_volume() {
     let bytes = surface();
     let mut shape = read(&bytes, Some("subject/surf/lh.white")).unwrap();

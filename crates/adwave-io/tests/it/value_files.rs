@@ -87,6 +87,83 @@ fn other_structures_of_a_cifti_stay() {
     assert!(!rewrite(&old, Some("CortexLeft"), &other, &folder.path().join("a.func.gii")));
 }
 
+/// CIFTI of two hemispheres of four vertices with columns as the XML says, in 16-bit integers that stand for
+/// 0.5 x + 1, or in 32-bit floats. The header states no intent, as files of most scripts.
+fn two_hemispheres(columns: &str, n_columns: usize, is_scaled: bool) -> Vec<u8> {
+    let model = |structure: &str, first: usize| {
+        format!(
+            "<BrainModel IndexOffset=\"{first}\" IndexCount=\"4\" ModelType=\"CIFTI_MODEL_TYPE_SURFACE\" \
+             BrainStructure=\"CIFTI_STRUCTURE_CORTEX_{structure}\" SurfaceNumberOfVertices=\"4\">\
+             <VertexIndices>0 1 2 3</VertexIndices></BrainModel>"
+        )
+    };
+    let mut xml = format!(
+        "<CIFTI Version=\"2\"><Matrix><MatrixIndicesMap AppliesToMatrixDimension=\"0\" {columns}</MatrixIndicesMap>\
+         <MatrixIndicesMap AppliesToMatrixDimension=\"1\" \
+         IndicesMapToDataType=\"CIFTI_INDEX_TYPE_BRAIN_MODELS\">{}{}</MatrixIndicesMap></Matrix></CIFTI>",
+        model("LEFT", 0),
+        model("RIGHT", 4)
+    );
+    xml += &" ".repeat(16 - (8 + xml.len()) % 16);
+    let mut bytes = vec![0_u8; 540];
+    let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
+    put(0, &540_i32.to_le_bytes());
+    put(4, b"n+2\0\r\n\x1a\n");
+    let (code, bits) = if is_scaled { (4_i16, 16_i16) } else { (16, 32) };
+    put(12, &code.to_le_bytes());
+    put(14, &bits.to_le_bytes());
+    for (k, size) in [6, 1, 1, 1, 1, n_columns as i64, 8, 1].into_iter().enumerate() {
+        put(16 + 8 * k, &size.to_le_bytes());
+    }
+    put(168, &((552 + xml.len()) as i64).to_le_bytes());
+    if is_scaled {
+        put(176, &0.5_f64.to_le_bytes());
+        put(184, &1_f64.to_le_bytes());
+    }
+    bytes.extend([1, 0, 0, 0]);
+    bytes.extend(((8 + xml.len()) as i32).to_le_bytes());
+    bytes.extend(32_i32.to_le_bytes());
+    bytes.extend(xml.as_bytes());
+    for k in 0..(8 * n_columns) as i16 {
+        if is_scaled {
+            bytes.extend(k.to_le_bytes());
+        } else {
+            bytes.extend((0.5 * f32::from(k) + 1.0).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+#[test]
+fn the_xml_of_a_cifti_says_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let series = "IndicesMapToDataType=\"CIFTI_INDEX_TYPE_SERIES\" NumberOfSeriesPoints=\"2\" \
+                  SeriesExponent=\"0\" SeriesStart=\"3\" SeriesStep=\"0.72\" SeriesUnit=\"SECOND\">";
+    let scalars = "IndicesMapToDataType=\"CIFTI_INDEX_TYPE_SCALARS\"><NamedMap><MapName>thick</MapName></NamedMap>\
+                   <NamedMap><MapName>curv</MapName></NamedMap>";
+    for (columns, ending) in [(series, "dtseries.nii"), (scalars, "dscalar.nii")] {
+        for is_scaled in [false, true] {
+            let (old, new) = (folder.path().join("old.nii"), folder.path().join(format!("new.{ending}")));
+            fs::write(&old, two_hemispheres(columns, 2, is_scaled)).unwrap();
+            let edited = Field::new("v", 2, FieldValues::F64(vec![0.25, -7.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]));
+            assert!(rewrite(&old, Some("CortexRight"), &edited, &new), "{ending}");
+            let numbers = |structure: &str| -> Vec<f64> {
+                let fields = read(&new, structure, 4);
+                (0..4)
+                    .flat_map(|i| {
+                        fields.iter().flat_map(move |f| (0..f.n_channels).map(move |c| f.get(i, c)))
+                    })
+                    .collect()
+            };
+            assert_eq!(numbers("CortexRight"), edited.to_f64());
+            assert_eq!(numbers("CortexLeft"), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5]);
+            let written = fs::read(&new).unwrap();
+            assert!(String::from_utf8_lossy(&written).contains(columns), "names and the time step stay");
+            assert_eq!(written.len(), fs::read(&old).unwrap().len() + if is_scaled { 32 } else { 0 });
+        }
+    }
+}
+
 #[test]
 fn arrays_of_a_gifti_keep_intents_names_and_metadata() {
     let folder = tempfile::tempdir().unwrap();

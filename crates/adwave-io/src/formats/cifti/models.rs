@@ -3,6 +3,7 @@
 use adwave::Progress;
 use roxmltree::{Document, Node};
 
+use super::write::CiftiColumns;
 use crate::model::numbers::{NumberError, from_text};
 use crate::text::one_line;
 use crate::{FieldValues, ReadError, ValueType};
@@ -17,9 +18,12 @@ pub(super) struct BrainModel {
     pub(super) vertices: Vec<u32>,
 }
 
-/// Surfaces among the rows, and the names of the columns if there are any.
+/// Surfaces among the rows, and what the XML says about the columns.
 pub(super) struct CiftiMaps {
     pub(super) models: Vec<BrainModel>,
+    /// Meaning of the columns; `None` for labels and others that are not written.
+    pub(super) columns: Option<CiftiColumns>,
+    /// Names of the columns if they have any.
     pub(super) names: Option<Vec<String>>,
 }
 
@@ -39,12 +43,18 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
     let text = std::str::from_utf8(&xml[..end]).map_err(|_| broken("is not UTF-8"))?;
     let document = Document::parse(text).map_err(|e| broken(&format!("is malformed ({})", one_line(&e))))?;
     let mut rows = None;
-    let mut names = None;
+    let (mut columns, mut names) = (None, None);
     for map in document.descendants().filter(|node| node.has_tag_name("MatrixIndicesMap")) {
         let dimension = map.attribute("AppliesToMatrixDimension").unwrap_or("");
         match map.attribute("IndicesMapToDataType") {
             Some("CIFTI_INDEX_TYPE_BRAIN_MODELS") if dimension.trim() == "1" => rows = Some(map),
-            Some("CIFTI_INDEX_TYPE_SCALARS" | "CIFTI_INDEX_TYPE_LABELS") if dimension.trim() == "0" => {
+            Some("CIFTI_INDEX_TYPE_SERIES") if dimension.trim() == "0" => {
+                columns = Some(CiftiColumns::Series)
+            }
+            Some(kind @ ("CIFTI_INDEX_TYPE_SCALARS" | "CIFTI_INDEX_TYPE_LABELS"))
+                if dimension.trim() == "0" =>
+            {
+                columns = (kind == "CIFTI_INDEX_TYPE_SCALARS").then_some(CiftiColumns::Scalars);
                 let maps = map.children().filter(|node| node.has_tag_name("NamedMap"));
                 let name = |map: Node<'_, '_>| {
                     let name = map.children().find(|node| node.has_tag_name("MapName"))?;
@@ -64,7 +74,7 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
         node.has_tag_name("BrainModel") && node.attribute("ModelType") == Some("CIFTI_MODEL_TYPE_SURFACE")
     });
     let models = models.map(|node| model(node, progress)).collect::<Result<_, _>>()?;
-    Ok(CiftiMaps { models, names })
+    Ok(CiftiMaps { models, columns, names })
 }
 
 fn model(node: Node<'_, '_>, progress: Progress<'_>) -> Result<BrainModel, ReadError> {

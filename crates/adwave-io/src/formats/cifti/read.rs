@@ -3,6 +3,7 @@
 use adwave::Progress;
 
 use super::models::{BrainModel, CiftiMaps, maps};
+use super::write::CiftiColumns;
 use crate::model::field::{ByteOrder, Number};
 use crate::model::numbers::Numbers;
 use crate::progress::extend;
@@ -10,6 +11,9 @@ use crate::{Field, FieldValues, ReadError, ReadLimits, ValueType};
 
 /// Size of the NIfTI-2 header in bytes.
 pub(super) const HEADER: usize = 540;
+/// Advice for a surface without a structure.
+const NAME_STRUCTURE: &str = "use a GIFTI that states it (AnatomicalStructurePrimary), or name the file with lh. or rh. \
+    at the beginning";
 /// Code of the extension that contains the XML.
 const CIFTI: i32 = 32;
 
@@ -22,17 +26,19 @@ pub(crate) fn is_nifti(bytes: &[u8]) -> bool {
 /// Numbers of one surface in a CIFTI.
 pub(super) struct CiftiNumbers {
     pub(super) model: BrainModel,
+    /// Meaning of the columns, which the XML states; the code of the intent in the header may be missing.
+    pub(super) columns: Option<CiftiColumns>,
     /// Names of the columns, if they have any.
     names: Option<Vec<String>>,
     /// Byte of the first number of the file.
     pub(super) start: usize,
     /// Bytes of all numbers of the file.
-    n_bytes: usize,
+    pub(super) n_bytes: usize,
     pub(super) n_columns: usize,
     pub(super) kind: ValueType,
     pub(super) order: ByteOrder,
     /// Slope and intercept.
-    scale: [f64; 2],
+    pub(super) scale: [f64; 2],
     /// True if the numbers are not the values themselves.
     pub(super) is_scaled: bool,
 }
@@ -94,7 +100,7 @@ pub(super) fn locate_numbers(
         })?,
         progress,
     )?;
-    let CiftiMaps { models, names } = maps;
+    let CiftiMaps { models, columns, names } = maps;
     let model = select_model(models, structure, n_vertices)?;
     let start = usize::try_from(length(168)?).map_err(|_| cut())?;
     let n_bytes = n_columns.checked_mul(n_rows).and_then(|n| n.checked_mul(kind.n_bytes() as u64));
@@ -114,6 +120,7 @@ pub(super) fn locate_numbers(
     let n_bytes = data.len();
     Ok(CiftiNumbers {
         model,
+        columns,
         names,
         start,
         n_bytes,
@@ -171,8 +178,7 @@ fn select_model(
             "has values for {known}, but not for a surface of {n_vertices} vertices"
         ))),
         _ => Err(ReadError::Whole(format!(
-            "has values for {known}, and the surface does not state its structure; use a GIFTI that states \
-            it, or files named lh. and rh."
+            "has values for {known}, and the surface does not state its structure; {NAME_STRUCTURE}"
         ))),
     }
 }

@@ -6,12 +6,12 @@ use super::CIFTI;
 use super::read::{CiftiNumbers, locate_numbers};
 use super::write::CiftiColumns;
 use crate::model::f32_limits::check_range;
-use crate::model::field::Number;
 use crate::model::format_descriptor::ValuesEdit;
-use crate::{ReadLimits, ValueType, WriteError};
+use crate::model::numbers::Numbers;
+use crate::{FieldValues, ReadLimits, ValueType, WriteError};
 
-/// Bytes of the file with new values of the surface's vertices; `None` if these do not fit its columns or its type of
-/// numbers, or if the name asks for another kind of file.
+/// Bytes of the file with new values of the surface's vertices; `None` if these do not fit its columns, or if the name
+/// asks for another kind of file. Integers and scaled numbers become floats everywhere, as edited values are fractions.
 pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<u8>>, WriteError> {
     let found = locate_numbers(
         bytes,
@@ -20,18 +20,16 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         &ReadLimits::default(),
         Progress::none(),
     );
-    let Ok(CiftiNumbers { model, start, n_columns, kind, order, is_scaled, .. }) = found else {
-        return Ok(None);
-    };
-    let asked = CiftiColumns::from_path(edit.path).map(|columns| columns.intent().0);
-    let intent = i32::from_bytes(&bytes[504..508], order);
-    let is_float = matches!(kind, ValueType::F32 | ValueType::F64) && !is_scaled;
+    let Ok(found) = found else { return Ok(None) };
+    let CiftiNumbers { ref model, columns, n_columns, order, .. } = found;
+    let asked = CiftiColumns::from_path(edit.path);
     let field = edit.field;
     let fits = field.n_channels == n_columns && field.len() == edit.size.n_vertices;
-    if asked != Some(intent) || !is_float || !fits {
+    if asked.is_none() || asked != columns || !fits {
         return Ok(None);
     }
     let value = |i: usize| field.values.get(i);
+    let (kind, mut out) = with_floats(bytes, &found);
     if kind == ValueType::F32 {
         check_range(
             CIFTI.format,
@@ -41,7 +39,6 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
             value,
         )?;
     }
-    let mut out = bytes.to_vec();
     let row_bytes = n_columns * kind.n_bytes();
     for (k, &vertex) in model.vertices.iter().enumerate() {
         let mut numbers = kind.empty();
@@ -50,8 +47,37 @@ pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<
         }
         let mut row = Vec::with_capacity(row_bytes);
         (0..n_columns).for_each(|c| numbers.write_bytes(c, order, &mut row));
-        let at = start + (model.first as usize + k) * row_bytes;
+        let at = found.start + (model.first as usize + k) * row_bytes;
         out[at..at + row_bytes].copy_from_slice(&row);
     }
     Ok(Some(out))
+}
+
+/// Bytes of the file with all numbers as floats without a scale, and the type of these floats.
+fn with_floats(bytes: &[u8], found: &CiftiNumbers) -> (ValueType, Vec<u8>) {
+    let CiftiNumbers { kind, order, start, n_bytes, is_scaled, scale: [slope, intercept], .. } = *found;
+    if matches!(kind, ValueType::F32 | ValueType::F64) && !is_scaled {
+        return (kind, bytes.to_vec());
+    }
+    let is_short = kind == ValueType::F32 || kind.n_bytes() < 4;
+    let (floats, code) = if is_short { (ValueType::F32, 16_i16) } else { (ValueType::F64, 64) };
+    let data = Numbers::Bytes { bytes: (&bytes[start..start + n_bytes]).into(), kind, order };
+    let mut values = floats.empty();
+    for k in 0..n_bytes / kind.n_bytes() {
+        let x = data.get(k);
+        values.push_f64(if is_scaled { slope * x + intercept } else { x });
+    }
+    let mut out = bytes[..start].to_vec();
+    let mut put = |at: usize, text: FieldValues| {
+        let mut number = Vec::new();
+        text.write_bytes(0, order, &mut number);
+        out[at..at + number.len()].copy_from_slice(&number);
+    };
+    put(12, FieldValues::I16(vec![code]));
+    put(14, FieldValues::I16(vec![8 * floats.n_bytes() as i16]));
+    put(176, FieldValues::F64(vec![1.0]));
+    put(184, FieldValues::F64(vec![0.0]));
+    (0..values.len()).for_each(|k| values.write_bytes(k, order, &mut out));
+    out.extend_from_slice(&bytes[start + n_bytes..]);
+    (floats, out)
 }

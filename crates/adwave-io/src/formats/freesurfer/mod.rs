@@ -32,7 +32,7 @@ pub(crate) static FREESURFER: FormatDescriptor = FormatDescriptor {
     coordinates: CoordinateType::Single,
     up_axis: Some(Axis::Z),
     recognize: |file| read::is_surface(file.bytes).then_some(Evidence::Signature),
-    read: Some(|bytes, c| read::read_surface(&bytes, c.name, c.limits, c.progress)),
+    read: Some(|bytes, c| read::read_surface(&bytes, c.limits, c.progress)),
     write: Some(|shape, c| write::write_surface(shape, &mut c.report, c.out, c.progress)),
     ..FormatDescriptor::NEW
 };

@@ -46,10 +46,9 @@ pub(crate) fn is_surface(bytes: &[u8]) -> bool {
         || (bytes.starts_with(QUADS) && !super::overlay::is_curv(bytes))
 }
 
-/// Reads a surface. The file name identifies the hemisphere: `lh.white`.
+/// Reads a surface.
 pub(crate) fn read_surface(
     bytes: &[u8],
-    name: Option<&str>,
     limits: &ReadLimits,
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
@@ -60,12 +59,6 @@ pub(crate) fn read_surface(
     };
     shape.format = Some(Format::FREESURFER);
     shape.precision = Precision::F32;
-    let file = name.and_then(|name| name.rsplit(['/', '\\']).next()).unwrap_or("");
-    shape.structure = match file.get(..3) {
-        Some("lh.") => Some("CortexLeft".into()),
-        Some("rh.") => Some("CortexRight".into()),
-        _ => None,
-    };
     Ok(shape)
 }
 
