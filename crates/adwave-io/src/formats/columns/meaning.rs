@@ -118,23 +118,28 @@ fn find_axes(names: &[String], has_words: &[bool]) -> Result<[usize; 3], String>
     }
 }
 
+/// Note on the columns of text, which are left out; `None` if there are none.
+fn describe_words(names: &[String], words: &[Option<String>]) -> Option<String> {
+    let left: Vec<String> = words
+        .iter()
+        .enumerate()
+        .filter_map(|(c, word)| Some(format!("`{}` ({})", names[c], word.as_ref()?)))
+        .collect();
+    let noun = if left.len() == 1 { "column of text is" } else { "columns of text are" };
+    (!left.is_empty()).then(|| format!("the {noun} left out: {}", left.join(", ")))
+}
+
 /// Note on the columns that are the coordinates and on those that are left out; `None` if nothing was assumed.
 fn describe(names: &[String], axes: [usize; 3], words: &[Option<String>]) -> Option<String> {
     let is_plain = axes.iter().zip(["x", "y", "z"]).all(|(&c, axis)| names[c].eq_ignore_ascii_case(axis));
     let mut parts = Vec::new();
     if !is_plain {
         let [x, y, z] = axes.map(|c| &names[c]);
-        parts.push(format!("the columns `{x}`, `{y}` and `{z}` are x, y and z"));
+        parts.push(format!(
+            "the columns `{x}`, `{y}` and `{z}` are x, y and z; others would be if they were named so"
+        ));
     }
-    let left: Vec<String> = words
-        .iter()
-        .enumerate()
-        .filter_map(|(c, word)| Some(format!("`{}` ({})", names[c], word.as_ref()?)))
-        .collect();
-    if !left.is_empty() {
-        let noun = if left.len() == 1 { "column of text is" } else { "columns of text are" };
-        parts.push(format!("the {noun} left out: {}", left.join(", ")));
-    }
+    parts.extend(describe_words(names, words));
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
@@ -157,12 +162,14 @@ pub(crate) fn name_columns(
 ) -> Result<ColumnMeanings, ReadError> {
     let TableValues { values, n_columns, n_rows, words } = *table;
     let has_words: Vec<bool> = (0..n_columns).map(|c| words.get(c).is_some_and(Option::is_some)).collect();
-    if (names.len() == n_columns || has_words.contains(&true)) && n_columns >= 3 {
-        let mut named: Vec<String> = if names.len() == n_columns {
-            names.to_vec()
-        } else {
-            (1..=n_columns).map(|c| format!("column_{c}")).collect()
-        };
+    let has_names = names.len() == n_columns;
+    let numbered = if has_names { None } else { NumberedRows::find(table) };
+    if let Some(numbered) = numbered {
+        return Ok(numbered.meanings(n_columns, words));
+    }
+    if (has_names || has_words.contains(&true)) && n_columns >= 3 {
+        let mut named: Vec<String> =
+            if has_names { names.to_vec() } else { (1..=n_columns).map(|c| format!("column_{c}")).collect() };
         let axes = find_axes(&named, &has_words).map_err(ReadError::Whole)?;
         let note = describe(&named, axes, words);
         let are_named_degrees =
@@ -199,6 +206,88 @@ pub(crate) fn name_columns(
     }
     named.truncate(n_columns);
     Ok(ColumnMeanings { names: named, axes: [0, 1, 2], note: None, are_named_degrees: false })
+}
+
+/// Rows without names that begin with the number of the point, before the coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum NumberedRows {
+    /// Number, x, y, z.
+    Plain,
+    /// Number, northing, easting, height and code: the rows of a total station.
+    NorthingFirst,
+    /// Number, easting, northing, height and code.
+    EastingFirst,
+}
+
+impl NumberedRows {
+    /// Fewest rows whose first column can be told from a coordinate.
+    const MIN_ROWS: usize = 3;
+
+    /// Range of eastings in projected systems of meters, in which northings of most places are greater.
+    const EASTINGS: std::ops::Range<f64> = 1e5..1e6;
+
+    /// Recognizes numbers of points by values: different integers before coordinates that have fractions. Without codes
+    /// in words after the coordinates they must increase too.
+    fn find(table: &TableValues<'_>) -> Option<Self> {
+        let TableValues { values, n_columns, n_rows, words } = *table;
+        let has_words = |c: usize| words.get(c).is_some_and(Option::is_some);
+        if n_columns < 4 || n_rows < Self::MIN_ROWS || (1..4).any(has_words) {
+            return None;
+        }
+        let column = |c: usize| values.iter().skip(c).step_by(n_columns).copied();
+        let has_fractions = |c: usize| 2 * column(c).filter(|x| x.fract() != 0.0).count() >= n_rows;
+        if !has_fractions(1) || !has_fractions(2) {
+            return None;
+        }
+        let has_words_after = n_columns > 4 && has_words(4);
+        let has_code = has_words_after
+            || (n_columns == 5 && column(4).all(|x| x.is_nan() || (x.fract() == 0.0 && x.abs() < 1e6)));
+        if has_words(0) {
+            return (has_words_after && n_columns == 5).then(|| Self::order(column(1), column(2)));
+        }
+        if !column(0).all(|x| x >= 0.0 && x.fract() == 0.0) {
+            return None;
+        }
+        let mut numbers: Vec<f64> = column(0).collect();
+        let increases = numbers.is_sorted();
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        if numbers.len() < n_rows || !(increases || has_words_after) {
+            return None;
+        }
+        Some(if has_code { Self::order(column(1), column(2)) } else { Self::Plain })
+    }
+
+    /// Order of northing and easting: by their size if that tells it, else the usual one.
+    fn order(mut first: impl Iterator<Item = f64>, mut second: impl Iterator<Item = f64>) -> Self {
+        let is_easting = first.all(|x| x.is_nan() || Self::EASTINGS.contains(&x));
+        let is_northing = second.all(|x| x.is_nan() || x >= Self::EASTINGS.end);
+        if is_easting && is_northing { Self::EastingFirst } else { Self::NorthingFirst }
+    }
+
+    fn meanings(self, n_columns: usize, words: &[Option<String>]) -> ColumnMeanings {
+        let (axes, order) = match self {
+            Self::Plain => ([1, 2, 3], "x, y and z"),
+            Self::EastingFirst => ([1, 2, 3], "easting (x), northing (y) and height (z)"),
+            Self::NorthingFirst => ([2, 1, 3], "northing (y), easting (x) and height (z)"),
+        };
+        let mut names = vec!["number".to_owned(), String::new(), String::new(), String::new()];
+        for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
+            names[at] = axis.to_owned();
+        }
+        if self != Self::Plain {
+            names.push("code".to_owned());
+        }
+        names.extend((names.len() + 1..=n_columns).map(|c| format!("column_{c}")));
+        names.truncate(n_columns);
+        let line = names.join(",");
+        let assumed = format!(
+            "the first column numbers the points, and the next three are {order}; a first line with the names of the \
+             columns, as in {line}, would change this"
+        );
+        let note = [Some(assumed), describe_words(&names, words)].into_iter().flatten().collect::<Vec<_>>();
+        ColumnMeanings { axes, note: Some(note.join("; ")), are_named_degrees: false, names }
+    }
 }
 
 /// Deviation from a unit vector that a few digits of text allow.
