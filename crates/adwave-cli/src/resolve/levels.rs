@@ -59,6 +59,15 @@ pub(crate) fn resolve_spec(
     decomposer: &Decomposer,
     global: &Global<'_>,
 ) -> Result<ResolvedLevels, CliError> {
+    if let LevelSpec::Widths(widths) = spec
+        && decomposer.extent() <= 0.0
+        && let Some(percent) = widths.iter().find(|width| matches!(width, Length::PercentOfDiagonal(_)))
+    {
+        return Err(CliError::Input(format!(
+            "a width in % needs positions, which this shape does not have; give it in lengths of an edge, such as 3, got {}",
+            format_length(*percent)
+        )));
+    }
     let resolved = spec.resolve(decomposer, extent)?;
     if let LevelSpec::Widths(widths) = spec {
         note_unusual_widths(widths, decomposer, global);

@@ -1,7 +1,7 @@
 //! From the SHAPE argument to a shape.
 
 use super::applicable::check_shape_options;
-use super::walk::{GivenWalk, graph_of_points};
+use super::walk::{GivenWalk, read_points};
 pub(crate) use crate::args::GivenLength;
 use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg, to_path};
 use crate::error::CliError;
@@ -158,7 +158,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             global.inputs.add_unhashed(source.shape);
             make_sample(sample, &source.sample)?
         } else if let Some(path) = source.shape.strip_prefix(POINTS) {
-            graph_of_points(&to_path(path), source.neighbors, global)?
+            read_points(&to_path(path), source, global)?
         } else {
             read(source.shape, &source.part, global)?
         };
@@ -173,9 +173,16 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         };
         let shape = file.to_shape_as(kind).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
         if shape.is_graph()
+            && !global.given.has("--walk")
             && let Some(text) = file.graph_changes().note()
         {
-            global.inputs.add_remark(format!("{name}: {text}"));
+            let takes_walk = ["transform", "filter", "denoise", "saliency", "features", "report", "info"];
+            let change = if takes_walk.contains(&global.given.command()) {
+                "; --walk FILE takes a matrix of probabilities as it is"
+            } else {
+                ""
+            };
+            global.inputs.add_remark(format!("{name}: {text}{change}"));
         }
         Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, walk: None })
     })

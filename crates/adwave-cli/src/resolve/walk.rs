@@ -1,8 +1,8 @@
 //! From the flags of a walk to its powers.
 
 use super::applicable::OPERATOR_OPTIONS;
-use super::shape::Input;
-use crate::args::{GivenWalkArgs, KernelArg, WalkArgs};
+use super::shape::{Input, ShapeSource};
+use crate::args::{GivenWalkArgs, KernelArg, ShapeKindArg, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -250,20 +250,42 @@ pub(crate) fn with_given_walk(
     Ok(input)
 }
 
-/// The graph of the nearest neighbors of points in any dimension, with the weights of the adaptive kernel.
-pub(crate) fn graph_of_points(
+/// Points of a table: in the plane or in space a cloud, unless a graph is asked for; in more dimensions the graph of the
+/// nearest neighbors, with the weights of the adaptive kernel.
+pub(crate) fn read_points(
     path: &Path,
-    neighbors: Option<usize>,
+    source: &ShapeSource<'_>,
     global: &Global<'_>,
 ) -> Result<ShapeFile, CliError> {
     let (values, n_dimensions) = read_table(path, global)?;
-    let k = neighbors.unwrap_or(NEIGHBORS);
+    let is_in_space = matches!(n_dimensions, 2 | 3);
+    match source.kind {
+        Some(ShapeKindArg::Cloud) if !is_in_space => {
+            return Err(CliError::Input(format!(
+                "{}: a cloud has two or three columns, got {n_dimensions}; leave out --as to take the graph of the nearest \
+                 neighbors",
+                path.display()
+            )));
+        }
+        Some(ShapeKindArg::Cloud) | None if is_in_space => {
+            let points = values.chunks_exact(n_dimensions);
+            let points = points.map(|p| [p[0], p[1], p.get(2).copied().unwrap_or(0.0)]).collect();
+            global.inputs.add_remark(format!(
+                "{}: a cloud of points in {n_dimensions} dimensions; --as graph takes the graph of their nearest neighbors, \
+                 without lengths",
+                path.display()
+            ));
+            return Ok(ShapeFile::from_cloud(points));
+        }
+        _ => {}
+    }
+    let k = source.neighbors.unwrap_or(NEIGHBORS);
     let points = DimensionedPoints { values: &values, n_dimensions };
     let weights = nearest_lists(points, k, global.progress())
         .and_then(|lists| kernel_weights(&lists, KernelArg::Adaptive.to_kernel(), global.progress()))
         .map_err(|e| in_file(path, &e))?;
     global.inputs.add_remark(format!(
-        "{}: a graph of the {k} nearest neighbors of points in {n_dimensions} dimensions",
+        "{}: a graph of the {k} nearest neighbors of points in {n_dimensions} dimensions (--neighbors), without lengths",
         path.display()
     ));
     let mut edges = Edges { direction: Direction::Both, ..Edges::default() };

@@ -290,3 +290,72 @@ fn what_is_no_walk_is_refused_in_one_line() {
         adwave(path).args(words(line)).assert().code(2);
     }
 }
+
+/// Points of the unit sphere along a spiral, and values that vary from each to the next.
+fn write_sphere(folder: &Path) {
+    let n = 3000;
+    let point = |k: usize| {
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / n as f64;
+        let (r, angle) = ((1.0 - z * z).sqrt(), 2.399_963 * k as f64);
+        [r * angle.cos(), r * angle.sin(), z]
+    };
+    let points: Vec<[f64; 3]> = (0..n).map(point).collect();
+    write_npy(&folder.join("p.npy"), &[n, 3], ArrayValues::F64(points.as_flattened())).unwrap();
+    let flat: Vec<f64> = points.iter().flat_map(|p| [p[0], p[1]]).collect();
+    write_npy(&folder.join("flat.npy"), &[n, 2], ArrayValues::F64(&flat)).unwrap();
+    let four: Vec<f64> = points.iter().flat_map(|p| [p[0], p[1], p[2], 0.0]).collect();
+    write_npy(&folder.join("four.npy"), &[n, 4], ArrayValues::F64(&four)).unwrap();
+    let text = |p: &[f64; 3]| format!("{:?} {:?} {:?}\n", p[0], p[1], p[2]);
+    fs::write(folder.join("p.xyz"), points.iter().map(text).collect::<String>()).unwrap();
+    let plane: String = points.iter().map(|p| text(&[p[0], p[1], 0.0])).collect();
+    fs::write(folder.join("flat.xyz"), plane).unwrap();
+    let values: Vec<f64> = (0..n).map(|k| (7.0 * k as f64 * k as f64).sin()).collect();
+    write_npy(&folder.join("f.npy"), &[n], ArrayValues::F64(&values)).unwrap();
+}
+
+#[test]
+fn points_of_the_plane_and_of_space_are_clouds_with_lengths() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_sphere(path);
+    for (table, cloud) in [("points:p.npy", "p.xyz"), ("points:flat.npy", "flat.xyz")] {
+        for levels in ["--fwhm 0.2618", "--fwhm 5%", "--lengths 0.1", "--steps 8"] {
+            for shape in [table, cloud] {
+                json(path, &format!("filter {shape} -o o.npy --signal f.npy {levels} --gains 0"));
+                fs::rename(path.join("o.npy"), path.join(format!("{}.npy", shape.len()))).unwrap();
+            }
+            assert_eq!(
+                read(path, &format!("{}.npy", table.len())),
+                read(path, &format!("{}.npy", cloud.len())),
+                "{table} {levels}"
+            );
+        }
+    }
+    assert_eq!(json(path, "info points:p.npy --as cloud")["health"]["vertices"], 3000);
+    let graph = "filter points:p.npy --as graph -o o.npy --signal f.npy --gains 0";
+    json(path, &format!("{graph} --steps 8"));
+    let error = refused(path, &format!("{graph} --fwhm 5%"));
+    assert!(error.contains("a width in % needs positions"), "{error}");
+    let error = refused(path, "info points:four.npy --as cloud");
+    assert!(error.contains("a cloud has two or three columns, got 4"), "{error}");
+    json(path, "filter points:four.npy -o o.npy --signal f.npy --gains 0 --steps 8");
+}
+
+#[test]
+fn a_given_walk_is_not_said_to_be_made_symmetric() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let banner = "%%MatrixMarket matrix coordinate real general\n";
+    let rows = "1 1 0.5\n1 2 0.5\n2 2 0.25\n2 3 0.75\n3 1 1\n";
+    fs::write(path.join("walk.mtx"), format!("{banner}3 3 5\n{rows}")).unwrap();
+    write_npy(&path.join("f.npy"), &[3], ArrayValues::F64(&[1.0, 2.0, 4.0])).unwrap();
+    let line = "transform walk.mtx -o b.npz --signal f.npy --steps 1,2";
+    let notes = |line: &str| {
+        let output = adwave(path).args(words(line)).assert().success().get_output().clone();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let own = notes(line);
+    assert!(own.contains("not symmetric") && own.contains("--walk FILE takes"), "{own}");
+    let given = notes(&format!("{line} --walk walk.mtx"));
+    assert!(!given.contains("symmetric weights") && given.contains("the walk is directed"), "{given}");
+}
