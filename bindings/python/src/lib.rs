@@ -42,6 +42,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(call::threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::requested_threads, module)?)?;
     module.add_function(wrap_pyfunction!(call::set_threads, module)?)?;
+    module.add_function(wrap_pyfunction!(shape::mark_unknown, module)?)?;
     command::add(module)?;
     deform::add(module)?;
     edit::add(module)?;

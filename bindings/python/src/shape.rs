@@ -119,6 +119,19 @@ impl SelectionOptions {
     }
 }
 
+/// Values of n × channels without the numbers that stand for unknown ones, and a clause on these; `None` if there are none.
+#[pyfunction]
+pub(crate) fn mark_unknown<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Option<(Bound<'py, PyAny>, String)>> {
+    let n_channels = values.shape()[1];
+    let mut values = arrays::rows(&values, "values")?.to_vec();
+    let unknown = adwave_io::mark_unknown(&mut values, n_channels.max(1));
+    let Some(text) = adwave_io::describe_unknown("the signal", &unknown) else { return Ok(None) };
+    Ok(Some((arrays::matrix(py, values, n_channels)?.into_any(), text)))
+}
+
 #[pymethods]
 impl ShapeData {
     /// Reads a file, or a part of it.
@@ -428,8 +441,10 @@ impl ShapeData {
         texture: Option<PathBuf>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let source = SignalSource { file: &self.file, shape: self.shape(py)?, name: &self.name };
-        let signal =
+        let mut signal =
             run(py, self.file.n_vertices(), None, |_| named_signal(source, name, texture.as_deref()))?;
+        // `mark_unknown` tells them from numbers, with a warning.
+        signal.take_unknown_as_numbers();
         Ok(arrays::matrix(py, signal.values.to_vec(), signal.n_channels)?.into_any())
     }
 }

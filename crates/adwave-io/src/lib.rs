@@ -63,6 +63,7 @@ mod text;
 #[cfg(feature = "texture")]
 mod texture;
 mod transaction;
+mod unknown;
 
 #[cfg(feature = "las")]
 pub use cloud_part::{read_cloud_part, read_cloud_part_with};
@@ -125,3 +126,4 @@ pub use text::csv::{csv_number, push_csv_row};
 #[cfg(feature = "texture")]
 pub use texture::texture_colors;
 pub use transaction::Transaction;
+pub use unknown::{UnknownValue, describe_unknown, mark_unknown};

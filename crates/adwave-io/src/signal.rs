@@ -4,6 +4,7 @@
 use crate::model::field::COORDS;
 use crate::model::format_descriptor::SurfaceSize;
 use crate::registry::values::read_value_file;
+use crate::unknown::{UnknownValue, mark_unknown};
 use crate::{Field, FieldValues, ReadError, ReadLimits, ShapeFile, TextureError};
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::{SignalError, SurfaceSignal, degree, lightness, luminance, surface_signal};
@@ -63,6 +64,8 @@ pub struct NamedSignal {
     pub values: SignalValues,
     /// Names of the channels, if they are columns of another file; else empty.
     pub channel_names: Vec<String>,
+    /// Numbers of a field that stand for unknown values (see [`mark_unknown`]), in whose places `values` has NaN.
+    pub unknown: Vec<UnknownValue>,
 }
 
 /// Values of a signal. Coordinates are shared with the shape instead of copied.
@@ -87,7 +90,31 @@ impl Deref for SignalValues {
 
 impl NamedSignal {
     fn new(n_channels: usize, values: SignalValues) -> Self {
-        Self { n_channels, values, channel_names: Vec::new() }
+        Self { n_channels, values, channel_names: Vec::new(), unknown: Vec::new() }
+    }
+
+    /// Signal of a field, in which unknown values are NaN.
+    fn from_field(field: &Field) -> Self {
+        let mut values = field.to_f64();
+        let unknown = mark_unknown(&mut values, field.n_channels);
+        Self { unknown, ..Self::new(field.n_channels, SignalValues::Other(values)) }
+    }
+
+    /// Puts the numbers that stand for unknown values back among `values`, in places that are NaN.
+    pub fn restore_unknown(&self, values: &mut [f64]) {
+        for UnknownValue { index, value } in &self.unknown {
+            if values[*index].is_nan() {
+                values[*index] = *value;
+            }
+        }
+    }
+
+    /// Takes the numbers that stand for unknown values as numbers like all others.
+    pub fn take_unknown_as_numbers(&mut self) {
+        if let SignalValues::Other(values) = &mut self.values {
+            self.unknown.iter().for_each(|u| values[u.index] = u.value);
+        }
+        self.unknown.clear();
     }
 }
 
@@ -147,7 +174,7 @@ pub fn named_signal(
         return Ok(NamedSignal::new(3, SignalValues::Coordinates(points)));
     }
     if let Some(field) = file.field(name) {
-        return Ok(NamedSignal::new(field.n_channels, SignalValues::Other(field.to_f64())));
+        return Ok(NamedSignal::from_field(field));
     }
     if let Some(axis) = named_axis(file, name) {
         let values = file.points().iter().map(|p| p[axis]).collect();
@@ -180,7 +207,7 @@ pub fn named_signal(
     if let Some(FileField { field, channel_names }) =
         values_of_file(name, file.structure(), file.n_file_rows())?
     {
-        let signal = |field: Field| NamedSignal { channel_names, ..NamedSignal::from(field) };
+        let signal = |field: Field| NamedSignal { channel_names, ..NamedSignal::from_field(&field) };
         if let Some(rows) = file.file_rows().filter(|rows| rows.n_rows() == field.len()) {
             return Ok(signal(rows.select(&field)));
         }
@@ -230,10 +257,15 @@ pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 
     points.iter().zip(values).map(replaced).collect()
 }
 
-/// Converts new values of the named signal to a field for writing: a field of the file keeps its type of numbers,
-/// others are named after the column, or after the file without its extensions.
-pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, values: Vec<f64>) -> Field {
+/// Converts new values of the named signal to a field for writing: a field of the file keeps its type of numbers, where
+/// integers stay as they are in places that are NaN now; others are named after the column, or after the file without its
+/// extensions.
+pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut values: Vec<f64>) -> Field {
     if let Some(old) = file.field(name) {
+        if old.values.value_type().is_integer() {
+            let missing = values.iter_mut().enumerate().filter(|(_, x)| x.is_nan());
+            missing.for_each(|(k, x)| *x = old.values.get(k));
+        }
         return old.with_values_rounded(&values);
     }
     let last = name.rsplit([':', '/', '\\']).next().unwrap_or(name);

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from adwave import _native
 from adwave._deform import CloneOptions, CloneResult, Deformer
 from adwave._diffusion import PreparedShape
-from adwave._layout import Layout, vertex_weights
+from adwave._layout import Layout, region_weights
 from adwave._native import FWHM
 from adwave._options import BandsRequest, LevelsLike, OperatorLike, SignalLike, Widths, as_operator, levels_of
 from adwave._progress import ProgressLike, report_progress
@@ -716,4 +716,4 @@ def _plain_gains(gains: Sequence[float] | str) -> Any:
 
 
 def _plain_weights(where: Where, n: int) -> Any:
-    return where if where is None or isinstance(where, str) else vertex_weights(where, n)
+    return where if where is None or isinstance(where, str) else region_weights(where, n)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from adwave import _native
 from adwave._decomposer import Where, prepare_decomposer
-from adwave._layout import vertex_weights
+from adwave._layout import region_weights
 from adwave._options import Length, LevelsLike, OperatorLike
 from adwave._part import read_part
 from adwave._progress import ProgressLike, report_progress
@@ -75,7 +75,7 @@ def transfer(
     second = prepare_decomposer(own, "surface")
     weights = None
     if where is not None:
-        weights = second.region(where) if isinstance(where, str) else vertex_weights(where, own.n_vertices)
+        weights = second.region(where) if isinstance(where, str) else region_weights(where, own.n_vertices)
     with report_progress(progress, "splitting") as report:
         points, _, _, _ = _native.transfer(first._data, second._data, width, weights, report)
     return target.moved(own._with_positions(points))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
-from adwave._layout import Layout, coordinates, signal_values
+from adwave._layout import Layout, coordinates, signal_values, without_unknown
 from adwave._options import (
     BandsRequest,
     Length,
@@ -207,7 +208,16 @@ class PreparedShape:
                 "levels: the steps of a width depend on the operator, and none was given; prepare the shape with one, "
                 "aw.Decomposer(shape, operator='surface')"
             )
-        return self._data.schedule(checked, extent)
+        steps = self._data.schedule(checked, extent)
+        widest = float(self.rms_widths(steps)[-1]) if isinstance(checked, Widths) else 0.0
+        if 0 < self.extent < widest:
+            warnings.warn(
+                f"levels: an rms width of {widest:.4g} is larger than the shape, whose diagonal is {self.extent:.4g}, and "
+                "flattens it; give widths in the unit of the points, or in % of the diagonal, as in fwhm='2%'",
+                UserWarning,
+                stacklevel=3,
+            )
+        return steps
 
     def rms_widths(self, steps: Sequence[float]) -> NDArray[np.float64]:
         """Widths of levels of these numbers of steps: rms distance, in model units (hops on a graph)."""
@@ -515,9 +525,11 @@ class PreparedShape:
         if signal is None or (isinstance(signal, str) and signal == "coords"):
             return None, coordinates(self.n_vertices)
         if isinstance(signal, str):
-            values = self.shape._data.signal(signal)
+            values = without_unknown(self.shape._data.signal(signal), signal)
             return values, Layout(self.n_vertices, () if values.shape[1] == 1 else (values.shape[1],))
-        return signal_values(signal, self.n_vertices)
+        values, layout = signal_values(signal, self.n_vertices)
+        # A masked array says itself what is unknown.
+        return values if isinstance(signal, np.ma.MaskedArray) else without_unknown(values), layout
 
     def _channel_groups(
         self: _Prepared, values: NDArray[np.float64] | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -183,7 +183,26 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
         counts, names = X.X if layer is None else X.layers[layer], [str(name) for name in X.var_names]
     if len(counts.shape) != 2:
         raise ValueError(f"X must be cells × genes, got shape {counts.shape}")
+    _refuse_where(counts, lambda values: ~np.isfinite(values), "must be finite; replace missing counts by 0 or leave out")
     return (counts.tocsc() if hasattr(counts, "tocsc") else counts), names
+
+
+def _refuse_where(counts: Any, is_bad: Callable[[NDArray[Any]], NDArray[np.bool_]], rule: str) -> None:
+    """Raise ValueError for the first value that is bad, with its place; `rule` says what must hold and what to do."""
+    if hasattr(counts, "tocoo"):
+        entries = counts.tocoo()
+        rows, columns, values = entries.row, entries.col, np.asarray(entries.data)
+        at = np.flatnonzero(is_bad(values))
+        found = [(int(rows[k]), int(columns[k]), values[k]) for k in at[:1]]
+    else:
+        values = np.asarray(counts)
+        if values.dtype.kind not in "biuf":
+            raise TypeError(f"X must hold numbers, got an array of type {values.dtype}")
+        is_wrong = is_bad(values)
+        cell, gene = np.unravel_index(int(np.argmax(is_wrong)), values.shape) if is_wrong.any() else (-1, -1)
+        found = [(int(cell), int(gene), values[cell, gene])] if cell >= 0 else []
+    for cell, gene, value in found:
+        raise ValueError(f"X: counts {rule} cell {cell}, whose gene {gene} is {value}")
 
 
 def _walk_of_train(counts: _Counts, seed: int) -> Walk:
@@ -211,8 +230,13 @@ def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
 
 def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     """Coordinates of cells in the first principal components of the square roots of their normalized counts."""
-    from scipy.sparse.linalg import LinearOperator, svds
+    from scipy.sparse.linalg import ArpackError, LinearOperator, svds
 
+    _refuse_where(
+        counts,
+        lambda values: values < 0,
+        "must be at least 0 to find similar cells; pass raw counts, or give a walk, as adwave.points(coordinates); see",
+    )
     totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
     factors = np.divide(1e4, totals, out=np.ones(len(totals)), where=totals > 0)
     if hasattr(counts, "tocsr"):
@@ -235,7 +259,17 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     factory: Any = LinearOperator
     centered = factory(rows.shape, matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
     start = np.ones(min(rows.shape))
-    left, sizes, _ = svds(centered, k=n_components, v0=start)
+    squares = rows.multiply(rows) if hasattr(rows, "multiply") else rows**2
+    variance = float(np.asarray(squares.mean(axis=0)).sum() - (mean**2).sum())
+    if variance <= 1e-12 * float((mean**2).sum()):
+        raise ValueError("all cells have the same shares of genes, so that no cells are similar; give a walk")
+    try:
+        left, sizes, _ = svds(centered, k=n_components, v0=start)
+    except (ArpackError, np.linalg.LinAlgError) as error:
+        raise ValueError(
+            f"the {n_components} principal components of the counts were not found ({error}); give a walk, as "
+            "adwave.impute(X, adwave.points(coordinates))"
+        ) from error
     return np.ascontiguousarray((left * sizes)[:, ::-1])  # type: ignore[operator]
 
 

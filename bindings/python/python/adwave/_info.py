@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from adwave import _native
 from adwave._decomposer import Where, prepare_decomposer
-from adwave._layout import Layout, vertex_weights
+from adwave._layout import Layout, region_weights
 from adwave._options import Length, OperatorLike, check_levels
 from adwave._part import exact_operator, read_part
 from adwave._shape import Path
@@ -138,7 +138,7 @@ def region(
     if not isinstance(text, str):
         if text is None:
             raise ValueError("region must be a text such as 'ball:vertex=120,radius=10%', weights or indices, got None")
-        weights = np.clip(vertex_weights(text, part.shape.n_vertices, "region"), 0.0, 1.0)
+        weights = region_weights(text, part.shape.n_vertices, "region")
         own, text = part.shape.with_field(_REGION, weights), f"field:name={_REGION},low=0,high=1"
     if blur is not None:
         text = f"blurred:by={blur}({text})"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from adwave import _native
 from adwave._adapt_arrays import Array, Floats, array_of, finite_values, values_array
 
 
@@ -83,6 +85,17 @@ def signal_values(signal: Any, n_vertices: int, name: str = "signal") -> tuple[F
     return finite_values(layout.flatten(array), name), layout
 
 
+def without_unknown(values: Floats, name: str = "the signal") -> Floats:
+    """n × channels values with NaN for −9999, 1e20, HEALPix's UNSEEN and other sentinels far from all others, with a warning."""
+    found = _native.mark_unknown(values)
+    if found is None:
+        return values
+    known, text = found
+    advice = "numpy.ma.masked_array(values, False) takes them as numbers"
+    warnings.warn(f"{text}; {advice}", UserWarning, stacklevel=5)
+    return known
+
+
 def _layout_of(array: Array, n: int, name: str) -> Layout:
     if array.ndim and array.shape[0] == n:
         return Layout(n, array.shape[1:])
@@ -104,14 +117,45 @@ def vertex_weights(where: ArrayLike, n: int, name: str = "where") -> NDArray[np.
         The shape is another, or an index is of no vertex.
     """
     array = np.asarray(where)
-    is_indices = array.ndim == 1 and array.dtype.kind in "iu" and len(array) != n
-    if is_indices:
-        if array.size and (int(array.min()) < 0 or int(array.max()) >= n):
-            raise ValueError(f"{name}: indices must be in 0..={n - 1}, got {int(array.min())} to {int(array.max())}")
-        weights = np.zeros(n)
-        weights[array] = 1.0
-        return weights
+    if array.ndim == 1 and array.dtype.kind in "iu" and len(array) != n:
+        return _weights_of_indices(array, n, name)
     values = values_array(where, n, name)
     if values.shape[1] != 1:
         raise ValueError(f"{name} must have one weight for each vertex, got shape {values.shape}")
     return np.ascontiguousarray(values[:, 0])
+
+
+def region_weights(where: ArrayLike, n: int, name: str = "where") -> NDArray[np.float64]:
+    """Weights of a region, 0 to 1, from (n,) flags or weights, or from different indices of vertices, also of all.
+
+    Raises
+    ------
+    ValueError
+        The shape is another, an index is of no vertex, or a weight is not in [0, 1].
+    """
+    array = np.asarray(where)
+    if len(array) == n and array.ndim == 1 and array.dtype.kind in "iu" and n:
+        low, high = int(array.min()), int(array.max())
+        if low >= 0 and 1 < high < n and len(np.unique(array)) == n:
+            return _weights_of_indices(array, n, name)
+    weights = vertex_weights(where, n, name)
+    is_bad = ~((weights >= 0) & (weights <= 1))
+    if is_bad.any():
+        vertex = int(np.argmax(is_bad))
+        value = weights[vertex]
+        advice = (
+            f"pass numpy.nan_to_num({name}) to leave out vertices without a value"
+            if np.isnan(value)
+            else f"pass flags, as in {name}=values == {value:g}, or numpy.clip({name}, 0, 1)"
+        )
+        raise ValueError(f"{name}: weights must be in 0..=1, got {value:g} at vertex {vertex}; {advice}")
+    return weights
+
+
+def _weights_of_indices(indices: Array, n: int, name: str) -> NDArray[np.float64]:
+    """1 at the vertices of these indices, and 0 elsewhere."""
+    if indices.size and (int(indices.min()) < 0 or int(indices.max()) >= n):
+        raise ValueError(f"{name}: indices must be in 0..={n - 1}, got {int(indices.min())} to {int(indices.max())}")
+    weights = np.zeros(n)
+    weights[indices] = 1.0
+    return weights

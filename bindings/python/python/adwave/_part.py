@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt
 from adwave._decomposer import Decomposer, GainsLike, Layer, Selection, Where, as_domain
-from adwave._layout import Layout, signal_values, vertex_weights
+from adwave._layout import Layout, region_weights, signal_values
 from adwave._options import LevelOptions, OperatorLike, SignalLike, as_operator
 from adwave._shape import Conditions, Path, Shape, as_shape
 from adwave._unknown import refuse_unknown
@@ -107,7 +107,7 @@ class Part:
         """Weights at the vertices that take part; the text of a region is unchanged."""
         if self.selection is None or where is None or isinstance(where, str):
             return where
-        return vertex_weights(where, self.whole_shape.n_vertices)[self.selection.rows]
+        return region_weights(where, self.whole_shape.n_vertices)[self.selection.rows]
 
     def take_layers(self, gains: GainsLike) -> GainsLike:
         """Layers with weights at the vertices that take part; plain gains are unchanged."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _adapt, _native
+from adwave._layout import vertex_weights
 from adwave._measures import Features
 from adwave._notebook import PictureRequest
 from adwave._part import default_signal, read_part
@@ -228,7 +229,9 @@ def render(
     own = part.shape
     values = default_signal(part.given, values)
     if values is not None and not isinstance(values, str):
-        values = part.take_where(_one_value(values))  # type: ignore[arg-type]
+        values = _one_value(values)
+        if part.selection is not None:
+            values = vertex_weights(values, part.whole_shape.n_vertices, "values")[part.selection.rows]
     if colors is not None and part.selection is not None:
         colors = np.asarray(colors)[part.selection.rows]
     scale, camera = scale or ColorScale(), camera or Camera()

@@ -30,6 +30,9 @@ pub(crate) struct SignalArgs {
     /// Picture of the texture [default: the one that the materials of the OBJ name]
     #[arg(long, value_name = "FILE", help_heading = "Signal")]
     pub(crate) texture: Option<PathBuf>,
+    /// Take -9999, 1e20 and other sentinels far from all other values as numbers, not as unknown
+    #[arg(long, help_heading = "Signal")]
+    keep_sentinels: bool,
 }
 
 impl SignalArgs {

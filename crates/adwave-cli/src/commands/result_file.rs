@@ -60,8 +60,9 @@ impl<'a> ResultFile<'a> {
         file: &ShapeFile,
         name: &str,
         signal: &Signal,
-        values: Vec<f64>,
+        mut values: Vec<f64>,
     ) -> EditedSignal {
+        signal.restore_unknown(&mut values);
         let is_alone = ValuesFile::choose_for_edited_signal(self.path, name, file).is_some();
         match named_axis(file, name).filter(|_| !is_alone) {
             Some(axis) => EditedSignal::Points(with_axis(file.points(), axis, &values)),

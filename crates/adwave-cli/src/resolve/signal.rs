@@ -6,7 +6,9 @@ use crate::error::CliError;
 use crate::global::Global;
 use adwave::{ClassifiedError, ErrorKind};
 pub(crate) use adwave_io::{COORDS, NamedSignal as Signal, SignalValues, default_signal, file_normals};
-use adwave_io::{ShapeFile, SignalSource, distinct_labels, labels_of_field, named_signal};
+use adwave_io::{
+    ShapeFile, SignalSource, UnknownValue, describe_unknown, distinct_labels, labels_of_field, named_signal,
+};
 use std::path::Path;
 
 /// The signal of that name.
@@ -19,10 +21,31 @@ pub(crate) fn load_signal(
     global.inputs.add_signal(name, texture);
     let source = SignalSource { file: &input.file, shape: &input.shape, name: &input.name };
     // A file that is missing is a wrong name, which the user can mend, as for the file of the shape.
-    named_signal(source, name, texture).map_err(|e| match e.kind() {
+    let mut signal = named_signal(source, name, texture).map_err(|e| match e.kind() {
         ErrorKind::Cancelled => CliError::Cancelled,
         _ => CliError::input(e),
-    })
+    })?;
+    if signal.unknown.is_empty() {
+        global
+            .given
+            .refuse(&[KEEP_SENTINELS], &format!("applies to a signal with sentinels, and {name} has none"))?;
+    } else if global.given.has(KEEP_SENTINELS) {
+        signal.take_unknown_as_numbers();
+    }
+    note_unknown(name, &signal.unknown, global);
+    Ok(signal)
+}
+
+/// Option that takes sentinels as numbers.
+pub(crate) const KEEP_SENTINELS: &str = "--keep-sentinels";
+
+/// Says which numbers of a signal were taken for unknown values.
+pub(crate) fn note_unknown(name: &str, unknown: &[UnknownValue], global: &Global<'_>) {
+    if let Some(text) = describe_unknown(name, unknown) {
+        let has_option = !["render", "simplify"].contains(&global.given.command());
+        let change = if has_option { "; --keep-sentinels takes them as numbers" } else { "" };
+        global.inputs.add_remark(format!("{text}{change}"));
+    }
 }
 
 /// Refuses a signal that has labels; `hint` says how to smooth it anyway.

@@ -107,6 +107,7 @@ const CASES: &[OptionCase] = &[
     case("*", "--signal", "heat"),
     in_file(with(case("*", "--texture", "second.png"), "--signal texture-luminance"), "texture.obj"),
     with(case("*", "--as-numbers", ""), "--signal classification"),
+    with(case("*", "--keep-sentinels", ""), "--signal depth.csv"),
     with(case("*", "--local-fit", "constant"), "--signal heat"),
     // The levels.
     case("*", "--levels", "5"),

@@ -10,9 +10,9 @@ use crate::global::Global;
 use crate::output::progress::with_progress;
 use crate::resolve::operator::{SignalParts, build_decomposer, note_outsiders};
 use crate::resolve::region::note_region;
-use crate::resolve::signal::{Signal, SignalValues};
+use crate::resolve::signal::{KEEP_SENTINELS, Signal, SignalValues, note_unknown};
 use adwave::{Decomposer, Progress};
-use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError};
+use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError, mark_unknown};
 use std::path::Path;
 
 /// Bytes of the values of a group; as many hold the result.
@@ -54,13 +54,20 @@ fn write_groups(
     for at in (0..n_channels).step_by(together) {
         progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
         let channels = at..(at + together).min(n_channels);
-        let values = SignalValues::Other(columns.read(channels.clone(), progress.quiet())?);
-        let signal = Signal { n_channels: channels.len(), values, channel_names: Vec::new() };
+        let mut values = columns.read(channels.clone(), progress.quiet())?;
+        let unknown = if global.given.has(KEEP_SENTINELS) {
+            Vec::new()
+        } else {
+            mark_unknown(&mut values, channels.len())
+        };
+        let (n_together, values) = (channels.len(), SignalValues::Other(values));
+        let signal = Signal { n_channels: n_together, values, channel_names: Vec::new(), unknown };
         let name = if channels.len() < n_channels {
             format!("{}, channels {} to {}", job.signal_name, at + 1, channels.end)
         } else {
             job.signal_name.clone()
         };
+        note_unknown(&name, &signal.unknown, global);
         let parts = SignalParts::new(decomposer, &signal, &name, global)?;
         let group = if filtered.is_some() {
             edited_parts(job, &parts, &signal.values, None, global, progress.quiet())?
@@ -76,12 +83,13 @@ fn write_groups(
             filtered = Some(Filtered { decomposer, schedule, layers, edited, change, accuracy: None });
             group
         };
-        let EditedGroup { values, accuracy } = group;
-        writer.write(at, &values, progress.quiet()).map_err(failed)?;
+        let EditedGroup { mut values, accuracy } = group;
         if let Some(filtered) = &mut filtered {
             filtered.change = filtered.change.plus(SignalChange::new(&signal.values, &values));
             filtered.add_accuracy(accuracy);
         }
+        signal.restore_unknown(&mut values);
+        writer.write(at, &values, progress.quiet()).map_err(failed)?;
     }
     progress.step(n_channels as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
     writer.finish(progress.quiet()).map_err(failed)?;

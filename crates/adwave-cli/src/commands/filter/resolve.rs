@@ -99,7 +99,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         Some(columns) => {
             global.inputs.add_signal(&signal_name, None);
             let (n_channels, values) = (columns.n_channels(), SignalValues::Other(Vec::new()));
-            Signal { n_channels, values, channel_names: Vec::new() }
+            Signal { n_channels, values, channel_names: Vec::new(), unknown: Vec::new() }
         }
         None => load_signal(global, &input, &signal_name, args.signal.texture.as_deref())?,
     };
