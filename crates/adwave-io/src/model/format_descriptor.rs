@@ -160,6 +160,12 @@ pub(crate) struct FormatDescriptor {
     pub(crate) holds_names: bool,
     /// Points without a position are written, as NaN, so that rows keep their numbers.
     pub(crate) holds_missing: bool,
+    /// A file also has values of its own, by their names, that belong to no vertex.
+    pub(crate) holds_field_data: bool,
+    /// Texture coordinates of face corners are written.
+    pub(crate) holds_corner_texcoords: bool,
+    /// Readers of the format expect colors in bytes.
+    pub(crate) has_byte_colors: bool,
     /// Number type in which coordinates are written.
     pub(crate) coordinates: CoordinateType,
     pub(crate) unit: UnitRoom,
@@ -204,6 +210,9 @@ impl FormatDescriptor {
         holds_face_fields: false,
         holds_names: false,
         holds_missing: false,
+        holds_field_data: false,
+        holds_corner_texcoords: false,
+        has_byte_colors: false,
         coordinates: CoordinateType::Double,
         unit: UnitRoom::None,
         flags_points: false,

@@ -3,6 +3,7 @@
 pub(crate) mod binary_rows;
 #[cfg(any(feature = "vtk", feature = "volume"))]
 pub(crate) mod cells;
+pub(crate) mod colors;
 pub(crate) mod context;
 pub(crate) mod f32_limits;
 pub(crate) mod face_cells;

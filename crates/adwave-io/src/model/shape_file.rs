@@ -72,6 +72,8 @@ pub struct ShapeFile {
     pub(crate) vertex_names: Option<Arc<Vec<String>>>,
     pub(crate) vertex_fields: Vec<Field>,
     pub(crate) face_fields: Vec<Field>,
+    /// Values of the file as a whole, such as a time.
+    pub(crate) field_data: Vec<Field>,
     pub(crate) format: Option<Format>,
     pub(crate) precision: Precision,
     /// Unit of length of the coordinates, if it is known.
@@ -133,6 +135,7 @@ impl ShapeFile {
             vertex_names: None,
             vertex_fields: Vec::new(),
             face_fields: Vec::new(),
+            field_data: Vec::new(),
             format: None,
             precision: Precision::F64,
             unit: None,

@@ -92,7 +92,16 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
     }
 }
 
+/// Name in [`ShapeFile::extras`] of texture coordinates that are no vertex field.
+pub(crate) const CORNER_TEXCOORDS: &str = "texture coordinates of face corners";
+
 impl ShapeFile {
+    /// Two texture coordinates per corner of the faces, if the document has some and no vertex field replaces them.
+    pub(crate) fn corner_texcoords(&self) -> Option<Vec<f64>> {
+        let source = self.original.as_deref().filter(|_| self.field("texcoord").is_none())?;
+        source.corner_texcoords(self).filter(|values| values.len() == 2 * self.faces.corners().len())
+    }
+
     /// The kept document, if it is of that type.
     pub(crate) fn source<T: SourceDocument>(&self) -> Option<&T> {
         let document: &dyn Any = self.original.as_deref()?;

@@ -6,10 +6,11 @@ use std::path::Path;
 use adwave::Progress;
 
 use crate::files::atomic::atomic_write_with;
+use crate::model::colors::with_byte_colors;
 use crate::model::context::WriteContext;
 use crate::model::float_steps::note_on_writing;
 use crate::model::format_descriptor::{CoordinateType, ProvenanceRoom};
-use crate::model::source_document::Update;
+use crate::model::source_document::{CORNER_TEXCOORDS, Update};
 use crate::model::units::convert_unit;
 use crate::progress::{CancellableWriter, all};
 use crate::provenance::{CommentInserter, NAME, Provenance};
@@ -136,15 +137,23 @@ fn write_shape(
         context.report.not_written.clear();
     }
     if !shape.original.as_deref().is_some_and(|source| source.keeps_extras(format)) {
-        for extra in &shape.extras {
+        let keeps_texcoords = descriptor.holds_corner_texcoords && shape.corner_texcoords().is_some();
+        for extra in shape.extras.iter().filter(|extra| !keeps_texcoords || *extra != CORNER_TEXCOORDS) {
             context.report.report_dropped(extra.clone());
+        }
+    }
+    if !descriptor.holds_field_data {
+        for field in &shape.field_data {
+            context.report.report_dropped(format!("field data `{}`", field.name));
         }
     }
     if shape.vertex_names.is_some() && !descriptor.holds_names {
         context.report.report_dropped("names of vertices");
     }
     let write = descriptor.write.ok_or(WriteError::ReadOnly { format })?;
-    write(shape, &mut context)?;
+    let colored =
+        if descriptor.has_byte_colors { with_byte_colors(shape, &mut context.report) } else { None };
+    write(colored.as_ref().unwrap_or(shape), &mut context)?;
     Ok(context.report)
 }
 

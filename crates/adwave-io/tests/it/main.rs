@@ -1,6 +1,7 @@
 //! Tests of `adwave-io`, in one program: each program of its own would be linked with everything again.
 
 mod all_files;
+mod between_formats;
 mod cancelling;
 mod cloud_part;
 mod common;

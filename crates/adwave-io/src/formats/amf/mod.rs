@@ -25,7 +25,7 @@ pub(crate) static AMF: FormatDescriptor = FormatDescriptor {
     extensions: &["amf"],
     reads: "objects placed by constellations, plain or zipped; colors of vertices, triangles, volumes and \
            materials; the unit of length",
-    writes: "one object of triangles, colors of vertices and faces, the unit of length",
+    writes: "objects of triangles, colors of vertices and faces, the unit of length",
     loses: "other fields, metadata, materials",
     unit: UnitRoom::Stated(&UNITS),
     recognize: |file| {

@@ -1,4 +1,4 @@
-//! AMF writer: one object of one volume, with colors of its vertices and triangles.
+//! AMF writer: objects of one volume each, with colors of their vertices and triangles.
 
 use std::io::Write;
 
@@ -6,6 +6,7 @@ use adwave::Progress;
 
 use crate::formats::amf::UNITS;
 use crate::model::f32_limits::triangles_with_faces;
+use crate::model::instances::object_ranges;
 use crate::progress::report_row;
 use crate::text::{escape_xml, push_f64};
 use crate::{Field, FieldValues, LengthUnit, ShapeFile, WriteError, WriteReport};
@@ -46,7 +47,9 @@ pub(crate) fn write_amf(
     let of_vertices = color(&shape.vertex_fields);
     let of_faces = color(&shape.face_fields).filter(|_| is_whole);
     report.report_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
-    report.report_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    let (objects, has_objects) = object_ranges(shape);
+    let held = [of_faces.map(|_| "color"), has_objects.then_some("object")];
+    report.report_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
     if !shape.edges.pairs.is_empty() {
         report.report_dropped("edges");
     }
@@ -54,34 +57,37 @@ pub(crate) fn write_amf(
         Some(unit) if *unit == LengthUnit::FOOT => "feet".into(),
         unit => escape_xml(unit.unwrap_or(&UNITS[0]).name()),
     };
-    write!(
-        out,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"{unit}\" version=\"1.1\">\n\
-         <object id=\"1\">\n<mesh>\n<vertices>\n",
-    )?;
-    let mut text = Vec::new();
-    for (i, &[x, y, z]) in shape.points.iter().enumerate() {
-        report_row(progress, i as u64, shape.points.len() as u64)?;
-        text.clear();
-        text.extend_from_slice(b"<vertex><coordinates>");
-        for (name, x) in [('x', x), ('y', y), ('z', z)] {
-            push_element(&mut text, name, |out| push_f64(out, x));
-        }
-        text.extend_from_slice(b"</coordinates>");
-        push_color(of_vertices, i, &mut text);
-        text.extend_from_slice(b"</vertex>\n");
-        out.write_all(&text)?;
-    }
-    out.write_all(b"</vertices>\n<volume>\n")?;
+    writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"{unit}\" version=\"1.1\">")?;
     let triangles = triangles_with_faces(shape, report);
-    for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
-        report_row(progress, row as u64, triangles.len() as u64)?;
-        text.clear();
-        text.extend_from_slice(b"<triangle>");
-        push_color(of_faces, f, &mut text);
-        writeln!(text, "<v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>")?;
-        out.write_all(&text)?;
+    let mut text = Vec::new();
+    for (k, object) in objects.iter().enumerate() {
+        write!(out, "<object id=\"{}\">\n<mesh>\n<vertices>\n", k + 1)?;
+        for i in object.vertices.clone() {
+            report_row(progress, i as u64, shape.points.len() as u64)?;
+            text.clear();
+            text.extend_from_slice(b"<vertex><coordinates>");
+            for (name, x) in ['x', 'y', 'z'].into_iter().zip(shape.points[i]) {
+                push_element(&mut text, name, |out| push_f64(out, x));
+            }
+            text.extend_from_slice(b"</coordinates>");
+            push_color(of_vertices, i, &mut text);
+            text.extend_from_slice(b"</vertex>\n");
+            out.write_all(&text)?;
+        }
+        out.write_all(b"</vertices>\n<volume>\n")?;
+        let at = |f: usize| triangles.partition_point(|(face, _)| *face < f);
+        for (row, &(f, corners)) in triangles[at(object.faces.start)..at(object.faces.end)].iter().enumerate()
+        {
+            report_row(progress, row as u64, triangles.len() as u64)?;
+            text.clear();
+            text.extend_from_slice(b"<triangle>");
+            push_color(of_faces, f, &mut text);
+            let [a, b, c] = corners.map(|v| v as usize - object.vertices.start);
+            writeln!(text, "<v1>{a}</v1><v2>{b}</v2><v3>{c}</v3></triangle>")?;
+            out.write_all(&text)?;
+        }
+        out.write_all(b"</volume>\n</mesh>\n</object>\n")?;
     }
-    out.write_all(b"</volume>\n</mesh>\n</object>\n</amf>\n")?;
+    out.write_all(b"</amf>\n")?;
     Ok(())
 }

@@ -12,6 +12,8 @@ use super::json::Json;
 use super::matrix::{AffineMatrix, IDENTITY, determinant, direction, normal, point, turns};
 use super::scene::{Instance, instances};
 use super::update::GltfSource;
+use super::write::COLOR;
+use crate::model::colors::srgb_values;
 use crate::provenance::{NAME, Provenance};
 use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
 
@@ -126,7 +128,7 @@ fn parts(document: &Document, limits: &ReadLimits) -> Result<Vec<VertexGroup>, R
 pub(crate) fn field_name(attribute: &str) -> String {
     match attribute {
         "NORMAL" => "normal".into(),
-        "COLOR_0" => "color".into(),
+        COLOR => "color".into(),
         "TEXCOORD_0" => "texcoord".into(),
         own => own.strip_prefix('_').map_or_else(|| own.to_ascii_lowercase(), str::to_owned),
     }
@@ -175,7 +177,12 @@ fn fields(
                 Some(before) => concatenate(before, values),
             });
         }
-        let Some(values) = whole.filter(|values| values.len() == n_vertices * n_channels) else { continue };
+        let Some(mut values) = whole.filter(|values| values.len() == n_vertices * n_channels) else {
+            continue;
+        };
+        if attribute == COLOR {
+            values = srgb_values(&values, n_channels);
+        }
         let mut name = field_name(attribute);
         // Two attributes may differ in more than the field's name shows.
         while fields.iter().any(|field| field.name == name) {

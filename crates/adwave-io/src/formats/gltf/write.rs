@@ -10,6 +10,7 @@ use base64::Engine as _;
 use super::accessor::code;
 use super::document::glb_head;
 use super::json::{Json, object};
+use crate::model::colors::linear_from_srgb;
 use crate::model::f32_limits::{check_range, is_single, triangles};
 use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::collect;
@@ -19,6 +20,8 @@ use crate::{Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteR
 /// Target of a buffer view.
 pub(crate) const VERTICES: usize = 34962;
 const INDICES: usize = 34963;
+/// Attribute of colors, whose numbers are linear intensities.
+pub(crate) const COLOR: &str = "COLOR_0";
 
 /// Consecutive numbers with their views and accessors.
 #[derive(Default)]
@@ -136,15 +139,15 @@ pub(crate) struct Attribute {
 pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     let (n, own) = (field.n_channels, field.values.value_type());
     let small = matches!(own, ValueType::U8 | ValueType::I8 | ValueType::U16 | ValueType::I16);
-    let is_color = matches!(own, ValueType::U8 | ValueType::U16);
     let one = |name: &str, value_type, is_normalized| {
         vec![Attribute { name: name.into(), channels: (0, n), value_type, is_normalized }]
     };
     match (field.name.as_str(), n) {
         ("normal", 3) => one("NORMAL", ValueType::F32, false),
         ("tangent", 4) => one("TANGENT", ValueType::F32, false),
-        ("color", 3 | 4) if is_color => one("COLOR_0", own, true),
-        ("color", 3 | 4) => one("COLOR_0", ValueType::F32, false),
+        // Eight bits of linear intensity would not tell dark colors apart.
+        ("color", 3 | 4) if own == ValueType::U8 => one(COLOR, ValueType::U16, true),
+        ("color", 3 | 4) => one(COLOR, ValueType::F32, false),
         ("texcoord", 2) => one("TEXCOORD_0", ValueType::F32, false),
         (name, 1..=4) => one(&format!("_{name}"), if small { own } else { ValueType::F32 }, false),
         (name, _) => (0..n)
@@ -170,15 +173,27 @@ pub(crate) fn rows(
     let (from, n) = attribute.channels;
     let flips = attribute.name == "TEXCOORD_0";
     let index = |i: usize, c: usize| (first + i) * field.n_channels + from + c;
+    let full = if attribute.name == COLOR { field.full_intensity() } else { 1.0 };
+    let intensity = |i: usize, c: usize| {
+        let x = field.values.get(index(i, c)) / full;
+        if c < 3 { linear_from_srgb(x) } else { x }
+    };
     let bytes = if attribute.value_type == ValueType::F32 {
         let row = |i: usize| {
             let mut row = [0_f32; 4];
             for (c, x) in row[..n].iter_mut().enumerate() {
-                let value = field.values.get(index(i, c));
+                let value =
+                    if attribute.name == COLOR { intensity(i, c) } else { field.values.get(index(i, c)) };
                 *x = if flips && c == 1 { 1.0 - value } else { value } as f32;
             }
             turned(&mut row[..n]);
             row
+        };
+        let rows = collect(count, progress, row)?;
+        rows.iter().flat_map(|row| row[..n].iter().flat_map(|x| x.to_le_bytes())).collect()
+    } else if attribute.name == COLOR {
+        let row = |i: usize| -> [u16; 4] {
+            std::array::from_fn(|c| if c < n { (65_535.0 * intensity(i, c)).round() as u16 } else { 0 })
         };
         let rows = collect(count, progress, row)?;
         rows.iter().flat_map(|row| row[..n].iter().flat_map(|x| x.to_le_bytes())).collect()

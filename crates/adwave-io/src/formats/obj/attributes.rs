@@ -3,6 +3,7 @@
 use adwave::{Cancelled, Progress};
 
 use crate::formats::obj::read::{Chunk, NONE};
+use crate::model::source_document::CORNER_TEXCOORDS;
 use crate::progress::report_row;
 use crate::{Field, FieldValues, ShapeFile};
 
@@ -70,7 +71,7 @@ pub(crate) fn attach(
     let name = "texcoord";
     let list = CornerValues { list: &texcoords, indices: &indices.texcoords, name, n_channels };
     if !corner_field(shape, &list, progress)? {
-        shape.extras.push("texture coordinates of face corners".into());
+        shape.extras.push(CORNER_TEXCOORDS.into());
     }
     let normals = join_values(chunks, progress, |p| &mut p.normals)?;
     let list = CornerValues { list: &normals, indices: &indices.normals, name: "normal", n_channels: 3 };

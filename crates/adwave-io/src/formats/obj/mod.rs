@@ -63,5 +63,6 @@ pub(crate) static OBJ: FormatDescriptor = FormatDescriptor {
     #[cfg(feature = "texture")]
     texture: Some(texture::colors),
     samples: &[SampleFile { name: "a.obj", bytes: include_bytes!("samples/a.obj") }],
+    holds_corner_texcoords: true,
     ..FormatDescriptor::NEW
 };

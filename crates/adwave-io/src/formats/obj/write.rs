@@ -1,6 +1,7 @@
 //! Wavefront OBJ writer.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::io::Write;
 
 use adwave::Progress;
@@ -99,6 +100,22 @@ fn push_line(out: &mut Vec<u8>, keyword: &str, numbers: impl Iterator<Item = f64
     }
 }
 
+/// Different texture coordinates, and the number of those of each corner from 1; 0 where a corner has none.
+fn number_texcoords(values: &[f64]) -> (Vec<[f64; 2]>, Vec<u64>) {
+    let (mut list, mut known) = (Vec::new(), HashMap::new());
+    let mut number = |uv: &[f64; 2]| {
+        if !uv.iter().all(|x| x.is_finite()) {
+            return 0;
+        }
+        *known.entry(uv.map(f64::to_bits)).or_insert_with(|| {
+            list.push(*uv);
+            list.len() as u64
+        })
+    };
+    let numbers = values.as_chunks::<2>().0.iter().map(&mut number).collect();
+    (list, numbers)
+}
+
 /// Writes points, colors, normals, texture coordinates, faces and edges.
 pub(crate) fn write_obj(
     shape: &ShapeFile,
@@ -132,6 +149,13 @@ pub(crate) fn write_obj(
         line.push(b'\n');
         out.write_all(&line)?;
     }
+    let of_corners = shape.corner_texcoords().map(|values| number_texcoords(&values));
+    for [u, v] in of_corners.iter().flat_map(|(list, _)| list) {
+        line.clear();
+        push_line(&mut line, "vt", [*u, *v].into_iter());
+        line.push(b'\n');
+        out.write_all(&line)?;
+    }
     for (keyword, field) in [("vt", texcoord), ("vn", normal)] {
         let Some(field) = field else { continue };
         for i in 0..field.len() {
@@ -145,13 +169,15 @@ pub(crate) fn write_obj(
         report_row(progress, f as u64, shape.faces.len() as u64)?;
         line.clear();
         line.push(b'f');
-        for &v in face {
+        let first = shape.faces.end(f) - face.len();
+        for (k, &v) in face.iter().enumerate() {
             let v = u64::from(v) + 1;
-            match (texcoord, normal) {
+            let of_corner = of_corners.as_ref().map(|(_, numbers)| numbers[first + k]).filter(|&t| t > 0);
+            match (of_corner.or(texcoord.map(|_| v)), normal) {
                 (None, None) => write!(line, " {v}")?,
-                (Some(_), None) => write!(line, " {v}/{v}")?,
+                (Some(t), None) => write!(line, " {v}/{t}")?,
                 (None, Some(_)) => write!(line, " {v}//{v}")?,
-                (Some(_), Some(_)) => write!(line, " {v}/{v}/{v}")?,
+                (Some(t), Some(_)) => write!(line, " {v}/{t}/{v}")?,
             }
         }
         line.push(b'\n');

@@ -1,4 +1,4 @@
-//! Binary OFF: `OFF BINARY`, then big-endian 32-bit numbers, as in Geomview.
+//! Binary OFF: `OFF BINARY`, then 32-bit numbers, big-endian as in Geomview or little-endian as CGAL writes them.
 
 use crate::formats::off::OffSource;
 use crate::model::binary_rows::CoordinateRows;
@@ -25,6 +25,21 @@ pub(crate) fn head(bytes: &[u8]) -> Option<(OffLayout, usize)> {
     (is_binary && !letters.contains(&b'n')).then(|| (OffLayout::from_letters(letters), end + 1))
 }
 
+/// Order of the bytes of the numbers, of which a vertex has `per_vertex`: the one whose counts fit the file, first that
+/// of Geomview.
+fn byte_order(numbers: &[u8], per_vertex: usize) -> ByteOrder {
+    let fits = |order: ByteOrder| {
+        let count = |k: usize| {
+            let bytes = numbers.get(4 * k..4 * k + 4)?;
+            u64::try_from(i32::from_bytes(bytes, order)).ok()
+        };
+        let (Some(n_vertices), Some(n_faces), Some(_)) = (count(0), count(1), count(2)) else { return false };
+        // A face has a number of corners and one of colors at least.
+        12 + 4 * per_vertex as u64 * n_vertices + 8 * n_faces <= numbers.len() as u64
+    };
+    if !fits(ByteOrder::Big) && fits(ByteOrder::Little) { ByteOrder::Little } else { ByteOrder::Big }
+}
+
 /// Reads a binary OFF.
 pub(crate) fn read_off_binary(
     bytes: Vec<u8>,
@@ -34,7 +49,8 @@ pub(crate) fn read_off_binary(
     let Some((layout, start)) = head(&bytes) else {
         return Err(ReadError::byte_error(0, "the head of a binary OFF is invalid; get the whole file"));
     };
-    let mut cursor = Cursor::new(&bytes, start, ByteOrder::Big);
+    let order = byte_order(&bytes[start..], layout.n_numbers());
+    let mut cursor = Cursor::new(&bytes, start, order);
     let mut count = |what: &str| {
         let place = cursor.position;
         let n = cursor.i32(what)?;
@@ -60,7 +76,7 @@ pub(crate) fn read_off_binary(
     let first = cursor.position;
     let rows = cursor.rows(n_vertices, stride as u64, "vertex")?;
     let n = n_vertices as usize;
-    let number = |at: usize| f32::from_bytes(&rows[at..], ByteOrder::Big);
+    let number = |at: usize| f32::from_bytes(&rows[at..], order);
     let point = |i: usize| [0, 4, 8].map(|at| f64::from(number(stride * i + at)));
     let mut shape = ShapeFile::from_cloud(collect(n, progress, point)?);
     shape.format = Some(Format::OFF_BINARY);
@@ -72,7 +88,7 @@ pub(crate) fn read_off_binary(
         shape.vertex_fields.push(Field::new(name, n_channels, values));
         offset += 4 * n_channels;
     }
-    read_faces(&mut cursor, n_faces, &mut shape, progress)?;
+    read_faces(&mut cursor, n_faces, order, &mut shape, progress)?;
     if divide(&mut shape) {
         // Divided coordinates have the precision of the file, or are written as text.
         let rounded: Vec<[f64; 3]> = shape.points.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
@@ -84,7 +100,7 @@ pub(crate) fn read_off_binary(
         }
     } else {
         let runs = vec![Run { start: first, n, stride }];
-        let rows = BinaryRows { bytes, runs, is_double: false, n_axes: 3, order: ByteOrder::Big };
+        let rows = BinaryRows { bytes, runs, is_double: false, n_axes: 3, order };
         shape.set_source(OffSource(CoordinateRows::Binary(rows)));
     }
     Ok(shape)
@@ -94,6 +110,7 @@ pub(crate) fn read_off_binary(
 fn read_faces(
     cursor: &mut Cursor<'_>,
     n: u64,
+    order: ByteOrder,
     shape: &mut ShapeFile,
     progress: Progress<'_>,
 ) -> Result<(), ReadError> {
@@ -108,7 +125,7 @@ fn read_faces(
         let corners = cursor.rows(n_corners.into(), 4, "face")?;
         face.clear();
         for (k, bytes) in corners.chunks_exact(4).enumerate() {
-            let index = i32::from_bytes(bytes, ByteOrder::Big);
+            let index = i32::from_bytes(bytes, order);
             if index < 0 || index as usize >= shape.n_vertices {
                 return Err(ReadError::FaceIndex {
                     place: format!("byte {}", start + 4 * k),
@@ -129,7 +146,7 @@ fn read_faces(
             return Err(ReadError::byte_error(cursor.position - 4, message));
         }
         let numbers = cursor.rows(n_numbers.into(), 4, "face")?;
-        colors.extend(numbers.chunks_exact(4).map(|b| f32::from_bytes(b, ByteOrder::Big)));
+        colors.extend(numbers.chunks_exact(4).map(|b| f32::from_bytes(b, order)));
         ends.push(colors.len());
     }
     shape.faces = faces.into();

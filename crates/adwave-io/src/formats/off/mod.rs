@@ -80,7 +80,7 @@ pub(crate) static OFF: FormatDescriptor = FormatDescriptor {
 pub(crate) static OFF_BINARY: FormatDescriptor = FormatDescriptor {
     format: Format::OFF_BINARY,
     title: "Object file format, binary",
-    reads: "big-endian, as in Geomview, with the same variants",
+    reads: "big-endian as in Geomview, or little-endian, with the same variants",
     writes: "points in 32-bit floats, faces, the supported fields in 32-bit floats",
     keeps: "all bytes except changed coordinates",
     loses: "other fields",

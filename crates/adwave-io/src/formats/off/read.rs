@@ -33,6 +33,13 @@ impl OffLayout {
             has_texcoord: letters.starts_with(b"ST"),
         }
     }
+
+    /// Count of the numbers of a vertex in a binary file.
+    pub(crate) fn n_numbers(&self) -> usize {
+        let parts =
+            [(true, 3), (self.has_w, 1), (self.has_normal, 3), (self.has_color, 4), (self.has_texcoord, 2)];
+        parts.iter().filter(|(is_there, _)| *is_there).map(|(_, n)| n).sum()
+    }
 }
 
 /// Content of the rows of vertices and faces.

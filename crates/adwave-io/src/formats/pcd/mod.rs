@@ -30,6 +30,7 @@ pub(crate) static PCD: FormatDescriptor = FormatDescriptor {
     keeps: "view point, width and height, points without a position",
     loses: "faces",
     content: ContentKind::Cloud,
+    has_byte_colors: true,
     holds_fields: true,
     coordinates: CoordinateType::OfShape,
     holds_missing: true,

@@ -169,6 +169,24 @@ impl<'a> PlyBody<'a> {
         Ok(())
     }
 
+    /// Reads a list of floats into `list`.
+    pub(crate) fn read_floats(
+        &mut self,
+        kind: PropertyKind,
+        element: &Element,
+        row: u64,
+        list: &mut Vec<f64>,
+    ) -> Result<(), ReadError> {
+        let (n, item) = self.read_count(kind, element, row)?;
+        let mut values = item.empty();
+        for _ in 0..n {
+            self.read_into(&mut values, element, row)?;
+        }
+        list.clear();
+        list.extend(values.to_f64());
+        Ok(())
+    }
+
     /// Skips one value or list.
     pub(crate) fn skip(&mut self, kind: PropertyKind, element: &Element, row: u64) -> Result<(), ReadError> {
         let (n, item) = match kind {

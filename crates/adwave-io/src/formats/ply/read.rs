@@ -7,6 +7,7 @@ use crate::formats::ply::body::PlyBody;
 use crate::formats::ply::fixed;
 use crate::formats::ply::header::{Element, Encoding, PlyHeader, PlySource, PropertyKind, parse_header};
 use crate::model::grouping::group;
+use crate::model::source_document::CORNER_TEXCOORDS;
 use crate::progress::{collect, report_row};
 use crate::provenance::in_comments;
 use crate::text::line_of;
@@ -147,7 +148,11 @@ fn attach_columns(
             positions.push(p);
             named.push((property.name.clone(), column));
         } else if matches!(property.kind, PropertyKind::List { .. }) && !is_corner_list(&property.name) {
-            extras.push(format!("list `{}` of element `{}`", property.name, element.name));
+            extras.push(if texcoord_list(element) == Some(p) {
+                CORNER_TEXCOORDS.to_owned()
+            } else {
+                format!("list `{}` of element `{}`", property.name, element.name)
+            });
         }
     }
     let (made, mut members) = group(named, progress)?;
@@ -168,6 +173,13 @@ fn is_corner_list(name: &str) -> bool {
 pub(crate) fn corner_list(element: &Element) -> Option<usize> {
     let is_list = |kind| matches!(kind, PropertyKind::List { .. });
     element.properties.iter().position(|p| is_corner_list(&p.name) && is_list(p.kind))
+}
+
+/// List of two texture coordinates for each corner of a face.
+pub(crate) fn texcoord_list(element: &Element) -> Option<usize> {
+    let is_list = |kind| matches!(kind, PropertyKind::List { item, .. } if !item.is_integer());
+    (element.name == "face").then_some(())?;
+    element.properties.iter().position(|p| p.name == "texcoord" && is_list(p.kind))
 }
 
 /// Drops the fields of one face element if the shape also has strips or a second list of faces.

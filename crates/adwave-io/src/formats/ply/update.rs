@@ -7,6 +7,7 @@ use adwave::Progress;
 
 use crate::formats::ply::body::PlyBody;
 use crate::formats::ply::header::{Element, Encoding, PlyHeader, PlySource, PropertyKind};
+use crate::formats::ply::read::{corner_list, texcoord_list};
 use crate::formats::ply::write::{ValueStyle, note_rounding, property_lines, push_fields};
 use crate::model::context::WriteContext;
 use crate::model::source_document::{SourceDocument, Update};
@@ -33,6 +34,44 @@ impl SourceDocument for PlySource {
         out.write_all(&self.bytes[self.rows.1..])?;
         Ok(Update::Written)
     }
+
+    fn corner_texcoords(&self, shape: &ShapeFile) -> Option<Vec<f64>> {
+        self.read_texcoords().ok().flatten().filter(|values| values.len() == 2 * shape.faces.corners().len())
+    }
+}
+
+impl PlySource {
+    /// Texture coordinates of the corners of all faces, NaN at faces without; `None` if there is no list of them.
+    fn read_texcoords(&self) -> Result<Option<Vec<f64>>, ReadError> {
+        let (encoding, progress) = (self.header.encoding, Progress::none());
+        let mut body = PlyBody { bytes: &self.bytes, position: self.header.body, encoding, progress };
+        let mut texcoords = None;
+        let (mut face, mut values) = (Vec::new(), Vec::new());
+        for element in &self.header.elements {
+            let lists = corner_list(element).zip(texcoord_list(element));
+            let Some((corners, list)) = lists else {
+                (0..element.n_rows).try_for_each(|row| body.skip_row(element, row))?;
+                continue;
+            };
+            let all = texcoords.get_or_insert_with(Vec::new);
+            for row in 0..element.n_rows {
+                for (p, property) in element.properties.iter().enumerate() {
+                    if p == corners {
+                        body.read_list(property.kind, element, row, &mut face)?;
+                    } else if p == list {
+                        body.read_floats(property.kind, element, row, &mut values)?;
+                    } else {
+                        body.skip(property.kind, element, row)?;
+                    }
+                }
+                if values.len() != 2 * face.len() {
+                    values = vec![f64::NAN; 2 * face.len()];
+                }
+                all.extend_from_slice(&values);
+            }
+        }
+        Ok(texcoords)
+    }
 }
 
 /// Writes the header with the properties of new fields; `bytes` are those it was parsed from.
@@ -46,15 +85,21 @@ pub(crate) fn write_header(
 ) -> std::io::Result<()> {
     let element = &header.elements[vertex];
     let last = element.properties.last().map_or(element.line, |p| p.line);
+    let has_return = |&(start, end): &(usize, usize)| bytes[start..end].ends_with(b"\r\n");
+    // Readers take the end of one line for that of all.
+    let is_mixed = header.lines.iter().any(has_return) && !header.lines.iter().all(has_return);
     for (number, &(start, end)) in header.lines.iter().enumerate() {
         let line = &bytes[start..end];
         let is_dropped =
             element.properties.iter().zip(dropped).any(|(p, &dropped)| dropped && p.line == number);
-        if !is_dropped {
+        if !is_dropped && is_mixed {
+            out.write_all(line.trim_ascii_end())?;
+            out.write_all(b"\n")?;
+        } else if !is_dropped {
             out.write_all(line)?;
         }
         if number == last {
-            let line_end = if line.ends_with(b"\r\n") { "\r\n" } else { "\n" };
+            let line_end = if line.ends_with(b"\r\n") && !is_mixed { "\r\n" } else { "\n" };
             out.write_all(property_lines(fields, line_end).as_bytes())?;
         }
     }

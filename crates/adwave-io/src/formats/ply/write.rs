@@ -91,9 +91,14 @@ pub(crate) fn write_ply(
     let most = shape.faces.iter().map(<[u32]>::len).max().unwrap_or(0);
     let count = if most <= 255 { ValueType::U8 } else { ValueType::U32 };
     let corner = if i32::try_from(shape.n_vertices).is_ok() { ValueType::I32 } else { ValueType::U32 };
+    let texcoords = shape.corner_texcoords();
+    let texcoord_count = if most <= 127 { ValueType::U8 } else { ValueType::U32 };
     if !shape.faces.is_empty() {
         writeln!(out, "element face {}", shape.faces.len())?;
         writeln!(out, "property list {} {} vertex_indices", type_name(count), type_name(corner))?;
+        if texcoords.is_some() {
+            writeln!(out, "property list {} float texcoord", type_name(texcoord_count))?;
+        }
         out.write_all(property_lines(&face_fields, "\n").as_bytes())?;
     }
     if !shape.edges.pairs.is_empty() {
@@ -107,12 +112,21 @@ pub(crate) fn write_ply(
         }
     }
     writeln!(out, "end_header")?;
-    write_body(shape, count, style, out, progress)
+    let texcoords = texcoords.as_deref().map(|values| CornerList { values, count: texcoord_count });
+    write_body(shape, count, texcoords, style, out, progress)
+}
+
+/// Two texture coordinates for each corner of the faces, and the type of the length of their lists.
+#[derive(Clone, Copy)]
+struct CornerList<'a> {
+    values: &'a [f64],
+    count: ValueType,
 }
 
 fn write_body(
     shape: &ShapeFile,
     count: ValueType,
+    texcoords: Option<CornerList<'_>>,
     style: ValueStyle,
     out: &mut dyn Write,
     progress: Progress<'_>,
@@ -137,6 +151,10 @@ fn write_body(
             (ValueStyle::Bytes(_), _) => row.extend_from_slice(&(face.len() as u32).to_le_bytes()),
         }
         push_indices(face, style, true, &mut row)?;
+        if let Some(list) = texcoords {
+            let end = shape.faces.end(f);
+            push_texcoords(&list.values[2 * (end - face.len())..2 * end], list.count, style, &mut row)?;
+        }
         push_fields(&face_fields, f, style, &mut row);
         end_row(style, &mut row);
         out.write_all(&row)?;
@@ -146,6 +164,25 @@ fn write_body(
         push_indices(pair, style, false, &mut row)?;
         end_row(style, &mut row);
         out.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// Writes a list of texture coordinates, which is empty if one is missing.
+fn push_texcoords(values: &[f64], count: ValueType, style: ValueStyle, row: &mut Vec<u8>) -> io::Result<()> {
+    let values = if values.iter().all(|x| x.is_finite()) { values } else { &[] };
+    match (style, count) {
+        (ValueStyle::Text, _) => write!(row, " {}", values.len())?,
+        (ValueStyle::Bytes(_), ValueType::U8) => row.push(values.len() as u8),
+        (ValueStyle::Bytes(_), _) => row.extend_from_slice(&(values.len() as u32).to_le_bytes()),
+    }
+    for &x in values {
+        if let ValueStyle::Text = style {
+            row.push(b' ');
+            push_f32(row, x as f32);
+        } else {
+            row.extend_from_slice(&(x as f32).to_le_bytes());
+        }
     }
     Ok(())
 }

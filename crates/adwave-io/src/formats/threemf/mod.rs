@@ -32,8 +32,9 @@ pub(crate) static THREE_MF: FormatDescriptor = FormatDescriptor {
     title: "3D manufacturing format",
     extensions: &["3mf"],
     reads: "the build items with components of all parts, transforms and units; colors of vertices or faces",
-    writes: "one object of triangles, colors of vertices or faces in bytes, the unit of length",
+    writes: "objects of triangles, colors of vertices or faces in bytes, the unit of length",
     loses: "other fields, metadata, materials, textures",
+    has_byte_colors: true,
     unit: UnitRoom::Stated(&UNITS),
     recognize: |file| {
         // An archive that was cut has lost its list of names, but its own name says what it was.

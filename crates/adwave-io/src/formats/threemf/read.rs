@@ -142,7 +142,12 @@ impl Assembly<'_> {
             self.joined.add(&object.points, &object.triangles, &transform, self.progress)?;
             if !object.colors.is_empty() {
                 self.colors.resize(before, [None; 3]);
-                self.colors.extend_from_slice(&object.colors);
+                let mirrors = transform.mirrors();
+                self.colors.extend(object.colors.iter().map(
+                    |&[a, b, c]| {
+                        if mirrors { [a, c, b] } else { [a, b, c] }
+                    },
+                ));
                 self.colors.resize(before + n, [None; 3]);
             }
         }

@@ -1,4 +1,4 @@
-//! 3MF writer: one object of triangles, with colors of its vertices or of its faces.
+//! 3MF writer: objects of triangles, with colors of their vertices or of their faces.
 
 use std::io::Write;
 
@@ -8,6 +8,7 @@ use zip::write::{SimpleFileOptions, ZipWriter};
 
 use crate::formats::threemf::UNITS;
 use crate::model::f32_limits::triangles_with_faces;
+use crate::model::instances::{ObjectRange, object_ranges};
 use crate::progress::report_row;
 use crate::text::push_f64;
 use crate::{Field, FieldValues, ShapeFile, WriteError, WriteReport};
@@ -42,7 +43,9 @@ pub(crate) fn write_3mf(
     let of_vertices = color(&shape.vertex_fields).filter(|_| !shape.faces.is_empty());
     let of_faces = color(&shape.face_fields).filter(|_| of_vertices.is_none() && is_whole);
     report.report_vertex_fields(shape, of_vertices.map(|_| "color").as_slice());
-    report.report_face_fields(shape, of_faces.map(|_| "color").as_slice());
+    let (objects, has_objects) = object_ranges(shape);
+    let held = [of_faces.map(|_| "color"), has_objects.then_some("object")];
+    report.report_face_fields(shape, &held.into_iter().flatten().collect::<Vec<_>>());
     if !shape.edges.pairs.is_empty() {
         report.report_dropped("edges");
     }
@@ -69,21 +72,29 @@ pub(crate) fn write_3mf(
         zip.write_all(text.as_bytes())?;
     }
     zip.start_file("3D/3dmodel.model", options.large_file(true)).map_err(failed)?;
-    model(shape, of_vertices, of_faces, report, &mut zip, progress)?;
+    let content = Content { shape, objects, of_vertices, of_faces };
+    model(&content, report, &mut zip, progress)?;
     zip.finish().map_err(failed)?;
     Ok(())
 }
 
 type Colors<'a> = Option<(&'a Field, &'a [u8])>;
 
+/// Everything that is written into the model.
+struct Content<'a> {
+    shape: &'a ShapeFile,
+    objects: Vec<ObjectRange>,
+    of_vertices: Colors<'a>,
+    of_faces: Colors<'a>,
+}
+
 fn model(
-    shape: &ShapeFile,
-    of_vertices: Colors<'_>,
-    of_faces: Colors<'_>,
+    content: &Content<'_>,
     report: &mut WriteReport,
     out: &mut dyn Write,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
+    let Content { shape, of_vertices, of_faces, .. } = *content;
     let unit = shape.unit.as_ref().unwrap_or(&UNITS[0]);
     write!(
         out,
@@ -106,35 +117,46 @@ fn model(
         }
         out.write_all(b"</m:colorgroup>\n")?;
     }
-    out.write_all(b"<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n")?;
-    for (i, point) in shape.points.iter().enumerate() {
-        report_row(progress, i as u64, shape.points.len() as u64)?;
-        text.clear();
-        text.extend_from_slice(b"<vertex");
-        for (name, &x) in ["x", "y", "z"].iter().zip(point) {
-            write!(text, " {name}=\"")?;
-            push_f64(&mut text, x);
-            text.push(b'"');
-        }
-        text.extend_from_slice(b"/>\n");
-        out.write_all(&text)?;
-    }
-    out.write_all(b"</vertices>\n<triangles>\n")?;
     let triangles = triangles_with_faces(shape, report);
-    for (row, &(f, [a, b, c])) in triangles.iter().enumerate() {
-        report_row(progress, row as u64, triangles.len() as u64)?;
-        text.clear();
-        write!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
-        if of_vertices.is_some() {
-            write!(text, " pid=\"2\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"")?;
-        } else if of_faces.is_some() {
-            write!(text, " pid=\"2\" p1=\"{f}\"")?;
+    // Number 2 is the group of colors.
+    let id = |k: usize| if k == 0 { 1 } else { k + 2 };
+    for (k, object) in content.objects.iter().enumerate() {
+        write!(out, "<object id=\"{}\" type=\"model\">\n<mesh>\n<vertices>\n", id(k))?;
+        for i in object.vertices.clone() {
+            report_row(progress, i as u64, shape.points.len() as u64)?;
+            text.clear();
+            text.extend_from_slice(b"<vertex");
+            for (name, &x) in ["x", "y", "z"].iter().zip(&shape.points[i]) {
+                write!(text, " {name}=\"")?;
+                push_f64(&mut text, x);
+                text.push(b'"');
+            }
+            text.extend_from_slice(b"/>\n");
+            out.write_all(&text)?;
         }
-        text.extend_from_slice(b"/>\n");
-        out.write_all(&text)?;
+        out.write_all(b"</vertices>\n<triangles>\n")?;
+        let at = |f: usize| triangles.partition_point(|(face, _)| *face < f);
+        for (row, &(f, corners)) in triangles[at(object.faces.start)..at(object.faces.end)].iter().enumerate()
+        {
+            report_row(progress, row as u64, triangles.len() as u64)?;
+            text.clear();
+            let [a, b, c] = corners.map(|v| v as usize - object.vertices.start);
+            write!(text, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+            if of_vertices.is_some() {
+                let [a, b, c] = corners;
+                write!(text, " pid=\"2\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"")?;
+            } else if of_faces.is_some() {
+                write!(text, " pid=\"2\" p1=\"{f}\"")?;
+            }
+            text.extend_from_slice(b"/>\n");
+            out.write_all(&text)?;
+        }
+        out.write_all(b"</triangles>\n</mesh>\n</object>\n")?;
     }
-    out.write_all(
-        b"</triangles>\n</mesh>\n</object>\n</resources>\n<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n",
-    )?;
+    out.write_all(b"</resources>\n<build>\n")?;
+    for k in 0..content.objects.len() {
+        writeln!(out, "<item objectid=\"{}\"/>", id(k))?;
+    }
+    out.write_all(b"</build>\n</model>\n")?;
     Ok(())
 }

@@ -165,6 +165,21 @@ impl<'a> XmlFrame<'a> {
         Ok(Some(Field::new(name, n_channels, numbers.into_values(progress)?)))
     }
 
+    /// Reads an array that belongs to no rows; `None` if it has no numbers in complete rows.
+    pub(super) fn field_data<'n: 'a>(
+        &self,
+        node: Node<'n, '_>,
+        progress: Progress<'_>,
+    ) -> Result<Option<Field>, ReadError> {
+        if value_type(node).is_none() {
+            return Ok(None);
+        }
+        let (n_channels, numbers) = (n_channels(node)?, self.array(node, progress)?);
+        let name = node.attribute("Name").unwrap_or("array");
+        let is_whole = numbers.len().is_multiple_of(n_channels);
+        Ok(if is_whole { Some(Field::new(name, n_channels, numbers.into_values(progress)?)) } else { None })
+    }
+
     /// Array of that name in an element.
     pub(super) fn find_array<'n: 'a>(
         &self,

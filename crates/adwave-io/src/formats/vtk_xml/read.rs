@@ -56,7 +56,7 @@ pub(crate) fn read_vtk_xml(
             format!("the element {} is missing; save the file again", show(kind.as_bytes())),
         ));
     };
-    let (mut extras, mut made) = (Vec::new(), None);
+    let (mut extras, mut made, mut field_data) = (Vec::new(), None, Vec::new());
     for section in data.children().chain(root.children()).filter(|node| node.has_tag_name("FieldData")) {
         for array in arrays(section) {
             let name = array.attribute("Name").unwrap_or("");
@@ -64,9 +64,12 @@ pub(crate) fn read_vtk_xml(
                 .then(|| letters(array))
                 .flatten()
                 .and_then(|text| Provenance::from_json(&text));
-            match own {
-                Some(own) => made = Some(Arc::new(own)),
-                None => extras.push(format!("field data `{name}`")),
+            if let Some(own) = own {
+                made = Some(Arc::new(own));
+            } else if let Some(field) = frame.field_data(array, progress)? {
+                field_data.push(field);
+            } else {
+                extras.push(format!("field data `{name}`"));
             }
         }
     }
@@ -76,11 +79,13 @@ pub(crate) fn read_vtk_xml(
     }
     if matches!(format, Format::VTP | Format::VTU) {
         let mut shape = read_cells(&frame, &pieces, format, extras, progress)?;
-        shape.provenance = made;
+        (shape.provenance, shape.field_data) = (made, field_data);
         return Ok(shape);
     }
     let grid = read_grid(&frame, data, &pieces, format, extras, progress)?;
-    grid.into_shape(format, limits, progress)
+    let mut shape = grid.into_shape(format, limits, progress)?;
+    shape.field_data = field_data;
+    Ok(shape)
 }
 
 /// Decodes an array with a single text, which is stored as the codes of its letters.

@@ -15,6 +15,22 @@ use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteR
 /// Uncompressed size of one block in bytes.
 const BLOCK: usize = 1 << 20;
 
+/// Name of a type of numbers.
+fn type_name(values: &FieldValues) -> &'static str {
+    match values {
+        FieldValues::U8(_) => "UInt8",
+        FieldValues::I8(_) => "Int8",
+        FieldValues::U16(_) => "UInt16",
+        FieldValues::I16(_) => "Int16",
+        FieldValues::U32(_) => "UInt32",
+        FieldValues::I32(_) => "Int32",
+        FieldValues::U64(_) => "UInt64",
+        FieldValues::I64(_) => "Int64",
+        FieldValues::F32(_) => "Float32",
+        FieldValues::F64(_) => "Float64",
+    }
+}
+
 /// Compressed arrays, in the order of the XML.
 struct AppendedWriter<'a> {
     bytes: Vec<u8>,
@@ -57,18 +73,7 @@ impl AppendedWriter<'_> {
             values.write_bytes(i, ByteOrder::Little, &mut plain);
         }
         let offset = self.add(&plain)?;
-        let kind = match values {
-            FieldValues::U8(_) => "UInt8",
-            FieldValues::I8(_) => "Int8",
-            FieldValues::U16(_) => "UInt16",
-            FieldValues::I16(_) => "Int16",
-            FieldValues::U32(_) => "UInt32",
-            FieldValues::I32(_) => "Int32",
-            FieldValues::U64(_) => "UInt64",
-            FieldValues::I64(_) => "Int64",
-            FieldValues::F32(_) => "Float32",
-            FieldValues::F64(_) => "Float64",
-        };
+        let kind = type_name(values);
         let name = escape_xml(name);
         *xml += &format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{n_channels}\" \
@@ -227,6 +232,24 @@ fn values_and_points(
     Ok(body)
 }
 
+/// Element of an array of field data, in text.
+fn field_data(field: &Field) -> String {
+    let mut numbers = Vec::new();
+    for k in 0..field.values.len() {
+        field.values.write_text(k, &mut numbers);
+        numbers.push(b' ');
+    }
+    format!(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfTuples=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n{}\n\
+         </DataArray>\n",
+        type_name(&field.values),
+        escape_xml(&field.name),
+        field.len(),
+        field.n_channels,
+        String::from_utf8_lossy(numbers.trim_ascii_end())
+    )
+}
+
 fn write_file(
     format: Format,
     shape: &ShapeFile,
@@ -247,13 +270,17 @@ fn write_file(
         };
         let numbers = letters.iter().map(u8::to_string).collect::<Vec<_>>().join(" ");
         let element = head.split(' ').next().unwrap_or_default();
-        format!("<FieldData>\n<{head} format=\"ascii\">\n{numbers}\n</{element}>\n</FieldData>\n")
+        format!("<{head} format=\"ascii\">\n{numbers}\n</{element}>\n")
     });
+    let own = shape.field_data.iter().map(field_data).collect::<String>();
+    let field_data = made + &own;
+    let field_data =
+        if field_data.is_empty() { field_data } else { format!("<FieldData>\n{field_data}</FieldData>\n") };
     write!(
         out,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"{element}\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<{element}>\n\
-         {made}<Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
+         {field_data}<Piece {piece}>\n{body}</Piece>\n</{element}>\n<AppendedData encoding=\"raw\">\n_",
     )?;
     out.write_all(appended)?;
     Ok(out.write_all(b"\n</AppendedData>\n</VTKFile>\n")?)

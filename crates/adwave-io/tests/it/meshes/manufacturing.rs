@@ -74,6 +74,81 @@ fn colors_of_a_3mf_are_those_of_vertices_or_of_faces() {
     assert_eq!(part("p1=\"0\"").face_fields()[0].values, FieldValues::U8(vec![255, 0, 0, 255]));
 }
 
+/// Six times the signed volume of a shape of triangles.
+fn volume6(file: &ShapeFile) -> f64 {
+    let points = file.points();
+    let of_face = |face: &[u32]| {
+        let [a, b, c]: [[f64; 3]; 3] = std::array::from_fn(|k| points[face[k] as usize]);
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    };
+    file.faces().iter().map(of_face).sum()
+}
+
+/// The matrix of each transform has the determinant that is given beside it.
+#[test]
+fn a_mirrored_solid_of_a_3mf_keeps_its_outside() {
+    let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        .map(|[x, y, z]| format!("<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>"))
+        .concat();
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+        .map(|[a, b, c]| {
+            format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\" pid=\"5\" p1=\"{a}\" p2=\"{b}\" p3=\"{c}\"/>")
+        })
+        .concat();
+    let colors = ["#000000", "#100000", "#200000", "#300000"]
+        .map(|color| format!("<m:color color=\"{color}\"/>"))
+        .concat();
+    let solid = format!(
+        "<m:colorgroup id=\"5\">{colors}</m:colorgroup><object id=\"1\"><mesh><vertices>{corners}</vertices>\
+         <triangles>{faces}</triangles></mesh></object>"
+    );
+    let flip_x = "-1 0 0 0 1 0 0 0 1 5 0 0";
+    for (item, component, determinant) in [
+        ("1 0 0 0 1 0 0 0 1 0 0 0", "1 0 0 0 1 0 0 0 1 0 0 0", 1.0),
+        (flip_x, "1 0 0 0 1 0 0 0 1 0 0 0", 1.0),
+        ("1 0 0 0 1 0 0 0 1 0 0 0", flip_x, 1.0),
+        (flip_x, flip_x, 1.0),
+        ("0 1 0 1 0 0 0 0 2 1 2 3", "0 1 0 -1 0 0 0 0 1 0 0 0", 2.0),
+        ("-1 0 0 0 -1 0 0 0 -1 0 0 7", "3 0 0 0 1 0 0 0 1 0 0 0", 3.0),
+    ] {
+        let placed = format!("<component objectid=\"1\" transform=\"{component}\"/>");
+        let objects = format!("{solid}<object id=\"2\"><components>{placed}</components></object>");
+        let build = format!("<item objectid=\"2\" transform=\"{item}\"/>");
+        let file = read(&zip(&[("3D/3dmodel.model", &model("meter", &objects, &build))]), "a.3mf");
+        let found = volume6(&file);
+        assert!((found - determinant).abs() < 1e-12, "{item} of {component}: {found}");
+        // Each vertex keeps its color.
+        let reds: Vec<f64> = (0..4).map(|i| file.field("color").unwrap().get(i, 0)).collect();
+        assert_eq!(reds, [0.0, 16.0, 32.0, 48.0]);
+    }
+}
+
+#[test]
+fn objects_are_written_as_objects() {
+    let points: Vec<[f64; 3]> = (0..7).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
+    let mut mesh = ShapeFile::from_mesh(points, Polygons::from_triangles(&[[0, 1, 2], [2, 1, 3], [4, 6, 5]]));
+    mesh.add_face_field(Field::new("object", 1, FieldValues::U32(vec![0, 0, 1]))).unwrap();
+    mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..21).collect()))).unwrap();
+    for format in [Format::AMF, Format::THREE_MF] {
+        let mut bytes = Vec::new();
+        let report = write_bytes(&mesh, format, &mut bytes).unwrap();
+        assert!(report.not_written.is_empty(), "{report:?}");
+        let again = read(&bytes, "a");
+        assert_eq!((again.points(), again.faces()), (mesh.points(), mesh.faces()));
+        assert_eq!(again.face_fields(), mesh.face_fields());
+        let scale = if format == Format::AMF { 255.0 } else { 1.0 };
+        assert_eq!(again.field("color").unwrap().get(6, 2), 20.0 / scale);
+    }
+    // Objects that share vertices cannot be told apart.
+    let faces = Polygons::from_triangles(&[[0, 1, 2], [2, 1, 3]]);
+    let mut mesh = ShapeFile::from_mesh(mesh.points().to_vec(), faces);
+    mesh.add_face_field(Field::new("object", 1, FieldValues::U32(vec![0, 1]))).unwrap();
+    let report = write_bytes(&mesh, Format::THREE_MF, &mut Vec::new()).unwrap();
+    assert_eq!(report.not_written, ["face field `object`"]);
+}
+
 #[test]
 fn hostile_3mf_are_errors() {
     // Objects that place the previous one twice, thirty times over.
