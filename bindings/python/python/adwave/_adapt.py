@@ -32,7 +32,7 @@ from ._adapt_arrays import (
     values_array,
     weights_array,
 )
-from ._adapt_objects import SIGNALS, Found, by_names, has_shape_names, library_of, read
+from ._adapt_objects import SIGNALS, Found, by_names, has_shape_names, library_of, read, warn_of_weights
 from ._adapt_results import has_place, rebuild
 
 __all__ = [
@@ -270,6 +270,7 @@ def _find(shape: object, faces: object) -> Found:
 def _parts_from(found: Found) -> Parts:
     if found.edges is not None:
         rows, cols, weights, is_listed_once = found.edges
+        warn_of_weights(found)
         parts = Parts("graph", found.n_vertices, is_symmetric_list=is_listed_once)
         parts.rows = index_array(rows, parts.n_vertices, "edges", "node")
         parts.cols = index_array(cols, parts.n_vertices, "edges", "node")

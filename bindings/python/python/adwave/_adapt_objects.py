@@ -378,31 +378,44 @@ def _read_scipy(x: Any) -> Found:
     if len(x.shape) != 2 or x.shape[0] != x.shape[1]:
         raise ValueError(f"shape: the sparse matrix of weights has shape {x.shape}, but must be square")
     entries = x.tocoo(copy=False)
-    _warn_of_weights(entries)
     return Found("scipy", edges=(entries.row, entries.col, entries.data, False), n_vertices=x.shape[0])
 
 
-def _warn_of_weights(entries: Any) -> None:
+def warn_of_weights(found: Found) -> None:
     """Warn of weights that are not used as they are: those of a walk, of one direction, and on the diagonal."""
-    if entries.data.dtype.kind not in "biuf" or not entries.data.size:
+    assert found.edges is not None
+    rows, cols, given, is_listed_once = found.edges
+    rows, cols = np.asarray(rows), np.asarray(cols)
+    weights: Array = np.ones(rows.size) if given is None else np.asarray(given)
+    if weights.dtype.kind not in "biuf" or not weights.size or weights.shape != rows.shape:
         return
-    rows, cols, weights = entries.row, entries.col, entries.data.astype(np.float64)
-    if not np.isfinite(weights).all():
+    weights, n = weights.astype(np.float64), found.n_vertices
+    if not np.isfinite(weights).all() or min(rows.min(), cols.min()) < 0 or max(rows.max(), cols.max()) >= n:
         return
-    n = entries.shape[0]
+    what = "matrix" if found.source == "scipy" else f"graph of {found.source}"
+    matrix = {
+        "networkx": "networkx.to_scipy_sparse_array(graph)",
+        "pygsp": "graph.W",
+        "torch_geometric": "torch_geometric.utils.to_scipy_sparse_matrix(data.edge_index)",
+    }.get(found.source, "W")
+    message = None
     # Products with one vector from both sides differ if the matrix is not symmetric.
     vector = np.random.default_rng(0).random(n)
     from_rows = np.bincount(rows, weights * vector[cols], n)
     from_columns = np.bincount(cols, weights * vector[rows], n)
-    if np.abs(from_rows - from_columns).max() > 1e-9 * np.abs(from_rows).max():
+    if not is_listed_once and np.abs(from_rows - from_columns).max() > 1e-9 * np.abs(from_rows).max():
         sums = np.bincount(rows, weights, n)
         if np.allclose(sums[np.bincount(rows, minlength=n) > 0], 1.0):
             message = "looks like a walk, whose rows sum to 1, and is taken for weights; pass the symmetric weights"
+            message += f", or adwave.walk({matrix}) to take it as it is"
         else:
-            message = "is not symmetric: (W + W.T) / 2 is used"
-        warnings.warn(f"the matrix {message}", UserWarning, stacklevel=2)
-    elif (weights[rows == cols] != 0).any():
-        warnings.warn("the diagonal of the matrix of weights is not used", UserWarning, stacklevel=2)
+            message = f"is not symmetric: (W + W.T) / 2 is used; adwave.walk({matrix}, normalize='row') keeps directions"
+    loops = (rows == cols) & (weights != 0)
+    if message is None and loops.any():
+        message = f"has {np.count_nonzero(loops)} self-loops, which are not used; adwave.walk({matrix}, normalize='row') "
+        message += "keeps them"
+    if message is not None:
+        warnings.warn(f"the {what} {message}", UserWarning, stacklevel=2)
 
 
 def axes_of(x: Any) -> list[Any]:

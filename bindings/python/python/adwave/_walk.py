@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from adwave import _native
+from adwave._adapt_objects import library_of
+from adwave._adapt_objects import read as read_object
 from adwave._layout import signal_values
 from adwave._progress import ProgressLike, report_progress
 
@@ -206,8 +208,9 @@ def walk(
 
     Parameters
     ----------
-    matrix : (n, n) array or sparse matrix
-        Without `normalize` the walk itself: entries ≥ 0, rows that sum to 1 with the diagonal. With it, weights.
+    matrix : (n, n) array, sparse matrix, or graph of NetworkX, PyGSP or PyTorch Geometric
+        Without `normalize` the walk itself: entries ≥ 0, rows that sum to 1 with the diagonal. With it, weights, of which
+        those of a directed graph lead from the row to the column.
     normalize : 'row', 'column' or 'symmetric', optional
         Divides weights W with row sums D: ``D⁻¹W`` averages values, ``WD⁻¹`` moves amounts, ``D^(−½)WD^(−½)`` is
         symmetric.
@@ -231,6 +234,14 @@ def walk(
            [0.25, 0.  , 0.75],
            [0.  , 1.  , 0.  ]])
     """
+    library = graph_library(matrix)
+    if library is not None:
+        if normalize is None:
+            raise TypeError(
+                f"matrix: a graph of {library} has weights, and a walk has rows that sum to 1; pass "
+                "adwave.walk(graph, normalize='row') to make one"
+            )
+        matrix = graph_matrix(matrix, library)
     source = _rows(matrix)
     if normalize is None:
         changed = {"self_loops": self_loops != "keep", "symmetrize": symmetrize is not None, "stay": stay != 0.0}
@@ -513,13 +524,39 @@ def as_array(values: object) -> NDArray[Any]:
     return np.asarray(values)
 
 
+def graph_library(x: object) -> str | None:
+    """Library of a graph object whose weights can be read, or None."""
+    library = library_of(x)
+    return library if library in ("networkx", "pygsp", "torch_geometric") else None
+
+
+def graph_matrix(x: object, library: str) -> Any:
+    """Weights of a graph of another library, with its directions and self-loops."""
+    from scipy.sparse import coo_array
+
+    found = read_object(x, library)
+    if found.edges is None:
+        raise TypeError(f"matrix: the {type(x).__name__} of {library} has no edges; pass a graph with edges")
+    rows, cols, weights, is_listed_once = found.edges
+    rows, cols = np.asarray(rows), np.asarray(cols)
+    weights = np.ones(rows.size) if weights is None else np.asarray(weights, dtype=np.float64)
+    if is_listed_once:
+        is_apart = rows != cols
+        rows, cols = np.concatenate([rows, cols[is_apart]]), np.concatenate([cols, rows[is_apart]])
+        weights = np.concatenate([weights, weights[is_apart]])
+    return coo_array((weights, (rows, cols)), shape=(found.n_vertices, found.n_vertices))
+
+
 def _rows(matrix: object) -> tuple[NDArray[np.float64], NDArray[np.uint32], NDArray[np.int64]]:
     """Values, columns and offsets of a square matrix with sorted rows."""
     from scipy.sparse import csr_array, issparse
 
     rows: Any = matrix if issparse(matrix) else csr_array(np.atleast_2d(np.asarray(matrix, dtype=np.float64)))
     if len(rows.shape) != 2 or rows.shape[0] != rows.shape[1]:
-        raise ValueError(f"the matrix of a graph is square, got shape {rows.shape}")
+        raise ValueError(
+            f"the matrix of a graph is square, got shape {rows.shape}; pass (n, n) weights or probabilities, or "
+            "adwave.points(X) for points in rows"
+        )
     if rows.shape[0] >= 2**32 - 1:
         raise ValueError(f"a graph has fewer than 2³² − 1 nodes, got {rows.shape[0]}")
     rows = csr_array(rows, dtype=np.float64, copy=True)
