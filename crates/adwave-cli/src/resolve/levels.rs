@@ -86,12 +86,19 @@ fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Glob
         let (finest, edge) = (number(finest), number(edge));
         note(
             global,
-            &format!("σ = {finest} is below the mean edge length {edge}: such a band shows the mesh"),
+            &format!(
+                "σ = {finest} is below the mean edge length {edge}: such a band shows the mesh; wider levels would not"
+            ),
         );
     }
     if let Some(widest) = widths.last().map(sigma).filter(|widest| *widest > diagonal) {
         let (widest, diagonal) = (number(widest), number(diagonal));
-        note(global, &format!("σ = {widest} is larger than the shape, whose diagonal is {diagonal}"));
+        note(
+            global,
+            &format!(
+                "σ = {widest} is larger than the shape, whose diagonal is {diagonal}; give widths in its units, or in %"
+            ),
+        );
     }
 }
 

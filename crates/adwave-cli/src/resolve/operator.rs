@@ -282,7 +282,13 @@ pub(crate) fn mask_missing(
     let Some(flags) = missing(&signal.values, signal.n_channels) else { return Ok(decomposer) };
     let masked = decomposer.masked(&flags).map_err(|e| CliError::Input(format!("{name}: {e}")))?;
     let n_missing = flags.iter().filter(|&&is_missing| is_missing).count();
-    note(global, &format!("{name} is NaN at {n_missing} of {} vertices, which are masked", flags.len()));
+    note(
+        global,
+        &format!(
+            "{name} is NaN at {n_missing} of {} vertices, which are masked; values there would take part",
+            flags.len()
+        ),
+    );
     Ok(masked)
 }
 

@@ -242,9 +242,15 @@ pub(crate) fn with_given_walk(
     let walk = with_progress(global, "preparing", |progress| Diffusion::from_walk(&rows, progress))
         .map_err(|e| in_file(path, &e))?;
     if !walk.is_reversible() {
-        note(global, "the walk is directed: it is applied power by power, in whole steps");
+        note(
+            global,
+            "the walk is directed: it takes whole steps, power by power; one with symmetric weights would not",
+        );
     } else if walk.semigroup() == Semigroup::PlainSteps {
-        note(global, "the walk need not stay where it is: it takes whole steps");
+        note(
+            global,
+            "the walk need not stay where it is: it takes whole steps; half of P and half of I would not",
+        );
     }
     input.walk = Some(GivenWalk { path: path.clone(), rows });
     Ok(input)

@@ -212,7 +212,7 @@ pub(crate) fn convert_unit(
             let is_kept = shape.original.as_deref().is_some_and(|source| source.keeps_extras(format));
             if !is_kept {
                 report.add_note(format!(
-                    "{format} has no unit of length; the numbers stay in {}",
+                    "{format} has no unit of length; the numbers stay in {}, which 3MF, AMF and glTF would state",
                     unit.plural()
                 ));
             }
@@ -220,7 +220,8 @@ pub(crate) fn convert_unit(
         }
         (None, Some(unit)) => {
             report.add_note(format!(
-                "the shape has no unit of length, and programs take the numbers of a {format} as {}",
+                "the shape has no unit of length, and programs take the numbers of a {format} as {}; scale them before if \
+                 they are others",
                 unit.plural()
             ));
             Ok(None)

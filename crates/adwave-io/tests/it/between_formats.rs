@@ -113,7 +113,8 @@ fn texture_coordinates_of_corners_go_from_ply_to_obj_and_back() {
     let back = String::from_utf8(back).unwrap();
     assert!(back.contains("6 0 0 0.5 0 0 0.5\n") && back.contains("6 0.5 1 1 0.5 1 1\n"), "{back}");
     let binary = written(&read(&obj, "a.obj"), Format::PLY).0;
-    assert_eq!(written(&read(&binary, "a.ply"), Format::OBJ).0, obj);
+    let again = String::from_utf8(written(&read(&binary, "a.ply"), Format::OBJ).0).unwrap();
+    assert!(again.contains("\nf 1/1 2/2 3/3\nf 3/4 2/5 4/6\n"), "{again}");
     // Another format still says what it lacks.
     assert_eq!(written(&ply, Format::OFF).1.not_written, ["texture coordinates of face corners"]);
 }

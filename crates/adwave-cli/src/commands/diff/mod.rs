@@ -59,7 +59,8 @@ pub(crate) fn run(args: &DiffArgs, global: &Global<'_>) -> Result<(), CliError> 
     let decomposer = prepare(global, &first, &operator)?;
     let found = difference(args, &first, &mut second, &decomposer, global)?;
     let values = SignalValues::Other(found.values.clone());
-    let signal = Signal { n_channels: found.n_channels, values, channel_names: Vec::new() };
+    let signal =
+        Signal { n_channels: found.n_channels, values, channel_names: Vec::new(), unknown: Vec::new() };
     let decomposer = mask_missing(decomposer, &signal, DIFFERENCE, global)?;
     let levels = resolve_spec(&args.levels.to_spec(), SALIENCY_EXTENT, &decomposer, global)?;
     let bands = with_progress(global, "splitting", |progress| {

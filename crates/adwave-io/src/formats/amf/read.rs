@@ -110,7 +110,7 @@ pub(crate) fn read_amf(
     let unit = root.attribute("unit").unwrap_or("millimeter");
     shape.unit = LengthUnit::from_name(unit).or_else(|| {
         let text = format!(
-            "the unit of length {} is not known; the numbers stay as they are",
+            "the unit of length {} is not known; the numbers stay as they are, until the file states another",
             show(unit.as_bytes())
         );
         shape.notes.push(text);
