@@ -405,15 +405,16 @@ def warn_of_weights(found: Found) -> None:
     from_columns = np.bincount(cols, weights * vector[rows], n)
     if not is_listed_once and np.abs(from_rows - from_columns).max() > 1e-9 * np.abs(from_rows).max():
         sums = np.bincount(rows, weights, n)
-        if np.allclose(sums[np.bincount(rows, minlength=n) > 0], 1.0):
+        if found.source == "scipy" and np.allclose(sums[np.bincount(rows, minlength=n) > 0], 1.0):
             message = "looks like a walk, whose rows sum to 1, and is taken for weights; pass the symmetric weights"
-            message += f", or adwave.walk({matrix}) to take it as it is"
+            message += ", or adwave.walk(W) to take it as it is"
         else:
             message = f"is not symmetric: (W + W.T) / 2 is used; adwave.walk({matrix}, normalize='row') keeps directions"
     loops = (rows == cols) & (weights != 0)
     if message is None and loops.any():
-        message = f"has {np.count_nonzero(loops)} self-loops, which are not used; adwave.walk({matrix}, normalize='row') "
-        message += "keeps them"
+        n_loops = np.count_nonzero(loops)
+        self_loops = "1 self-loop, which is" if n_loops == 1 else f"{n_loops} self-loops, which are"
+        message = f"has {self_loops} not used (the diagonal); adwave.walk({matrix}, normalize='row') keeps loops"
     if message is not None:
         warnings.warn(f"the {what} {message}", UserWarning, stacklevel=2)
 

@@ -183,12 +183,12 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
         counts, names = X.X if layer is None else X.layers[layer], [str(name) for name in X.var_names]
     if len(counts.shape) != 2:
         raise ValueError(f"X must be cells × genes, got shape {counts.shape}")
-    _refuse_where(counts, lambda values: ~np.isfinite(values), "must be finite; replace missing counts by 0 or leave out")
+    _refuse_where(counts, lambda values: ~np.isfinite(values), "be finite; replace missing ones by 0")
     return (counts.tocsc() if hasattr(counts, "tocsc") else counts), names
 
 
 def _refuse_where(counts: Any, is_bad: Callable[[NDArray[Any]], NDArray[np.bool_]], rule: str) -> None:
-    """Raise ValueError for the first value that is bad, with its place; `rule` says what must hold and what to do."""
+    """Raise ValueError for the first value that is bad, with its place; `rule` says what it must be and what to do."""
     if hasattr(counts, "tocoo"):
         entries = counts.tocoo()
         rows, columns, values = entries.row, entries.col, np.asarray(entries.data)
@@ -202,7 +202,7 @@ def _refuse_where(counts: Any, is_bad: Callable[[NDArray[Any]], NDArray[np.bool_
         cell, gene = np.unravel_index(int(np.argmax(is_wrong)), values.shape) if is_wrong.any() else (-1, -1)
         found = [(int(cell), int(gene), values[cell, gene])] if cell >= 0 else []
     for cell, gene, value in found:
-        raise ValueError(f"X: counts {rule} cell {cell}, whose gene {gene} is {value}")
+        raise ValueError(f"X: counts must {rule}, got {value} in cell {cell}, gene {gene}")
 
 
 def _walk_of_train(counts: _Counts, seed: int) -> Walk:
@@ -235,7 +235,7 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     _refuse_where(
         counts,
         lambda values: values < 0,
-        "must be at least 0 to find similar cells; pass raw counts, or give a walk, as adwave.points(coordinates); see",
+        "be at least 0 to find similar cells; pass raw counts, or a walk, as adwave.points(coordinates)",
     )
     totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
     factors = np.divide(1e4, totals, out=np.ones(len(totals)), where=totals > 0)

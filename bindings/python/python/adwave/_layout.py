@@ -134,7 +134,7 @@ def region_weights(where: ArrayLike, n: int, name: str = "where") -> NDArray[np.
         The shape is another, an index is of no vertex, or a weight is not in [0, 1].
     """
     array = np.asarray(where)
-    if len(array) == n and array.ndim == 1 and array.dtype.kind in "iu" and n:
+    if array.ndim == 1 and len(array) == n and array.dtype.kind in "iu" and n:
         low, high = int(array.min()), int(array.max())
         if low >= 0 and 1 < high < n and len(np.unique(array)) == n:
             return _weights_of_indices(array, n, name)

@@ -61,12 +61,12 @@ pub(crate) fn resolve_spec(
 ) -> Result<ResolvedLevels, CliError> {
     if let LevelSpec::Widths(widths) = spec
         && decomposer.extent() <= 0.0
-        && let Some(percent) = widths.iter().find(|width| matches!(width, Length::PercentOfDiagonal(_)))
+        && widths.iter().any(|width| matches!(width, Length::PercentOfDiagonal(_)))
     {
-        return Err(CliError::Input(format!(
-            "a width in % needs positions, which this shape does not have; give it in lengths of an edge, such as 3, got {}",
-            format_length(*percent)
-        )));
+        return Err(CliError::Input(
+            "a width in % needs positions, which this shape does not have; give it in lengths of an edge, such as 3"
+                .to_owned(),
+        ));
     }
     let resolved = spec.resolve(decomposer, extent)?;
     if let LevelSpec::Widths(widths) = spec {
