@@ -145,8 +145,7 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
     match (field.name.as_str(), n) {
         ("normal", 3) => one("NORMAL", ValueType::F32, false),
         ("tangent", 4) => one("TANGENT", ValueType::F32, false),
-        // Eight bits of linear intensity would not tell dark colors apart.
-        ("color", 3 | 4) if own == ValueType::U8 => one(COLOR, ValueType::U16, true),
+        // Eight bits of light would not tell dark colors apart, and some readers take 16 bits for 8.
         ("color", 3 | 4) => one(COLOR, ValueType::F32, false),
         ("texcoord", 2) => one("TEXCOORD_0", ValueType::F32, false),
         (name, 1..=4) => one(&format!("_{name}"), if small { own } else { ValueType::F32 }, false),
@@ -188,12 +187,6 @@ pub(crate) fn rows(
             }
             turned(&mut row[..n]);
             row
-        };
-        let rows = collect(count, progress, row)?;
-        rows.iter().flat_map(|row| row[..n].iter().flat_map(|x| x.to_le_bytes())).collect()
-    } else if attribute.name == COLOR {
-        let row = |i: usize| -> [u16; 4] {
-            std::array::from_fn(|c| if c < n { (65_535.0 * intensity(i, c)).round() as u16 } else { 0 })
         };
         let rows = collect(count, progress, row)?;
         rows.iter().flat_map(|row| row[..n].iter().flat_map(|x| x.to_le_bytes())).collect()
@@ -404,7 +397,7 @@ mod tests {
     #[test]
     fn rows_of_vertices_begin_at_multiples_of_four() {
         let mut shape = ShapeFile::from_cloud(vec![[0.0; 3]; 3]);
-        shape.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..9).collect()))).unwrap();
+        shape.add_vertex_field(Field::new("label", 3, FieldValues::U8((0..9).collect()))).unwrap();
         let mut bytes = Vec::new();
         write_bytes(&shape, Format::GLTF, &mut bytes).unwrap();
         assert!(String::from_utf8_lossy(&bytes).contains("\"byteStride\":4"));
