@@ -104,9 +104,9 @@ mod tests {
     fn known_sentinels_far_outside_are_unknown() {
         for sentinel in [
             -1.6375e30,
-            -1.6375e30_f32.into(),
+            f64::from(-1.6375e30_f32),
             1e20,
-            1e20_f32.into(),
+            f64::from(1e20_f32),
             9.96921e36,
             -9999.0,
             -32768.0,
