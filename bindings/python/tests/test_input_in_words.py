@@ -1,4 +1,4 @@
-"""Lines that people type first: a result, or a message that leads to the line which works."""
+"""Input that is odd or unknown: a result with a warning, or a message that leads to the line which works."""
 
 from __future__ import annotations
 
