@@ -29,6 +29,7 @@ mod sheets;
 mod surface;
 mod triangulate;
 mod vertex_map;
+mod vertex_order;
 
 pub use adjacency::{Adjacency, k_rings, label_components, n_components, one_ring};
 pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
@@ -60,6 +61,7 @@ pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::{triangulate, triangulate_with_faces};
 pub use vertex_map::{VertexMap, WeldMode};
+pub use vertex_order::first_misplaced_vertex;
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, Progress, parallel};
