@@ -37,7 +37,7 @@ pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
 pub use curve::curve_length;
-pub(crate) use curve::edge_lengths;
+pub(crate) use curve::{edge_lengths, places_without_noise};
 pub use dual::dual_graph;
 pub(crate) use face_incidence::FaceIncidence;
 pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_vertex_normals, total_face_area};
