@@ -24,6 +24,7 @@ pub(crate) mod orientation;
 mod participation;
 mod polygons;
 mod prepared_geometry;
+mod seam_jumps;
 mod seams;
 mod sheets;
 mod surface;
@@ -56,6 +57,7 @@ pub use participation::{
 };
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
+pub use seam_jumps::{SeamJumps, jumps_at_seams};
 pub use seams::SeamWeld;
 pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
