@@ -9,7 +9,7 @@ use std::collections::HashMap;
 pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     let mut sides: HashMap<[u32; 3], [bool; 2]> = HashMap::with_capacity(triangles.len());
     for triangle in &triangles {
-        let (key, is_odd) = sorted(*triangle);
+        let (key, is_odd) = sort_corners(*triangle);
         sides.entry(key).or_default()[usize::from(is_odd)] = true;
     }
     let is_double = |key: &[u32; 3], sides: &HashMap<[u32; 3], [bool; 2]>| {
@@ -20,7 +20,7 @@ pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     }
     let (mut kept, mut may_turn) = (Vec::with_capacity(triangles.len()), Vec::new());
     for triangle in triangles {
-        let key = sorted(triangle).0;
+        let key = sort_corners(triangle).0;
         if is_double(&key, &sides) {
             kept.push(triangle);
             may_turn.push(true);
@@ -35,7 +35,7 @@ pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
 }
 
 /// Corners in ascending order, and whether the permutation is odd.
-fn sorted(triangle: [u32; 3]) -> ([u32; 3], bool) {
+fn sort_corners(triangle: [u32; 3]) -> ([u32; 3], bool) {
     let [a, b, c] = triangle;
     let mut key = triangle;
     key.sort_unstable();
@@ -105,7 +105,7 @@ mod tests {
         let mut double: Vec<[u32; 3]> = single.iter().copied().chain(reversed).collect();
         let expected: Vec<[u32; 3]> = single.iter().copied().map(rotated).collect();
         let sets = |triangles: &[[u32; 3]]| {
-            let mut all: Vec<[u32; 3]> = triangles.iter().map(|t| sorted(*t).0).collect();
+            let mut all: Vec<[u32; 3]> = triangles.iter().map(|t| sort_corners(*t).0).collect();
             all.sort_unstable();
             all
         };

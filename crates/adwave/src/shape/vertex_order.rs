@@ -44,12 +44,12 @@ pub fn first_misplaced_vertex(a: &PreparedGeometry, b: &PreparedGeometry) -> Opt
     let n = points_a.len();
     assert_eq!(n, points_b.len(), "as many vertices in both meshes");
     let first_members = [a, b].map(|geometry| first_members(geometry.vertex_map().as_slice()));
-    let pieces = Parts::new(n, mesh.faces(), |x| x);
+    let pieces = FaceParts::new(n, mesh.faces(), |x| x);
     if let Some(vertex) = differently_welded(&pieces, &first_members) {
         return Some(vertex);
     }
     let [in_a, in_b] = &first_members;
-    let parts = Parts::new(n, mesh.faces(), |x| if in_a[x] == in_b[x] { in_a[x] as usize } else { x });
+    let parts = FaceParts::new(n, mesh.faces(), |x| if in_a[x] == in_b[x] { in_a[x] as usize } else { x });
     parts.exchanged(points_a, points_b)
 }
 
@@ -64,7 +64,7 @@ fn first_members(welded: &[u32]) -> Vec<u32> {
 }
 
 /// First vertex, in a piece that occurs more than once, that is welded with others than in the other mesh.
-fn differently_welded(pieces: &Parts, [in_a, in_b]: &[Vec<u32>; 2]) -> Option<usize> {
+fn differently_welded(pieces: &FaceParts, [in_a, in_b]: &[Vec<u32>; 2]) -> Option<usize> {
     let (mut first, mut n_linked, mut n_kept, mut is_nested) = (None, 0_usize, 0_usize, true);
     for x in (0..in_a.len()).filter(|&x| !pieces.is_unique(x)) {
         let (p, q) = (in_a[x], in_b[x]);
@@ -82,7 +82,7 @@ fn differently_welded(pieces: &Parts, [in_a, in_b]: &[Vec<u32>; 2]) -> Option<us
 }
 
 /// Connected parts of the faces of a mesh.
-struct Parts {
+struct FaceParts {
     /// Smallest vertex of the part of each vertex.
     root: Vec<u32>,
     /// Hash of the faces of each part, relative to its root, by root.
@@ -90,8 +90,8 @@ struct Parts {
     n_of_kind: HashMap<u64, usize>,
 }
 
-impl Parts {
-    /// Parts of `faces` over the vertices `vertex(0) … vertex(n − 1)`.
+impl FaceParts {
+    /// FaceParts of `faces` over the vertices `vertex(0) … vertex(n − 1)`.
     fn new(n: usize, faces: &Polygons, vertex: impl Fn(usize) -> usize) -> Self {
         let mut sets = DisjointSets::new(n);
         for face in faces.iter() {

@@ -14,8 +14,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, first_misplaced_vertex};
 use adwave_register::{
-    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, Signs, Summary, Surface, align, closest_fit,
-    common_lengths, describe_shape, fit_in_place, signed_distances,
+    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Signs, Summary, Surface,
+    align, closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -190,7 +190,7 @@ fn closest_differences(
     let signs = Signs::choose([own, &geometry], [normals.as_deref(), others], global.progress())
         .map_err(|e| CliError::classify(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
-    let there = with_progress(global, "measuring", |progress| {
+    let distances = with_progress(global, "measuring", |progress| {
         signed_distances(own.points(), &signs, &surface, limit, progress)
     })
     .map_err(|_| CliError::Cancelled)?;
@@ -210,7 +210,7 @@ fn closest_differences(
             Signs::Nothing => "without a sign, since neither has an inside; a closed surface has".to_owned(),
         }
     ));
-    let values = decomposer.vertex_map().scatter(&there.values, 1);
+    let values = decomposer.vertex_map().scatter(&distances.values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
             "no vertex of {} has a closest point on {} off its borders and within the limit; try --align",
@@ -219,41 +219,70 @@ fn closest_differences(
     }
     let summary = Summary::new(&values, 1, &decomposer.areas());
     let summary = Summary { vertex: first.file.file_row(summary.vertex), ..summary };
-    let alignment = alignment.map(|found| {
-        json!({
-            "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
-            "median_distance": found.median, "overlap": found.overlap,
-        })
-    });
-    let mut json = json!({
-        "alignment": alignment, "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
-        "greatest_back": back.greatest, "beyond_border": there.n_beyond_border, "too_far": there.n_too_far,
-        "back": back.json(), "signed": signs.is_signed(),
-    });
-    let mut facts = vec![
-        fact("rms", number(summary.rms), "root mean square by area"),
-        fact("mean", number(summary.mean), "by area"),
-        fact("greatest", number(summary.greatest), &format!("at vertex {}", summary.vertex)),
-    ];
-    if own.triangles().is_empty() {
-        facts.extend(back.facts([&second.name, &first.name], "reverse"));
+    let there = if own.triangles().is_empty() {
+        None
     } else {
-        let reach = Reach::measure([own, &geometry], &second.name, limit, global)?;
-        facts.push(fact("forward", number(reach.greatest), &reach.meaning([&first.name, &second.name])));
-        json["greatest_there"] = json!(reach.greatest);
-        json["there"] = reach.json();
-        facts.extend(back.facts([&second.name, &first.name], "reverse"));
-    }
-    let without = there.n_beyond_border + there.n_too_far;
-    if without > 0 {
-        let meaning = format!(
-            "{} lie beyond a border of {}, {} beyond the limit",
-            there.n_beyond_border, second.name, there.n_too_far
-        );
-        let of = count(there.values.len(), "vertex", "vertices");
-        facts.push(fact("no value", format!("{without} of {of}"), &meaning));
-    }
+        Some(Reach::measure([own, &geometry], &second.name, limit, global)?)
+    };
+    let comparison = ClosestComparison { summary, distances, there, back, is_signed: signs.is_signed() };
+    let facts = comparison.facts([&first.name, &second.name]);
+    let json = comparison.json(alignment.as_ref());
     Ok(Difference { n_channels: 1, values, how, facts, json, motion })
+}
+
+/// Distances to the closest points of another shape, and the greatest ones both ways.
+struct ClosestComparison {
+    summary: Summary,
+    distances: SignedDistances,
+    /// From all points of the first shape; `None` for a cloud.
+    there: Option<Reach>,
+    /// From all points of the second shape.
+    back: Reach,
+    is_signed: bool,
+}
+
+impl ClosestComparison {
+    fn facts(&self, [first, second]: [&str; 2]) -> Vec<Fact> {
+        let Summary { rms, mean, greatest, vertex } = self.summary;
+        let mut facts = vec![
+            fact("rms", number(rms), "root mean square by area"),
+            fact("mean", number(mean), "by area"),
+            fact("greatest", number(greatest), &format!("at vertex {vertex}")),
+        ];
+        if let Some(there) = &self.there {
+            facts.push(fact("forward", number(there.greatest), &there.meaning([first, second])));
+        }
+        facts.extend(self.back.facts([second, first], "reverse"));
+        let SignedDistances { n_beyond_border, n_too_far, .. } = self.distances;
+        let without = n_beyond_border + n_too_far;
+        if without > 0 {
+            let meaning =
+                format!("{n_beyond_border} lie beyond a border of {second}, {n_too_far} beyond the limit");
+            let of = count(self.distances.values.len(), "vertex", "vertices");
+            facts.push(fact("no value", format!("{without} of {of}"), &meaning));
+        }
+        facts
+    }
+
+    fn json(&self, alignment: Option<&Alignment>) -> Value {
+        let alignment = alignment.map(|found| {
+            json!({
+                "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
+                "median_distance": found.median, "overlap": found.overlap,
+            })
+        });
+        let Summary { rms, mean, greatest, vertex } = self.summary;
+        let mut json = json!({
+            "alignment": alignment, "rms": rms, "mean": mean, "greatest": greatest, "vertex": vertex,
+            "greatest_back": self.back.greatest, "beyond_border": self.distances.n_beyond_border,
+            "too_far": self.distances.n_too_far, "back": self.back.json(), "signed": self.is_signed,
+        });
+        if let Some(there) = &self.there {
+            json["greatest_there"] = json!(there.greatest);
+            json["there"] = there.json();
+        }
+        json
+    }
 }
 
 pub(super) fn fact(name: &str, value: String, meaning: &str) -> Fact {
