@@ -10,8 +10,9 @@ use adwave::Progress;
 use adwave::shape::Shape;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Surface, align as fit_motion,
-    closest_fit, common_lengths, describe_shape, fit_in_place, register, signed_distances,
+    AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Signs, Surface,
+    align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place, register,
+    signed_distances,
 };
 use adwave_simplify::{
     Appearance, AppearanceValues, Border, CloudTarget, MeshParams, MeshTarget, Why, simplify_cloud,
@@ -223,15 +224,19 @@ fn distances<'py>(
         if align {
             motion = aligning_motion(b, a, &own, p)?;
         }
-        let outward = stage(decomposer.outward_normals(a.normals.as_deref(), p))?;
         // The first shape is moved to the second, instead of the second to the first.
         let back = motion.inverse();
+        let [one, two] = [a, b].map(|side| side.decomposer.geometry_for("a distance"));
+        let geometries = [stage(one)?, stage(two)?];
+        let normals = [a.normals.as_deref(), b.normals.as_deref()];
+        let signs = match stage(Signs::choose(geometries, normals, p))? {
+            Signs::Own(normals) => Signs::Own(normals.iter().map(|normal| back.turn(normal)).collect()),
+            signs => signs,
+        };
         let points: Vec<[f64; 3]> = decomposer.positions().iter().map(|point| back.apply(point)).collect();
-        let normals: Vec<[f64; 3]> = outward.normals.iter().map(|normal| back.turn(normal)).collect();
-        let found = stage(signed_distances(&points, &normals, &surface, limit, p))?;
-        let is_signed = outward.info.has_outside();
-        let values = if is_signed { found.values } else { found.values.iter().map(|v| v.abs()).collect() };
-        Ok::<_, StageError>((decomposer.vertex_map().scatter(&values, 1), is_signed, motion))
+        let found = stage(signed_distances(&points, &signs, &surface, limit, p))?;
+        let values = decomposer.vertex_map().scatter(&found.values, 1);
+        Ok::<_, StageError>((values, signs.is_signed(), motion))
     };
     let (values, is_signed, motion) = run(py, usize::MAX, progress.as_ref(), work)?;
     Ok((arrays::vector(py, values).into_any(), is_signed, matrix(py, &motion)?))

@@ -76,3 +76,25 @@ def test_shares_of_bands_sum_to_one():
     shares = bands.shares()
     assert shares.shape == (6,) and shares.min() >= 0
     assert abs(shares.sum() - 1) < 1e-12
+
+
+def test_labels_stay_labels_and_means_over_cells_stay_in_range():
+    h = aw.hierarchy(ball())
+    random = np.random.default_rng(3)
+    labels = random.choice([35, 1002, 7], SIZES[0]).astype(np.int32)
+    for level in range(h.levels + 1):
+        coarse = h.down(labels, level)
+        assert coarse.dtype == labels.dtype and set(coarse) <= {35, 1002, 7}
+        assert set(h.up(coarse, level)) <= {35, 1002, 7}
+        values = random.exponential(size=(SIZES[0], 2))
+        means = h.down(values, level, by="cells")
+        assert means.shape == (SIZES[level], 2)
+        assert (means >= values.min(axis=0)).all() and (means <= values.max(axis=0)).all()
+    assert np.array_equal(h.down(labels, 0), labels)
+    assert np.array_equal(h.down(np.full(SIZES[0], 12), 2), np.full(SIZES[2], 12))
+    # A half with a label keeps it, but for the vertices beside the border.
+    z = h.shape(0).points[:, 2]
+    far = np.abs(z[h.vertices(1)]) > 0.5
+    assert np.array_equal(h.down(z > 0, 1)[far], (z[h.vertices(1)] > 0)[far])
+    with pytest.raises(ValueError, match=r"levels of any mesh have no cells"):
+        aw.hierarchy(ball(), kind="irregular").down(labels, 1)

@@ -98,16 +98,14 @@ def test_counts_that_are_none_are_refused_in_words() -> None:
     counts = np.random.default_rng(0).poisson(2.0, (60, 20)).astype(float)
     bad = counts.copy()
     bad[3, 4] = -1
-    with pytest.raises(ValueError, match=r"X: counts must be at least 0 .*, got -1\.0 in cell 3, gene 4"):
+    with pytest.raises(ValueError, match=r"X must be counts of at least 0 .*, got -1\.0 in cell 3, gene 4"):
         aw.impute(bad)
     sparse = pytest.importorskip("scipy.sparse")
     for wrong in (np.nan, np.inf):
         bad[3, 4] = wrong
         for given in (bad, sparse.csr_array(bad)):
-            with pytest.raises(ValueError, match=r"X: counts must be finite; .*, got (nan|inf) in cell 3, gene 4"):
+            with pytest.raises(ValueError, match=r"X must be finite, got (nan|inf) in cell 3, gene 4"):
                 aw.impute(given)
-    with pytest.raises(ValueError, match="all cells have the same shares of genes"):
-        aw.impute(np.ones((60, 20)))
 
 
 def test_a_width_beyond_the_shape_is_warned_of() -> None:

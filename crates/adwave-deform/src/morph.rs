@@ -5,7 +5,7 @@ use crate::carried_detail::turns_between;
 use crate::coarse_base::smooth_positions;
 use crate::frames::Turn;
 use adwave::bands::Schedule;
-use adwave::shape::Shape;
+use adwave::shape::{PreparedGeometry, Shape, first_misplaced_vertex};
 use adwave::{Decomposer, Progress};
 use rayon::prelude::*;
 
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 /// [`Deformer`](crate::Deformer).
 ///
 /// # Errors
-/// [`DeformError::NotAlike`] if vertices or faces differ, [`DeformError::BadShare`] for another number of shares or one
-/// that is not finite.
+/// [`DeformError::NotAlike`] if vertices or faces differ or are in another order ([`first_misplaced_vertex`]),
+/// [`DeformError::BadShare`] for another number of shares or one that is not finite.
 pub fn morph(
     a: &Decomposer,
     b: &Decomposer,
@@ -26,8 +26,7 @@ pub fn morph(
     shares: &[f64],
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, DeformError> {
-    let [first, second] = [a.geometry_for("a morph")?, b.geometry_for("a morph")?];
-    check_alike(first.shape(), second.shape())?;
+    check_alike(a.geometry_for("a morph")?, b.geometry_for("a morph")?)?;
     let n_levels = schedule.n_levels();
     if shares.len() != n_levels + 1 {
         let found = shares.len();
@@ -75,7 +74,8 @@ pub fn morph(
     Ok(points)
 }
 
-fn check_alike(a: &Shape, b: &Shape) -> Result<(), DeformError> {
+fn check_alike(first: &PreparedGeometry, second: &PreparedGeometry) -> Result<(), DeformError> {
+    let (a, b) = (first.shape(), second.shape());
     if a.points().is_none() || b.points().is_none() {
         return Err(DeformError::NoPositions);
     }
@@ -94,6 +94,12 @@ fn check_alike(a: &Shape, b: &Shape) -> Result<(), DeformError> {
                 "face {face} (from 0) has other corners in the second"
             )));
         }
+    }
+    if let Some(vertex) = first_misplaced_vertex(first, second) {
+        return Err(DeformError::NotAlike(format!(
+            "faces have equal numbers, but vertex {vertex} (from 0) meets other vertices in the second: the faces or parts are \
+             in another order"
+        )));
     }
     Ok(())
 }

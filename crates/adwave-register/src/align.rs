@@ -74,7 +74,9 @@ pub fn align(
 ) -> Result<(Motion, AlignInfo), Cancelled> {
     let step = points.len().div_ceil(params.max_points.max(1)).max(1);
     let used: Vec<[f64; 3]> = points.iter().step_by(step).copied().collect();
-    let size = half_extent(&used);
+    // The unit of rotation and growth is the size of the moved shape: with that of a shape a thousand times as large or as small
+    // these, or the translation, would seem undetermined.
+    let size = start.scale() * half_extent(&used);
     let mut motion = start;
     let (mut rounds, mut reach) = (0, params.reach);
     while rounds < params.max_rounds {

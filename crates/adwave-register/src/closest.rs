@@ -177,6 +177,6 @@ impl BorderEdges {
 }
 
 /// Orders the ends of an edge.
-fn sort_edge([a, b]: [u32; 2]) -> (u32, u32) {
+pub(crate) fn sort_edge([a, b]: [u32; 2]) -> (u32, u32) {
     (a.min(b), a.max(b))
 }

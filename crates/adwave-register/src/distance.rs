@@ -1,7 +1,7 @@
 //! Signed distances from one shape to another.
 
-use crate::{ClosestPoint, Surface};
-use adwave::vector::{dot, norm, subtract};
+use crate::{ClosestPoint, Signs, Surface};
+use adwave::vector::{add_scaled, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ const VERTICES_PER_CHUNK: usize = 1 << 14;
 /// Signed distances from the vertices of a shape to another shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignedDistances {
-    /// Distance of each point in model units: positive if the other shape lies on the side of the normal; NaN if undefined.
+    /// Distance of each point in model units: signed as [`Signs`] says; NaN if undefined.
     pub values: Vec<f64>,
     /// Closest point of each point.
     pub closest: Vec<ClosestPoint>,
@@ -21,10 +21,10 @@ pub struct SignedDistances {
     pub n_too_far: usize,
 }
 
-/// Computes `‖c − x‖` with the sign of `n·(c − x)` for each point x with unit normal n and closest point c on `surface`.
+/// Computes `‖c − x‖` for each point x with closest point c on `surface`, with the sign that [`Signs`] gives.
 ///
-/// The value is NaN, a hole for bands, if c lies on a border (the corresponding point may lie beyond it) or is farther than
-/// `limit`. O(n log m).
+/// The value is NaN, a hole for bands, if the corresponding point may lie beyond a border of the surface, or if c is farther than
+/// `limit`. That is so where c lies on a border and `c − x` is not along the normal there. O(n log m).
 ///
 /// # Errors
 /// Returns [`Cancelled`] on cancellation.
@@ -33,33 +33,42 @@ pub struct SignedDistances {
 /// Panics if the numbers of points and normals differ.
 pub fn signed_distances(
     points: &[[f64; 3]],
-    normals: &[[f64; 3]],
+    signs: &Signs,
     surface: &Surface,
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<SignedDistances, Cancelled> {
-    assert_eq!(points.len(), normals.len(), "one normal per point");
+    if let Signs::Own(normals) = signs {
+        assert_eq!(points.len(), normals.len(), "one normal per point");
+    }
     let mut distances =
         SignedDistances { values: Vec::new(), closest: Vec::new(), n_beyond_border: 0, n_too_far: 0 };
     for chunk in points.chunks(VERTICES_PER_CHUNK) {
         progress.check()?;
         distances.closest.par_extend(chunk.par_iter().map(|p| surface.closest(p)));
     }
-    for ((p, n), closest) in points.iter().zip(normals).zip(&distances.closest) {
+    for (x, (p, closest)) in points.iter().zip(&distances.closest).enumerate() {
         let offset = subtract(&closest.point, p);
-        let (distance, side) = (norm(&offset), dot(&offset, n));
-        let value = if closest.is_border {
+        let distance = norm(&offset);
+        let value = if closest.is_border && !is_beside(p, closest, &offset) {
             distances.n_beyond_border += 1;
             f64::NAN
         } else if distance > limit {
             distances.n_too_far += 1;
             f64::NAN
         } else {
-            distance.copysign(side)
+            signs.sign(distance, x, &offset, closest)
         };
         distances.values.push(value);
     }
     Ok(distances)
+}
+
+/// Tells if a point lies exactly beside its closest point, up to the rounding of 32-bit coordinates.
+fn is_beside(point: &[f64; 3], closest: &ClosestPoint, offset: &[f64; 3]) -> bool {
+    let along = add_scaled(offset, -dot(offset, &closest.normal), &closest.normal);
+    let size = point.iter().chain(&closest.point).fold(0.0_f64, |m, c| m.max(c.abs()));
+    norm(&along) <= f64::from(f32::EPSILON) * (size + norm(offset))
 }
 
 /// Summary statistics of a difference.

@@ -14,6 +14,7 @@ mod register;
 mod registrand;
 mod search;
 mod shape_features;
+mod side;
 mod two_way_fit;
 
 pub use align::{AlignInfo, AlignParams, MAX_GROWTH, align};
@@ -28,4 +29,5 @@ pub use register::{
 pub use registrand::Registrand;
 pub use search::{SearchParams, SearchStarts};
 pub use shape_features::{DescribeError, ShapeFeatures, common_lengths, describe_shape};
+pub use side::{Signs, SurfaceSides, lies_on_a_surface};
 pub use two_way_fit::TwoWayFit;

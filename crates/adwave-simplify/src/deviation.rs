@@ -18,6 +18,13 @@ pub struct OneSided {
     pub rms: f64,
 }
 
+impl OneSided {
+    /// Scales all distances.
+    fn scaled_by(self, unit: f64) -> Self {
+        Self { greatest: unit * self.greatest, at_least: unit * self.at_least, rms: unit * self.rms }
+    }
+}
+
 /// Two-sided distance of a simplified shape from the original, in model units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
@@ -46,12 +53,10 @@ impl Deviation {
 
     /// Scales all distances.
     pub(crate) fn scaled_by(self, unit: f64) -> Self {
-        let times = |side: OneSided| OneSided {
-            greatest: unit * side.greatest,
-            at_least: unit * side.at_least,
-            rms: unit * side.rms,
-        };
-        Self { of_original: times(self.of_original), of_simplified: times(self.of_simplified) }
+        Self {
+            of_original: self.of_original.scaled_by(unit),
+            of_simplified: self.of_simplified.scaled_by(unit),
+        }
     }
 }
 
@@ -212,6 +217,71 @@ pub(crate) fn measure_simplified(
         (!is_original).then(|| [samples[0].near, samples[1].near, triangle_at[corner as usize]])
     };
     bound_all(simplified, to, known, progress, hints)
+}
+
+/// A surface as triangles over points.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangles<'a> {
+    /// Positions in model units.
+    pub points: &'a [[f64; 3]],
+    /// Corners of each triangle.
+    pub triangles: &'a [[u32; 3]],
+}
+
+/// Measures the distance from all points of all triangles of one surface to another, in model units; `None` if one has no
+/// triangles. The samples of `rms` are the vertices of `from`. O(n log n), and more pieces where the surfaces are nearly
+/// equally far apart.
+///
+/// # Errors
+/// [`Cancelled`] if the call is cancelled.
+///
+/// ```
+/// use adwave::Progress;
+/// use adwave_simplify::{Triangles, surface_distance};
+/// // The middle of a long edge is above a valley whose two slopes meet at depth 1.
+/// let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 4.0, 0.0], [1.0, 4.0, 0.0], [0.0, 4.0, -1.0]];
+/// let plane = Triangles { points: &points, triangles: &[[0, 1, 4], [0, 4, 3]] };
+/// let valley = Triangles { points: &points, triangles: &[[0, 2, 5], [0, 5, 3], [2, 1, 4], [2, 4, 5]] };
+/// let found = surface_distance(plane, valley, Progress::none())?.expect("both have triangles");
+/// assert!((found.at_least - 0.5_f64.sqrt()).abs() < 0.01 && found.greatest >= 0.5_f64.sqrt() - 1e-12);
+/// # Ok::<(), adwave::Cancelled>(())
+/// ```
+pub fn surface_distance(
+    from: Triangles<'_>,
+    to: Triangles<'_>,
+    progress: Progress<'_>,
+) -> Result<Option<OneSided>, Cancelled> {
+    let all = || from.points.iter().chain(to.points);
+    let bound = |pick: fn(f64, f64) -> f64, start: f64| -> Point {
+        std::array::from_fn(|c| all().map(|p| p[c]).fold(start, pick))
+    };
+    let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+    let extent = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max);
+    // A power of two: the positions keep their digits, but for the shift to the middle.
+    let unit = if extent > 0.0 { extent.log2().ceil().exp2() } else { 1.0 };
+    let boxed = |points: &[Point]| -> Vec<Point> {
+        let place = |p: &Point| std::array::from_fn(|c| (p[c] - 0.5 * (low[c] + high[c])) / unit);
+        points.iter().map(place).collect()
+    };
+    let (from_points, to_points) = (boxed(from.points), boxed(to.points));
+    let Some(surface) = TriangleSurface::new(&to_points, to.triangles) else { return Ok(None) };
+    if from.triangles.is_empty() {
+        return Ok(None);
+    }
+    let areas = vertex_areas(&from_points, from.triangles);
+    let whole = SurfaceView { points: &from_points, triangles: from.triangles };
+    let is_used = whole.triangle_at_points();
+    // Points without a triangle are no part of the surface.
+    let used: Vec<u32> = (0..from_points.len() as u32).filter(|&x| is_used[x as usize] != u32::MAX).collect();
+    let mut number = vec![0; from_points.len()];
+    used.iter().zip(0..).for_each(|(&x, k)| number[x as usize] = k);
+    let pick = |x: &u32| *x as usize;
+    let points: Vec<Point> = used.iter().map(|x| from_points[pick(x)]).collect();
+    let areas: Vec<f64> = used.iter().map(|x| areas[pick(x)]).collect();
+    let triangles: Vec<[u32; 3]> = from.triangles.iter().map(|t| t.map(|x| number[x as usize])).collect();
+    let view = SurfaceView { points: &points, triangles: &triangles };
+    let unknown = vec![u32::MAX; points.len()];
+    Ok(Some(measure_original(view, &areas, &unknown, &surface, progress)?.scaled_by(unit)))
 }
 
 /// Vertex areas: a third of the area of the adjacent triangles.

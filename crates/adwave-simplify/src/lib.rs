@@ -41,7 +41,7 @@ mod wedges;
 
 pub use appearance::{Appearance, AppearanceValues};
 pub use cloud::{CloudTarget, ThinnedCloud, simplify_cloud};
-pub use deviation::{Deviation, OneSided};
+pub use deviation::{Deviation, OneSided, Triangles, surface_distance};
 pub use error::SimplifyError;
 pub use mesh::{
     Border, MeshParams, MeshTarget, SimplifiedMesh, Why, measure_coarse_mesh, simplify_mesh,

@@ -5,9 +5,8 @@ use crate::response::{ApiError, ApiResult, bytes_response_with_header, encode_f3
 use adwave::Progress;
 use adwave::operator::OperatorKind;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
-use adwave::signal::outward_normals;
 use adwave_io::{ShapeFile, file_normals};
-use adwave_register::{Summary, Surface, signed_distances};
+use adwave_register::{Signs, Summary, Surface, signed_distances};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -21,32 +20,29 @@ pub(crate) struct DeviationRequest {
 
 /// Responds with the distance of each vertex of `file` to the closest point of `other`, as `adwave diff` measures it:
 /// positive where that lies outside, NaN beyond a border. The header `X-Deviation` has a summary.
-pub(crate) fn deviation_response(file: &ShapeFile, other: &ShapeFile, progress: Progress<'_>) -> ApiResult {
+pub(crate) fn deviation_response(
+    file: &ShapeFile,
+    other_file: &ShapeFile,
+    progress: Progress<'_>,
+) -> ApiResult {
     // The areas of the summary are those of the diffusion.
     let decomposer = build_decomposer(&shape_of(file)?, OperatorKind::Walk, progress)?;
     let geometry = decomposer.geometry_for("a comparison").map_err(|e| ApiError::from_classified(&e))?;
-    let other = PreparedGeometry::new(&shape_of(other)?, WeldMode::default(), progress)
+    let other = PreparedGeometry::new(&shape_of(other_file)?, WeldMode::default(), progress)
         .map_err(|e| ApiError::from_classified(&e))?;
     let surface =
         Surface::new(&other).ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
-    let stored = file_normals(file);
-    let outward = outward_normals(geometry, stored.as_deref(), progress);
-    let outward = outward.map_err(|e| ApiError::from_classified(&e))?;
-    let is_signed = outward.info.has_outside();
-    let distances = signed_distances(geometry.points(), &outward.normals, &surface, f64::INFINITY, progress)
+    let stored = [file, other_file].map(file_normals);
+    let signs = Signs::choose([geometry, &other], [stored[0].as_deref(), stored[1].as_deref()], progress)
         .map_err(|e| ApiError::from_classified(&e))?;
-    let mut welded = distances.values;
-    if !is_signed {
-        for value in &mut welded {
-            *value = value.abs();
-        }
-    }
-    let values = geometry.vertex_map().scatter(&welded, 1);
+    let distances = signed_distances(geometry.points(), &signs, &surface, f64::INFINITY, progress)
+        .map_err(|e| ApiError::from_classified(&e))?;
+    let values = geometry.vertex_map().scatter(&distances.values, 1);
     let summary = Summary::new(&values, 1, &decomposer.areas());
     // JSON has no NaN: a shape that lies beyond the borders of the other has no summary.
     let number = |x: f64| Some(x).filter(|x| x.is_finite());
     let description = json!({
-        "signed": is_signed, "rms": number(summary.rms), "mean": number(summary.mean),
+        "signed": signs.is_signed(), "rms": number(summary.rms), "mean": number(summary.mean),
         "greatest": number(summary.greatest), "beyond_border": distances.n_beyond_border,
     });
     let content = encode_f32(values.len(), |x| values[x] as f32);

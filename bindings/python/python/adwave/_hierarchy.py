@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -164,8 +164,19 @@ class Hierarchy:
             raise ValueError("levels of any mesh have no faces; aw.simplify makes coarser meshes of any mesh")
         return Shape(self._shape.points[self.vertices(level)], self._data.faces(level))
 
-    def down(self, field: ArrayLike, level: int = 1, *, family: Union[Family, None] = None) -> NDArray[np.float64]:
-        """A field of the mesh on a coarser level, with the same mean by area.
+    def down(
+        self,
+        field: ArrayLike,
+        level: int = 1,
+        *,
+        family: Union[Family, None] = None,
+        by: Union[Literal["wavelets", "cells", "labels"], None] = None,
+    ) -> NDArray[Any]:
+        """A field of the mesh on a coarser level: with the same mean by area, or labels.
+
+        Wavelets are the default for numbers because `up` and the details lead back to the field exactly; their values may leave
+        the range of the field, beside jumps most. Means over cells stay in it. Integers are labels, which have no mean:
+        each vertex gets the one with the largest share of the area of its cell. Give ``field.astype(float)`` to average them.
 
         Parameters
         ----------
@@ -175,18 +186,49 @@ class Hierarchy:
             The level.
         family : {'butterfly', 'linear', 'loop'}, optional
             Family of the wavelets that are left out; butterfly by default.
+        by : {'wavelets', 'cells', 'labels'}, optional
+            ``'cells'`` averages over the cells of the vertices of the level: a vertex of the mesh belongs to its parents in equal
+            shares. By default ``'labels'`` for integers, and else ``'wavelets'``.
 
         Raises
         ------
         ValueError
-            If the level does not exist, or a value is missing.
-        """
-        values, layout = signal_values(field, self.sizes[0], "field")
-        coarse = self._family(family).resample(_rows(values), self._check(level), "down")
-        return layout.with_vertices(self.sizes[level]).arrange(coarse)
+            If the level does not exist, a value is missing, or labels or cells are asked for of levels of any mesh.
 
-    def up(self, field: ArrayLike, level: int = 1, *, family: Union[Family, None] = None) -> NDArray[np.float64]:
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> mesh = aw.Shape([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+        >>> h = aw.hierarchy(aw.subdivide(mesh, 3))
+        >>> labels = np.where(h.shape(0).points[:, 2] > 0, 1002, 35)
+        >>> [int(label) for label in np.unique(h.down(labels, 2))]
+        [35, 1002]
+        """
+        by = by or _usual_way(field)
+        if by == "wavelets":
+            values, layout = signal_values(field, self.sizes[0], "field")
+            coarse = self._family(family).resample(_rows(values), self._check(level), "down")
+            return layout.with_vertices(self.sizes[level]).arrange(coarse)
+        if family is not None:
+            raise ValueError(f"family applies to by='wavelets', and by is {by!r}; leave one out")
+        shares = self._shares(level, by).T.multiply(self._vertex_areas()).tocsr()
+        if by == "labels":
+            return _most_frequent(shares, np.asarray(field), self.sizes[0])
+        if by != "cells":
+            raise ValueError(f"by must be 'wavelets', 'cells' or 'labels', got {by!r}")
+        values, layout = signal_values(field, self.sizes[0], "field")
+        rows = _rows(values)
+        rows = rows.reshape(len(rows), -1)
+        means = (shares @ rows) / np.asarray(shares.sum(axis=1)).reshape(-1, 1)
+        # Rounding must not leave the range.
+        means = np.clip(means, rows.min(axis=0), rows.max(axis=0))
+        return layout.with_vertices(self.sizes[level]).arrange(means)
+
+    def up(self, field: ArrayLike, level: int = 1, *, family: Union[Family, None] = None) -> NDArray[Any]:
         """A field of a coarser level on the mesh, by subdivision without details.
+
+        Integers are labels: each vertex of the mesh gets the one with the largest share among the vertices of the level from which
+        it was made, and of equal shares the smallest.
 
         Parameters
         ----------
@@ -200,11 +242,47 @@ class Hierarchy:
         Raises
         ------
         ValueError
-            If the level does not exist, or a value is missing.
+            If the level does not exist, a value is missing, or labels are given on levels of any mesh.
         """
+        if _usual_way(field) == "labels":
+            if family is not None:
+                raise ValueError(
+                    "family applies to numbers, and integers are labels; leave it out, or give field.astype(float)"
+                )
+            return _most_frequent(self._shares(level, "labels"), np.asarray(field), self.sizes[level])
         values, layout = signal_values(field, self.sizes[self._check(level)], "field")
         fine = self._family(family).resample(_rows(values), level, "up")
         return layout.with_vertices(self.sizes[0]).arrange(fine)
+
+    def _shares(self, level: int, by: str) -> Any:
+        """Share of each vertex of a level in each vertex of the mesh, as a sparse matrix of rows that sum to 1."""
+        from scipy.sparse import csr_array
+
+        self._check(level)
+        if self._data is None:
+            raise ValueError(
+                f"levels of any mesh have no cells, which by={by!r} needs; field[h.vertices(level)] takes the values of the vertices "
+                "that stay, and field.astype(float) is averaged by wavelets"
+            )
+        shares: Any = csr_array((np.ones(self.sizes[0]), np.arange(self.sizes[0]), np.arange(self.sizes[0] + 1)))
+        for k in range(level):
+            parents = self.parents[k].astype(np.int64)
+            n = len(parents)
+            halves = (np.full(2 * n, 0.5), parents.ravel(), np.arange(0, 2 * n + 1, 2))
+            step: Any = csr_array(halves, shape=(n, self.sizes[k + 1]))
+            step.sum_duplicates()
+            shares = shares @ step
+        return shares
+
+    def _vertex_areas(self) -> NDArray[np.float64]:
+        """Third of the area of the triangles at each vertex of the mesh; equal shares on a mesh without area."""
+        assert self._data is not None
+        points = np.asarray(self._shape.points if self._areas is None else self._areas)[self.vertices(0)]
+        faces = np.asarray(self._data.faces(0), dtype=np.int64)
+        a, b, c = (points[faces[:, k]] for k in range(3))
+        thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
+        areas = np.bincount(faces.ravel(), np.repeat(thirds, 3), self.sizes[0])
+        return np.where(areas > 0, areas, np.finfo(np.float64).tiny ** 0.5 if areas.any() else 1.0)
 
     def analyze(
         self, field: ArrayLike, *, family: Union[Family, None] = None, progress: ProgressLike = None
@@ -342,6 +420,29 @@ def subdivide(shape: object, levels: int = 1) -> Shape:
         corners = [np.stack([faces[:, k], middle[:, k], middle[:, (k + 2) % 3]], axis=1) for k in range(3)]
         faces = np.concatenate([*corners, middle])
     return Shape(points, faces)
+
+
+def _usual_way(field: ArrayLike) -> Literal["wavelets", "labels"]:
+    """Labels for integers and truth values, else wavelets."""
+    return "labels" if np.asarray(field).dtype.kind in "iub" else "wavelets"
+
+
+def _most_frequent(shares: Any, field: NDArray[Any], n_rows: int) -> NDArray[Any]:
+    """The label with the largest sum of shares for each row, the smallest of several."""
+    if field.ndim not in (1, 2) or len(field) != n_rows:
+        raise ValueError(
+            f"field must have one label, or several, for each of {n_rows} vertices, got shape {field.shape}"
+        )
+    columns = field.reshape(len(field), -1)
+    found = np.empty((shares.shape[0], columns.shape[1]), dtype=field.dtype)
+    for k, column in enumerate(columns.T):
+        best = np.full(shares.shape[0], -1.0)
+        for label in np.unique(column):
+            share = shares @ (column == label).astype(np.float64)
+            # Sums of equal shares differ by rounding, which must not choose.
+            is_more = share > best * (1 + 1e-12)
+            best[is_more], found[is_more, k] = share[is_more], label
+    return found.reshape(shares.shape[0], *field.shape[1:])
 
 
 def _rows(values: NDArray[np.float64]) -> NDArray[np.float64]:

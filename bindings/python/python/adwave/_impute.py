@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -94,7 +94,7 @@ def impute(
     Parameters
     ----------
     X : (cells, genes) array, sparse matrix or AnnData
-        Raw counts. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
+        Raw counts, finite. They are processed by blocks of genes; a sparse matrix is never made dense as a whole.
     walk : Walk, optional
         The walk. Of an AnnData the default is that of ``obsp["connectivities"]``, else that of ``obsm["X_pca"]``; of
         other counts that of the nearest neighbors in their first principal components.
@@ -141,7 +141,9 @@ def impute(
     size = None
     totals = np.zeros(n)
     if library_size is not None:
-        totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
+        rows = _canonical_rows(counts)
+        _check_counts(rows, "library_size")
+        totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
         positive = totals[totals > 0]
         size = float(np.median(positive)) if library_size == "median" and positive.size else 1.0
         if library_size != "median":
@@ -183,26 +185,10 @@ def _matrix(X: Any, layer: str | None) -> tuple[Any, list[str] | None]:
         counts, names = X.X if layer is None else X.layers[layer], [str(name) for name in X.var_names]
     if len(counts.shape) != 2:
         raise ValueError(f"X must be cells × genes, got shape {counts.shape}")
-    _refuse_where(counts, lambda values: ~np.isfinite(values), "be finite; replace missing ones by 0")
-    return (counts.tocsc() if hasattr(counts, "tocsc") else counts), names
-
-
-def _refuse_where(counts: Any, is_bad: Callable[[NDArray[Any]], NDArray[np.bool_]], rule: str) -> None:
-    """Raise ValueError for the first value that is bad, with its place; `rule` says what it must be and what to do."""
-    if hasattr(counts, "tocoo"):
-        entries = counts.tocoo()
-        rows, columns, values = entries.row, entries.col, np.asarray(entries.data)
-        at = np.flatnonzero(is_bad(values))
-        found = [(int(rows[k]), int(columns[k]), values[k]) for k in at[:1]]
-    else:
-        values = np.asarray(counts)
-        if values.dtype.kind not in "biuf":
-            raise TypeError(f"X must hold numbers, got an array of type {values.dtype}")
-        is_wrong = is_bad(values)
-        cell, gene = np.unravel_index(int(np.argmax(is_wrong)), values.shape) if is_wrong.any() else (-1, -1)
-        found = [(int(cell), int(gene), values[cell, gene])] if cell >= 0 else []
-    for cell, gene, value in found:
-        raise ValueError(f"X: counts must {rule}, got {value} in cell {cell}, gene {gene}")
+    if hasattr(counts, "tocsc"):
+        counts = counts.tocsc()
+    _check_counts(counts, None)
+    return counts, names
 
 
 def _walk_of_train(counts: _Counts, seed: int) -> Walk:
@@ -229,22 +215,17 @@ def _default_walk(X: Any, counts: Any, notes: list[str]) -> tuple[Walk, bool]:
 
 
 def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
-    """Coordinates of cells in the first principal components of the square roots of their normalized counts."""
+    """Coordinates of cells in the first principal components of the square roots of their normalized counts.
+
+    Cells with equal shares of all genes have equal coordinates, and the layout of the matrix does not change a bit of them.
+    """
     from scipy.sparse.linalg import ArpackError, LinearOperator, svds
 
-    _refuse_where(
-        counts,
-        lambda values: values < 0,
-        "be at least 0 to find similar cells; pass raw counts, or a walk, as adwave.points(coordinates)",
-    )
-    totals = np.asarray(counts.sum(axis=1), dtype=np.float64).ravel()
-    factors = np.divide(1e4, totals, out=np.ones(len(totals)), where=totals > 0)
-    if hasattr(counts, "tocsr"):
-        rows: Any = counts.tocsr().astype(np.float64)
-        rows.data *= np.repeat(factors, np.diff(rows.indptr))
-        rows.data = np.sqrt(rows.data)
-    else:
-        rows = np.sqrt(np.asarray(counts, dtype=np.float64) * factors[:, None])
+    rows = _canonical_rows(counts)
+    _check_counts(rows, "the nearest neighbors in principal components")
+    totals = np.asarray(rows.sum(axis=1), dtype=np.float64).ravel()
+    # Quotients are rounded once, so that equal shares are equal numbers.
+    rows.data = np.sqrt(1e4 * (rows.data / np.repeat(totals, np.diff(rows.indptr))))
     mean = np.asarray(rows.mean(axis=0)).ravel()
     n_components = min(n_components, min(rows.shape) - 1)
     if n_components < 1:
@@ -256,13 +237,12 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
     def backward(u: NDArray[np.float64]) -> NDArray[np.float64]:
         return rows.T @ u - np.multiply.outer(mean, u.sum(axis=0)).reshape(len(mean), *u.shape[1:])
 
+    first = _first_equal_rows(rows)
+    if np.ptp(first) == 0:  # one kind of cell, without a direction in which cells differ
+        return np.zeros((rows.shape[0], n_components))
     factory: Any = LinearOperator
     centered = factory(rows.shape, matvec=forward, rmatvec=backward, matmat=forward, rmatmat=backward, dtype=np.float64)
     start = np.ones(min(rows.shape))
-    squares = rows.multiply(rows) if hasattr(rows, "multiply") else rows**2
-    variance = float(np.asarray(squares.mean(axis=0)).sum() - (mean**2).sum())
-    if variance <= 1e-12 * float((mean**2).sum()):
-        raise ValueError("all cells have the same shares of genes, so that no cells are similar; give a walk")
     try:
         left, sizes, _ = svds(centered, k=n_components, v0=start)
     except (ArpackError, np.linalg.LinAlgError) as error:
@@ -270,7 +250,54 @@ def principal_components(counts: Any, n_components: int) -> NDArray[np.float64]:
             f"the {n_components} principal components of the counts were not found ({error}); give a walk, as "
             "adwave.impute(X, adwave.points(coordinates))"
         ) from error
-    return np.ascontiguousarray((left * sizes)[:, ::-1])  # type: ignore[operator]
+    # Rounding would tell equal cells apart, and the scale of a kernel would be that of rounding.
+    return np.ascontiguousarray((left * sizes)[first, ::-1])  # type: ignore[operator]
+
+
+def _canonical_rows(counts: Any) -> Any:
+    """A copy in compressed rows that is the same for every layout of the matrix: sorted, without duplicates and zeros."""
+    from scipy.sparse import csr_array
+
+    rows: Any = csr_array(counts, dtype=np.float64, copy=True)
+    rows.sum_duplicates()
+    rows.sort_indices()
+    rows.eliminate_zeros()
+    return rows
+
+
+def _first_equal_rows(rows: Any) -> NDArray[np.int64]:
+    """Number of the first row that is equal to each row."""
+    seen: dict[bytes, int] = {}
+    first = np.empty(rows.shape[0], dtype=np.int64)
+    for x in range(rows.shape[0]):
+        part = slice(rows.indptr[x], rows.indptr[x + 1])
+        first[x] = seen.setdefault(rows.indices[part].tobytes() + rows.data[part].tobytes(), x)
+    return first
+
+
+def _check_counts(counts: Any, use: str | None) -> None:
+    """Refuses values that are not finite, and negative ones for a use that needs counts."""
+    values = counts.data if hasattr(counts, "tocsr") else counts
+    if values.dtype.kind not in "biuf":
+        raise TypeError(f"X must hold numbers, got an array of type {values.dtype}")
+    is_bad = ~np.isfinite(values) if use is None else values < 0
+    if not is_bad.any():
+        return
+    if hasattr(counts, "tocsr"):
+        entries = counts.tocoo()
+        at = int(np.flatnonzero(~np.isfinite(entries.data) if use is None else entries.data < 0)[0])
+        cell, gene, value = int(entries.row[at]), int(entries.col[at]), entries.data[at]
+    else:
+        cell, gene = (int(i[0]) for i in np.nonzero(is_bad))
+        value = counts[cell, gene]
+    if use is None:
+        raise ValueError(
+            f"X must be finite, got {value} in cell {cell}, gene {gene} (from 0); replace it, or leave the cell or gene out"
+        )
+    raise ValueError(
+        f"X must be counts of at least 0 for {use}, got {value} in cell {cell}, gene {gene} (from 0); give raw counts"
+        + ("" if use.startswith("library") else ", or a walk and t")
+    )
 
 
 def _columns(genes: Any, names: list[str] | None, n_genes: int) -> NDArray[np.int64]:

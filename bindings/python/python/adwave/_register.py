@@ -370,9 +370,10 @@ class Distances(NamedTuple):
     Attributes
     ----------
     values : (n,) array
-        Model units; > 0 where the other shape lies outside; NaN beyond its border and beyond the limit.
+        Model units; > 0 where the other shape lies outside, for a cloud inside of another shape that is closed; NaN beyond the
+        border of the other shape and beyond the limit.
     is_signed : bool
-        Whether there is a sign: the shape has an outside.
+        Whether there is a sign: one of the shapes has an outside. Points scattered in a volume have none.
     motion : (4, 4) array
         Motion of the second shape before the measurement.
 

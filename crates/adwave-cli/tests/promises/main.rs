@@ -8,6 +8,7 @@ mod documented;
 mod equal_inputs;
 mod fixtures;
 mod harness;
+mod independent_numbers;
 mod numbers;
 mod option_cases;
 mod option_effects;

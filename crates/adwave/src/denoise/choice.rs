@@ -1,6 +1,7 @@
 //! Decisions of the denoiser that depend on a whole surface or a sample of it, so that its parts can be denoised
 //! separately.
 
+use super::double_sides::without_reverse_sides;
 use super::filter_rounds::choose_rounds;
 use super::impulses;
 use super::mixture::PlaceMixture;
@@ -157,7 +158,7 @@ impl DenoiseChoice {
         if self.info.kept >= 1.0 && impulse_share == 0.0 && !is_filtered {
             return Ok(DenoisedPart { points: points.to_vec(), is_stopped: vec![false; points.len()] });
         }
-        let surface = NoisySurface::mesh(points.len(), triangles.to_vec(), progress)?;
+        let surface = NoisySurface::mesh(points.len(), without_reverse_sides(triangles.to_vec()), progress)?;
         if impulse_share == 0.0 {
             return self.denoise(&surface, points, progress);
         }

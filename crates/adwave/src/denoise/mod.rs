@@ -11,6 +11,7 @@
 mod choice;
 mod cloud;
 mod curve;
+mod double_sides;
 mod error;
 mod filter_rounds;
 mod impulses;
@@ -39,6 +40,7 @@ pub use signal::{DenoisedSignal, SignalNoise, denoise_signal};
 use crate::shape::PreparedGeometry;
 use crate::vector::{add_scaled, norm, subtract};
 use crate::{Cancelled, Progress, parallel};
+use double_sides::without_reverse_sides;
 use filter_rounds::choose_rounds;
 use mixture::{FEW_FOR_KINDS, MixtureParts, MixtureRisk, PlaceMixture};
 use noise_kinds::{estimate_noise, prepared_points};
@@ -226,7 +228,7 @@ fn build_surface(
     points: &[[f64; 3]],
     progress: Progress<'_>,
 ) -> Result<NoisySurface, Cancelled> {
-    NoisySurface::mesh(points.len(), geometry.triangles().to_vec(), progress)
+    NoisySurface::mesh(points.len(), without_reverse_sides(geometry.triangles().to_vec()), progress)
 }
 
 fn is_anything_to_do(surface: &NoisySurface, law: &NoiseLaw, params: &DenoiseParams) -> bool {

@@ -8,7 +8,7 @@ use super::{DenoiseError, DenoiseParams, SEED, SHAKE};
 use crate::bands::{Schedule, Transform};
 use crate::local_fit::{FitDomain, LinearTransform, LocalFit};
 use crate::operator::Diffusion;
-use crate::shape::Adjacency;
+use crate::shape::{Adjacency, VertexMap};
 use crate::{Cancelled, Decomposer, Progress, parallel};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -65,6 +65,10 @@ const NOISE_ORDERS: usize = 5;
 /// Standard error of a median absolute deviation relative to it, times the root of the number of values.
 const LEVEL_ERROR: f64 = 1.17;
 
+/// Difference of a row from the mean of the rows at its place, in standard deviations of the noise of a row, beyond which it is a
+/// jump of the signal.
+const JUMP: f64 = 4.0;
+
 /// Assumed noise of one group of channels, and the operations applied.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SignalNoise {
@@ -89,6 +93,25 @@ pub struct SignalNoise {
     /// Expected mean square error, summed over the channels, before and after; unless the noise is Gaussian, that of the
     /// values `2·√f` or `ln f`, whose noise is the same everywhere.
     pub risk: [f64; 2],
+    /// Number of places with several rows that differ by noise; they get the same values.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub repeated: usize,
+    /// Number of places with several rows that differ by more than 4 times the noise of a row; the rows keep their differences.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub jumps: usize,
+    /// Standard deviation of the noise of a single row if places have several; 0 otherwise.
+    #[serde(skip_serializing_if = "is_nothing")]
+    pub noise_of_rows: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_nothing(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// A denoised signal.
@@ -112,6 +135,9 @@ pub struct DenoisedSignal {
 /// a·f and by ln f; the inverse returns means without bias. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear fit, so that slopes
 /// are neither noise nor bias, and those from 16 steps on enter about the local mean too. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
 /// channel is treated separately.
+///
+/// Rows at equal positions that differ by noise are repeated measurements: their mean is denoised, and all get its value. Rows
+/// that differ by more than 4 times the noise are two sides of a jump, and keep their differences.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise_signal};
@@ -184,11 +210,17 @@ pub fn denoise_signal(
         let (found, mut report) =
             group_of(&stable).denoised(&stable, &walk, &params.with_noise(scale.noise), progress)?;
         let is_changed = report.kept < 1.0;
+        let rows = RowsAtPlaces::new(map, &filled, &welded, n_channels, channels);
+        let is_jump = rows.jumps(&scale, report.noise, &mut report, &is_known);
         for (v, row) in values.chunks_exact_mut(n_channels).enumerate().filter(|_| is_changed) {
             let x = map.welded(v);
             for (at, &c) in channels.iter().enumerate().filter(|_| is_known(x)) {
                 let restored = scale.restored(found[x * channels.len() + at], report.remaining);
-                row[c] += restored - welded[x * n_channels + c];
+                if is_jump.as_ref().is_none_or(|is_jump| is_jump[x]) {
+                    row[c] += restored - welded[x * n_channels + c];
+                } else {
+                    row[c] = restored;
+                }
             }
         }
         report.channels.clone_from(channels);
@@ -196,6 +228,70 @@ pub fn denoise_signal(
     }
     progress.step(groups.len() as u64, groups.len() as u64)?;
     Ok(DenoisedSignal { values, info })
+}
+
+/// Rows of a signal at equal positions, for one group of channels.
+struct RowsAtPlaces<'a> {
+    map: &'a VertexMap,
+    /// All rows, and the mean of those at each place.
+    rows: &'a [f64],
+    means: &'a [f64],
+    n_channels: usize,
+    channels: &'a [usize],
+}
+
+impl<'a> RowsAtPlaces<'a> {
+    fn new(
+        map: &'a VertexMap,
+        rows: &'a [f64],
+        means: &'a [f64],
+        n_channels: usize,
+        channels: &'a [usize],
+    ) -> Self {
+        Self { map, rows, means, n_channels, channels }
+    }
+
+    /// Tells of each welded vertex whether its rows differ by a jump: by more than [`JUMP`] times the noise of a row. `None` if
+    /// no rows differ. Other rows differ by noise, which belongs to the error before in `report`. `noise` is that of the means.
+    fn jumps(
+        &self,
+        scale: &Stabilizer,
+        noise: f64,
+        report: &mut SignalNoise,
+        is_known: &dyn Fn(usize) -> bool,
+    ) -> Option<Vec<bool>> {
+        let n_places = self.map.n_welded();
+        if n_places == self.map.n_vertices() || noise == 0.0 {
+            return None;
+        }
+        let value = |rows: &[f64], v: usize, c: usize| rows[v * self.n_channels + c];
+        let (mut squares, mut counts) = (vec![0.0; n_places], vec![0_u32; n_places]);
+        for v in 0..self.map.n_vertices() {
+            let x = self.map.welded(v);
+            counts[x] += 1;
+            let (row, mean): (Vec<f64>, Vec<f64>) =
+                self.channels.iter().map(|&c| (value(self.rows, v, c), value(self.means, x, c))).unzip();
+            let apart = |(a, b): (f64, f64)| (a - b) * (a - b);
+            let apart = scale.transformed(&row).into_iter().zip(scale.transformed(&mean)).map(apart);
+            squares[x] += apart.sum::<f64>();
+        }
+        let several = |x: &usize| counts[*x] > 1 && squares[*x] > 0.0 && is_known(*x);
+        if !(0..n_places).any(|x| several(&x)) {
+            return None;
+        }
+        let mut sorted = counts.clone();
+        let typical = *sorted.select_nth_unstable(n_places / 2).1;
+        // The noise of a mean of k rows is that of a row by √k.
+        let limit = JUMP * JUMP * noise * noise * f64::from(typical) * self.channels.len() as f64;
+        let is_jump: Vec<bool> =
+            (0..n_places).map(|x| squares[x] > limit * f64::from(counts[x].saturating_sub(1))).collect();
+        report.jumps = (0..n_places).filter(several).filter(|&x| is_jump[x]).count();
+        report.repeated = (0..n_places).filter(several).filter(|&x| !is_jump[x]).count();
+        report.noise_of_rows = noise * f64::from(typical).sqrt();
+        let removed: f64 = (0..n_places).filter(|&x| !is_jump[x] && is_known(x)).map(|x| squares[x]).sum();
+        report.risk[0] += removed / self.map.n_vertices() as f64;
+        Some(is_jump)
+    }
 }
 
 /// Channels that are denoised together.

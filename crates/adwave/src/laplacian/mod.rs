@@ -14,7 +14,9 @@ mod triangulation;
 
 use crate::parallel;
 use crate::rows::{CompressedRows, Pattern, rows_at_a_time};
-use crate::shape::{Adjacency, Graph, PreparedGeometry, Shape, edge_lengths, mean_edge_length};
+use crate::shape::{
+    Adjacency, Graph, PreparedGeometry, Shape, edge_lengths, mean_edge_length, places_without_noise,
+};
 use crate::{Cancelled, Progress};
 use gluing::{cover, glue_sheet};
 use triangulation::{Triangulation, next, previous};
@@ -157,9 +159,10 @@ fn graph_laplacian(
 }
 
 /// Laplacian of a curve, `w(x,y) = 1/‖x−y‖` and `M(x) = ½Σ_y ‖x−y‖`, in the unit of `points`. Along a straight line
-/// a linear function is harmonic, however the vertices are spaced.
+/// a linear function is harmonic, however the vertices are spaced. Lengths that are mostly noise are measured without it.
 fn curve_laplacian(points: &[[f64; 3]], edges: &Adjacency) -> Laplacian {
-    let lengths = edge_lengths(points, edges);
+    let places = places_without_noise(points, edges);
+    let lengths = edge_lengths(places.as_deref().unwrap_or(points), edges);
     let mass = (0..points.len()).map(|x| 0.5 * lengths[edges.range(x)].iter().sum::<f64>()).collect();
     let mean_length = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
     let weights = CompressedRows::new_unchecked(edges.clone(), lengths.iter().map(|l| 1.0 / l).collect());

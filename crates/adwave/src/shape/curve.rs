@@ -122,6 +122,79 @@ pub(crate) fn edge_lengths(points: &[[f64; 3]], edges: &Adjacency) -> Vec<f64> {
     lengths
 }
 
+/// Share of the mean squared length of the edges from which on it is that of noise.
+const NOISY: f64 = 0.6;
+
+/// Ratios of the noise that fourth differences suggest to that which second differences do, for independent noise; a regular
+/// zigzag has 1.37.
+const INDEPENDENT: std::ops::RangeInclusive<f64> = 0.88..=1.2;
+
+/// Fewest fourth differences that tell noise.
+const FEWEST: usize = 16;
+
+/// Share of the mean squared length of the edges that noise may have after smoothing.
+const LEFT: f64 = 0.05;
+
+/// Most passes of smoothing.
+const MOST_PASSES: usize = 1 << 12;
+
+/// Vertices of a curve without the noise that makes up most of the length of its edges; `None` if it does not. Such a track, of
+/// positions that scatter by more than the way between them, has a length that tells about the noise and not about the way.
+///
+/// The noise is that of the second and fourth differences along the curve, which agree if it is independent between vertices.
+/// Passes with weights ¼, ½, ¼ leave `σ²/(2√π(m/2)^1.5)` of its squared difference between neighbors after m passes. O(n) for
+/// each pass.
+pub(crate) fn places_without_noise(points: &[[f64; 3]], edges: &Adjacency) -> Option<Vec<[f64; 3]>> {
+    let bend = |points: &[[f64; 3]], x: usize| -> Option<[f64; 3]> {
+        let [a, b] = *edges.row(x) else { return None };
+        let (p, a, b) = (&points[x], &points[a as usize], &points[b as usize]);
+        Some(std::array::from_fn(|c| a[c] + b[c] - 2.0 * p[c]))
+    };
+    let square = |v: &[f64; 3]| v.iter().map(|c| c * c).sum::<f64>();
+    let second: Vec<Option<[f64; 3]>> = (0..points.len()).map(|x| bend(points, x)).collect();
+    let (mut squares, mut n) = ([0.0; 2], 0_usize);
+    for x in 0..points.len() {
+        let [a, b] = *edges.row(x) else { continue };
+        if let (Some(d), Some(a), Some(b)) = (second[x], second[a as usize], second[b as usize]) {
+            squares[0] += square(&d) / 6.0;
+            squares[1] += square(&std::array::from_fn(|c| a[c] + b[c] - 2.0 * d[c])) / 70.0;
+            n += 1;
+        }
+    }
+    let mean_square = |points: &[[f64; 3]]| {
+        let of_row = |x: usize| edges.row(x).iter().map(move |&y| (x, y as usize));
+        let sum: f64 =
+            (0..points.len()).flat_map(of_row).map(|(x, y)| distance(&points[x], &points[y]).powi(2)).sum();
+        sum / edges.nnz().max(1) as f64
+    };
+    let variance = squares[1] / n.max(1) as f64;
+    if n < FEWEST
+        || 2.0 * variance <= NOISY * mean_square(points)
+        || !INDEPENDENT.contains(&(squares[1] / squares[0]))
+    {
+        return None;
+    }
+    let mut places = points.to_vec();
+    let (mut n_passes, mut next) = (0_usize, 4_usize);
+    while n_passes < MOST_PASSES {
+        while n_passes < next {
+            places = (0..places.len())
+                .map(|x| match bend(&places, x) {
+                    Some(d) => std::array::from_fn(|c| places[x][c] + 0.25 * d[c]),
+                    None => places[x],
+                })
+                .collect();
+            n_passes += 1;
+        }
+        let left = variance / (2.0 * std::f64::consts::PI.sqrt() * (0.5 * n_passes as f64).powf(1.5));
+        if left <= LEFT * mean_square(&places) {
+            break;
+        }
+        next *= 2;
+    }
+    Some(places)
+}
+
 /// Total length of the distinct edges of a graph whose nodes are at `points`, in their unit. Loops have length 0.
 /// O(edges).
 ///

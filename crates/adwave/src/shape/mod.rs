@@ -24,11 +24,13 @@ pub(crate) mod orientation;
 mod participation;
 mod polygons;
 mod prepared_geometry;
+mod seam_jumps;
 mod seams;
 mod sheets;
 mod surface;
 mod triangulate;
 mod vertex_map;
+mod vertex_order;
 
 pub use adjacency::{Adjacency, k_rings, label_components, n_components, one_ring};
 pub(crate) use adjacency::{triangles_at_vertices, try_k_rings, try_one_ring};
@@ -36,7 +38,7 @@ pub use area::{CloudArea, MeshArea, cloud_areas, mesh_areas};
 pub(crate) use area::{mean_edge_length, tangent_plane, try_cloud_areas, try_mesh_areas};
 pub use cloud::PointCloud;
 pub use curve::curve_length;
-pub(crate) use curve::edge_lengths;
+pub(crate) use curve::{edge_lengths, places_without_noise};
 pub use dual::dual_graph;
 pub(crate) use face_incidence::FaceIncidence;
 pub use face_incidence::{enclosed_face_volume, face_areas, face_ring, face_vertex_normals, total_face_area};
@@ -55,11 +57,13 @@ pub use participation::{
 };
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
+pub use seam_jumps::{SeamJumps, jumps_at_seams};
 pub use seams::SeamWeld;
 pub(crate) use surface::try_vertex_normals;
 pub use surface::{enclosed_volume, face_normals, surface_area, vertex_normals};
 pub use triangulate::{triangulate, triangulate_with_faces};
 pub use vertex_map::{VertexMap, WeldMode};
+pub use vertex_order::first_misplaced_vertex;
 
 use crate::vector::{norm, subtract};
 use crate::{ClassifiedError, ErrorKind, Progress, parallel};

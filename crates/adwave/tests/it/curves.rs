@@ -451,3 +451,52 @@ fn branches_and_weighted_graphs_are_denoised() {
     assert_eq!(by_length, denoised(&Shape::Graph(graph)));
     assert!(rms(&by_length, &points) < 0.5 * rms(&noise, &points), "{}", rms(&by_length, &points));
 }
+
+/// Tracks whose noise is larger than their steps: the true positions and the measured ones.
+fn noisy_tracks(seed: u64) -> Vec<(&'static str, Vec<Point>, Vec<Point>)> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut deviate = || -> f64 { StandardNormal.sample(&mut random) };
+    let truth: Vec<Point> = (0..600)
+        .map(|k| f64::from(k))
+        .map(|t| [t, 40.0 * (t / 60.0).sin(), 10.0 * (t / 100.0).cos()])
+        .collect();
+    let all = truth.iter().map(|p| p.map(|c| c + 3.0 * deviate())).collect();
+    let height = truth.iter().map(|p| [p[0], p[1], p[2] + 3.0 * deviate()]).collect();
+    vec![("all axes", truth.clone(), all), ("height", truth, height)]
+}
+
+#[test]
+fn noise_larger_than_the_steps_of_a_track_is_smoothed_by_the_length_of_the_way() {
+    for seed in 0..5 {
+        for (name, truth, noisy) in noisy_tracks(seed) {
+            let shape = curve(&noisy, &path_edges(noisy.len()));
+            let before = rms(&noisy, &truth);
+            // The walk knows the way, which is 700 long, and not the path of the noise of three times that.
+            let decomposer = Decomposer::new(&shape);
+            let way = curve_length(&Graph::curve(truth.clone(), &path_edges(600)).unwrap(), &truth);
+            let length: f64 = decomposer.areas().iter().sum();
+            assert!((length / way - 1.0).abs() < 0.2, "{name}: {length} of {way}");
+            let schedule = decomposer.default_schedule().schedule;
+            let bands = decomposer.decompose(shape.points().unwrap().as_flattened(), 3, &schedule).unwrap();
+            let smooth: Vec<Point> = bands.coarsest().as_chunks().0.to_vec();
+            assert!(rms(&smooth, &truth) < 0.45 * before, "{name}: {} of {before}", rms(&smooth, &truth));
+            let left = rms(&denoised(&shape), &truth);
+            assert!(left < 0.35 * before, "{name}: {left} of {before}");
+        }
+    }
+}
+
+#[test]
+fn zigzags_and_clean_tracks_keep_their_lengths() {
+    let zigzag: Vec<Point> = (0..200).map(|k| [0.1 * f64::from(k), 3.0 * f64::from(k % 2), 0.0]).collect();
+    let stairs: Vec<Point> = (0..200).map(|k| [f64::from(k / 2), f64::from((k + 1) / 2), 0.0]).collect();
+    let spiral: Vec<Point> =
+        (0..200).map(|k| 0.1 * f64::from(k)).map(|t| [t * t.cos(), t * t.sin(), 0.0]).collect();
+    for points in [zigzag, stairs, spiral] {
+        let shape = curve(&points, &path_edges(points.len()));
+        let Shape::Graph(graph) = &shape else { unreachable!() };
+        let (length, path) =
+            (Decomposer::new(&shape).areas().iter().sum::<f64>(), curve_length(graph, &points));
+        assert!((length / path - 1.0).abs() < 1e-9, "{length} of {path}");
+    }
+}

@@ -242,4 +242,19 @@ fn describe_channel(text: &mut String, info: &SignalNoise) {
         percent(&info.plain_weights),
         percent(&info.step_weights),
     );
+    if info.repeated > 0 {
+        let places = count(info.repeated, "place has", "places have");
+        let _ = writeln!(
+            text,
+            "{places} several rows that differ by noise ({} a row): all get the same value (--no-weld treats rows apart)",
+            number(info.noise_of_rows)
+        );
+    }
+    if info.jumps > 0 {
+        let places = count(info.jumps, "place has", "places have");
+        let _ = writeln!(
+            text,
+            "{places} rows that differ by more than 4 times the noise: their jump stays (a larger --noise removes it)"
+        );
+    }
 }

@@ -8,10 +8,12 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Shapes with the same faces are compared vertex by vertex: the difference is a vector, OTHER - SHAPE. Other shapes are compared by
-the signed distance from each vertex of SHAPE to the closest point of OTHER, positive where OTHER lies outside. A vertex whose
-closest point lies on a border of OTHER has no value, since OTHER may continue beyond. The bands of the difference show at which
-scale the two differ.
+Shapes with the same vertices and faces in the same order are compared vertex by vertex: the difference is a vector, OTHER -
+SHAPE. Other shapes are compared by the signed distance from each vertex of SHAPE to the closest point of OTHER, positive where
+OTHER lies outside. For a cloud the sign is that of the side of OTHER if OTHER is closed: positive inside of it. A vertex whose
+closest point lies on a border of OTHER has no value, unless it lies exactly beside the border, since OTHER may continue beyond.
+The greatest distances both ways (forward, reverse) include those places, and those between vertices. The bands of the
+difference show at which scale the two differ.
 
 Output by extension:
   .html       a page with both shapes, a map of the difference, a table by level, and a map of each band
@@ -62,7 +64,7 @@ pub(crate) struct DiffArgs {
 /// Points that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ByArg {
-    /// Vertices if both shapes have the same faces, else closest points
+    /// Vertices if both shapes have the same vertices and faces in the same order, else closest points
     Auto,
     /// Vertex with vertex, by their order
     Vertex,

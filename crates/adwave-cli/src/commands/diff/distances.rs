@@ -2,6 +2,7 @@
 
 use super::DiffArgs;
 use super::args::ByArg;
+use super::reach::Reach;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -11,10 +12,10 @@ use crate::resolve::shape::Input;
 use crate::resolve::signal::file_normals;
 use adwave::Decomposer;
 use adwave::operator::OperatorParams;
-use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
+use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, first_misplaced_vertex};
 use adwave_register::{
-    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Summary, Surface, align,
-    closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
+    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Signs, Summary, Surface,
+    align, closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -48,11 +49,35 @@ pub(super) fn difference(
             return Err(CliError::Input(format!("{}: the shape has no positions to compare", input.name)));
         }
     }
-    let same =
-        first.shape.n_vertices() == second.shape.n_vertices() && first.file.faces() == second.file.faces();
+    let mut how = Vec::new();
     let by_vertex = match args.by {
-        ByArg::Auto => same && (!first.file.faces().is_empty()),
-        ByArg::Vertex if first.shape.n_vertices() == second.shape.n_vertices() => true,
+        ByArg::Auto => match has_same_rows(first, second, decomposer, global)? {
+            SameRows::Yes => {
+                how.push(
+                    "Both have the same vertices and faces in the same order: the difference is the vector from vertex to \
+                     vertex (--by closest measures distances to closest points)."
+                        .to_owned(),
+                );
+                true
+            }
+            SameRows::No => false,
+            SameRows::Misplaced(vertex) => {
+                let vertex = first.file.file_row(vertex);
+                how.push(format!(
+                    "Their faces have equal numbers, but vertex {vertex} meets other vertices in {} than in {}: the order differs, \
+                     so closest points are compared (--by vertex compares by the order all the same).",
+                    second.name, first.name
+                ));
+                false
+            }
+        },
+        ByArg::Vertex if first.shape.n_vertices() == second.shape.n_vertices() => {
+            how.push(
+                "Vertices are compared by their order, as --by vertex asks: the difference is the vector from vertex to vertex."
+                    .to_owned(),
+            );
+            true
+        }
         ByArg::Vertex => {
             return Err(CliError::Input(format!(
                 "--by vertex needs equal numbers of vertices, but {} has {} and {} has {}; leave out --by",
@@ -69,10 +94,34 @@ pub(super) fn difference(
             &["--limit"],
             "applies to closest points, and the shapes are compared vertex by vertex (--by closest)",
         )?;
-        vertex_differences(args, first, second, decomposer)
+        vertex_differences(args, first, second, decomposer, how)
     } else {
-        closest_differences(args, first, second, decomposer, global)
+        closest_differences(args, first, second, decomposer, how, global)
     }
+}
+
+/// Answer to whether row x of one file is the vertex of row x of another.
+enum SameRows {
+    Yes,
+    No,
+    /// The faces have equal numbers, but a vertex speaks against the same order.
+    Misplaced(usize),
+}
+
+fn has_same_rows(
+    first: &Input,
+    second: &Input,
+    decomposer: &Decomposer,
+    global: &Global<'_>,
+) -> Result<SameRows, CliError> {
+    let has_equal_faces =
+        first.shape.n_vertices() == second.shape.n_vertices() && first.file.faces() == second.file.faces();
+    if !has_equal_faces || first.file.faces().is_empty() {
+        return Ok(SameRows::No);
+    }
+    let geometry = prepare_geometry(&second.shape, global)?;
+    Ok(first_misplaced_vertex(decomposer.geometry_for("a difference")?, &geometry)
+        .map_or(SameRows::Yes, SameRows::Misplaced))
 }
 
 /// Vectors from vertex to vertex.
@@ -81,11 +130,10 @@ fn vertex_differences(
     first: &Input,
     second: &mut Input,
     decomposer: &Decomposer,
+    mut how: Vec<String>,
 ) -> Result<Difference, CliError> {
     let points = first.shape.points().unwrap_or_default();
     let areas = decomposer.areas();
-    let mut how =
-        vec!["Both have the same vertices: the difference is the vector from vertex to vertex.".to_owned()];
     let mut motion = None;
     if args.align {
         let fitted = Motion::fit_robust(second.shape.points().unwrap_or_default(), points, &areas);
@@ -118,9 +166,9 @@ fn closest_differences(
     first: &Input,
     second: &mut Input,
     decomposer: &Decomposer,
+    mut how: Vec<String>,
     global: &Global<'_>,
 ) -> Result<Difference, CliError> {
-    let mut how = Vec::new();
     let (mut motion, mut alignment) = (None, None);
     if args.align {
         let found = fit(first, second, decomposer, global)?;
@@ -135,33 +183,34 @@ fn closest_differences(
     }
     let geometry = prepare_geometry(&second.shape, global)?;
     let surface = surface(&geometry, &second.name)?;
-    let normals = file_normals(&first.file);
-    let outward = decomposer
-        .outward_normals(normals.as_deref(), global.progress())
+    let own = decomposer.geometry_for("a distance")?;
+    let (normals, others) = (file_normals(&first.file), file_normals(&second.file));
+    // The normals of a file do not turn with its points, so those of a moved shape are not used.
+    let others = others.as_deref().filter(|_| motion.is_none());
+    let signs = Signs::choose([own, &geometry], [normals.as_deref(), others], global.progress())
         .map_err(|e| CliError::classify(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
-    let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
-        with_progress(global, "measuring", |progress| {
-            signed_distances(points, normals, surface, limit, progress)
-        })
-        .map_err(|_| CliError::Cancelled)
-    };
-    let there = measured(decomposer.positions(), &outward.normals, &surface)?;
-    let own = self::surface(decomposer.geometry_for("a distance")?, &first.name)?;
-    let back = measured(geometry.points(), &vec![[0.0; 3]; geometry.points().len()], &own)?;
+    let distances = with_progress(global, "measuring", |progress| {
+        signed_distances(own.points(), &signs, &surface, limit, progress)
+    })
+    .map_err(|_| CliError::Cancelled)?;
+    let back = Reach::measure([&geometry, own], &first.name, limit, global)?;
     how.push(format!(
-        "The difference at a vertex of {} is its distance to the closest point of {}, {}.",
+        "The difference at a vertex of {0} is its distance to the closest point of {1}, {2}.",
         first.name,
         second.name,
-        if outward.info.has_outside() {
-            "positive where that lies outside"
-        } else {
-            "without a sign, since neither side is outside"
+        match &signs {
+            Signs::Own(_) => format!("positive where {} lies outside of {}", second.name, first.name),
+            Signs::Other(sides) if sides.is_closed => {
+                format!("positive inside of {0}, whose surface is then outside of the vertex", second.name)
+            }
+            Signs::Other(_) => {
+                format!("positive on the inner side of {}, since {} has no outside", second.name, first.name)
+            }
+            Signs::Nothing => "without a sign, since neither has an inside; a closed surface has".to_owned(),
         }
     ));
-    let magnitude = |values: &[f64]| values.iter().map(|v| v.abs()).collect();
-    let values = if outward.info.has_outside() { there.values.clone() } else { magnitude(&there.values) };
-    let values = decomposer.vertex_map().scatter(&values, 1);
+    let values = decomposer.vertex_map().scatter(&distances.values, 1);
     if values.iter().all(|v| v.is_nan()) {
         return Err(CliError::Input(format!(
             "no vertex of {} has a closest point on {} off its borders and within the limit; try --align",
@@ -170,51 +219,73 @@ fn closest_differences(
     }
     let summary = Summary::new(&values, 1, &decomposer.areas());
     let summary = Summary { vertex: first.file.file_row(summary.vertex), ..summary };
-    let greatest_back = Summary::new(&back.values, 1, &vec![1.0; back.values.len()]).greatest;
-    let alignment = alignment.map(|found| {
-        json!({
-            "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
-            "median_distance": found.median, "overlap": found.overlap,
-        })
-    });
-    let json = json!({
-        "alignment": alignment, "rms": summary.rms, "mean": summary.mean, "greatest": summary.greatest, "vertex": summary.vertex,
-        "greatest_back": greatest_back, "beyond_border": there.n_beyond_border, "too_far": there.n_too_far,
-        "signed": outward.info.has_outside(),
-    });
-    let facts = closest_facts([&first.name, &second.name], &summary, greatest_back, &there);
+    let there = if own.triangles().is_empty() {
+        None
+    } else {
+        Some(Reach::measure([own, &geometry], &second.name, limit, global)?)
+    };
+    let comparison = ClosestComparison { summary, distances, there, back, is_signed: signs.is_signed() };
+    let facts = comparison.facts([&first.name, &second.name]);
+    let json = comparison.json(alignment.as_ref());
     Ok(Difference { n_channels: 1, values, how, facts, json, motion })
 }
 
-/// Facts on signed distances.
-fn closest_facts(
-    [first, second]: [&str; 2],
-    summary: &Summary,
-    greatest_back: f64,
-    there: &SignedDistances,
-) -> Vec<Fact> {
-    let mut facts = vec![
-        fact("rms", number(summary.rms), "root mean square by area"),
-        fact("mean", number(summary.mean), "by area"),
-        fact("greatest", number(summary.greatest), &format!("at vertex {}", summary.vertex)),
-        fact("reverse", number(greatest_back), &format!("greatest distance from {second} to {first}")),
-    ];
-    let without = there.n_beyond_border + there.n_too_far;
-    if without > 0 {
-        let meaning = format!(
-            "{} lie beyond a border of {second}, {} beyond the limit",
-            there.n_beyond_border, there.n_too_far
-        );
-        facts.push(fact(
-            "no value",
-            format!("{without} of {}", count(there.values.len(), "vertex", "vertices")),
-            &meaning,
-        ));
-    }
-    facts
+/// Distances to the closest points of another shape, and the greatest ones both ways.
+struct ClosestComparison {
+    summary: Summary,
+    distances: SignedDistances,
+    /// From all points of the first shape; `None` for a cloud.
+    there: Option<Reach>,
+    /// From all points of the second shape.
+    back: Reach,
+    is_signed: bool,
 }
 
-fn fact(name: &str, value: String, meaning: &str) -> Fact {
+impl ClosestComparison {
+    fn facts(&self, [first, second]: [&str; 2]) -> Vec<Fact> {
+        let Summary { rms, mean, greatest, vertex } = self.summary;
+        let mut facts = vec![
+            fact("rms", number(rms), "root mean square by area"),
+            fact("mean", number(mean), "by area"),
+            fact("greatest", number(greatest), &format!("at vertex {vertex}")),
+        ];
+        if let Some(there) = &self.there {
+            facts.push(fact("forward", number(there.greatest), &there.meaning([first, second])));
+        }
+        facts.extend(self.back.facts([second, first], "reverse"));
+        let SignedDistances { n_beyond_border, n_too_far, .. } = self.distances;
+        let without = n_beyond_border + n_too_far;
+        if without > 0 {
+            let meaning =
+                format!("{n_beyond_border} lie beyond a border of {second}, {n_too_far} beyond the limit");
+            let of = count(self.distances.values.len(), "vertex", "vertices");
+            facts.push(fact("no value", format!("{without} of {of}"), &meaning));
+        }
+        facts
+    }
+
+    fn json(&self, alignment: Option<&Alignment>) -> Value {
+        let alignment = alignment.map(|found| {
+            json!({
+                "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
+                "median_distance": found.median, "overlap": found.overlap,
+            })
+        });
+        let Summary { rms, mean, greatest, vertex } = self.summary;
+        let mut json = json!({
+            "alignment": alignment, "rms": rms, "mean": mean, "greatest": greatest, "vertex": vertex,
+            "greatest_back": self.back.greatest, "beyond_border": self.distances.n_beyond_border,
+            "too_far": self.distances.n_too_far, "back": self.back.json(), "signed": self.is_signed,
+        });
+        if let Some(there) = &self.there {
+            json["greatest_there"] = json!(there.greatest);
+            json["there"] = there.json();
+        }
+        json
+    }
+}
+
+pub(super) fn fact(name: &str, value: String, meaning: &str) -> Fact {
     Fact { name: name.to_owned(), value, meaning: meaning.to_owned() }
 }
 
@@ -230,7 +301,7 @@ fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeomet
     PreparedGeometry::new(shape, WeldMode::default(), global.progress()).map_err(|_| CliError::Cancelled)
 }
 
-fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
+pub(super) fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
     Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 

@@ -2,6 +2,7 @@
 
 mod args;
 mod distances;
+mod reach;
 
 use crate::args::ShapeArgs;
 use crate::error::CliError;

@@ -7,7 +7,7 @@ use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
 use crate::global::Global;
-use crate::output::{has_extension, note};
+use crate::output::{count, has_extension, note, number};
 use crate::resolve::levels::check_levels;
 use crate::resolve::operator::{check_operator, operator_for_spec, operator_with_default};
 use crate::resolve::pose::ReshapedBy;
@@ -21,6 +21,7 @@ use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::operator::{EndPoints, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
+use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, jumps_at_seams};
 use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
 
@@ -115,6 +116,7 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         global.given.refuse(&["--along", "--border", "--keep-volume", "--keep-normals"], &applies)?;
     }
     check_operator(&input.shape, &operator, global)?;
+    let operator = with_open_seams(operator, &input, &signal_name, &signal, global)?;
     let positions = positions(edit, recipe);
     let operator = match positions.borders {
         Borders::Free => operator.with_end_points(EndPoints::Free),
@@ -142,6 +144,38 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
         has_recipe: recipe.is_some() || save_recipe.is_some(),
         save_recipe,
     })
+}
+
+/// The operator, without welding if a field jumps between the sides of seams: their mean would be neither side's.
+fn with_open_seams(
+    operator: OperatorParams,
+    input: &Input,
+    name: &str,
+    signal: &Signal,
+    global: &Global<'_>,
+) -> Result<OperatorParams, CliError> {
+    let is_field = name != COORDS && matches!(input.shape, Shape::Mesh(_)) && input.mesh_of_cells.is_none();
+    let is_given = global.given.has("--weld") || global.given.has("--no-weld");
+    let has_seams =
+        |points: &[[f64; 3]]| VertexMap::new(points, WeldMode::EqualPositions).n_welded() < points.len();
+    if !is_field || is_given || !input.shape.points().is_some_and(has_seams) {
+        return Ok(operator);
+    }
+    let values = signal.values.to_vec();
+    if values.len() != input.shape.n_vertices() * signal.n_channels {
+        return Ok(operator);
+    }
+    let geometry = PreparedGeometry::new(&input.shape, operator.weld, global.progress())
+        .map_err(|e| CliError::classify(&e))?;
+    let Some(jumps) = jumps_at_seams(&geometry, &values, signal.n_channels) else { return Ok(operator) };
+    let text = format!(
+        "{name} jumps by about {} between the sides of seams, at {}: the sides are smoothed apart, as by --no-weld; --weld 0 smooths \
+         across",
+        number(jumps.size),
+        count(jumps.n_places, "place", "places")
+    );
+    note(global, &text);
+    Ok(operator.with_weld(WeldMode::Off))
 }
 
 /// The array that a signal of many channels is read from group by group, if the result is an array too and nothing needs

@@ -10,7 +10,7 @@ mod polynomial;
 
 use super::{DenoiseError, DenoiseInfo, DenoiseParams, Denoised, FAR};
 use crate::rows::Pattern;
-use crate::shape::{Graph, PreparedGeometry, Shape, WeldMode, distance};
+use crate::shape::{Graph, PreparedGeometry, Shape, WeldMode, distance, places_without_noise};
 use crate::vector::{add_scaled, dot, norm, subtract, unit};
 use crate::{Progress, parallel};
 use chains::{Chain, chains};
@@ -40,6 +40,9 @@ const EQUAL: f64 = 1.2;
 /// evenly spaced, so that noise along the curve can be told from uneven spacing.
 const EVEN: f64 = 1.5;
 
+/// Share of the axes across a curve below which noise has fewer axes, such as height alone.
+const FEW_AXES: f64 = 0.75;
+
 /// Noise relative to the mean length of an edge that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -55,9 +58,18 @@ enum Parameter {
     Length,
 }
 
+/// Positions of all vertices, and places from which lengths and directions are taken.
+#[derive(Clone, Copy)]
+struct Positions<'a> {
+    points: &'a [[f64; 3]],
+    /// The points, or, where noise makes up most of the length of the edges, places without it.
+    places: &'a [[f64; 3]],
+}
+
 /// Points of a chain over a parameter.
 struct Track {
     points: Vec<[f64; 3]>,
+    places: Vec<[f64; 3]>,
     at: Vec<f64>,
     /// Length of the parameter around a closed chain.
     period: f64,
@@ -110,7 +122,9 @@ pub(super) fn denoise_curve(
     let total: f64 =
         pairs(edges).iter().map(|[x, y]| distance(&points[*x as usize], &points[*y as usize])).sum();
     let mean_length = total / n_edges.max(1) as f64;
-    let mut noise = noise_of(&chains, &points, mean_length, progress)?;
+    let places = places_without_noise(&points, edges);
+    let positions = Positions { points: &points, places: places.as_deref().unwrap_or(&points[..]) };
+    let mut noise = noise_of(&chains, positions, mean_length, progress)?;
     if let Some(given) = params.noise {
         noise.deviation = given / unit;
     }
@@ -126,7 +140,7 @@ pub(super) fn denoise_curve(
     }
     info.kept = 0.0;
     info.n_sampled = points.len();
-    let moves = moves(&chains, edges, &points, noise, progress)?;
+    let moves = moves(&chains, edges, positions, noise, progress)?;
     let moves = geometry.vertex_map().scatter(&moves, 1);
     let lengths: Vec<f64> = moves.iter().map(norm).collect();
     info.n_far = lengths.iter().filter(|d| **d > FAR * noise.deviation).count();
@@ -145,13 +159,14 @@ fn pairs(edges: &Pattern) -> Vec<[u32; 2]> {
 fn moves(
     chains: &[Chain],
     edges: &Pattern,
-    points: &[[f64; 3]],
+    positions: Positions<'_>,
     noise: CurveNoise,
     progress: Progress<'_>,
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
+    let points = positions.points;
     let mut sums = vec![([0.0; 3], 0.0); points.len()];
     for chain in chains {
-        let track = Track::new(chain, points, noise.parameter);
+        let track = Track::new(chain, positions, noise.parameter);
         let estimates = parallel::try_collect(track.points.len(), progress, |i| track.estimate(i, noise))?;
         for (&x, estimate) in chain.vertices.iter().zip(estimates) {
             let (sum, weight) = &mut sums[x as usize];
@@ -168,12 +183,14 @@ fn moves(
 }
 
 impl Track {
-    fn new(chain: &Chain, points: &[[f64; 3]], parameter: Parameter) -> Self {
-        let points: Vec<[f64; 3]> = chain.vertices.iter().map(|&x| points[x as usize]).collect();
+    fn new(chain: &Chain, positions: Positions<'_>, parameter: Parameter) -> Self {
+        let of_chain =
+            |all: &[[f64; 3]]| -> Vec<[f64; 3]> { chain.vertices.iter().map(|&x| all[x as usize]).collect() };
+        let (points, places) = (of_chain(positions.points), of_chain(positions.places));
         let n = points.len();
         let step = |k: usize| match parameter {
             Parameter::Order => 1.0,
-            Parameter::Length => distance(&points[k], &points[(k + 1) % n]),
+            Parameter::Length => distance(&places[k], &places[(k + 1) % n]),
         };
         let mut at = Vec::with_capacity(n);
         let mut sum = 0.0;
@@ -181,7 +198,7 @@ impl Track {
             at.push(sum);
             sum += step(k);
         }
-        Self { at, period: sum, is_closed: chain.is_closed, points }
+        Self { at, period: sum, is_closed: chain.is_closed, points, places }
     }
 
     /// Vertices of a window around vertex `i` with their parameters relative to its own; `None` if the window reaches
@@ -274,7 +291,7 @@ impl Track {
             if parameter == Parameter::Order {
                 return Some(apart);
             }
-            let along = unit(&subtract(&self.points[(i + 1) % n], &self.points[(i + n - 1) % n]));
+            let along = unit(&subtract(&self.places[(i + 1) % n], &self.places[(i + n - 1) % n]));
             Some(along.map_or(apart, |t| add_scaled(&apart, -dot(&apart, &t), &t)))
         };
         (0..n).filter_map(residual).collect()
@@ -284,7 +301,7 @@ impl Track {
 /// Noise of a curve from how badly vertices are predicted by their neighbors.
 fn noise_of(
     chains: &[Chain],
-    points: &[[f64; 3]],
+    positions: Positions<'_>,
     mean_length: f64,
     progress: Progress<'_>,
 ) -> Result<CurveNoise, DenoiseError> {
@@ -292,7 +309,7 @@ fn noise_of(
         let mut by_degree = vec![Vec::new(); PREDICTIONS.len()];
         for chain in chains {
             progress.check()?;
-            let track = Track::new(chain, points, parameter);
+            let track = Track::new(chain, positions, parameter);
             for (all, degree) in by_degree.iter_mut().zip(PREDICTIONS) {
                 all.extend(track.residuals(degree, parameter));
             }
@@ -303,7 +320,10 @@ fn noise_of(
     let (by_order, by_length) = (residuals(Parameter::Order)?, residuals(Parameter::Length)?);
     let n_axes = by_order.first().map_or(3.0, |all| rank(all));
     let along = least(by_order.iter().map(|all| deviation(all, typical_axes(all).min(n_axes))));
-    let across = least(by_length.iter().map(|all| deviation(all, (n_axes - 1.0).max(1.0))));
+    let across = least(by_length.iter().map(|all| {
+        let (most, typical) = ((n_axes - 1.0).max(1.0), typical_axes(all));
+        deviation(all, if typical < FEW_AXES * most { typical } else { most })
+    }));
     let (deviation, parameter) =
         if along <= EVEN * across { (along, Parameter::Order) } else { (across, Parameter::Length) };
     let deviation = if deviation > ROUNDING * mean_length { deviation } else { 0.0 };

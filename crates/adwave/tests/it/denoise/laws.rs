@@ -1,6 +1,6 @@
 //! Laws on shapes whose truth is known, and on degenerate shapes.
 
-use crate::denoise::{denoised, mean_angle, mesh, pair, rms};
+use crate::denoise::{denoised, mean_angle, mesh, pair, rms, triangles};
 use adwave::denoise::{Creases, DenoiseError, DenoiseParams, denoise};
 use adwave::shape::{Graph, PointCloud, Polygons, PreparedGeometry, Shape, WeldMode};
 use adwave::{Cancelled, ClassifiedError, ErrorKind, Progress};
@@ -204,4 +204,30 @@ fn graphs_and_numbers_without_meaning_are_refused_and_a_call_stops() {
     let stop = AtomicBool::new(true);
     let stopped = denoise(&noisy, &defaults(), Progress::none().with_cancel(&stop));
     assert_eq!(stopped, Err(DenoiseError::Cancelled(Cancelled)));
+}
+
+#[test]
+fn both_sides_of_a_surface_are_denoised_like_one() {
+    for (name, n) in [("sphere", 2500), ("creature", 3000)] {
+        let (clean, noisy) = pair(name, n, 0.2);
+        let single = triangles(&noisy);
+        let points = noisy.points().unwrap();
+        let one = denoised(&noisy, &defaults());
+        let reversed: Vec<[u32; 3]> = single.iter().map(|[a, b, c]| [*b, *a, *c]).collect();
+        let mixed: Vec<[u32; 3]> = single.iter().zip(&reversed).flat_map(|(a, b)| [*b, *a]).collect();
+        // The other side with corners of its own, as exporters write it.
+        let second: Vec<[u32; 3]> = reversed.iter().map(|t| t.map(|x| x + points.len() as u32)).collect();
+        let doubled = [points, points].concat();
+        for (points, faces) in [
+            (points.to_vec(), [&single[..], &reversed[..]].concat()),
+            (points.to_vec(), mixed),
+            (doubled, [single.clone(), second].concat()),
+        ] {
+            let two = denoised(&mesh(points, &Polygons::from_triangles(&faces)), &defaults());
+            assert!((two.info.noise / one.info.noise - 1.0).abs() < 0.02, "{name}: {:?}", two.info.noise);
+            let clean = clean.points().unwrap();
+            let [left, expected] = [&two.points[..clean.len()], &one.points].map(|points| rms(points, clean));
+            assert!(left < 1.05 * expected, "{name}: {left}, {expected}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use adwave::bands::Schedule;
 use adwave::denoise::{DenoiseError, DenoiseParams, NoiseModel, denoise_signal};
 use adwave::sample::Sample;
-use adwave::shape::{Graph, Mesh, Shape};
+use adwave::shape::{Graph, Mesh, PointCloud, Polygons, Shape};
 use adwave::{Decomposer, Progress};
 
 fn decomposer(n_vertices: usize) -> (Decomposer, Vec<[f64; 3]>) {
@@ -283,5 +283,43 @@ fn values_that_a_model_forbids_are_refused_unless_masked() {
     let constant = vec![7.5; points.len()];
     for model in NoiseModel::ALL {
         assert_eq!(by(&decomposer, &constant, *model).unwrap().values, constant);
+    }
+}
+
+#[test]
+fn repeated_measurements_are_one_and_jumps_of_a_seam_stay() {
+    // Every place of a cloud is measured three times.
+    let n = 30;
+    let places: Vec<[f64; 3]> = (0..n * n).map(|k| [f64::from(k % n), f64::from(k / n), 0.0]).collect();
+    for n_times in [2, 3, 5] {
+        let rows = places.repeat(n_times);
+        let cloud = Decomposer::new(&Shape::Cloud(PointCloud::new(rows.clone()).unwrap()));
+        let truth: Vec<f64> = rows.iter().map(|p| 7.0 + (0.1 * p[0]).sin()).collect();
+        let noisy: Vec<f64> = truth.iter().zip(noise_of(rows.len(), 3)).map(|(f, e)| f + 5.0 * e).collect();
+        let found = denoise_signal(&cloud, &noisy, 1, &DenoiseParams::default(), Progress::none()).unwrap();
+        let error = square(&found.values, &truth).sqrt();
+        assert!(error < 0.7, "{n_times}: {error}");
+        let info = &found.info[0];
+        assert!((info.risk[0].sqrt() / 5.0 - 1.0).abs() < 0.1, "{n_times}: {:?}", info.risk);
+        assert!((info.noise_of_rows / 5.0 - 1.0).abs() < 0.1 && info.jumps == 0, "{info:?}");
+        assert_eq!(info.repeated, places.len());
+        let (first, second) = found.values.split_at(places.len());
+        assert_eq!(first, &second[..places.len()]);
+    }
+    // Two sheets meet at a line, and the field jumps there.
+    let sheet = |x: i32| (0..400).map(move |k| [f64::from(x + k % 20), f64::from(k / 20), 0.0]);
+    let points: Vec<[f64; 3]> = sheet(0).chain(sheet(19)).collect();
+    let corner = |v: u32| [[v, v + 1, v + 21], [v, v + 21, v + 20]];
+    let faces: Vec<[u32; 3]> =
+        (0..800_u32).filter(|v| v % 20 < 19 && v % 400 < 380).flat_map(corner).collect();
+    let mesh = Mesh::new(points, Polygons::from_triangles(&faces)).unwrap();
+    let decomposer = Decomposer::new(&Shape::Mesh(mesh));
+    let truth: Vec<f64> = (0..800).map(|v| if v < 400 { 10.0 } else { 20.0 }).collect();
+    let noisy: Vec<f64> = truth.iter().zip(noise_of(800, 8)).map(|(f, e)| f + 0.5 * e).collect();
+    let found = denoise_signal(&decomposer, &noisy, 1, &DenoiseParams::default(), Progress::none()).unwrap();
+    assert_eq!((found.info[0].jumps, found.info[0].repeated), (20, 0));
+    for v in (0..400).filter(|v| v % 20 == 19) {
+        let jump = found.values[v - 19 + 400] - found.values[v];
+        assert!((jump - 10.0).abs() < 3.0, "{v}: {jump}");
     }
 }

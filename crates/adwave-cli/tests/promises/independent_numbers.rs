@@ -1,0 +1,567 @@
+//! Bounds, distances and expected errors that the command prints, beside an independent computation of each, over random inputs
+//! of every kind of shape.
+
+use crate::harness::{Faults, Run, run_line};
+use adwave_io::{ReadLimits, ShapeFile, read_path};
+use serde_json::Value;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+type Point = [f64; 3];
+
+/// Random inputs of each kind.
+const N_SEEDS: u64 = 20;
+
+/// Largest relative difference of a distance from its literal computation: files hold 9 digits.
+const DIGITS: f64 = 1e-6;
+
+/// Samples of a triangle along each side.
+const SAMPLES: usize = 6;
+
+/// Numbers between 0 and 1 (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (u, v) = (self.next().max(1e-300), self.next());
+        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() * n as f64) as usize
+    }
+}
+
+/// A mesh.
+#[derive(Clone)]
+struct Mesh {
+    points: Vec<Point>,
+    faces: Vec<[usize; 3]>,
+}
+
+impl Mesh {
+    /// A closed ball with bumps: n rings of 2n vertices and two poles.
+    fn ball(n: usize, random: &mut Random) -> Self {
+        let [a, b, c] = [random.next(), random.next(), random.next()];
+        let m = 2 * n;
+        let place = |theta: f64, phi: f64| -> Point {
+            let r = 1.0
+                + 0.2 * (3.0 * theta + 6.0 * a).sin() * theta.sin() * (2.0 * phi + 6.0 * b).cos()
+                + 0.1 * c;
+            [r * theta.sin() * phi.cos(), r * theta.sin() * phi.sin(), 1.3 * r * theta.cos()]
+        };
+        let angle = |k: usize, of: usize| std::f64::consts::PI * k as f64 / of as f64;
+        let mut points = vec![place(0.0, 0.0)];
+        for i in 1..n {
+            points.extend((0..m).map(|j| place(angle(i, n), 2.0 * angle(j, m))));
+        }
+        points.push(place(std::f64::consts::PI, 0.0));
+        let at = |i: usize, j: usize| match i {
+            0 => 0,
+            i if i == n => 1 + (n - 1) * m,
+            i => 1 + (i - 1) * m + j % m,
+        };
+        let mut faces = Vec::new();
+        for i in 0..n {
+            for j in 0..m {
+                let [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                faces.extend(
+                    [[p, q, r], [p, r, s]]
+                        .into_iter()
+                        .filter(|f| f[0] != f[1] && f[1] != f[2] && f[0] != f[2]),
+                );
+            }
+        }
+        Self { points, faces }
+    }
+
+    /// A terrain over `width` × `depth` squares.
+    fn terrain(width: usize, depth: usize, random: &mut Random) -> Self {
+        let [a, b] = [random.next(), random.next()];
+        let place = |i: usize, j: usize| -> Point {
+            let (x, y) = (i as f64, j as f64);
+            [x, y, (0.6 * x + 6.0 * a).sin() + (0.4 * y + 6.0 * b).cos()]
+        };
+        let points = (0..=width).flat_map(|i| (0..=depth).map(move |j| place(i, j))).collect();
+        let row = depth + 1;
+        let square = |i: usize, j: usize| {
+            let p = i * row + j;
+            [[p, p + row, p + row + 1], [p, p + row + 1, p + 1]]
+        };
+        let faces = (0..width).flat_map(|i| (0..depth).flat_map(move |j| square(i, j))).collect();
+        Self { points, faces }
+    }
+
+    /// Triangles with corners of their own, in a random order.
+    fn soup(&self, random: &mut Random) -> Self {
+        let mut faces = self.faces.clone();
+        for k in (1..faces.len()).rev() {
+            faces.swap(k, random.below(k + 1));
+        }
+        let points = faces.iter().flatten().map(|&x| self.points[x]).collect();
+        Self { points, faces: (0..faces.len()).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect() }
+    }
+
+    fn triangles(&self) -> Vec<[Point; 3]> {
+        self.faces.iter().map(|f| f.map(|x| self.points[x])).collect()
+    }
+
+    fn save(&self, path: &Path) {
+        let mut text = format!(
+            "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nelement face {}\n\
+             property list uchar int vertex_indices\nend_header\n",
+            self.points.len(),
+            self.faces.len()
+        );
+        self.points.iter().for_each(|p| writeln!(text, "{} {} {}", p[0], p[1], p[2]).unwrap());
+        self.faces.iter().for_each(|f| writeln!(text, "3 {} {} {}", f[0], f[1], f[2]).unwrap());
+        fs::write(path, text).unwrap();
+    }
+}
+
+fn save_cloud(path: &Path, points: &[Point]) {
+    let mut text = String::new();
+    points.iter().for_each(|p| writeln!(text, "{} {} {}", p[0], p[1], p[2]).unwrap());
+    fs::write(path, text).unwrap();
+}
+
+fn read(path: &Path) -> ShapeFile {
+    read_path(path, &ReadLimits::default()).unwrap()
+}
+
+fn minus(a: &Point, b: &Point) -> Point {
+    [0, 1, 2].map(|c| a[c] - b[c])
+}
+
+fn dot(a: &Point, b: &Point) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Distance of a point from a triangle: from its plane if the foot lies inside, else from the nearest side.
+fn distance_to_triangle(p: &Point, t: &[Point; 3]) -> f64 {
+    let normal = cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]));
+    let square = dot(&normal, &normal);
+    let height = dot(&minus(p, &t[0]), &normal) / square.sqrt();
+    let foot = [0, 1, 2].map(|c| p[c] - height * normal[c] / square.sqrt());
+    let is_inside = (0..3).all(|k| {
+        let side = minus(&t[(k + 1) % 3], &t[k]);
+        dot(&cross(&side, &minus(&foot, &t[k])), &normal) >= 0.0
+    });
+    if square > 0.0 && is_inside {
+        return height.abs();
+    }
+    let side_distance = |k: usize| {
+        let side = minus(&t[(k + 1) % 3], &t[k]);
+        let s = (dot(&minus(p, &t[k]), &side) / dot(&side, &side).max(1e-300)).clamp(0.0, 1.0);
+        let apart = [0, 1, 2].map(|c| p[c] - t[k][c] - s * side[c]);
+        dot(&apart, &apart).sqrt()
+    };
+    (0..3).map(side_distance).fold(f64::INFINITY, f64::min)
+}
+
+fn distance_to_surface(p: &Point, triangles: &[[Point; 3]]) -> f64 {
+    triangles.iter().map(|t| distance_to_triangle(p, t)).fold(f64::INFINITY, f64::min)
+}
+
+/// Greatest distance of samples of the triangles of one mesh from another.
+fn sampled_distance(from: &Mesh, to: &Mesh) -> f64 {
+    let triangles = to.triangles();
+    let mut greatest = 0.0_f64;
+    for [a, b, c] in from.triangles() {
+        for i in 0..=SAMPLES {
+            for j in 0..=SAMPLES - i {
+                let (s, t) = (i as f64 / SAMPLES as f64, j as f64 / SAMPLES as f64);
+                let p = [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
+                greatest = greatest.max(distance_to_surface(&p, &triangles));
+            }
+        }
+    }
+    greatest
+}
+
+/// Solid angle of a closed mesh seen from a point, in turns: 1 inside and 0 outside.
+fn winding(p: &Point, triangles: &[[Point; 3]]) -> f64 {
+    let angle = |t: &[Point; 3]| {
+        let [a, b, c] = t.map(|q| minus(&q, p));
+        let [x, y, z] = [&a, &b, &c].map(|v| dot(v, v).sqrt());
+        let below = x * y * z + dot(&a, &b) * z + dot(&b, &c) * x + dot(&c, &a) * y;
+        2.0 * dot(&a, &cross(&b, &c)).atan2(below)
+    };
+    triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
+}
+
+/// Runs a line that must succeed and returns its report.
+fn report(folder: &Path, line: &str, faults: &mut Faults) -> Option<Value> {
+    let run: Run = run_line(folder, &format!("{line} --json"));
+    faults.inspect(&run);
+    faults.expect(run.is_done(), || format!("{line}: {}", run.tail()));
+    serde_json::from_str(&run.out).ok()
+}
+
+fn number(json: &Value, path: &str) -> f64 {
+    json.pointer(path).and_then(Value::as_f64).unwrap_or(f64::NAN)
+}
+
+/// Adds a fault unless `low ≤ found ≤ high`.
+fn expect_between(line: &str, what: &str, found: f64, [low, high]: [f64; 2], faults: &mut Faults) {
+    faults.expect((low..=high).contains(&found), || {
+        format!("{line}: {what} is {found}, the computation gives {low} to {high}")
+    });
+}
+
+/// Distances of vertices in the field of a result, beside literal ones.
+fn check_field(folder: &Path, line: &str, literal: impl Fn(&Point) -> f64, faults: &mut Faults) -> Vec<f64> {
+    let result = read(&folder.join("o.ply"));
+    let field = result.field("difference").map(adwave_io::Field::to_f64).unwrap_or_default();
+    faults.expect(field.len() == result.n_vertices(), || format!("{line}: {} values", field.len()));
+    for (p, d) in result.points().iter().zip(&field).filter(|(_, d)| !d.is_nan()) {
+        let expected = literal(p);
+        faults.expect((d.abs() - expected).abs() <= DIGITS * (1.0 + expected), || {
+            format!("{line}: {d} at {p:?}, the computation gives {expected}")
+        });
+    }
+    field
+}
+
+#[test]
+fn diff_of_two_meshes_bounds_both_distances() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(seed);
+        let is_closed = seed % 2 == 0;
+        let (a, b) = if is_closed {
+            (Mesh::ball(5, &mut random), Mesh::ball(4, &mut random))
+        } else {
+            // The second continues beyond a border of the first.
+            (Mesh::terrain(5, 4, &mut random), Mesh::terrain(9, 4, &mut random))
+        };
+        a.save(&folder.join("a.ply"));
+        b.save(&folder.join("b.ply"));
+        for (line, a, b) in [("diff a.ply b.ply -o o.ply", &a, &b), ("diff b.ply a.ply -o o.ply", &b, &a)] {
+            let Some(json) = report(folder, line, &mut faults) else { continue };
+            let triangles = b.triangles();
+            let field = check_field(folder, line, |p| distance_to_surface(p, &triangles), &mut faults);
+            let greatest = field.iter().filter(|d| !d.is_nan()).fold(0.0_f64, |most, d| most.max(d.abs()));
+            let difference = |key: &str| number(&json, &format!("/difference/{key}"));
+            expect_between(
+                line,
+                "greatest",
+                difference("greatest"),
+                [greatest - 1e-9, greatest + 1e-9],
+                &mut faults,
+            );
+            for (attained, bound, from, to) in
+                [("greatest_there", "there/bound", a, b), ("greatest_back", "back/bound", b, a)]
+            {
+                let sampled = sampled_distance(from, to);
+                let (found, bound) = (difference(attained), difference(bound));
+                expect_between(line, attained, found, [sampled / 1.012, bound], &mut faults);
+                expect_between(line, "bound", bound, [sampled - DIGITS, 1.012 * found + DIGITS], &mut faults);
+            }
+        }
+    }
+    faults.finish();
+}
+
+#[test]
+fn diff_of_one_surface_in_two_orders_is_zero() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(100 + seed);
+        let mesh = if seed % 2 == 0 { Mesh::ball(4, &mut random) } else { Mesh::terrain(5, 3, &mut random) };
+        let [a, b] = [mesh.soup(&mut random), mesh.soup(&mut random)];
+        a.save(&folder.join("a.ply"));
+        b.save(&folder.join("b.ply"));
+        for format in ["ply", "stl", "obj", "glb", "off"] {
+            for name in ["a", "b"] {
+                if format != "ply" {
+                    faults.inspect(&run_line(folder, &format!("convert {name}.ply -o {name}.{format}")));
+                }
+            }
+            let line = format!("diff a.{format} b.{format}");
+            let Some(json) = report(folder, &line, &mut faults) else { continue };
+            for key in ["greatest", "greatest_there", "greatest_back"] {
+                expect_between(
+                    &line,
+                    key,
+                    number(&json, &format!("/difference/{key}")),
+                    [0.0, DIGITS],
+                    &mut faults,
+                );
+            }
+            let morph = run_line(folder, &format!("morph a.{format} b.{format} -o m.{format} --share 0.5"));
+            faults.inspect(&morph);
+            faults.expect(!morph.is_done(), || format!("{}: other orders are blended", morph.line));
+        }
+    }
+    faults.finish();
+}
+
+#[test]
+fn diff_of_clouds_gives_distances_and_sides() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(200 + seed);
+        let mesh = Mesh::ball(5, &mut random);
+        mesh.save(&folder.join("m.ply"));
+        let triangles = mesh.triangles();
+        let mut place = || [3.0 * random.next() - 1.5, 3.0 * random.next() - 1.5, 4.0 * random.next() - 2.0];
+        let scattered: Vec<Point> = (0..300).map(|_| place()).collect();
+        save_cloud(&folder.join("q.xyz"), &scattered);
+        let line = "diff q.xyz m.ply -o o.ply";
+        if let Some(json) = report(folder, line, &mut faults) {
+            let field = check_field(folder, line, |p| distance_to_surface(p, &triangles), &mut faults);
+            faults.expect(json["difference"]["signed"] == true, || format!("{line}: no signs"));
+            for (p, d) in scattered.iter().zip(&field).filter(|(_, d)| d.abs() > DIGITS) {
+                let is_inside = winding(p, &triangles) > 0.5;
+                faults
+                    .expect(is_inside == (*d > 0.0), || format!("{line}: {d} at {p:?}, inside: {is_inside}"));
+            }
+        }
+        // Two scattered clouds have no side.
+        let other: Vec<Point> = (0..200).map(|_| place()).collect();
+        save_cloud(&folder.join("r.xyz"), &other);
+        let line = "diff q.xyz r.xyz --by closest";
+        let run = run_line(folder, &format!("{line} --json"));
+        faults.inspect(&run);
+        if run.is_done() {
+            let json: Value = serde_json::from_str(&run.out).unwrap_or_default();
+            faults.expect(json["difference"]["signed"] == false, || format!("{line}: signs without a side"));
+        }
+        // A grid, and one that continues and climbs beyond its border.
+        let (n, climb) = (8 + random.below(5), 0.5 + random.next());
+        let grid = |n: usize, climb: f64| -> Vec<Point> {
+            let height = |i: usize| climb * i.saturating_sub(9) as f64;
+            (0..n).flat_map(|i| (0..8).map(move |j| [i as f64, j as f64, height(i)])).collect()
+        };
+        let (s, t) = (grid(n, 0.0), grid(n + 12, climb));
+        save_cloud(&folder.join("s.xyz"), &s);
+        save_cloud(&folder.join("t.xyz"), &t);
+        let line = "diff s.xyz t.xyz";
+        if let Some(json) = report(folder, line, &mut faults) {
+            let nearest = |p: &Point| {
+                s.iter().map(|q| dot(&minus(p, q), &minus(p, q)).sqrt()).fold(f64::INFINITY, f64::min)
+            };
+            let expected = t.iter().map(nearest).fold(0.0, f64::max);
+            let found = number(&json, "/difference/greatest_back");
+            expect_between(line, "greatest_back", found, [expected - 1e-9, expected + 1e-9], &mut faults);
+        }
+    }
+    faults.finish();
+}
+
+#[test]
+fn bounds_of_simplified_meshes_hold() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(300 + seed);
+        let mesh = match seed % 3 {
+            0 => Mesh::ball(8, &mut random),
+            1 => Mesh::terrain(9, 7, &mut random),
+            _ => Mesh::ball(7, &mut random).soup(&mut random),
+        };
+        mesh.save(&folder.join("a.ply"));
+        let line = format!("simplify a.ply -o s.ply --ratio {}", 0.25 + 0.5 * random.next());
+        let Some(json) = report(folder, &line, &mut faults) else { continue };
+        let result = read(&folder.join("s.ply"));
+        let faces = result.faces().iter().map(|f| [f[0] as usize, f[1] as usize, f[2] as usize]).collect();
+        let simple = Mesh { points: result.points().to_vec(), faces };
+        for (side, from, to) in [("of_input", &mesh, &simple), ("of_result", &simple, &mesh)] {
+            let sampled = sampled_distance(from, to);
+            let [bound, attained] =
+                ["greatest", "at_least"].map(|key| number(&json, &format!("/error/{side}/{key}")));
+            expect_between(&line, side, bound, [sampled - DIGITS, f64::INFINITY], &mut faults);
+            expect_between(&line, side, attained, [sampled / 1.012 - DIGITS, bound], &mut faults);
+        }
+    }
+    faults.finish();
+}
+
+#[test]
+fn expected_errors_of_denoised_fields_are_those_that_are_left() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for (kind, n_repeats) in [("mesh", 1), ("cloud", 1), ("curve", 1), ("repeated", 3)] {
+        let (mut expected, mut left, mut before, mut noisy) = (0.0, 0.0, 0.0, 0.0);
+        for seed in 0..N_SEEDS {
+            let mut random = Random(400 + seed);
+            let mut places = match kind {
+                "curve" => (0..400).map(|k| [f64::from(k), (0.05 * f64::from(k)).sin(), 0.0]).collect(),
+                _ => Mesh::terrain(19, 19, &mut random).points,
+            };
+            places = vec![places; n_repeats].concat();
+            let sigma = 0.5 + random.next();
+            let truth: Vec<f64> = places.iter().map(|p| 3.0 + (0.2 * p[0]).sin()).collect();
+            let values: Vec<f64> = truth.iter().map(|f| f + sigma * random.normal()).collect();
+            let rows: String = places
+                .iter()
+                .zip(&values)
+                .map(|(p, v)| format!("{} {} {} {v}\n", p[0], p[1], p[2]))
+                .collect();
+            let mut header = format!(
+                "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty double q\n",
+                places.len()
+            );
+            let mut rest = String::new();
+            if kind == "mesh" {
+                let mesh = Mesh::terrain(19, 19, &mut random);
+                let _ = writeln!(
+                    header,
+                    "element face {}\nproperty list uchar int vertex_indices",
+                    mesh.faces.len()
+                );
+                mesh.faces.iter().for_each(|f| writeln!(rest, "3 {} {} {}", f[0], f[1], f[2]).unwrap());
+            }
+            if kind == "curve" {
+                let _ = writeln!(
+                    header,
+                    "element edge {}\nproperty int vertex1\nproperty int vertex2",
+                    places.len() - 1
+                );
+                (1..places.len()).for_each(|k| writeln!(rest, "{} {k}", k - 1).unwrap());
+            }
+            fs::write(folder.join("f.ply"), format!("{header}end_header\n{rows}{rest}")).unwrap();
+            let Some(json) = report(folder, "denoise f.ply -o g.ply --signal q", &mut faults) else {
+                continue;
+            };
+            let found =
+                read(&folder.join("g.ply")).field("q").map(adwave_io::Field::to_f64).unwrap_or_default();
+            let n = truth.len() as f64;
+            let square = |f: &[f64]| f.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / n;
+            before += number(&json, "/denoise/0/risk/0");
+            expected += number(&json, "/denoise/0/risk/1");
+            noisy += square(&values);
+            left += square(&found);
+        }
+        // The sum over the inputs: each estimate has a random part.
+        expect_between(kind, "expected error before", before, [0.8 * noisy, 1.25 * noisy], &mut faults);
+        expect_between(kind, "expected error after", expected, [0.4 * left, 2.5 * left], &mut faults);
+        faults.expect(left < 0.3 * noisy, || format!("{kind}: {left} of {noisy} is left"));
+    }
+    faults.finish();
+}
+
+#[test]
+fn moved_shapes_match_by_their_motion() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(500 + seed);
+        let n = 400 + 20 * seed;
+        faults.inspect(&run_line(folder, &format!("sample creature -o a.ply --vertices {n} --seed {seed}")));
+        let original = read(&folder.join("a.ply"));
+        let angle = random.next();
+        let (sin, cos) = (angle.sin(), angle.cos());
+        let scale = if seed % 2 == 0 { 1.0 } else { 10_f64.powf(6.0 * random.next() - 3.0) };
+        let motion = |p: &Point| {
+            [scale * (cos * p[0] - sin * p[1]) + 1.0, scale * (sin * p[0] + cos * p[1]), scale * p[2]]
+        };
+        let faces = original.faces().iter().map(|f| [f[0] as usize, f[1] as usize, f[2] as usize]).collect();
+        let moved = Mesh { points: original.points().iter().map(motion).collect(), faces };
+        moved.save(&folder.join("b.ply"));
+        let kind = if seed % 2 == 0 { "rigid" } else { "similarity" };
+        let line = format!("match a.ply b.ply --motion {kind}");
+        let Some(json) = report(folder, &line, &mut faults) else { continue };
+        if json["motion"].is_null() {
+            faults.add(format!("{line}: no motion, seed {seed}"));
+            continue;
+        }
+        let matrix = |i: usize, j: usize| number(&json, &format!("/motion/matrix/{i}/{j}"));
+        let extent = 4.0 * scale;
+        for p in original.points() {
+            let image = [0, 1, 2].map(|i| (0..3).map(|j| matrix(i, j) * p[j]).sum::<f64>() + matrix(i, 3));
+            let apart = minus(&image, &motion(p));
+            expect_between(
+                &line,
+                "distance of the image",
+                dot(&apart, &apart).sqrt(),
+                [0.0, 1e-4 * extent],
+                &mut faults,
+            );
+        }
+        expect_between(&line, "scale", number(&json, "/motion/scale") / scale, [0.9999, 1.0001], &mut faults);
+        expect_between(
+            &line,
+            "median",
+            number(&json, "/motion/median_distance"),
+            [0.0, 1e-4 * extent],
+            &mut faults,
+        );
+    }
+    faults.finish();
+}
+
+#[test]
+fn imputed_counts_are_powers_of_the_walk() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(600 + seed);
+        let (n, genes, steps) = (6 + random.below(12), 2 + random.below(4), 1 + random.below(4));
+        let mut walk = vec![vec![0.0; n]; n];
+        for (x, row) in walk.iter_mut().enumerate() {
+            row[x] = 0.5;
+            row[(x + 1) % n] += random.next();
+            row[random.below(n)] += random.next();
+            let sum: f64 = row.iter().sum();
+            row.iter_mut().for_each(|w| *w /= sum);
+        }
+        let mut counts = vec![vec![0.0; genes]; n];
+        counts.iter_mut().flatten().for_each(|c| *c = (6.0 * random.next()).floor());
+        let market = |rows: &[Vec<f64>]| {
+            let entries: Vec<String> = rows
+                .iter()
+                .enumerate()
+                .flat_map(|(i, row)| row.iter().enumerate().map(move |(j, v)| (i, j, *v)))
+                .filter(|(_, _, v)| *v != 0.0)
+                .map(|(i, j, v)| format!("{} {} {v}\n", i + 1, j + 1))
+                .collect();
+            let size = format!("{} {} {}", rows.len(), rows[0].len(), entries.len());
+            format!("%%MatrixMarket matrix coordinate real general\n{size}\n{}", entries.concat())
+        };
+        fs::write(folder.join("walk.mtx"), market(&walk)).unwrap();
+        fs::write(folder.join("counts.mtx"), market(&counts)).unwrap();
+        let line = format!("impute counts.mtx -o out.npy --walk walk.mtx --time {steps}");
+        let Some(_) = report(folder, &line, &mut faults) else { continue };
+        for _ in 0..steps {
+            counts = walk
+                .iter()
+                .map(|row| (0..genes).map(|g| row.iter().zip(&counts).map(|(w, c)| w * c[g]).sum()).collect())
+                .collect();
+        }
+        let bytes = fs::read(folder.join("out.npy")).unwrap();
+        let found: Vec<f64> = bytes[bytes.len() - 8 * n * genes..]
+            .chunks_exact(8)
+            .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+            .collect();
+        for (a, b) in found.iter().zip(counts.iter().flatten()) {
+            expect_between(&line, "value", *a, [b - 1e-9, b + 1e-9], &mut faults);
+        }
+    }
+    faults.finish();
+}
