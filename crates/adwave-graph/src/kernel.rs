@@ -155,7 +155,7 @@ fn symmetric(
             entry.2 *= 0.5;
         }
     }
-    Ok(CompressedRows::from_sorted(n, merged)?)
+    Ok(CompressedRows::from_sorted(n, n, merged)?)
 }
 
 #[cfg(test)]
