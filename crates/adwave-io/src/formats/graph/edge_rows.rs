@@ -1,11 +1,16 @@
-//! Large edge lists, read as a stream.
+//! Large lists of edges, read as a stream into sparse rows.
 
-use crate::GraphWalkError;
-use crate::lines::Lines;
+use std::io::BufRead;
+
 use adwave::Progress;
 use adwave::pages::zeros;
 use adwave::rows::CompressedRows;
-use std::io::BufRead;
+
+use super::edge_line::{EdgeLine, EdgeLines};
+use crate::ReadError;
+use crate::limits::most_numbered;
+use crate::text::stream::{LONGEST_LINE, TextStream};
+use crate::text::{parse_u64, show};
 
 /// Lines between two checks for cancellation.
 const LINES_AT_A_TIME: u64 = 1 << 14;
@@ -18,7 +23,7 @@ const LARGEST: u64 = u32::MAX as u64 - 1;
 
 /// A graph from a list of edges.
 #[derive(Clone, Debug, PartialEq)]
-pub struct EdgeList {
+pub struct EdgeRows {
     /// Symmetric weights, n_nodes × n_nodes; loops stay on the diagonal.
     pub weights: CompressedRows<f64>,
     /// Number of lines with an edge.
@@ -27,36 +32,35 @@ pub struct EdgeList {
     pub n_repeated: u64,
 }
 
-/// Reads lines `u v` or `u v weight`, with nodes numbered from 0 and separated by blanks, tabs or commas; empty lines and
-/// lines that begin with `#` or `%` are skipped. The graph is undirected and has as many nodes as the largest number says, at
-/// least `n_nodes`. Memory: 8 bytes per edge (16 with weights) while it is read, and then 24 bytes per edge of the result
-/// (56 with weights).
+/// Reads lines `u v` or `u v weight`, with nodes numbered from 0, as a stream. The graph is undirected and has as many nodes
+/// as the largest number says, at least `n_nodes`. Memory: 8 bytes per edge (16 with weights) while it is read, and then 24
+/// bytes per edge of the result (56 with weights).
 ///
 /// # Errors
-/// [`GraphWalkError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would take
+/// [`ReadError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would take
 /// more memory than the file, or if the call is cancelled.
 ///
 /// ```
 /// use adwave::Progress;
-/// let list = adwave_graph::read_edges(&b"# a path\n0 1\n1 2 0.5\n"[..], 0, Progress::none())?;
+/// let list = adwave_io::read_edge_rows(&b"# a path\n0 1\n1 2 0.5\n"[..], 0, Progress::none())?;
 /// assert_eq!(list.weights.row(1), ([0, 2].as_slice(), [1.0, 0.5].as_slice()));
-/// # Ok::<(), adwave_graph::GraphWalkError>(())
+/// # Ok::<(), adwave_io::ReadError>(())
 /// ```
-pub fn read_edges(
+pub fn read_edge_rows(
     lines: impl BufRead,
     n_nodes: usize,
     progress: Progress<'_>,
-) -> Result<EdgeList, GraphWalkError> {
+) -> Result<EdgeRows, ReadError> {
     let (mut pairs, mut weights): (Vec<[u32; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
-    let (mut lines, mut largest) = (Lines::new(lines), 0);
+    let (mut stream, mut lines, mut largest) =
+        (TextStream::new(lines, LONGEST_LINE), EdgeLines::default(), 0);
     loop {
-        let line = lines.number + 1;
-        if line.is_multiple_of(LINES_AT_A_TIME) {
+        if stream.line().is_multiple_of(LINES_AT_A_TIME) {
             progress.check()?;
         }
-        let wrong = |problem: String| GraphWalkError::BadLine { line, problem };
-        let Some(text) = lines.next().map_err(wrong)? else { break };
-        let Some((pair, weight)) = parse(text).map_err(wrong)? else { continue };
+        let Some(text) = stream.next()? else { break };
+        let parsed = lines.parse(text).and_then(|edge| edge.as_ref().map(numbered_edge).transpose());
+        let Some((pair, weight)) = parsed.map_err(|message| stream.wrong(message))? else { continue };
         largest = largest.max(pair[0]).max(pair[1]);
         if weight != 1.0 && weights.is_empty() {
             weights.resize(pairs.len(), 1.0);
@@ -67,20 +71,33 @@ pub fn read_edges(
         pairs.push(pair);
     }
     let n_named = if pairs.is_empty() { 0 } else { largest as usize + 1 };
-    // Nodes without edges take no bytes in the file, but memory in every later computation.
-    let limit = most_numbered(pairs.len()).max(n_nodes as u64);
-    if n_named as u64 > limit {
-        return Err(GraphWalkError::Gaps { largest, n_edges: pairs.len() as u64 });
+    if n_named as u64 > most_numbered(pairs.len()).max(n_nodes as u64) {
+        return Err(ReadError::Whole(format!(
+            "the largest number of a node is {largest}, for {} edges; number the nodes from 0 without gaps",
+            pairs.len()
+        )));
     }
     let n_edges = pairs.len() as u64;
     let rows = both_directions(n_nodes.max(n_named), pairs, &weights, progress)?;
     let n_repeated = n_edges - count_pairs(&rows);
-    Ok(EdgeList { weights: rows, n_edges, n_repeated })
+    Ok(EdgeRows { weights: rows, n_edges, n_repeated })
 }
 
-/// Largest number of rows or columns for a number of entries: empty ones take no bytes in a file, but memory here.
-pub(crate) fn most_numbered(n_entries: usize) -> u64 {
-    1_000_000 + 64 * n_entries as u64
+/// Numbers of the ends of an edge, and its weight, 1 unless another is given.
+fn numbered_edge(edge: &EdgeLine<'_>) -> Result<([u32; 2], f64), String> {
+    let node = |word: &[u8]| match parse_u64(word) {
+        Some(number) if number <= LARGEST => Ok(number as u32),
+        _ => Err(format!("a node must be a whole number in 0..={LARGEST}, got {}; correct it", show(word))),
+    };
+    let weight = match edge.weight {
+        None => 1.0,
+        Some(Ok(weight)) if weight.is_finite() && weight >= 0.0 => weight,
+        Some(other) => {
+            let found = other.map_or_else(show, |weight| weight.to_string());
+            return Err(format!("a weight must be a finite number of at least 0, got {found}; correct it"));
+        }
+    };
+    Ok(([node(edge.ends[0])?, node(edge.ends[1])?], weight))
 }
 
 /// Number of different edges of a symmetric matrix: entries on and right of the diagonal.
@@ -92,49 +109,13 @@ fn count_pairs(rows: &CompressedRows<f64>) -> u64 {
     (0..rows.n_rows()).map(|x| pairs(x) as u64).sum()
 }
 
-/// The first characters of a word, for a message.
-fn shorten(word: &[u8]) -> String {
-    String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned()
-}
-
-/// The edge of a line without blanks at its ends; `None` for a comment or an empty line.
-fn parse(text: &[u8]) -> Result<Option<([u32; 2], f64)>, String> {
-    if text.is_empty() || text[0] == b'#' || text[0] == b'%' {
-        return Ok(None);
-    }
-    let mut words =
-        text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
-    let mut node = || -> Result<u32, String> {
-        let word = words.next().ok_or("it must have two nodes, such as `0 1`")?;
-        let mut number = 0_u64;
-        for &byte in word {
-            if !byte.is_ascii_digit() {
-                return Err(format!("a node must be a whole number of at least 0, got `{}`", shorten(word)));
-            }
-            number = (10 * number).saturating_add(u64::from(byte - b'0')).min(1 << 40);
-        }
-        if number > LARGEST {
-            Err(format!("a node must be at most {LARGEST}, got `{}`", shorten(word)))
-        } else {
-            Ok(number as u32)
-        }
-    };
-    let pair = [node()?, node()?];
-    let Some(word) = words.next() else { return Ok(Some((pair, 1.0))) };
-    let weight: Option<f64> = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-    match weight {
-        Some(weight) if weight.is_finite() && weight >= 0.0 => Ok(Some((pair, weight))),
-        _ => Err(format!("a weight must be a finite number of at least 0, got `{}`", shorten(word))),
-    }
-}
-
 /// Symmetric rows of the edges. Weights of repeated edges are added in the order of the list.
 fn both_directions(
     n: usize,
     pairs: Vec<[u32; 2]>,
     weights: &[f64],
     progress: Progress<'_>,
-) -> Result<CompressedRows<f64>, GraphWalkError> {
+) -> Result<CompressedRows<f64>, ReadError> {
     let mut offsets = vec![0_usize; n + 1];
     for [u, v] in &pairs {
         offsets[*u as usize + 1] += 1;
@@ -183,7 +164,7 @@ fn unweighted_rows(
     mut offsets: Vec<usize>,
     mut columns: Vec<u32>,
     progress: Progress<'_>,
-) -> Result<CompressedRows<f64>, GraphWalkError> {
+) -> Result<CompressedRows<f64>, ReadError> {
     let n = offsets.len() - 1;
     let mut values: Vec<f64> = Vec::with_capacity(columns.len());
     let mut start = 0;
@@ -208,7 +189,7 @@ fn unweighted_rows(
         offsets[x + 1] = values.len();
     }
     columns.truncate(values.len());
-    Ok(CompressedRows::new(offsets, columns, values, n)?)
+    finish(offsets, columns, values)
 }
 
 /// Rows of weighted edges.
@@ -216,7 +197,7 @@ fn weighted_rows(
     offsets: &[usize],
     mut entries: Vec<(u32, f64)>,
     progress: Progress<'_>,
-) -> Result<CompressedRows<f64>, GraphWalkError> {
+) -> Result<CompressedRows<f64>, ReadError> {
     let n = offsets.len() - 1;
     let (mut starts, mut columns) = (vec![0], Vec::with_capacity(entries.len()));
     let mut values: Vec<f64> = Vec::with_capacity(entries.len());
@@ -238,20 +219,30 @@ fn weighted_rows(
         }
         starts.push(columns.len());
     }
-    Ok(CompressedRows::new(starts, columns, values, n)?)
+    finish(starts, columns, values)
+}
+
+/// The square matrix of the arrays.
+fn finish(
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+) -> Result<CompressedRows<f64>, ReadError> {
+    let n = offsets.len() - 1;
+    CompressedRows::new(offsets, columns, values, n).map_err(|error| ReadError::Whole(error.to_string()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<EdgeList, GraphWalkError> {
-        read_edges(text.as_bytes(), 0, Progress::none())
+    fn read(text: &str) -> Result<EdgeRows, ReadError> {
+        read_edge_rows(text.as_bytes(), 0, Progress::none())
     }
 
     #[test]
     fn edges_go_both_ways_and_repeated_ones_are_added() {
-        let list = read("% a graph\n0,1\n\n2\t1 0.25\r\n1 0\n2 2 3\n").unwrap();
+        let list = read("source target\n% a graph\n0,1\n\n2\t1 0.25\r\n1 0\n2 2 3\n").unwrap();
         assert_eq!((list.n_edges, list.n_repeated), (4, 1));
         assert_eq!(list.weights.row(0), ([1].as_slice(), [2.0].as_slice()));
         assert_eq!(list.weights.row(1), ([0, 2].as_slice(), [2.0, 0.25].as_slice()));
@@ -259,9 +250,9 @@ mod tests {
         assert_eq!(read("").unwrap().weights.n_rows(), 0);
         for weight in ["1.2345678901234567e-05", "0.00000000000000000000000012345e20"] {
             let list = read(&format!("0 1 {weight}\n")).unwrap();
-            assert_eq!(list.weights.get(0, 1), weight.parse().unwrap());
+            assert_eq!(list.weights.get(0, 1), weight.parse::<f64>().unwrap());
         }
-        assert_eq!(read_edges(&b"0 1"[..], 5, Progress::none()).unwrap().weights.n_rows(), 5);
+        assert_eq!(read_edge_rows(&b"0 1"[..], 5, Progress::none()).unwrap().weights.n_rows(), 5);
     }
 
     #[test]
@@ -273,6 +264,6 @@ mod tests {
             let error = read(text).unwrap_err().to_string();
             assert!(error.starts_with("line 2"), "{error}");
         }
-        assert!(matches!(read("0 4000000000"), Err(GraphWalkError::Gaps { .. })));
+        assert!(read("0 4000000000").unwrap_err().to_string().contains("without gaps"));
     }
 }
