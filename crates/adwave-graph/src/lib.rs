@@ -40,7 +40,7 @@ pub use count_matrix::{CountMatrix, CountValues, Transformation};
 pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate, split_counts};
 pub use error::GraphWalkError;
 pub use impute::{ImputationInput, impute_into};
-pub use kernel::{Kernel, kernel_weights};
+pub use kernel::{Kernel, KernelName, kernel_weights};
 pub use nearest::{DimensionedPoints, MAX_TIED, NearestLists, nearest_lists};
 pub use pooling::{Pooling, pool};
 pub use powers::WalkPowers;

@@ -2,7 +2,7 @@
 
 use super::applicable::OPERATOR_OPTIONS;
 use super::shape::Input;
-use crate::args::{GivenWalkArgs, KernelArg, WalkArgs};
+use crate::args::{GivenWalkArgs, SCALE_NEIGHBOR, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -11,7 +11,7 @@ use adwave::bands::Precision;
 use adwave::operator::{Diffusion, Semigroup};
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    DimensionedPoints, GraphWalkError, SelfLoops, Symmetrization, WalkAccuracy, WalkMatrix, WalkOptions,
+    DimensionedPoints, GraphWalkError, KernelName, SelfLoops, WalkAccuracy, WalkMatrix, WalkOptions,
     WalkPowers, kernel_weights, nearest_lists,
 };
 use adwave_io::{Direction, Edges, ShapeFile, open_text, read_edge_rows, read_matrix_market, read_npy};
@@ -136,20 +136,14 @@ fn build_walk(
 ) -> Result<(WalkMatrix, String), CliError> {
     let self_loops = match args.self_loops.as_deref() {
         None => SelfLoops::Weight(defaults.self_loops),
-        Some("keep") => SelfLoops::Keep,
-        Some(text) => match text.parse::<f64>() {
-            Ok(weight) => SelfLoops::Weight(weight),
-            Err(_) => {
-                return Err(CliError::Input(format!(
-                    "--self-loops must be a weight or \"keep\", got {text}"
-                )));
-            }
-        },
+        Some(text) => SelfLoops::from_text(text).ok_or_else(|| {
+            CliError::Input(format!("--self-loops must be a weight or \"keep\", got {text}"))
+        })?,
     };
     let options = WalkOptions {
         self_loops,
-        symmetrization: args.symmetrize.map_or(Symmetrization::None, Into::into),
-        normalization: args.normalize.map(Into::into).unwrap_or_default(),
+        symmetrization: args.symmetrize,
+        normalization: args.normalize.unwrap_or_default(),
         stay: args.stay.unwrap_or(defaults.stay),
     };
     let path = source.path;
@@ -160,14 +154,14 @@ fn build_walk(
         }
         WalkContent::Points(points) => {
             let (k, kernel) =
-                (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelArg::Adaptive));
+                (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelName::Adaptive));
             let (values, n_dimensions) = match points {
                 Some(points) => points,
                 None => read_table(path, global)?,
             };
             let weights = with_progress(global, "finding neighbors", |progress| {
                 let lists = nearest_lists(DimensionedPoints { values: &values, n_dimensions }, k, progress)?;
-                kernel_weights(&lists, kernel.to_kernel(), progress)
+                kernel_weights(&lists, kernel.with_scale(1.0, SCALE_NEIGHBOR), progress)
             });
             let source = format!("to the {k} nearest neighbors of points in {n_dimensions} dimensions");
             (weights.map_err(|e| in_file(path, &e))?, source)
@@ -256,8 +250,9 @@ pub(crate) fn graph_of_points(
     let (values, n_dimensions) = read_table(path, global)?;
     let k = neighbors.unwrap_or(NEIGHBORS);
     let points = DimensionedPoints { values: &values, n_dimensions };
+    let kernel = KernelName::Adaptive.with_scale(1.0, SCALE_NEIGHBOR);
     let weights = nearest_lists(points, k, global.progress())
-        .and_then(|lists| kernel_weights(&lists, KernelArg::Adaptive.to_kernel(), global.progress()))
+        .and_then(|lists| kernel_weights(&lists, kernel, global.progress()))
         .map_err(|e| in_file(path, &e))?;
     global.inputs.add_remark(format!(
         "{}: a graph of the {k} nearest neighbors of points in {n_dimensions} dimensions",
