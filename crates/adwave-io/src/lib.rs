@@ -108,7 +108,7 @@ pub use model::partial::FileRows;
 pub use model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};
 pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
-pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
+pub use model::shape_file::{CoordinatePrecision, Direction, Edges, ShapeFile, ShapeParts};
 pub use model::subset::{CornerValues, Subset};
 pub use model::texture::TextureError;
 pub use model::units::{CoordinateSystem, CoordinateSystemKind, LengthUnit};

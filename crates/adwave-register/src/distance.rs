@@ -1,6 +1,6 @@
 //! Signed distances from one shape to another.
 
-use crate::{ClosestPoint, Surface};
+use crate::{ClosestPoint, ClosestPointSearch};
 use adwave::vector::{dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ pub struct SignedDistances {
 pub fn signed_distances(
     points: &[[f64; 3]],
     normals: &[[f64; 3]],
-    surface: &Surface,
+    surface: &ClosestPointSearch,
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<SignedDistances, Cancelled> {

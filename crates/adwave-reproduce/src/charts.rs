@@ -3,7 +3,7 @@
 use crate::{FigureError, Outcome};
 use adwave::shape::{Graph, Shape};
 use adwave_render::Picture;
-use adwave_render::plot::{Axis, AxisScale, Chart, Mark, Series, Sheet, SparsityPattern};
+use adwave_render::plot::{AxisScale, Chart, ChartAxis, Mark, Series, Sheet, SparsityPattern};
 
 /// Number of points on the line of Figs. 2, 4 and 7.
 pub(crate) const N_POINTS: usize = 100;
@@ -28,18 +28,18 @@ pub(crate) fn row(label: impl Into<String>, values: &[f64]) -> Series {
 }
 
 /// A linear axis.
-pub(crate) fn linear(label: &str) -> Axis {
-    Axis { label: label.to_owned(), ..Axis::default() }
+pub(crate) fn linear(label: &str) -> ChartAxis {
+    ChartAxis { label: label.to_owned(), ..ChartAxis::default() }
 }
 
 /// A logarithmic axis.
-pub(crate) fn logarithmic(label: &str) -> Axis {
-    Axis { label: label.to_owned(), scale: AxisScale::Log10, ..Axis::default() }
+pub(crate) fn logarithmic(label: &str) -> ChartAxis {
+    ChartAxis { label: label.to_owned(), scale: AxisScale::Log10, ..ChartAxis::default() }
 }
 
 /// An axis of categories.
-pub(crate) fn categories(label: &str, names: impl IntoIterator<Item = String>) -> Axis {
-    Axis { names: names.into_iter().collect(), ..linear(label) }
+pub(crate) fn categories(label: &str, names: impl IntoIterator<Item = String>) -> ChartAxis {
+    ChartAxis { names: names.into_iter().collect(), ..linear(label) }
 }
 
 impl Outcome {

@@ -5,7 +5,7 @@ use crate::numbers::decomposer;
 use crate::{Context, FigureError, Outcome, Table, Verdict, digits};
 use adwave::bands::Schedule;
 use adwave_baselines::harmonics::Harmonics;
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave_baselines::linalg::EigenParams;
 use adwave_render::plot::{Chart, Mark, Series};
 use std::time::Instant;
@@ -44,7 +44,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
         ours.push([sigma, least]);
     }
     let start = Instant::now();
-    let laplacian = Laplacian::new(&model.shape, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(&model.shape, &LaplacianParams::default())?;
     let assembling = start.elapsed().as_secs_f64();
     let most = model.points().len() / 4;
     let mut theirs = Vec::new();

@@ -8,7 +8,7 @@ use adwave::bands::{BandsParams, Schedule};
 use adwave::measure::rms;
 use adwave::shape::diagonal;
 use adwave_baselines::harmonics::{Harmonics, Remainder};
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave_baselines::linalg::EigenParams;
 use std::time::Instant;
 
@@ -44,7 +44,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
     let our_filtering = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    let laplacian = Laplacian::new(&model.shape, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(&model.shape, &LaplacianParams::default())?;
     let harmonics = Harmonics::new(&laplacian, N_HARMONICS, &EigenParams::default(), context.progress)?;
     let their_preparing = start.elapsed().as_secs_f64();
     let start = Instant::now();

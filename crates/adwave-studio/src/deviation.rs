@@ -7,7 +7,7 @@ use adwave::operator::OperatorKind;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave::signal::outward_normals;
 use adwave_io::{ShapeFile, file_normals};
-use adwave_register::{Summary, Surface, signed_distances};
+use adwave_register::{ClosestPointSearch, Summary, signed_distances};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -27,8 +27,8 @@ pub(crate) fn deviation_response(file: &ShapeFile, other: &ShapeFile, progress: 
     let geometry = decomposer.geometry_for("a comparison").map_err(|e| ApiError::from_classified(&e))?;
     let other = PreparedGeometry::new(&shape_of(other)?, WeldMode::default(), progress)
         .map_err(|e| ApiError::from_classified(&e))?;
-    let surface =
-        Surface::new(&other).ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
+    let surface = ClosestPointSearch::new(&other)
+        .ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
     let stored = file_normals(file);
     let outward = outward_normals(geometry, stored.as_deref(), progress);
     let outward = outward.map_err(|e| ApiError::from_classified(&e))?;

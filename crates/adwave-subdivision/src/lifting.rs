@@ -5,7 +5,7 @@ use crate::prediction::Prediction;
 use crate::rows::{add_product, from_diagonal};
 use crate::stencils;
 use crate::update::{Synthesis, Update};
-use crate::{Coefficients, Family, Hierarchy, SubdivisionError};
+use crate::{Family, Hierarchy, LiftedCoefficients, SubdivisionError};
 use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
@@ -193,14 +193,14 @@ impl LiftedWavelets {
         values: &[f64],
         n_channels: usize,
         progress: Progress<'_>,
-    ) -> Result<Coefficients, SubdivisionError> {
+    ) -> Result<LiftedCoefficients, SubdivisionError> {
         check_field(values, self.n_vertices(), n_channels, "values of the vertices")?;
         let mut field = self.gather(values, n_channels);
         for step in &self.steps {
             step.analyze(&mut field, n_channels, progress)?;
         }
         let values = self.scatter(&field, n_channels);
-        Ok(Coefficients { n_channels, values, levels: self.levels.clone(), norms: self.norms.clone() })
+        Ok(LiftedCoefficients { n_channels, values, levels: self.levels.clone(), norms: self.norms.clone() })
     }
 
     /// Field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).

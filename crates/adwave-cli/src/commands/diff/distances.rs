@@ -13,8 +13,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave_register::{
-    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Summary, Surface, align,
-    closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
+    AlignParams, ClosestFit, ClosestPointSearch, Motion, Registrand, ShapeFeatures, SignedDistances, Summary,
+    align, closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -140,7 +140,7 @@ fn closest_differences(
         .outward_normals(normals.as_deref(), global.progress())
         .map_err(|e| CliError::classify(&e))?;
     let limit = args.limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
-    let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &Surface| {
+    let measured = |points: &[[f64; 3]], normals: &[[f64; 3]], surface: &ClosestPointSearch| {
         with_progress(global, "measuring", |progress| {
             signed_distances(points, normals, surface, limit, progress)
         })
@@ -230,8 +230,9 @@ fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeomet
     PreparedGeometry::new(shape, WeldMode::default(), global.progress()).map_err(|_| CliError::Cancelled)
 }
 
-fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
-    Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
+fn surface(geometry: &PreparedGeometry, name: &str) -> Result<ClosestPointSearch, CliError> {
+    ClosestPointSearch::new(geometry)
+        .ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 
 /// Alignment of the second shape with the first.
