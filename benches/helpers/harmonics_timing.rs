@@ -4,7 +4,7 @@
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons, Shape};
 use adwave_baselines::harmonics::Harmonics;
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave_baselines::linalg::EigenParams;
 use std::time::Instant;
 
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
     let start = Instant::now();
-    let laplacian = Laplacian::new(&shape, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(&shape, &LaplacianParams::default())?;
     println!(
         "Laplacian of {} vertices: {:.3} s, {:?}",
         laplacian.n(),

@@ -3,10 +3,11 @@
 
 use std::path::PathBuf;
 
+use adwave::rows::CompressedRows;
 use adwave::shape::Polygons;
 use adwave_io::{
-    ArrayValues, Compression, Edges, Field, FieldValues, MatrixValues, ShapeFile, SparseRows, WriteError,
-    write_gifti_fields, write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
+    ArrayValues, Compression, Edges, Field, FieldValues, ShapeFile, WriteError, write_gifti_fields,
+    write_matrix_market, write_npy, write_npz, write_path, write_sparse_npz,
 };
 
 fn main() -> Result<(), WriteError> {
@@ -57,12 +58,8 @@ fn main() -> Result<(), WriteError> {
         write_npz(&folder.join(name), &arrays, compression)?;
     }
     // [[0, 1.5, 0], [2, 0, -3]]
-    let matrix = SparseRows {
-        n_columns: 3,
-        offsets: &[0, 1, 3],
-        indices: &[1, 0, 2],
-        values: MatrixValues::F64(&[1.5, 2.0, -3.0]),
-    };
+    let matrix =
+        CompressedRows::new(vec![0, 1, 3], vec![1, 0, 2], vec![1.5, 2.0, -3.0], 3).expect("sorted rows");
     write_sparse_npz(&folder.join("sparse.npz"), &matrix, Compression::Deflated)?;
     write_matrix_market(&folder.join("sparse.mtx"), &matrix)
 }

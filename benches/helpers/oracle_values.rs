@@ -8,7 +8,7 @@
 use adwave::Progress;
 use adwave::shape::{Mesh, Polygons, Shape};
 use adwave_baselines::harmonics::Harmonics;
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams, Triangulation};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams, Triangulation};
 use adwave_baselines::linalg::{EigenParams, SymmetricMatrix};
 use adwave_baselines::sgwt::{ExactFrame, Frame, KernelFamily, Kernels};
 use std::error::Error;
@@ -39,7 +39,7 @@ fn spectrum(path: &str, k: usize, triangulation: &str) -> Result<(), Box<dyn Err
     });
     let shape = Shape::Mesh(Mesh::new(points, Polygons::from_triangles(&triangles))?);
     let start = Instant::now();
-    let laplacian = Laplacian::new(&shape, &params)?;
+    let laplacian = LaplacianMatrices::new(&shape, &params)?;
     let harmonics = Harmonics::new(&laplacian, k, &EigenParams::default(), Progress::none())?;
     println!("seconds {}", start.elapsed().as_secs_f64());
     for value in &harmonics.values {

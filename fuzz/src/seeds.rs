@@ -4,7 +4,8 @@
 use crate::copc_file::copc;
 use adwave::shape::Polygons;
 use adwave_io::{
-    ArrayValues, Direction, Edges, Field, FieldValues, Format, Precision, ShapeFile, write_bytes, write_npy,
+    ArrayValues, CoordinatePrecision, Direction, Edges, Field, FieldValues, Format, ShapeFile, write_bytes,
+    write_npy,
 };
 use base64::Engine;
 use std::error::Error;
@@ -274,7 +275,7 @@ fn mesh() -> SeedOutcome<ShapeFile> {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.25], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5], [0.5, 2.0, 0.0]];
     let faces: Polygons = [&[0_u32, 1, 2, 3][..], &[3, 2, 4]].into_iter().collect();
     let mut mesh = ShapeFile::from_mesh(points, faces);
-    mesh.set_precision(Precision::F32);
+    mesh.set_precision(CoordinatePrecision::F32);
     mesh.add_vertex_field(Field::new("quality", 1, FieldValues::F64(vec![0.0, 0.1, -0.2, 0.3, f64::NAN])))?;
     mesh.add_vertex_field(Field::new("color", 3, FieldValues::U8((0..15).collect())))?;
     mesh.add_vertex_field(Field::new("normal", 3, FieldValues::F32([0.0, 0.0, 1.0].repeat(5))))?;

@@ -9,7 +9,8 @@ use adwave::{ClassifiedError, Progress};
 use adwave_io::{
     CloudPart, Format, LasReader, MeshReader, ReadError, ReadLimits, ShapeFile, cloud_levels,
     parse_csv_fields, parse_gifti_fields, parse_recipe, parse_surface_values, read_bytes, read_cloud_part,
-    read_npy_bytes, recipe_to_text, rewrite_mesh, texture_colors, write_bytes,
+    read_edge_rows, read_matrix_market, read_npy_bytes, recipe_to_text, rewrite_mesh, texture_colors,
+    write_bytes,
 };
 use std::error::Error;
 use std::path::Path;
@@ -74,6 +75,13 @@ fn shape_targets() -> Vec<Target> {
         shape("dmat", &["0 0\n", "3 ", "nan"], |b| shape_file(b, "a.dmat")),
         shape("tgf", &["#\n", "1 ", "nan"], |b| shape_file(b, "a.tgf")),
         shape("edgelist", &["# Nodes: ", "{'weight': ", "%", ","], |b| shape_file(b, "a.edges")),
+        Target {
+            name: "edge-rows",
+            seeds: "edgelist",
+            words: &["# Nodes: ", "{'weight': ", "%", ","],
+            check: edge_rows,
+        },
+        Target { name: "matrix-rows", seeds: "mtx", words: &["general", "pattern"], check: matrix_rows },
         shape("graphml", GRAPHML, |b| shape_file(b, "a.graphml")),
         shape("geomview", GEOMVIEW, |b| shape_file(b, "a.list")),
         shape("gifti", XML, |b| shape_file(b, "a.gii")),
@@ -399,6 +407,27 @@ fn fields(read: Result<Vec<adwave_io::Field>, ReadError>) -> Result<String, Stri
         }
         Ok(_) => Err("a field without complete rows".into()),
         Err(e) => error(&e),
+    }
+}
+
+/// A list of edges as a stream.
+fn edge_rows(bytes: &[u8]) -> Result<String, String> {
+    match read_edge_rows(bytes, 0, Progress::none()) {
+        Ok(list) if list.n_repeated <= list.n_edges => Ok(format!("ok {}", list.n_edges.min(4))),
+        Ok(_) => Err("more repeated edges than edges".into()),
+        Err(e) => error(&e),
+    }
+}
+
+/// A matrix as a stream; what is a graph has as many vertices as rows.
+fn matrix_rows(bytes: &[u8]) -> Result<String, String> {
+    let graph = read_bytes(bytes.to_vec(), Some("a.mtx"), &LIMITS);
+    match (read_matrix_market(bytes, Progress::none()), graph) {
+        (Ok(rows), Ok(graph)) if rows.n_rows() != graph.n_vertices() => {
+            Err("another number of rows than of vertices".into())
+        }
+        (Ok(rows), _) => Ok(format!("ok {} {}", rows.n_rows().min(4), rows.n_columns().min(4))),
+        (Err(e), _) => error(&e),
     }
 }
 

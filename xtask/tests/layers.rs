@@ -15,8 +15,8 @@ fn crates_depend_only_on_those_below_them() {
         "adwave" | "adwave-test-data" => Some(0),
         "adwave-graph" | "adwave-io" | "adwave-register" | "adwave-render" | "adwave-simplify"
         | "adwave-subdivision" => Some(1),
-        "adwave-baselines" => Some(2),
-        "adwave-deform" | "adwave-report" | "adwave-fuzz" | "adwave-tiles" => Some(3),
+        "adwave-baselines" | "adwave-report" => Some(2),
+        "adwave-deform" | "adwave-fuzz" | "adwave-reproduce" | "adwave-tiles" => Some(3),
         "adwave-studio" => Some(4),
         "adwave-cli" => Some(5),
         "xtask" | "adwave-bench-helpers" | "adwave-python" => Some(6),
@@ -211,13 +211,7 @@ const ROOMS: [(&str, &[&[&str]]); 4] = [
     ),
     (
         "crates/adwave-report",
-        &[
-            &["detail", "table"],
-            &["page"],
-            &["analysis"],
-            &["shape_report", "difference_report"],
-            &["reproduce", "demo"],
-        ],
+        &[&["detail", "table"], &["page"], &["analysis"], &["shape_report", "difference_report"], &["demo"]],
     ),
     (
         "crates/adwave-cli",

@@ -8,7 +8,7 @@ use adwave::Progress;
 use adwave_baselines::differential::{Anchor, Differential, Reconstruction, Weights};
 use adwave_baselines::feature_map::{CriticalKind, FeatureLevel, feature_map as critical_levels};
 use adwave_baselines::harmonics::Harmonics;
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave_baselines::lee::lee_saliency;
 use adwave_baselines::linalg::EigenParams;
 use adwave_baselines::signature::{heat_kernel_signature, heat_times, wave_kernel_signature};
@@ -34,7 +34,7 @@ fn compute_harmonics(
     k: usize,
     p: Progress<'_>,
 ) -> Result<Harmonics, adwave_baselines::harmonics::HarmonicsError> {
-    let laplacian = Laplacian::new(own, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(own, &LaplacianParams::default())?;
     Harmonics::new(&laplacian, k, &EigenParams::default(), p)
 }
 

@@ -5,7 +5,7 @@ use crate::call::run;
 use crate::error::{StageError, stage, value_error};
 use crate::shape::ShapeData;
 use adwave::shape::{Mesh, MeshArea, Shape, mesh_areas};
-use adwave_subdivision::{Coefficients, Family, HaarWavelets, Hierarchy, LiftedWavelets, WeldedMesh};
+use adwave_subdivision::{Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, WeldedMesh};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -198,12 +198,12 @@ impl WaveletData {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let d = field.shape()[1];
         let values = arrays::rows(&field, "field")?;
-        let Coefficients { values, levels, norms, .. } =
+        let LiftedCoefficients { values, levels, norms, .. } =
             run(py, values.len(), progress.as_ref(), |p| match &self.wavelets {
                 Wavelets::Vertices(wavelets) => {
                     let found = stage(wavelets.analyze(&stage(self.welded.gather(values, d))?, d, p))?;
                     let levels = self.welded.of_vertex.iter().map(|&v| found.levels[v as usize]).collect();
-                    Ok::<_, StageError>(Coefficients {
+                    Ok::<_, StageError>(LiftedCoefficients {
                         n_channels: d,
                         values: self.welded.scatter(&found.values, d),
                         levels,
@@ -230,7 +230,7 @@ impl WaveletData {
         let values = arrays::rows(&coefficients, "coefficients")?;
         let kept = run(py, values.len(), None, |_| match &self.wavelets {
             Wavelets::Vertices(wavelets) => {
-                let all = Coefficients {
+                let all = LiftedCoefficients {
                     n_channels: d,
                     values: stage(self.welded.gather(values, d))?,
                     levels: wavelets.levels().to_vec(),
@@ -241,7 +241,7 @@ impl WaveletData {
             Wavelets::Faces(wavelets) => {
                 let n = wavelets.n_faces();
                 let (values, levels, norms) = (values.to_vec(), vec![1; n], vec![1.0; n]);
-                Ok(stage(Coefficients { n_channels: d, values, levels, norms }.keep(share))?.values)
+                Ok(stage(LiftedCoefficients { n_channels: d, values, levels, norms }.keep(share))?.values)
             }
         })?;
         Ok(arrays::matrix(py, kept, d)?.into_any())

@@ -3,21 +3,19 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{
-    BandsOptions, CREASES, LOCAL_FITS, NOISE_MODELS, OUTLIERS, RESPONSES, SHARED_NOISES, WEIGHTINGS,
-    WeldOption, word,
-};
+use crate::options::{BandsOptions, WeldOption, named, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
-use adwave::denoise::{DenoiseParams, SharedNoise, denoise, denoise_signal};
+use adwave::denoise::{DenoiseParams, Outliers, SharedNoise, denoise, denoise_signal};
 use adwave::features::{
     CloudCoordinates, Feature, FeatureParams, Refinement, Response, ThresholdScope, cloud_features, describe,
     features,
 };
 use adwave::measure::{agreement, center_distance};
-use adwave::saliency::{SaliencyParams, Sign, Weighting, saliency, saliency_per_level, with_height};
+use adwave::saliency::{MapWeighting, SaliencyParams, Sign, saliency, saliency_per_level, with_height};
 use adwave::shape::{PreparedGeometry, Shape};
+use adwave::vector::Axis;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -46,13 +44,9 @@ struct SaliencyOptions {
 }
 
 impl SaliencyOptions {
-    /// Parameters of the map; without a weighting of the signed one.
-    fn params(&self, weighting: Option<Weighting>) -> PyResult<SaliencyParams> {
-        let params = match weighting {
-            None if self.unsigned => SaliencyParams::default().with_sign(Sign::Unsigned),
-            None => SaliencyParams::default(),
-            Some(weighting) => SaliencyParams::paper().with_weighting(weighting),
-        };
+    /// Parameters of the map.
+    fn params(&self, weighting: MapWeighting) -> PyResult<SaliencyParams> {
+        let params = weighting.params(if self.unsigned { Sign::Unsigned } else { Sign::Signed });
         let params =
             SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: self.border, ..params };
         params.check().map_err(|e| error::to_exception(&e))?;
@@ -61,7 +55,7 @@ impl SaliencyOptions {
 
     /// Index of the axis that points up.
     fn axis(&self) -> PyResult<Option<usize>> {
-        self.up.as_ref().map(|up| word("up", up, &[("x", 0), ("y", 1), ("z", 2)])).transpose()
+        self.up.as_ref().map(|up| named::<Axis>("up", up).map(Axis::index)).transpose()
     }
 }
 
@@ -80,14 +74,14 @@ fn saliency_map<'py>(
     let is_geometry = request.signal.is_none() && !own.decomposer.positions().is_empty();
     let signal = own.signal(request.signal.as_ref())?;
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
-    let chosen = word("weighting", weighting, WEIGHTINGS)?;
+    let chosen = named("weighting", weighting)?;
     let (params, up, per_level) = (options.params(chosen)?, options.axis()?, options.per_level);
     let decomposer = &own.decomposer;
     let work = |p: Progress<'_>| {
         let request = own.request(signal, &schedule, &bands, p);
         let mut sides = "unsigned".to_owned();
         let mut along = None;
-        if chosen.is_none() && is_geometry {
+        if chosen == MapWeighting::Signed && is_geometry {
             let found = stage(decomposer.outward_normals(own.normals.as_deref(), p))?;
             if found.info.has_outside() {
                 along = Some(stage(request.normal_components(&found.normals))?);
@@ -147,7 +141,7 @@ impl FeatureOptions {
     fn params(&self, threshold: &FeatureThreshold) -> PyResult<FeatureParams> {
         let params = FeatureParams {
             theta: threshold.theta,
-            response: word("response", &self.response, RESPONSES)?,
+            response: named("response", &self.response)?,
             scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
             refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
             max_edge_ratio: self.edge_ratio,
@@ -247,14 +241,17 @@ enum SharedNoiseOption {
 
 impl DenoiseOptions {
     fn params(&self) -> PyResult<DenoiseParams> {
-        let creases = word("creases", &self.creases, CREASES)?;
-        let fit = word("local_fit", &self.local_fit, LOCAL_FITS)?;
+        let creases = named("creases", &self.creases)?;
+        let fit = named("local_fit", &self.local_fit)?;
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
-        let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, OUTLIERS)?);
-        let params = params.with_noise_model(word("noise", &self.noise_model, NOISE_MODELS)?);
+        // An array of points stays as long as it is, so none are dropped.
+        let outliers = [Outliers::Keep, Outliers::Pull].map(|treatment| (treatment.name(), treatment));
+        let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, &outliers)?);
+        let params = params.with_noise_model(named("noise", &self.noise_model)?);
         let params = params.with_shared(match &self.shared_noise {
             SharedNoiseOption::Deviation(deviation) => SharedNoise::Deviation(*deviation),
-            SharedNoiseOption::Word(name) => word("noise", name, SHARED_NOISES)?,
+            SharedNoiseOption::Word(name) => SharedNoise::from_word(name)
+                .ok_or_else(|| value_error(format!("noise must be one of 'detail', 'auto', got '{name}'")))?,
         });
         Ok(match self.noise {
             Some(noise) => params.with_noise(noise),

@@ -1,21 +1,17 @@
-//! Options as they come from the Python classes, and their words as the enums of the crates.
+//! Options as they come from the Python classes. Their words are those of the crates.
 
 use crate::error::{self, value_error};
-use adwave::bands::{BandsParams, FWHM, Precision, Schedule};
-use adwave::denoise::{Creases, NoiseModel, Outliers, SharedNoise};
-use adwave::features::Response;
+use adwave::NamedValue;
+use adwave::bands::{BandsParams, FWHM, Schedule};
 use adwave::filter::Preset;
-use adwave::local_fit::LocalFit;
-use adwave::operator::{CloudGraph, EndPoints, Masses, OperatorKind, OperatorParams};
-use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
+use adwave::operator::{CloudGraph, EndPoints, Masses, OperatorParams};
+use adwave::positions::PositionParams;
 use adwave::region::Length;
-use adwave::saliency::Weighting;
 use adwave::shape::{CloudArea, MeshArea, WeldMode};
-use adwave_io::ShapeKind;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
-/// The value of a word of an option.
+/// The value of a word of an option that only Python has.
 pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> PyResult<T> {
     known.iter().find(|(name, _)| *name == given).map(|(_, found)| *found).ok_or_else(|| {
         let names: Vec<String> = known.iter().map(|(name, _)| format!("'{name}'")).collect();
@@ -23,60 +19,16 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
     })
 }
 
-pub(crate) const KINDS: &[(&str, ShapeKind)] =
-    &[("mesh", ShapeKind::Mesh), ("cloud", ShapeKind::Cloud), ("graph", ShapeKind::Graph)];
-pub(crate) const ALONG: &[(&str, MoveDirection)] = &[
-    ("free", MoveDirection::Free),
-    ("normal", MoveDirection::Normal),
-    ("surface", MoveDirection::Surface),
-    ("x", MoveDirection::X),
-    ("y", MoveDirection::Y),
-    ("z", MoveDirection::Z),
-];
-pub(crate) const BORDERS: &[(&str, Borders)] =
-    &[("natural", Borders::Natural), ("keep", Borders::Keep), ("free", Borders::Free)];
-pub(crate) const VOLUME: &[(&str, Volume)] = &[("free", Volume::Free), ("keep", Volume::Keep)];
-pub(crate) const LOCAL_FITS: &[(&str, LocalFit)] =
-    &[("linear", LocalFit::Linear), ("constant", LocalFit::Constant)];
-pub(crate) const PRECISIONS: &[(&str, Precision)] =
-    &[("auto", Precision::Auto), ("single", Precision::Single), ("double", Precision::Double)];
-pub(crate) const CREASES: &[(&str, Creases)] =
-    &[("auto", Creases::Auto), ("keep", Creases::Keep), ("none", Creases::None)];
-/// Treatments of noise that neighbors share, beside a number.
-pub(crate) const SHARED_NOISES: &[(&str, SharedNoise)] =
-    &[("detail", SharedNoise::Detail), ("auto", SharedNoise::Estimate)];
+/// The value of an option by its name in the library.
+pub(crate) fn named<T: NamedValue>(option: &str, given: &str) -> PyResult<T> {
+    let entries = T::ENTRIES.iter();
+    let names = entries.flat_map(|entry| {
+        std::iter::once(entry.name).chain(entry.alias).map(move |name| (name, entry.value))
+    });
+    word(option, given, &names.collect::<Vec<_>>())
+}
 
-pub(crate) const OUTLIERS: &[(&str, Outliers)] = &[("keep", Outliers::Keep), ("pull", Outliers::Pull)];
-pub(crate) const NOISE_MODELS: &[(&str, NoiseModel)] = &[
-    ("gaussian", NoiseModel::Gaussian),
-    ("poisson", NoiseModel::Poisson),
-    ("multiplicative", NoiseModel::Multiplicative),
-];
-pub(crate) const RESPONSES: &[(&str, Response)] = &[
-    ("normalized", Response::Normalized),
-    ("literal", Response::Literal),
-    ("channels", Response::Channels),
-    ("sigma", Response::Sigma),
-];
-/// Weightings of saliency; `None` is the signed map.
-pub(crate) const WEIGHTINGS: &[(&str, Option<Weighting>)] = &[
-    ("signed", None),
-    ("paper", Some(Weighting::PerLevel)),
-    ("printed", Some(Weighting::AsPrinted)),
-    ("normalized", Some(Weighting::Normalized)),
-    ("ranks", Some(Weighting::Ranks)),
-    ("none", Some(Weighting::Uniform)),
-];
-const OPERATORS: &[(&str, OperatorKind)] =
-    &[("walk", OperatorKind::Walk), ("surface", OperatorKind::Surface)];
 const END_POINTS: &[(&str, EndPoints)] = &[("keep", EndPoints::Keep), ("free", EndPoints::Free)];
-const MESH_AREAS: &[(&str, MeshArea)] =
-    &[("barycentric", MeshArea::Barycentric), ("mixed-voronoi", MeshArea::MixedVoronoi)];
-const CLOUD_AREAS: &[(&str, CloudArea)] = &[
-    ("kth-neighbor", CloudArea::KthNeighbor),
-    ("unit", CloudArea::Unit),
-    ("tangent-voronoi", CloudArea::TangentVoronoi),
-];
 
 /// Rule of welding: whether vertices at equal or nearly equal positions are one, or a tolerance in model units.
 #[derive(Clone, Copy, FromPyObject)]
@@ -122,7 +74,7 @@ impl OperatorOptions {
     pub(crate) fn params(&self) -> PyResult<OperatorParams> {
         let mut params = OperatorParams::default();
         if let Some(kind) = &self.kind {
-            params = params.with_kind(word("operator", kind, OPERATORS)?);
+            params = params.with_kind(named("operator", kind)?);
         }
         if let Some(weld) = self.weld {
             params = params.with_weld(weld.mode()?);
@@ -160,16 +112,19 @@ impl OperatorOptions {
 
 /// The area of a vertex of a mesh or of a point of a cloud; their names differ.
 fn with_area(params: OperatorParams, name: &str) -> PyResult<OperatorParams> {
-    let find = |known: &[&str]| known.iter().map(|known| format!("'{known}'")).collect::<Vec<_>>().join(", ");
-    if let Some((_, area)) = MESH_AREAS.iter().find(|(known, _)| *known == name) {
-        return Ok(params.with_mesh_area(*area));
+    if let Ok(area) = name.parse::<MeshArea>() {
+        return Ok(params.with_mesh_area(area));
     }
-    if let Some((_, area)) = CLOUD_AREAS.iter().find(|(known, _)| *known == name) {
-        return Ok(params.with_cloud_area(*area));
+    if let Ok(area) = name.parse::<CloudArea>() {
+        return Ok(params.with_cloud_area(area));
     }
-    let names: Vec<&str> =
-        MESH_AREAS.iter().map(|(n, _)| *n).chain(CLOUD_AREAS.iter().map(|(n, _)| *n)).collect();
-    Err(value_error(format!("area must be one of {}, got '{name}'", find(&names))))
+    let names: Vec<String> = MeshArea::ALL
+        .iter()
+        .map(|area| area.name())
+        .chain(CloudArea::ALL.iter().map(|area| area.name()))
+        .map(|name| format!("'{name}'"))
+        .collect();
+    Err(value_error(format!("area must be one of {}, got '{name}'", names.join(", "))))
 }
 
 fn parse_positive(name: &str, n: i64) -> PyResult<usize> {
@@ -192,7 +147,7 @@ pub(crate) struct BandsOptions<'py> {
 impl BandsOptions<'_> {
     /// Accuracy and number format.
     pub(crate) fn params(&self) -> PyResult<BandsParams> {
-        let precision = word("precision", &self.precision, PRECISIONS)?;
+        let precision = named("precision", &self.precision)?;
         Ok(BandsParams::default().with_accuracy(self.accuracy).with_precision(precision))
     }
 }
@@ -243,19 +198,16 @@ impl ConstraintOptions {
     /// Parameters of the constraints.
     pub(crate) fn params(&self) -> PyResult<PositionParams> {
         Ok(PositionParams {
-            along: self.along.as_ref().map(|along| word("along", along, ALONG)).transpose()?,
-            borders: word("border", &self.border, BORDERS)?,
-            volume: word("volume", &self.volume, VOLUME)?,
+            along: self.along.as_ref().map(|along| named("along", along)).transpose()?,
+            borders: named("border", &self.border)?,
+            volume: named("volume", &self.volume)?,
         })
     }
 }
 
 /// Gains of a preset by its name.
 pub(crate) fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    let smooth = ("smooth", Preset::Suppress);
-    let known: Vec<(&str, Preset)> =
-        std::iter::once(smooth).chain(Preset::ALL.iter().map(|preset| (preset.name(), *preset))).collect();
-    Ok(word("preset", name, &known)?.gains(n_levels))
+    Ok(named::<Preset>("preset", name)?.gains(n_levels))
 }
 
 /// A length in model units, or a share of the diagonal such as `"2%"`.

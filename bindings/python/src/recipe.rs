@@ -2,8 +2,9 @@
 
 use crate::call::run;
 use crate::error;
-use crate::options::{ALONG, BORDERS, LOCAL_FITS, VOLUME};
 use adwave::LevelSpec;
+use adwave::local_fit::LocalFit;
+use adwave::positions::MoveDirection;
 use adwave::region::Length;
 use adwave_io::{Recipe, parse_recipe, recipe_to_text, write_recipe};
 use pyo3::prelude::*;
@@ -46,11 +47,11 @@ impl RecipeData {
         found.set_item("operator", recipe.operator.map(adwave::operator::OperatorKind::name))?;
         found.set_item("density_invariant", recipe.density_invariant)?;
         found.set_item("keep_creases", recipe.keep_creases)?;
-        found.set_item("local_fit", recipe.local_fit.map(|fit| name_of(fit, LOCAL_FITS)))?;
+        found.set_item("local_fit", recipe.local_fit.map(LocalFit::name))?;
         let positions = &recipe.positions;
-        found.set_item("along", positions.along.map(|along| name_of(along, ALONG)))?;
-        found.set_item("border", name_of(positions.borders, BORDERS))?;
-        found.set_item("volume", name_of(positions.volume, VOLUME))?;
+        found.set_item("along", positions.along.map(MoveDirection::name))?;
+        found.set_item("border", positions.borders.name())?;
+        found.set_item("volume", positions.volume.name())?;
         match &recipe.levels {
             LevelSpec::Default => {}
             LevelSpec::Dyadic(levels) => found.set_item("levels", levels)?,
@@ -74,8 +75,4 @@ impl RecipeData {
         }
         Ok(found)
     }
-}
-
-fn name_of<T: PartialEq>(value: T, known: &[(&'static str, T)]) -> Option<&'static str> {
-    known.iter().find(|(_, word)| *word == value).map(|(name, _)| *name)
 }

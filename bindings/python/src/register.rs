@@ -10,7 +10,7 @@ use adwave::Progress;
 use adwave::shape::Shape;
 use adwave_io::Subset;
 use adwave_register::{
-    AlignParams, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Signs, Surface,
+    AlignParams, ClosestPointSearch, Motion, Registrand, Registration, SearchParams, ShapeFeatures, Signs,
     align as fit_motion, closest_fit, common_lengths, describe_shape, fit_in_place, register,
     signed_distances,
 };
@@ -179,7 +179,12 @@ fn registrand(side: &Prepared, features: ShapeFeatures, p: Progress<'_>) -> Stag
 }
 
 /// Motion that brings the points of `a` closest to `b`, from where they are or from anywhere.
-fn aligning_motion(a: &Prepared, b: &Prepared, surface: &Surface, p: Progress<'_>) -> Stage<Motion> {
+fn aligning_motion(
+    a: &Prepared,
+    b: &Prepared,
+    surface: &ClosestPointSearch,
+    p: Progress<'_>,
+) -> Stage<Motion> {
     let plain = |side: &Prepared| -> Stage<Registrand> {
         let outward = stage(side.decomposer.outward_normals(side.normals.as_deref(), p))?;
         registrand(side, ShapeFeatures::without_features(outward), p)
@@ -214,9 +219,10 @@ fn distances<'py>(
     let decomposer = &a.decomposer;
     let limit = limit.as_ref().map(length).transpose()?;
     let limit = limit.map_or(f64::INFINITY, |limit| limit.to_model_units(decomposer.extent()));
-    let (Some(own), Some(surface)) =
-        (decomposer.geometry().and_then(Surface::new), b.decomposer.geometry().and_then(Surface::new))
-    else {
+    let (Some(own), Some(surface)) = (
+        decomposer.geometry().and_then(ClosestPointSearch::new),
+        b.decomposer.geometry().and_then(ClosestPointSearch::new),
+    ) else {
         return Err(value_error("a graph has no surface; give meshes or clouds"));
     };
     let work = |p: Progress<'_>| -> Stage<_> {

@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
-use crate::options::{KINDS, word};
+use crate::options::named;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave::{Decomposer, Progress};
@@ -74,7 +74,7 @@ impl ShapeData {
 }
 
 fn parse_kind(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
-    kind.map(|kind| word("kind", kind, KINDS)).transpose()
+    kind.map(|kind| named("kind", kind)).transpose()
 }
 
 fn parse_format(format: Option<&str>) -> PyResult<Option<Format>> {
@@ -256,7 +256,7 @@ impl ShapeData {
 
     #[getter]
     fn kind(&self) -> &'static str {
-        KINDS.iter().find(|(_, kind)| *kind == self.kind).map_or("mesh", |(name, _)| name)
+        self.kind.name()
     }
 
     #[getter]

@@ -3,14 +3,13 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
-use crate::options::{PRECISIONS, word};
+use crate::options::named;
 use adwave::Cancelled;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, Kernel,
-    NearestLists, Normalization, Pooling, ScatteringParams, SelfLoops, Symmetrization, Transformation,
-    WalkAccuracy, WalkMatrix, WalkOptions, WalkPowers, cross_validate, impute_into, kernel_weights,
-    nearest_lists, pool, scatter, split_counts,
+    CountMatrix, CountValues, CrossValidationParams, DimensionedPoints, ImputationInput, KernelName,
+    NearestLists, ScatteringParams, SelfLoops, Transformation, WalkAccuracy, WalkMatrix, WalkOptions,
+    WalkPowers, cross_validate, impute_into, kernel_weights, nearest_lists, pool, scatter, split_counts,
 };
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
@@ -53,30 +52,13 @@ struct WalkChoices {
 
 impl WalkChoices {
     fn options(&self) -> PyResult<WalkOptions> {
-        let self_loops = match self.self_loops.as_str() {
-            "keep" => SelfLoops::Keep,
-            weight => SelfLoops::Weight(
-                weight.parse().map_err(|_| value_error("self_loops must be a number or 'keep'"))?,
-            ),
-        };
-        let symmetrization = match self.symmetrize.as_deref() {
-            None => Symmetrization::None,
-            Some("mean") => Symmetrization::Mean,
-            Some("maximum") => Symmetrization::Maximum,
-            Some(other) => {
-                return Err(value_error(format!("symmetrize must be 'mean' or 'maximum', got {other:?}")));
-            }
-        };
-        let normalization = [Normalization::Row, Normalization::Column, Normalization::Symmetric]
-            .into_iter()
-            .find(|kind| kind.name() == self.normalize)
-            .ok_or_else(|| {
-                value_error(format!(
-                    "normalize must be 'row', 'column' or 'symmetric', got {:?}",
-                    self.normalize
-                ))
-            })?;
-        Ok(WalkOptions { self_loops, symmetrization, normalization, stay: self.stay })
+        Ok(WalkOptions {
+            self_loops: SelfLoops::from_text(&self.self_loops)
+                .ok_or_else(|| value_error("self_loops must be a number or 'keep'"))?,
+            symmetrization: self.symmetrize.as_ref().map(|rule| named("symmetrize", rule)).transpose()?,
+            normalization: named("normalize", &self.normalize)?,
+            stay: self.stay,
+        })
     }
 }
 
@@ -212,7 +194,7 @@ impl WalkData {
         let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
         let signal = arrays::rows(&signal, "signal")?;
         let ScatteringChoices { scales, orders, precision } = choices;
-        let precision = word("precision", &precision, PRECISIONS)?;
+        let precision = named("precision", &precision)?;
         let params = ScatteringParams { scales, orders, precision, max_bytes: adwave_io::free_memory() };
         let found = run(py, usize::MAX, progress.as_ref(), |p| {
             scatter(&self.powers, signal, n_channels, &params, p)
@@ -234,7 +216,7 @@ impl WalkData {
         let n_channels = counts.shape()[1];
         let counts = arrays::rows(&counts, "X")?;
         let channels: Vec<usize> = (0..n_channels).collect();
-        let precision = word("precision", precision, PRECISIONS)?;
+        let precision = named("precision", precision)?;
         let (out, accuracy) = run(py, usize::MAX, None, |p| {
             let counts = CountMatrix { values: CountValues::Dense(counts), n_channels };
             let transformation = Transformation { library_size: None, square_root };
@@ -354,17 +336,7 @@ fn neighbor_weights<'py>(
     kernel: KernelChoice,
 ) -> PyResult<WeightArrays<'py>> {
     let KernelChoice { name, decay, scale_neighbor } = kernel;
-    let kernel = match name.as_str() {
-        "paper" => Kernel::Paper,
-        "adaptive" => Kernel::Adaptive { decay, scale_neighbor },
-        "self-tuning" => Kernel::SelfTuning { scale_neighbor },
-        "density-invariant" => Kernel::DensityInvariant,
-        _ => {
-            return Err(value_error(format!(
-                "kernel must be 'adaptive', 'paper', 'self-tuning' or 'density-invariant', got {name:?}"
-            )));
-        }
-    };
+    let kernel = named::<KernelName>("kernel", &name)?.with_scale(decay, scale_neighbor);
     let (offsets, indices, distances) = (offsets.as_slice()?, indices.as_slice()?, distances.as_slice()?);
     let rows = run(py, usize::MAX, None, |p| {
         let lists = if offsets.len() == 1 {
@@ -411,17 +383,7 @@ fn pool_graphs<'py>(
     let n_channels = values.shape()[2];
     let values = values3(&values, "values")?;
     let graph_of = graph_of.as_slice()?;
-    let pooling = match pooling {
-        "mean" => Pooling::Mean,
-        "max" => Pooling::Max,
-        "norms" => Pooling::Norms,
-        "moments" => Pooling::Moments,
-        other => {
-            return Err(value_error(format!(
-                "pool must be 'mean', 'max', 'norms' or 'moments', got {other:?}"
-            )));
-        }
-    };
+    let pooling = named("pool", pooling)?;
     let out = run(py, usize::MAX, None, |_| {
         Ok::<_, Cancelled>(pool(values, n_channels, graph_of, n_graphs, pooling))
     })?;

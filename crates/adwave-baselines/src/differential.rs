@@ -10,7 +10,7 @@
 //! Strength: when a handle is dragged, the details follow at the cost of one solve per move. Weaknesses: there is a
 //! single band, details do not rotate with the handle, and the result depends on the positions of the anchors.
 
-use crate::laplacian::{Laplacian, LaplacianParams};
+use crate::laplacian::{LaplacianMatrices, LaplacianParams};
 use crate::linalg::{Ldlt, LinalgError, SymmetricMatrix};
 use adwave::Progress;
 use adwave::operator::Diffusion;
@@ -101,7 +101,7 @@ impl Differential {
                 let row = |x: usize| ring.row(x).iter().map(|&y| (y, 1.0)).collect();
                 ((0..geometry.n_vertices()).map(row).collect(), geometry.vertex_map().clone())
             } else {
-                let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
+                let laplacian = LaplacianMatrices::new(shape, &LaplacianParams::default())?;
                 let row = |x: usize| {
                     let (columns, values) = laplacian.stiffness.row(x);
                     let off = columns.iter().zip(values).filter(|&(&y, &s)| y as usize != x && s < 0.0);

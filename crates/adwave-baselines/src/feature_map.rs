@@ -5,7 +5,7 @@
 //! Euler's formula. Weakness: features on a slope are missed, because they are not critical points of `f_t` at any
 //! scale.
 
-use crate::laplacian::{Laplacian, LaplacianParams};
+use crate::laplacian::{LaplacianMatrices, LaplacianParams};
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use crate::sgwt::{Polynomial, apply_polynomials, largest_eigenvalue};
 use adwave::Progress;
@@ -105,7 +105,7 @@ pub fn feature_map(
     if signal.len() != shape.n_vertices() || signal.iter().any(|v| !v.is_finite()) {
         return Err(FeatureMapError::Signal { expected: shape.n_vertices(), got: signal.len() });
     }
-    let laplacian = Laplacian::new(shape, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(shape, &LaplacianParams::default())?;
     let geometry =
         PreparedGeometry::new(shape, WeldMode::default(), progress.quiet()).map_err(LinalgError::from)?;
     let mut first_vertex = vec![usize::MAX; laplacian.n()];
@@ -144,7 +144,7 @@ struct Heat {
 }
 
 impl Heat {
-    fn new(laplacian: &Laplacian) -> Self {
+    fn new(laplacian: &LaplacianMatrices) -> Self {
         // A vertex without mass has no row in S and keeps its value.
         let root: Vec<f64> = laplacian.mass.iter().map(|&m| if m > 0.0 { m.sqrt() } else { 1.0 }).collect();
         let inverse: Vec<f64> = root.iter().map(|r| 1.0 / r).collect();

@@ -8,7 +8,7 @@
 //! Strengths: a frequency response is exact and can be arbitrarily sharp, and a few coefficients represent a smooth
 //! shape. Weaknesses: time and memory grow with the number of frequencies, and no function is local.
 
-use crate::laplacian::Laplacian;
+use crate::laplacian::LaplacianMatrices;
 use crate::linalg::{EigenInfo, EigenParams, LinalgError, smallest_eigenpairs};
 use adwave::Progress;
 use adwave::shape::VertexMap;
@@ -72,15 +72,15 @@ impl Harmonics {
     /// ```
     /// use adwave::{Progress, shape::{Graph, Shape}};
     /// use adwave_baselines::harmonics::Harmonics;
-    /// use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+    /// use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
     /// let edge = Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?);
-    /// let laplacian = Laplacian::new(&edge, &LaplacianParams::default())?;
+    /// let laplacian = LaplacianMatrices::new(&edge, &LaplacianParams::default())?;
     /// let harmonics = Harmonics::new(&laplacian, 5, &Default::default(), Progress::none())?;
     /// assert!(harmonics.values[0] == 0.0 && (harmonics.values[1] - 2.0).abs() < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(
-        laplacian: &Laplacian,
+        laplacian: &LaplacianMatrices,
         k: usize,
         params: &EigenParams,
         progress: Progress<'_>,

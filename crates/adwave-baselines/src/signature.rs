@@ -38,9 +38,9 @@ pub fn heat_times(harmonics: &Harmonics, n_times: usize) -> Vec<f64> {
 ///
 /// ```
 /// use adwave::{Progress, shape::{Graph, Shape}};
-/// use adwave_baselines::{harmonics::Harmonics, laplacian::{Laplacian, LaplacianParams}, signature::heat_kernel_signature};
+/// use adwave_baselines::{harmonics::Harmonics, laplacian::{LaplacianMatrices, LaplacianParams}, signature::heat_kernel_signature};
 /// let edge = Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?);
-/// let laplacian = Laplacian::new(&edge, &LaplacianParams::default())?;
+/// let laplacian = LaplacianMatrices::new(&edge, &LaplacianParams::default())?;
 /// let harmonics = Harmonics::new(&laplacian, 2, &Default::default(), Progress::none())?;
 /// let signature = heat_kernel_signature(&harmonics, &[1.0]);
 /// assert!((signature.values[0] - 0.5 * (1.0 + f64::exp(-2.0))).abs() < 1e-15);

@@ -82,8 +82,8 @@ by_kind!(
     adwave_deform::DeformError,
     adwave_render::RenderError,
     adwave_report::demo::DemoError,
-    adwave_report::reproduce::ModelError,
-    adwave_report::reproduce::ReproduceError,
+    adwave_reproduce::ModelError,
+    adwave_reproduce::ReproduceError,
     adwave_simplify::SimplifyError,
     adwave_subdivision::SubdivisionError,
 );

@@ -9,7 +9,7 @@ use adwave::vector::{norm, subtract};
 use adwave::{Decomposer, Progress};
 use adwave_deform::{base_points, transfer, transfer_decomposer, with_base};
 use adwave_io::{ReadLimits, read_path};
-use adwave_register::Surface;
+use adwave_register::ClosestPointSearch;
 
 /// Angle of the bend.
 const BEND: f64 = 69.0;
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (from, onto) =
         (transfer_decomposer(shape.geometry().unwrap().shape(), Progress::none())?, read_mesh(simpler)?);
     let onto = transfer_decomposer(&onto, Progress::none())?;
-    let surface = Surface::new(from.geometry().unwrap()).ok_or("no surface")?;
+    let surface = ClosestPointSearch::new(from.geometry().unwrap()).ok_or("no surface")?;
     println!(
         "| width, % | distance of the simpler mesh with its detail from the shape, rms, % | of the simpler mesh's base |\n|---|---|---|"
     );

@@ -9,7 +9,7 @@ use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode};
 use adwave::vector::{Vector, add_scaled, dot, norm, subtract, unit};
 use adwave::{Decomposer, Progress};
-use adwave_register::Surface;
+use adwave_register::ClosestPointSearch;
 use rayon::prelude::*;
 
 /// Width of the coarse shapes, as a share of the diagonal, if none is given.
@@ -129,7 +129,7 @@ pub fn transfer(
 
 /// Nearest places on a coarse shape.
 struct CoarsePlaces {
-    surface: Surface,
+    surface: ClosestPointSearch,
     /// Welded vertex of the shape of each vertex of the search structure.
     number: Vec<u32>,
 }
@@ -155,7 +155,7 @@ impl CoarsePlaces {
         for (x, &y) in geometry.vertex_map().as_slice().iter().enumerate() {
             number[y as usize] = x as u32;
         }
-        let surface = Surface::new(&geometry).ok_or(DeformError::NoPositions)?;
+        let surface = ClosestPointSearch::new(&geometry).ok_or(DeformError::NoPositions)?;
         Ok(Self { surface, number })
     }
 

@@ -6,9 +6,9 @@ use adwave::bands::Precision;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
     CountMatrix, CountValues, DimensionedPoints, ImputationInput, Kernel, ScatteringParams, SelfLoops,
-    Transformation, WalkMatrix, WalkOptions, WalkPowers, impute_into, kernel_weights, nearest_lists,
-    read_edges, scatter,
+    Transformation, WalkMatrix, WalkOptions, WalkPowers, impute_into, kernel_weights, nearest_lists, scatter,
 };
+use adwave_io::read_edge_rows;
 use std::io::{BufRead, Read};
 use std::time::Instant;
 
@@ -130,7 +130,7 @@ fn edge(i: u64, n: u64) -> (u64, u64) {
 }
 
 fn power_law(n: usize, n_edges: usize) -> Result<CompressedRows<f64>, Box<dyn std::error::Error>> {
-    let list = read_edges(EdgeText::new(n as u64, n_edges as u64), n, Progress::none())?;
+    let list = read_edge_rows(EdgeText::new(n as u64, n_edges as u64), n, Progress::none())?;
     Ok(list.weights)
 }
 

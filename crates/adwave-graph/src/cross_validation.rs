@@ -280,7 +280,7 @@ mod tests {
             }
         }
         entries.sort_by_key(|e| (e.0, e.1));
-        let weights = CompressedRows::from_sorted(n, entries).unwrap();
+        let weights = CompressedRows::from_sorted(n, n, entries).unwrap();
         let options = WalkOptions { stay: 0.25, ..WalkOptions::default() };
         let walk = WalkMatrix::from_weights(weights, options, Progress::none()).unwrap();
         let mut random = Pcg64Mcg::seed_from_u64(9);

@@ -196,44 +196,6 @@ pub enum GraphWalkError {
         /// Number of nodes.
         n_nodes: usize,
     },
-    /// A line of an edge list that is no edge.
-    #[error("line {line} of the list of edges: {problem}")]
-    BadLine {
-        /// The line, from 1.
-        line: u64,
-        /// The problem.
-        problem: String,
-    },
-    /// A line of a MatrixMarket file that does not fit.
-    #[error("line {line} of the matrix: {problem}")]
-    BadMatrixLine {
-        /// The line, from 1.
-        line: u64,
-        /// The problem.
-        problem: String,
-    },
-    /// Numbers of nodes that leave most nodes without edges.
-    #[error(
-        "the largest number of a node is {largest}, for {n_edges} edges; number the nodes from 0 without gaps"
-    )]
-    Gaps {
-        /// Largest number of a node.
-        largest: u32,
-        /// Number of edges.
-        n_edges: u64,
-    },
-    /// A matrix of which most rows or columns are empty.
-    #[error(
-        "the matrix has {n_rows} rows and {n_columns} columns for {n_entries} entries; leave out empty ones"
-    )]
-    Empty {
-        /// Number of rows.
-        n_rows: u64,
-        /// Number of columns.
-        n_columns: u64,
-        /// Number of entries.
-        n_entries: u64,
-    },
     /// The result does not fit the limit on memory.
     #[error("this needs {needed} bytes of memory, more than the limit of {limit}; {advice}")]
     TooLarge {

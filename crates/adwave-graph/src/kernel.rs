@@ -1,8 +1,8 @@
 //! Weights of neighbors: kernels of their distances.
 
 use crate::{GraphWalkError, NearestLists};
-use adwave::Progress;
 use adwave::rows::CompressedRows;
+use adwave::{Progress, named_values};
 
 /// Weight of a pair of neighbors at the distance d.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +28,39 @@ pub enum Kernel {
     /// `k(x,y)/q(x)q(y)` with the kernel k of the paper and its row sums q, which removes the density of the points (α = 1 of
     /// `coifmanlafon2006`).
     DensityInvariant,
+}
+
+/// Name of a [`Kernel`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum KernelName {
+    /// [`Kernel::Adaptive`].
+    Adaptive,
+    /// [`Kernel::Paper`].
+    Paper,
+    /// [`Kernel::SelfTuning`].
+    SelfTuning,
+    /// [`Kernel::DensityInvariant`].
+    DensityInvariant,
+}
+
+named_values!(KernelName, "kernel", {
+    Adaptive => "adaptive", "exp(−d/σ), σ the distance to the fifth neighbor, mean of both directions";
+    Paper => "paper", "exp(−d²/2E²), E the mean distance, as in the paper";
+    SelfTuning => "self-tuning", "exp(−d²/σσ′) with the scales of both points";
+    DensityInvariant => "density-invariant", "The paper's, divided by the density of the points";
+});
+
+impl KernelName {
+    /// The kernel of this name; those without a decay or a scale leave them out.
+    pub fn with_scale(self, decay: f64, scale_neighbor: usize) -> Kernel {
+        match self {
+            Self::Adaptive => Kernel::Adaptive { decay, scale_neighbor },
+            Self::Paper => Kernel::Paper,
+            Self::SelfTuning => Kernel::SelfTuning { scale_neighbor },
+            Self::DensityInvariant => Kernel::DensityInvariant,
+        }
+    }
 }
 
 /// Smallest weight that is kept: smaller ones have no effect in double precision and only cost time.
@@ -155,7 +188,7 @@ fn symmetric(
             entry.2 *= 0.5;
         }
     }
-    Ok(CompressedRows::from_sorted(n, merged)?)
+    Ok(CompressedRows::from_sorted(n, n, merged)?)
 }
 
 #[cfg(test)]

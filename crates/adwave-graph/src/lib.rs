@@ -8,7 +8,6 @@
 //! | powers of the walk for many channels, and their adjoint | [`WalkPowers`] |
 //! | imputation of counts, and its time by cross-validation | [`impute_into`], [`cross_validate`] |
 //! | geometric scattering, and moments of its coefficients | [`scatter`], [`pool`] |
-//! | large edge lists and matrices | [`read_edges`], [`read_matrix_market`] |
 //!
 //! With the feature `anndata`, an `.h5ad` file is read and edited by [`AnnDataFile`] and [`write_replaced`].
 //!
@@ -19,15 +18,12 @@ mod accuracy;
 mod anndata;
 mod count_matrix;
 mod cross_validation;
-mod edge_list;
 mod error;
 mod impute;
 mod kernel;
 mod lane_block;
 mod lane_rows;
 mod lanes;
-mod lines;
-mod matrix_market;
 mod nearest;
 mod node_order;
 mod point_blocks;
@@ -42,11 +38,9 @@ pub use accuracy::WalkAccuracy;
 pub use anndata::{AnnDataError, AnnDataFile, AnnDataMatrix, ReplacedMatrix, write_replaced};
 pub use count_matrix::{CountMatrix, CountValues, Transformation};
 pub use cross_validation::{CrossValidation, CrossValidationParams, cross_validate, split_counts};
-pub use edge_list::{EdgeList, read_edges};
 pub use error::GraphWalkError;
 pub use impute::{ImputationInput, impute_into};
-pub use kernel::{Kernel, kernel_weights};
-pub use matrix_market::{SparseMatrix, read_matrix_market};
+pub use kernel::{Kernel, KernelName, kernel_weights};
 pub use nearest::{DimensionedPoints, MAX_TIED, NearestLists, nearest_lists};
 pub use pooling::{Pooling, pool};
 pub use powers::WalkPowers;

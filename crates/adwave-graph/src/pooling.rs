@@ -1,6 +1,7 @@
 //! Features of whole graphs: statistics of node values, graph by graph.
 
 use crate::GraphWalkError;
+use adwave::named_values;
 
 /// Statistics of the values of a graph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,6 +17,13 @@ pub enum Pooling {
     /// Mean, variance, skewness and excess kurtosis; the last two are 0 where all values are equal.
     Moments,
 }
+
+named_values!(Pooling, "pool", {
+    Mean => "mean", "The mean";
+    Max => "max", "The maximum";
+    Norms => "norms", "Sums of the powers 1 to 4 of the sizes";
+    Moments => "moments", "Mean, variance, skewness and excess kurtosis";
+});
 
 impl Pooling {
     /// Number of statistics per path and channel.

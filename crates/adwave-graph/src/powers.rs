@@ -253,7 +253,7 @@ pub(crate) mod tests {
             }
         }
         entries.sort_by_key(|e| (e.0, e.1));
-        let weights = CompressedRows::from_sorted(n, entries).unwrap();
+        let weights = CompressedRows::from_sorted(n, n, entries).unwrap();
         let options = WalkOptions { stay, ..WalkOptions::default() };
         let walk = WalkMatrix::from_weights(weights, options, Progress::none()).unwrap();
         WalkPowers::new(walk, Progress::none()).unwrap()

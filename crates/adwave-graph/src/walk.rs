@@ -4,7 +4,7 @@ use crate::GraphWalkError;
 use adwave::operator::{Diffusion, DiffusionError};
 use adwave::rows::CompressedRows;
 use adwave::shape::{Graph, Shape};
-use adwave::{Decomposer, Progress};
+use adwave::{Decomposer, Progress, named_values};
 use std::sync::OnceLock;
 
 /// Treatment of the diagonal of the weights.
@@ -20,18 +20,27 @@ pub enum SelfLoops {
     Weight(f64),
 }
 
-/// Symmetry of the weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+impl SelfLoops {
+    /// The treatment that a text names: `keep`, or a weight.
+    pub fn from_text(text: &str) -> Option<Self> {
+        if text == "keep" { Some(Self::Keep) } else { text.parse().ok().map(Self::Weight) }
+    }
+}
+
+/// Rule that makes weights symmetric.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Symmetrization {
-    /// The weights as they are. A walk on weights that are not symmetric is directed: powers and whole steps only.
-    #[default]
-    None,
     /// `½(W + Wᵀ)`.
     Mean,
     /// The larger of both directions.
     Maximum,
 }
+
+named_values!(Symmetrization, "symmetrize", {
+    Mean => "mean", "The mean of both directions";
+    Maximum => "maximum", "The larger of both directions";
+});
 
 /// Divisors that make a walk of weights W with the row sums D.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,24 +55,20 @@ pub enum Normalization {
     Symmetric,
 }
 
-impl Normalization {
-    /// Name of the normalization.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Row => "row",
-            Self::Column => "column",
-            Self::Symmetric => "symmetric",
-        }
-    }
-}
+named_values!(Normalization, "normalize", {
+    Row => "row", "Rows sum to 1: values are averaged";
+    Column => "column", "Columns sum to 1: amounts are moved";
+    Symmetric => "symmetric", "Both by square roots";
+});
 
 /// Construction of a walk from weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WalkOptions {
     /// Diagonal of the weights.
     pub self_loops: SelfLoops,
-    /// Symmetry of the weights.
-    pub symmetrization: Symmetrization,
+    /// Rule that makes the weights symmetric; `None` takes them as they are. A walk on weights that are not symmetric is
+    /// directed: powers and whole steps only.
+    pub symmetrization: Option<Symmetrization>,
     /// Divisors.
     pub normalization: Normalization,
     /// Share of the steps that stay: the walk is `stay·I + (1 − stay)·P`, with stay in 0 … 1. At ½ the walk is that of the
@@ -119,9 +124,9 @@ impl WalkMatrix {
         }
         progress.check()?;
         let weights = match symmetrization {
-            Symmetrization::None => weights,
-            Symmetrization::Mean => merge(&weights, &transpose(&weights), |a, b| 0.5 * (a + b)),
-            Symmetrization::Maximum => merge(&weights, &transpose(&weights), f64::max),
+            None => weights,
+            Some(Symmetrization::Mean) => merge(&weights, &transpose(&weights), |a, b| 0.5 * (a + b)),
+            Some(Symmetrization::Maximum) => merge(&weights, &transpose(&weights), f64::max),
         };
         progress.check()?;
         let mut weights = with_loops(weights, self_loops);
@@ -460,10 +465,11 @@ mod tests {
             walk(&one_way, column),
             Err(GraphWalkError::NotSymmetric { row: 0, column: 1, .. })
         ));
-        let mean = walk(&one_way, WalkOptions { symmetrization: Symmetrization::Mean, ..options }).unwrap();
+        let mean =
+            walk(&one_way, WalkOptions { symmetrization: Some(Symmetrization::Mean), ..options }).unwrap();
         assert!(mean.is_reversible());
         assert_eq!(mean.rows().get(1, 0), 0.5 / 1.5);
-        let most = WalkOptions { symmetrization: Symmetrization::Maximum, ..options };
+        let most = WalkOptions { symmetrization: Some(Symmetrization::Maximum), ..options };
         assert_eq!(walk(&one_way, most).unwrap().rows().get(1, 0), 0.5);
     }
 

@@ -10,7 +10,8 @@
 //! needed for a resolution.
 //!
 //! [`Format::markdown_list`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains it.
-//! Arrays are read from NPY and written as NPY and NPZ.
+//! Arrays are read from NPY and written as NPY and NPZ. Lists of edges and matrices that are too large for a shape are
+//! read as streams into sparse rows: [`read_edge_rows`], [`read_matrix_market`], [`open_text`].
 //!
 //! All files may be compressed by gzip.
 //!
@@ -80,6 +81,8 @@ pub use formats::dmat::read::{parse_dmat_field, read_dmat_field};
 pub use formats::gifti::read::{parse_gifti_fields, read_gifti_fields, read_gifti_fields_with};
 #[cfg(feature = "neuro")]
 pub use formats::gifti::write::{write_gifti_fields, write_gifti_fields_with};
+#[cfg(feature = "graph")]
+pub use formats::graph::edge_rows::{EdgeRows, read_edge_rows};
 #[cfg(feature = "las")]
 pub use formats::las::fields::is_flagged_record;
 #[cfg(feature = "las")]
@@ -87,10 +90,14 @@ pub use formats::las::part::{CloudLevels, CloudPart, cloud_levels};
 #[cfg(feature = "las")]
 pub use formats::las::stream::{LasColumn, LasLayout, LasReader, LasWriter};
 #[cfg(feature = "graph")]
+pub use formats::mtx::rows::read_matrix_market;
+#[cfg(feature = "graph")]
 pub use formats::mtx::write::{write_matrix_market, write_matrix_market_with};
 pub use formats::npy::columns::{NpyColumns, NpyColumnsWriter};
 pub use formats::npy::read::{NpyArray, read_npy, read_npy_bytes, read_npy_with};
-pub use formats::npy::write::{ArrayValues, Compression, NpzWriter, write_npy, write_npz, write_sparse_npz};
+pub use formats::npy::write::{
+    ArrayValues, Compression, MatrixValue, NpzWriter, write_npy, write_npz, write_sparse_npz,
+};
 pub use labels::{distinct_labels, labels_of_field};
 pub use limits::{ReadLimits, free_memory};
 pub use mesh_stream::{MeshReader, VertexColumn, VertexEdit, rewrite_mesh};
@@ -102,8 +109,7 @@ pub use model::partial::FileRows;
 pub use model::point_flags::{NOISE_CLASSES, WITHHELD_FLAG};
 pub use model::report::WriteReport;
 pub use model::shape::{ShapeFileError, ShapeKind};
-pub use model::shape_file::{Direction, Edges, Precision, ShapeFile, ShapeParts};
-pub use model::sparse_rows::{MatrixValues, SparseRows};
+pub use model::shape_file::{CoordinatePrecision, Direction, Edges, ShapeFile, ShapeParts};
 pub use model::subset::{CornerValues, Subset};
 pub use model::texture::TextureError;
 pub use model::units::{CoordinateSystem, CoordinateSystemKind, LengthUnit};
@@ -123,6 +129,7 @@ pub use signal::{
     keep_left_out_values, named_axis, named_signal, with_axis, written_signal,
 };
 pub use text::csv::{csv_number, push_csv_row};
+pub use text::stream::open_text;
 #[cfg(feature = "texture")]
 pub use texture::texture_colors;
 pub use transaction::Transaction;

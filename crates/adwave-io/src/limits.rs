@@ -35,6 +35,12 @@ pub fn free_memory() -> Option<u64> {
     free.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
+/// Largest number of vertices, rows or columns of a file with `n_items` bytes or entries: empty ones take no bytes in
+/// the file, but memory in every later computation.
+pub(crate) fn most_numbered(n_items: usize) -> u64 {
+    1_000_000 + 64 * n_items as u64
+}
+
 impl ReadLimits {
     /// Checks a number of vertices.
     pub(crate) fn check_points(&self, n_points: u64) -> Result<(), ReadError> {

@@ -1,6 +1,6 @@
 //! Alignment: the motion that brings one shape closest to another.
 
-use crate::{ClosestPoint, Motion, Surface};
+use crate::{ClosestPoint, ClosestPointSearch, Motion};
 use adwave::vector::{cross, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use nalgebra::{SMatrix, SVector};
@@ -67,7 +67,7 @@ const MIN_PROGRESS: f64 = 0.01;
 /// Returns [`Cancelled`] on cancellation.
 pub fn align(
     points: &[[f64; 3]],
-    surface: &Surface,
+    surface: &ClosestPointSearch,
     start: Motion,
     params: &AlignParams,
     progress: Progress<'_>,
@@ -113,7 +113,7 @@ fn half_extent(points: &[[f64; 3]]) -> f64 {
 /// Pairs points with their closest points, without those on a border.
 fn interior_pairs<'a>(
     moved: &'a [[f64; 3]],
-    surface: &'a Surface,
+    surface: &'a ClosestPointSearch,
 ) -> impl Iterator<Item = ([f64; 3], ClosestPoint)> + use<'a> {
     let closest: Vec<ClosestPoint> = moved.par_iter().map(|p| surface.closest(p)).collect();
     moved.iter().copied().zip(closest).filter(|(_, closest)| !closest.is_border && closest.normal != [0.0; 3])
@@ -129,7 +129,13 @@ struct Round {
 }
 
 /// Performs one round; `None` if too few points have a closest point.
-fn align_round(moved: &[[f64; 3]], surface: &Surface, size: f64, reach: f64, scaled: bool) -> Option<Round> {
+fn align_round(
+    moved: &[[f64; 3]],
+    surface: &ClosestPointSearch,
+    size: f64,
+    reach: f64,
+    scaled: bool,
+) -> Option<Round> {
     let pairs: Vec<([f64; 3], ClosestPoint)> = interior_pairs(moved, surface).collect();
     if pairs.len() < 6 || size <= 0.0 {
         return None;

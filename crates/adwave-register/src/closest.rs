@@ -13,7 +13,7 @@ use std::collections::HashSet;
 const TANGENT_RADIUS: f64 = 1.5;
 
 /// Search structure for the closest points of a mesh or cloud, over the welded vertices of a prepared geometry.
-pub struct Surface {
+pub struct ClosestPointSearch {
     /// Power of two by which lengths are divided, to avoid overflow of squares.
     unit: f64,
     index: SurfaceIndex,
@@ -54,7 +54,7 @@ impl ClosestPoint {
     }
 }
 
-impl Surface {
+impl ClosestPointSearch {
     /// Builds the search structure in O(n log n); `None` for a graph or a shape without points. A mesh without triangles is
     /// treated as a cloud.
     pub fn new(geometry: &PreparedGeometry) -> Option<Self> {

@@ -1,6 +1,6 @@
 //! Signed distances from one shape to another.
 
-use crate::{ClosestPoint, Signs, Surface};
+use crate::{ClosestPoint, ClosestPointSearch, Signs};
 use adwave::vector::{add_scaled, dot, norm, subtract};
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ pub struct SignedDistances {
 pub fn signed_distances(
     points: &[[f64; 3]],
     signs: &Signs,
-    surface: &Surface,
+    surface: &ClosestPointSearch,
     limit: f64,
     progress: Progress<'_>,
 ) -> Result<SignedDistances, Cancelled> {

@@ -1,4 +1,4 @@
-//! Registration of two shapes: closest points of a surface ([`Surface`]), motions ([`Motion`], [`align`]), pairs of
+//! Registration of two shapes: closest points of a surface ([`ClosestPointSearch`]), motions ([`Motion`], [`align`]), pairs of
 //! features ([`pairs_under`]), the motion between two shapes that is better than chance and those that fit equally well
 //! ([`register()`]), and signed distances ([`signed_distances`]).
 //!
@@ -18,7 +18,7 @@ mod side;
 mod two_way_fit;
 
 pub use align::{AlignInfo, AlignParams, MAX_GROWTH, align};
-pub use closest::{ClosestPoint, Surface};
+pub use closest::{ClosestPoint, ClosestPointSearch};
 pub use consensus::Key;
 pub use distance::{SignedDistances, Summary, signed_distances};
 pub use motion::Motion;

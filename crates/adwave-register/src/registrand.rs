@@ -3,7 +3,7 @@
 use crate::closest::border_vertices;
 use crate::motion::PrincipalFrame;
 use crate::shape_features::Landmarks;
-use crate::{ClosestPoint, Motion, ShapeFeatures, Surface};
+use crate::{ClosestPoint, ClosestPointSearch, Motion, ShapeFeatures};
 use adwave::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use adwave::{Cancelled, Decomposer, Progress};
 use nalgebra::{Matrix3, Vector3};
@@ -20,7 +20,7 @@ const N_VERTICES: usize = 3000;
 /// A shape prepared for registration.
 pub struct Registrand {
     /// Search structure.
-    pub surface: Surface,
+    pub surface: ClosestPointSearch,
     /// Features with bands and normals.
     pub features: ShapeFeatures,
     /// Mean distance between neighboring vertices, in model units.
@@ -57,7 +57,7 @@ impl Registrand {
         progress: Progress<'_>,
     ) -> Result<Option<Self>, Cancelled> {
         let Some(geometry) = decomposer.geometry() else { return Ok(None) };
-        let Some(surface) = Surface::new(geometry) else { return Ok(None) };
+        let Some(surface) = ClosestPointSearch::new(geometry) else { return Ok(None) };
         let widest = features.bands.as_ref().map_or(0.0, |b| b.sigma.iter().copied().fold(0.0, f64::max));
         progress.check()?;
         let areas = welded_areas(decomposer);

@@ -1,4 +1,4 @@
-//! Saliency and features from bands in the order of the shape.
+//! Saliency and features from bands in the order of the shape. For the crates of this workspace.
 
 use adwave::bands::{Bands, Wavelets};
 use adwave::features::{self, Feature, FeatureError, FeatureParams, Response};
@@ -11,7 +11,10 @@ fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
 }
 
 /// The map of [`saliency::saliency`] over all channels together.
-pub(crate) fn saliency(
+///
+/// # Errors
+/// Those of [`saliency::saliency`].
+pub fn saliency(
     decomposer: &Decomposer,
     bands: &Bands,
     params: &SaliencyParams,
@@ -48,7 +51,10 @@ pub(crate) fn signed_saliency(
 }
 
 /// The maps of [`saliency::saliency_per_level`] over all channels together.
-pub(crate) fn saliency_per_level(
+///
+/// # Errors
+/// Those of [`saliency::saliency_per_level`].
+pub fn saliency_per_level(
     decomposer: &Decomposer,
     bands: &Bands,
     params: &SaliencyParams,
@@ -58,7 +64,10 @@ pub(crate) fn saliency_per_level(
 }
 
 /// The features of [`features::features`] over all channels together, or of each channel if the response is by channel.
-pub(crate) fn features(
+///
+/// # Errors
+/// Those of [`features::features`].
+pub fn features(
     decomposer: &Decomposer,
     bands: &Bands,
     params: &FeatureParams,

@@ -1,11 +1,11 @@
-//! Pages of pictures and numbers: the report of one shape, the comparison of two versions, and the figures and tables of the paper.
+//! Pages of pictures and numbers: the report of one shape and the comparison of two versions.
 
-mod analysis;
+#[doc(hidden)]
+pub mod analysis;
 pub mod demo;
 mod detail;
 pub mod difference_report;
 pub mod page;
-pub mod reproduce;
 pub mod shape_report;
 mod table;
 

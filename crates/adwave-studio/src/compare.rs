@@ -10,7 +10,7 @@ use adwave::Decomposer;
 use adwave::filter::displacement;
 use adwave_baselines::differential::Differential;
 use adwave_baselines::harmonics::{Harmonics, Remainder};
-use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave_baselines::linalg::EigenParams;
 use adwave_baselines::taubin::WindowedSinc;
 use serde::Deserialize;
@@ -92,7 +92,7 @@ pub(crate) fn compare(
             })?
         }
         Method::Harmonics => {
-            let laplacian = Laplacian::new(&session.input.shape, &LaplacianParams::default());
+            let laplacian = LaplacianMatrices::new(&session.input.shape, &LaplacianParams::default());
             let laplacian = laplacian.map_err(|e| ApiError::from_classified(&e))?;
             let harmonics =
                 Harmonics::new(&laplacian, N_HARMONICS, &EigenParams::default(), session.progress());

@@ -6,7 +6,7 @@ use adwave::Progress;
 use adwave::operator::OperatorKind;
 use adwave::shape::{PreparedGeometry, Shape, WeldMode};
 use adwave_io::{ShapeFile, file_normals};
-use adwave_register::{Signs, Summary, Surface, signed_distances};
+use adwave_register::{ClosestPointSearch, Signs, Summary, signed_distances};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -30,8 +30,8 @@ pub(crate) fn deviation_response(
     let geometry = decomposer.geometry_for("a comparison").map_err(|e| ApiError::from_classified(&e))?;
     let other = PreparedGeometry::new(&shape_of(other_file)?, WeldMode::default(), progress)
         .map_err(|e| ApiError::from_classified(&e))?;
-    let surface =
-        Surface::new(&other).ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
+    let surface = ClosestPointSearch::new(&other)
+        .ok_or_else(|| ApiError::bad_request("the other shape has no points"))?;
     let stored = [file, other_file].map(file_normals);
     let signs = Signs::choose([geometry, &other], [stored[0].as_deref(), stored[1].as_deref()], progress)
         .map_err(|e| ApiError::from_classified(&e))?;

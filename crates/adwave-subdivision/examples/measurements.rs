@@ -7,7 +7,7 @@
 use adwave::Progress;
 use adwave::shape::{MeshArea, mesh_areas};
 use adwave_io::{ReadLimits, read_gifti_fields, read_path};
-use adwave_subdivision::{Coefficients, Family, HaarWavelets, Hierarchy, LiftedWavelets, subdivide};
+use adwave_subdivision::{Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, subdivide};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -153,7 +153,7 @@ fn mean(field: &[f64], areas: &[f64]) -> f64 {
 fn kept_errors(
     field: &[f64],
     areas: &[f64],
-    coefficients: &Coefficients,
+    coefficients: &LiftedCoefficients,
     synthesize: &dyn Fn(&[f64]) -> Outcome<Vec<f64>>,
 ) -> Outcome<Vec<f64>> {
     [0.05, 0.1, 0.2]

@@ -4,7 +4,7 @@ use crate::SubdivisionError;
 
 /// Coefficients of a field: as many as it has values, one row for each vertex or face of the mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Coefficients {
+pub struct LiftedCoefficients {
     /// Number of channels.
     pub n_channels: usize,
     /// Coefficients, row-major, in the order of the mesh.
@@ -15,7 +15,7 @@ pub struct Coefficients {
     pub norms: Vec<f64>,
 }
 
-impl Coefficients {
+impl LiftedCoefficients {
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.levels.len()

@@ -6,7 +6,8 @@
 //! 1 − max (nβ/2)/(1 − nβ) and 1 + max nβ/(1 − nβ), since Σ (x_a + x_b + x_c)² ≥ 0 over the faces; on a border between 2/3
 //! and 4/3. Chebyshev's iteration with these bounds needs a fixed number of steps, and no sums over all vertices.
 
-use crate::rows::{SparseRows, visit_rows};
+use crate::rows::visit_rows;
+use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
 /// Residual that the iteration is bound to reach, relative to the values.
@@ -16,7 +17,7 @@ const ACCURACY: f64 = 1e-16;
 #[derive(Clone, Debug)]
 pub(crate) struct EvenRule {
     /// Weights of the neighbors; the vertex itself has 1 less their sum.
-    neighbors: SparseRows,
+    neighbors: CompressedRows<f64>,
     /// Weight of each vertex in itself.
     diagonal: Vec<f64>,
     /// Number of steps, and the bounds of the spectrum.
@@ -27,7 +28,7 @@ pub(crate) struct EvenRule {
 
 impl EvenRule {
     /// Prepares weights of neighbors.
-    pub(crate) fn new(neighbors: SparseRows) -> Self {
+    pub(crate) fn new(neighbors: CompressedRows<f64>) -> Self {
         let diagonal: Vec<f64> =
             (0..neighbors.n_rows()).map(|v| 1.0 - neighbors.row(v).1.iter().sum::<f64>()).collect();
         let (mut least, mut greatest) = (2.0_f64 / 3.0, 4.0_f64 / 3.0);

@@ -7,7 +7,7 @@
 
 use crate::lifting::{check_field, usable_masses};
 use crate::topology::NONE;
-use crate::{Coefficients, Hierarchy, SubdivisionError};
+use crate::{Hierarchy, LiftedCoefficients, SubdivisionError};
 use adwave::Progress;
 
 /// Haar wavelets on the faces of a hierarchy, prepared for many fields.
@@ -112,7 +112,7 @@ impl HaarWavelets {
         values: &[f64],
         n_channels: usize,
         progress: Progress<'_>,
-    ) -> Result<Coefficients, SubdivisionError> {
+    ) -> Result<LiftedCoefficients, SubdivisionError> {
         check_field(values, self.n_faces(), n_channels, "values of the faces")?;
         let mut field = values.to_vec();
         for (row, area) in field.chunks_exact_mut(n_channels).zip(&self.areas) {
@@ -127,7 +127,7 @@ impl HaarWavelets {
             }
         }
         let norms = vec![1.0; self.n_faces()];
-        Ok(Coefficients { n_channels, values: field, levels: self.levels.clone(), norms })
+        Ok(LiftedCoefficients { n_channels, values: field, levels: self.levels.clone(), norms })
     }
 
     /// Field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).

@@ -8,7 +8,7 @@
 //! Another pyramid for the same purpose is that of `guskov1999`.
 
 use crate::lifting::{StepRule, check_field};
-use crate::rows::{Entry, SparseRows};
+use crate::rows::{Entry, RowBuilder};
 use crate::{Family, LiftedWavelets, SubdivisionError};
 use adwave::{Cancelled, Progress};
 use rayon::slice::ParallelSliceMut;
@@ -112,7 +112,7 @@ impl Round {
         n_coarse: usize,
         progress: Progress<'_>,
     ) -> Result<StepRule, Cancelled> {
-        let (mut prediction, mut row, mut first) = (SparseRows::new(), Vec::new(), 0);
+        let (mut prediction, mut row, mut first) = (RowBuilder::new(), Vec::new(), 0);
         for (k, count) in self.counts.into_iter().enumerate() {
             if k % AT_A_TIME == 0 {
                 progress.check()?;
@@ -122,6 +122,7 @@ impl Round {
             prediction.push_row(&mut row);
             first += count;
         }
+        let prediction = prediction.finish(n_coarse);
         let supports = prediction.clone();
         Ok(StepRule { n_coarse, prediction, supports, even: None })
     }

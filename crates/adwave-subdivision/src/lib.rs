@@ -38,7 +38,7 @@ mod topology;
 mod update;
 mod weld;
 
-pub use coefficients::Coefficients;
+pub use coefficients::LiftedCoefficients;
 pub use error::{Obstacle, SubdivisionError};
 pub use family::Family;
 pub use haar::HaarWavelets;

@@ -2,10 +2,11 @@
 
 use crate::even_solve::EvenRule;
 use crate::prediction::Prediction;
-use crate::rows::SparseRows;
+use crate::rows::{add_product, from_diagonal};
 use crate::stencils;
 use crate::update::{Synthesis, Update};
-use crate::{Coefficients, Family, Hierarchy, SubdivisionError};
+use crate::{Family, Hierarchy, LiftedCoefficients, SubdivisionError};
+use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
 /// Share of the mean mass that every vertex has at least, so that each update exists.
@@ -47,16 +48,16 @@ pub(crate) struct LiftingStep {
     n_coarse: usize,
     n_fine: usize,
     prediction: Prediction,
-    update: SparseRows,
+    update: CompressedRows<f64>,
     even: Option<EvenRule>,
 }
 
 /// Weights of one step before its update is known.
 pub(crate) struct StepRule {
     pub(crate) n_coarse: usize,
-    pub(crate) prediction: SparseRows,
+    pub(crate) prediction: CompressedRows<f64>,
     /// Coarse vertices that the update of each midpoint may change.
-    pub(crate) supports: SparseRows,
+    pub(crate) supports: CompressedRows<f64>,
     pub(crate) even: Option<EvenRule>,
 }
 
@@ -113,7 +114,7 @@ impl LiftedWavelets {
         let n = order.len();
         let masses = usable_masses(masses, n, "areas of the vertices")?;
         let mut fine: Vec<f64> = order.iter().map(|&v| masses[v as usize]).collect();
-        let mut products = SparseRows::from_diagonal(&fine);
+        let mut products = from_diagonal(&fine);
         let mut norms = vec![0.0; n];
         let mut levels = vec![0_u32; n];
         let mut steps = Vec::new();
@@ -132,7 +133,7 @@ impl LiftedWavelets {
             (fine, products) = (masses, coarse_products);
         }
         for (k, &v) in order[..fine.len()].iter().enumerate() {
-            norms[v as usize] = products.diagonal(k).max(0.0).sqrt();
+            norms[v as usize] = products.get(k, k).max(0.0).sqrt();
             levels[v as usize] = steps.len() as u32 + 1;
         }
         Ok(Self { family, order, steps, masses, levels, norms })
@@ -192,14 +193,14 @@ impl LiftedWavelets {
         values: &[f64],
         n_channels: usize,
         progress: Progress<'_>,
-    ) -> Result<Coefficients, SubdivisionError> {
+    ) -> Result<LiftedCoefficients, SubdivisionError> {
         check_field(values, self.n_vertices(), n_channels, "values of the vertices")?;
         let mut field = self.gather(values, n_channels);
         for step in &self.steps {
             step.analyze(&mut field, n_channels, progress)?;
         }
         let values = self.scatter(&field, n_channels);
-        Ok(Coefficients { n_channels, values, levels: self.levels.clone(), norms: self.norms.clone() })
+        Ok(LiftedCoefficients { n_channels, values, levels: self.levels.clone(), norms: self.norms.clone() })
     }
 
     /// Field of some coefficients; the inverse of [`analyze`](Self::analyze). O(n).
@@ -300,12 +301,12 @@ impl LiftingStep {
             rule.solve(coarse, d, progress)?;
         }
         self.prediction.add_product(-1.0, coarse, details, d, progress)?;
-        self.update.add_product(1.0, details, coarse, d, progress)
+        add_product(&self.update, 1.0, details, coarse, d, progress)
     }
 
     fn synthesize(&self, field: &mut [f64], d: usize, progress: Progress<'_>) -> Result<(), Cancelled> {
         let (coarse, details) = field[..self.n_fine * d].split_at_mut(self.n_coarse * d);
-        self.update.add_product(-1.0, details, coarse, d, progress)?;
+        add_product(&self.update, -1.0, details, coarse, d, progress)?;
         self.prediction.add_product(1.0, coarse, details, d, progress)?;
         if let Some(rule) = &self.even {
             let moved = rule.apply(coarse, d, progress)?;

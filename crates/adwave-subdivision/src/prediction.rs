@@ -1,7 +1,8 @@
 //! Predictions of midpoints, with the eight weights of the regular butterfly left out: a third of the memory to read.
 
-use crate::rows::{SparseRows, visit_rows};
+use crate::rows::{RowBuilder, add_product, visit_rows};
 use crate::topology::NONE;
+use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 
 /// Weights of the regular butterfly: of the ends of the edge, of the opposite corners, of the corners beyond.
@@ -13,25 +14,24 @@ pub(crate) struct Prediction {
     /// Columns of the regular rows in the order of [`WEIGHTS`]; [`NONE`] in other rows. Empty if no row is regular.
     regular: Vec<[u32; 8]>,
     /// The other rows.
-    others: SparseRows,
+    others: CompressedRows<f64>,
 }
 
 impl Prediction {
-    pub(crate) fn new(rows: &SparseRows) -> Self {
+    pub(crate) fn new(rows: &CompressedRows<f64>) -> Self {
         let regular: Vec<[u32; 8]> = (0..rows.n_rows()).map(|i| regular_columns(rows, i)).collect();
         if regular.iter().all(|columns| columns[0] == NONE) {
             return Self { regular: Vec::new(), others: rows.clone() };
         }
-        let mut others = SparseRows::new();
+        let mut others = RowBuilder::new();
         for (i, columns) in regular.iter().enumerate() {
             if columns[0] == NONE {
                 let (columns, values) = rows.row(i);
-                others.columns.extend_from_slice(columns);
-                others.values.extend_from_slice(values);
+                columns.iter().zip(values).for_each(|(&column, &value)| others.push(column, value));
             }
-            others.offsets.push(others.columns.len() as u32);
+            others.end_row();
         }
-        Self { regular, others }
+        Self { regular, others: others.finish(rows.n_columns()) }
     }
 
     /// Adds `sign` times the prediction from `coarse` to `details`, both with `d` channels.
@@ -58,15 +58,15 @@ impl Prediction {
                 }
             })?;
         }
-        if self.others.columns.is_empty() {
+        if self.others.nnz() == 0 {
             return Ok(());
         }
-        self.others.add_product(sign, coarse, details, d, progress)
+        add_product(&self.others, sign, coarse, details, d, progress)
     }
 }
 
 /// Columns of a regular row by their weights; [`NONE`] for another row.
-fn regular_columns(rows: &SparseRows, i: usize) -> [u32; 8] {
+fn regular_columns(rows: &CompressedRows<f64>, i: usize) -> [u32; 8] {
     let (columns, values) = rows.row(i);
     if columns.len() != WEIGHTS.len() {
         return [NONE; 8];

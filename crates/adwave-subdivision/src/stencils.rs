@@ -1,8 +1,9 @@
 //! Subdivision rules: weights of the coarse vertices in a midpoint, and of a Loop vertex in itself and its neighbors.
 
 use crate::hierarchy::HierarchyLevel;
-use crate::rows::{Entry, SparseRows};
+use crate::rows::{Entry, RowBuilder};
 use crate::topology::{NONE, Topology};
+use adwave::rows::CompressedRows;
 use std::f64::consts::TAU;
 
 /// Number of neighbors beyond which a vertex is treated as a regular one by butterfly subdivision, and gives no ring to updates:
@@ -10,19 +11,19 @@ use std::f64::consts::TAU;
 const MAX_RING: usize = 32;
 
 /// Weights of the coarse vertices in each midpoint for linear subdivision: one half for each end of the edge.
-pub(crate) fn linear(level: &HierarchyLevel) -> SparseRows {
-    let mut rows = SparseRows::new();
+pub(crate) fn linear(level: &HierarchyLevel) -> CompressedRows<f64> {
+    let mut rows = RowBuilder::new();
     let mut entries = Vec::new();
     for pair in &level.parents {
         entries.extend(pair.map(|column| Entry { column, value: 0.5 }));
         rows.push_row(&mut entries);
     }
-    rows
+    rows.finish(level.topology.n_vertices)
 }
 
 /// Weights of the coarse vertices in each midpoint for Loop subdivision (`loop1987`): 3/8 for the ends of the edge and 1/8 for
 /// the corners opposite it; on a border one half for each end.
-pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> SparseRows {
+pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> CompressedRows<f64> {
     midpoint_rows(level, |topology, half_edge, entries| {
         let ends = topology.ends(half_edge);
         let Some(across) = topology.apex_across(half_edge) else {
@@ -40,14 +41,14 @@ pub(crate) fn loop_midpoints(level: &HierarchyLevel) -> SparseRows {
 ///
 /// Inside: β = (5/8 − (3/8 + cos(2π/n)/4)²)/n for each of the n neighbors (`loop1987`); on a border 1/8 for each neighbor along
 /// it.
-pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> SparseRows {
+pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> CompressedRows<f64> {
     let topology = &level.topology;
     let mut is_active = vec![false; topology.n_vertices];
     for pair in &level.parents {
         is_active[pair[0] as usize] = true;
         is_active[pair[1] as usize] = true;
     }
-    let mut rows = SparseRows::new();
+    let mut rows = RowBuilder::new();
     let mut entries = Vec::new();
     for v in 0..topology.n_vertices as u32 {
         if is_active[v as usize] {
@@ -61,7 +62,7 @@ pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> SparseRows {
         }
         rows.push_row(&mut entries);
     }
-    rows
+    rows.finish(level.topology.n_vertices)
 }
 
 /// Weights of the coarse vertices in each midpoint for modified butterfly subdivision (`zorin1996`).
@@ -70,7 +71,7 @@ pub(crate) fn loop_neighbors(level: &HierarchyLevel) -> SparseRows {
 /// corner that is missing beyond a border is the reflection of the corner opposite it. At an irregular end inside the surface
 /// the weights are those of its ring, and the mean of both if both ends are irregular. On a border: 9/16 for the ends and −1/16
 /// for the next vertices along it; beyond an end without four neighbors, a corner, stands the reflection of the other end.
-pub(crate) fn butterfly(level: &HierarchyLevel) -> SparseRows {
+pub(crate) fn butterfly(level: &HierarchyLevel) -> CompressedRows<f64> {
     midpoint_rows(level, |topology, half_edge, entries| {
         let ends = topology.ends(half_edge);
         if topology.twins[half_edge as usize] == NONE {
@@ -154,7 +155,10 @@ fn push_irregular(topology: &Topology, half_edge: u32, end: u32, entries: &mut V
 }
 
 /// Rows of the midpoints in their order, each from a half-edge of the coarse mesh.
-fn midpoint_rows(level: &HierarchyLevel, push: impl Fn(&Topology, u32, &mut Vec<Entry>)) -> SparseRows {
+fn midpoint_rows(
+    level: &HierarchyLevel,
+    push: impl Fn(&Topology, u32, &mut Vec<Entry>),
+) -> CompressedRows<f64> {
     let topology = &level.topology;
     let mut half_edges = vec![NONE; level.parents.len()];
     for (h, &midpoint) in (0..).zip(&level.midpoint_of) {
@@ -163,19 +167,19 @@ fn midpoint_rows(level: &HierarchyLevel, push: impl Fn(&Topology, u32, &mut Vec<
             *slot = h.min(*slot);
         }
     }
-    let mut rows = SparseRows::new();
+    let mut rows = RowBuilder::new();
     let mut entries = Vec::new();
     for half_edge in half_edges {
         push(topology, half_edge, &mut entries);
         rows.push_row(&mut entries);
     }
-    rows
+    rows.finish(level.topology.n_vertices)
 }
 
 /// Coarse vertices within `n_rings` edges of a parent of each midpoint: the support of its update.
-pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> SparseRows {
+pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> CompressedRows<f64> {
     let topology = &level.topology;
-    let mut rows = SparseRows::new();
+    let mut rows = RowBuilder::new();
     let (mut entries, mut support) = (Vec::new(), Vec::new());
     for pair in &level.parents {
         support.clear();
@@ -196,5 +200,5 @@ pub(crate) fn parent_rings(level: &HierarchyLevel, n_rings: usize) -> SparseRows
         entries.extend(support.iter().map(|&column| Entry { column, value: 0.0 }));
         rows.push_row(&mut entries);
     }
-    rows
+    rows.finish(level.topology.n_vertices)
 }

@@ -13,7 +13,8 @@
 //! Inner products below a share of their norms are left out: this changes the weights a little, but not the integral.
 
 use crate::even_solve::EvenRule;
-use crate::rows::{Entry, SparseRows};
+use crate::rows::{Entry, RowBuilder, product, transpose, without_small};
+use adwave::rows::CompressedRows;
 use adwave::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -29,26 +30,26 @@ const RIDGE: f64 = 1e-12;
 /// Synthesis of one step without details: rows at the coarse vertices (the identity if there is no rule) and at the midpoints.
 pub(crate) struct Synthesis<'a> {
     pub(crate) even: Option<&'a EvenRule>,
-    pub(crate) prediction: &'a SparseRows,
+    pub(crate) prediction: &'a CompressedRows<f64>,
     pub(crate) n_coarse: usize,
 }
 
 /// Result of the least squares.
 pub(crate) struct Update {
     /// Weights by coarse vertex, one column for each midpoint.
-    pub(crate) rows: SparseRows,
+    pub(crate) rows: CompressedRows<f64>,
     /// Masses of the coarse vertices.
     pub(crate) masses: Vec<f64>,
     /// Inner products of the coarse scaling functions on the mesh.
-    pub(crate) products: SparseRows,
+    pub(crate) products: CompressedRows<f64>,
     /// Norms of the wavelets of the midpoints on the mesh.
     pub(crate) norms: Vec<f64>,
 }
 
 impl Synthesis<'_> {
     /// All rows of S: those of the coarse vertices, then those of the midpoints.
-    fn rows(&self) -> SparseRows {
-        let mut rows = SparseRows::new();
+    fn rows(&self) -> CompressedRows<f64> {
+        let mut rows = RowBuilder::new();
         let mut entries = Vec::new();
         for v in 0..self.n_coarse {
             match self.even {
@@ -68,28 +69,28 @@ impl Synthesis<'_> {
             entries.extend(row.map(|(&column, &value)| Entry { column, value }));
             rows.push_row(&mut entries);
         }
-        rows
+        rows.finish(self.n_coarse)
     }
 
     /// Least squares on the support of each midpoint, for masses and inner products of the finer level.
     pub(crate) fn update(
         &self,
-        supports: &SparseRows,
+        supports: &CompressedRows<f64>,
         fine_masses: &[f64],
-        fine_products: &SparseRows,
+        fine_products: &CompressedRows<f64>,
         progress: Progress<'_>,
     ) -> Result<Update, Cancelled> {
         let rows = self.rows();
-        let columns = rows.transpose(self.n_coarse);
+        let columns = transpose(&rows);
         progress.check()?;
         let mut masses = vec![0.0; self.n_coarse];
         for (k, mass) in masses.iter_mut().enumerate() {
             let (fine, weights) = columns.row(k);
             *mass = fine.iter().zip(weights).map(|(&x, s)| fine_masses[x as usize] * s).sum();
         }
-        let mixed = columns.product(fine_products, fine_masses.len(), progress)?;
-        let products = mixed.product(&rows, self.n_coarse, progress)?.without_small(DROP);
-        let by_midpoint = mixed.transpose(fine_masses.len());
+        let mixed = product(&columns, fine_products, progress)?;
+        let products = without_small(&product(&mixed, &rows, progress)?, DROP);
+        let by_midpoint = transpose(&mixed);
         let n = self.prediction.n_rows();
         let gram = GramMatrices { products: &products, by_fine: &by_midpoint, masses: &masses };
         let chunk = |chunk: usize| -> Result<Vec<Solved>, Cancelled> {
@@ -98,7 +99,7 @@ impl Synthesis<'_> {
             let range = chunk * AT_A_TIME..((chunk + 1) * AT_A_TIME).min(n);
             let solved = range.map(|i| {
                 let x = self.n_coarse + i;
-                let fine = FineFunction { index: x, mass: fine_masses[x], square: fine_products.diagonal(x) };
+                let fine = FineFunction { index: x, mass: fine_masses[x], square: fine_products.get(x, x) };
                 system.solve(&fine, supports.row(i).0)
             });
             Ok(solved.collect())
@@ -109,7 +110,7 @@ impl Synthesis<'_> {
         } else {
             (0..n_chunks).into_par_iter().map(chunk).collect()
         };
-        let (mut weights, mut norms, mut entries) = (SparseRows::new(), Vec::with_capacity(n), Vec::new());
+        let (mut weights, mut norms, mut entries) = (RowBuilder::new(), Vec::with_capacity(n), Vec::new());
         for (i, one) in solved?.into_iter().flatten().enumerate() {
             let row = supports.row(i).0.iter().zip(one.weights);
             entries.extend(row.map(|(&column, value)| Entry { column, value }));
@@ -117,15 +118,15 @@ impl Synthesis<'_> {
             norms.push(one.norm);
         }
         progress.check()?;
-        Ok(Update { rows: weights.transpose(self.n_coarse), masses, products, norms })
+        Ok(Update { rows: transpose(&weights.finish(self.n_coarse)), masses, products, norms })
     }
 }
 
 /// Inner products of coarse functions with each other and with fine ones, and the integrals of the coarse ones.
 struct GramMatrices<'a> {
-    products: &'a SparseRows,
+    products: &'a CompressedRows<f64>,
     /// By fine function, one column for each coarse one.
-    by_fine: &'a SparseRows,
+    by_fine: &'a CompressedRows<f64>,
     masses: &'a [f64],
 }
 

@@ -67,6 +67,7 @@ pub mod mask;
 pub mod measure;
 mod named;
 pub mod operator;
+#[doc(hidden)]
 pub mod pages;
 mod parallel;
 mod population;

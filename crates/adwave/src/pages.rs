@@ -1,4 +1,5 @@
 //! Large vectors in large pages, values that are fetched ahead of their use, and return of freed memory to the system.
+//! For the crates of this workspace.
 #![allow(unsafe_code)]
 
 /// A vector of `len` zeros, in pages of 2 MiB if the system supports them. The first touch of a gigabyte in pages

@@ -3,7 +3,7 @@
 use super::shared::{row, smoothing};
 use super::{CompareError, Comparison, ComparisonInput};
 use crate::harmonics::{Harmonics, Remainder};
-use crate::laplacian::{Laplacian, LaplacianParams};
+use crate::laplacian::{LaplacianMatrices, LaplacianParams};
 use crate::linalg::EigenParams;
 use adwave::Progress;
 use adwave::bands::Bands;
@@ -17,7 +17,7 @@ pub(super) fn compare(
     progress: Progress<'_>,
 ) -> Result<Comparison, CompareError> {
     let start = Instant::now();
-    let laplacian = Laplacian::new(input.shape, &LaplacianParams::default())?;
+    let laplacian = LaplacianMatrices::new(input.shape, &LaplacianParams::default())?;
     let harmonics = Harmonics::new(&laplacian, input.n_harmonics, &EigenParams::default(), progress)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();

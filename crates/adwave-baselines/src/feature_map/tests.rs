@@ -69,7 +69,7 @@ fn heat_takes_critical_points_away_and_keeps_the_mean() {
         levels[0].points.len() > 4 * levels[1].points.len()
             && levels[1].points.len() > 4 * levels[2].points.len()
     );
-    let laplacian = Laplacian::new(&shape, &LaplacianParams::default()).unwrap();
+    let laplacian = LaplacianMatrices::new(&shape, &LaplacianParams::default()).unwrap();
     let mean = |f: &[f64]| {
         laplacian.vertex_map.mean(f, 1).iter().zip(&laplacian.mass).map(|(f, m)| f * m).sum::<f64>()
     };

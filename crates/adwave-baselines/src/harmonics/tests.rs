@@ -6,7 +6,7 @@ use adwave::shape::{Mesh, PointCloud, Polygons, Shape};
 use std::f64::consts::PI;
 
 fn harmonics(shape: &Shape, k: usize) -> Harmonics {
-    let laplacian = Laplacian::new(shape, &LaplacianParams::default()).unwrap();
+    let laplacian = LaplacianMatrices::new(shape, &LaplacianParams::default()).unwrap();
     Harmonics::new(&laplacian, k, &EigenParams::default(), Progress::none()).unwrap()
 }
 
@@ -215,7 +215,7 @@ fn tiny_and_broken_shapes_have_harmonics() {
 #[test]
 fn more_harmonics_than_one_band_are_orthonormal_and_complete() {
     let shape = sample("creature", 2500);
-    let laplacian = Laplacian::new(&shape, &LaplacianParams::default()).unwrap();
+    let laplacian = LaplacianMatrices::new(&shape, &LaplacianParams::default()).unwrap();
     let by_bands = |band| {
         Harmonics::new(&laplacian, 130, &EigenParams::default().with_band(band), Progress::none()).unwrap()
     };

@@ -70,16 +70,16 @@ pub struct LaplacianInfo {
 ///
 /// ```
 /// use adwave::shape::{Mesh, Polygons, Shape};
-/// use adwave_baselines::laplacian::{Laplacian, LaplacianParams};
+/// use adwave_baselines::laplacian::{LaplacianMatrices, LaplacianParams};
 /// let square = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 /// let mesh = Mesh::new(square, Polygons::from_triangles(&[[0, 1, 2], [0, 2, 3]]))?;
-/// let laplacian = Laplacian::new(&Shape::Mesh(mesh), &LaplacianParams::default())?;
+/// let laplacian = LaplacianMatrices::new(&Shape::Mesh(mesh), &LaplacianParams::default())?;
 /// assert!((laplacian.mass.iter().sum::<f64>() - 1.0).abs() < 1e-15);
 /// assert!(laplacian.stiffness.product(&[1.0; 4]).iter().all(|v| v.abs() < 1e-15));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Laplacian {
+pub struct LaplacianMatrices {
     /// S: symmetric, positive semi-definite, rows summing to 0, without unit on a surface.
     pub stiffness: SymmetricMatrix,
     /// Diagonal of M, ≥ 0, in squared model units (1 for a graph).
@@ -90,7 +90,7 @@ pub struct Laplacian {
     pub info: LaplacianInfo,
 }
 
-impl Laplacian {
+impl LaplacianMatrices {
     /// Builds the Laplacian of `shape`: cotangents on a mesh, heat kernel on a cloud, `D − W` on a graph. O(n log n).
     ///
     /// # Errors

@@ -12,8 +12,8 @@ fn sample(name: &str, n: usize) -> Shape {
     Shape::Mesh(Mesh::new(sample.points, sample.faces).unwrap())
 }
 
-fn laplacian(shape: &Shape, triangulation: Triangulation) -> Laplacian {
-    Laplacian::new(shape, &LaplacianParams::default().with_triangulation(triangulation)).unwrap()
+fn laplacian(shape: &Shape, triangulation: Triangulation) -> LaplacianMatrices {
+    LaplacianMatrices::new(shape, &LaplacianParams::default().with_triangulation(triangulation)).unwrap()
 }
 
 /// Rounding of sums of a few thousand terms.

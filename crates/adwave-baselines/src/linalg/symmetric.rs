@@ -45,7 +45,7 @@ impl SymmetricMatrix {
         all.extend((0..n as u32).map(|x| (x, x, 0.0)));
         // The sort is stable, so that both halves sum in the same order and are bit-identical.
         all.par_sort_by_key(|e| (e.0, e.1));
-        let Ok(rows) = CompressedRows::from_sorted(n, all) else {
+        let Ok(rows) = CompressedRows::from_sorted(n, n, all) else {
             unreachable!("the entries have been checked and sorted")
         };
         Ok(Self { rows })
@@ -196,7 +196,7 @@ impl SymmetricMatrix {
                 .filter(|&(column, _)| column != u32::MAX)
                 .map(move |(column, &value)| (new, column, value))
         });
-        let Ok(rows) = CompressedRows::from_sorted(kept.len(), entries) else {
+        let Ok(rows) = CompressedRows::from_sorted(kept.len(), kept.len(), entries) else {
             unreachable!("rows and columns stay in ascending order")
         };
         Self { rows }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::laplacian::{Laplacian, LaplacianParams};
+use crate::laplacian::{LaplacianMatrices, LaplacianParams};
 use adwave::shape::{Graph, Shape};
 
 /// Grid whose edges all have different weights.
@@ -17,7 +17,7 @@ fn grid(width: u32) -> SymmetricMatrix {
         .flatten()
         .collect();
     let shape = Shape::Graph(Graph::new((width * width) as usize, &edges).unwrap());
-    Laplacian::new(&shape, &LaplacianParams::default()).unwrap().stiffness
+    LaplacianMatrices::new(&shape, &LaplacianParams::default()).unwrap().stiffness
 }
 
 const FAMILIES: [KernelFamily; 4] =
@@ -123,7 +123,7 @@ fn the_largest_eigenvalue_is_bounded_from_above() {
 fn tiny_graphs_and_wrong_input() {
     for n in [1, 2, 50] {
         let shape = Shape::Graph(Graph::new(n, &[]).unwrap());
-        let laplacian = Laplacian::new(&shape, &LaplacianParams::default()).unwrap().stiffness;
+        let laplacian = LaplacianMatrices::new(&shape, &LaplacianParams::default()).unwrap().stiffness;
         let kernels = Kernels::new(KernelFamily::Meyer, 4, largest_eigenvalue(&laplacian)).unwrap();
         let frame = Frame::new(laplacian.clone(), kernels, 1e-6).unwrap();
         let f = signal(n);

@@ -34,6 +34,6 @@ pub(crate) use parse::{
 };
 pub(crate) use region_help::regions_help;
 pub(crate) use selection::SelectionArgs;
-pub(crate) use shape::{ShapeArgs, ShapeKindArg};
+pub(crate) use shape::ShapeArgs;
 pub(crate) use signal::{SignalArgs, signal_names};
-pub(crate) use walk::{GivenWalkArgs, KernelArg, WalkArgs};
+pub(crate) use walk::{GivenWalkArgs, SCALE_NEIGHBOR, WalkArgs};

@@ -48,14 +48,10 @@ pub(crate) fn number(text: &str) -> Result<f64, String> {
 
 /// Reads a treatment of noise that neighbors share.
 pub(crate) fn shared_noise(text: &str) -> Result<SharedNoise, String> {
-    match text.trim() {
-        "detail" => Ok(SharedNoise::Detail),
-        "auto" => Ok(SharedNoise::Estimate),
-        number => match number.parse::<f64>() {
-            Ok(deviation) => Ok(SharedNoise::Deviation(deviation)),
-            Err(_) => Err("must be detail, auto or a number".to_owned()),
-        },
-    }
+    let text = text.trim();
+    SharedNoise::from_word(text)
+        .or_else(|| text.parse().ok().map(SharedNoise::Deviation))
+        .ok_or_else(|| "must be detail, auto or a number".to_owned())
 }
 
 /// Reads a length of any sign and size; levels and errors are checked when all is known.

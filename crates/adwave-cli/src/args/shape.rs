@@ -1,10 +1,10 @@
 //! The shape.
 
 use super::file_name::file_name;
-use super::parse::{count, number, seed};
+use super::parse::{count, number, parse_named, seed};
 use super::{CloudPartArgs, OperatorArgs, SelectionArgs};
 use adwave_io::ShapeKind;
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 /// A shape and its diffusion operator.
 #[derive(Clone, Debug, Args)]
@@ -17,8 +17,8 @@ pub(crate) struct ShapeArgs {
     #[command(flatten)]
     pub(crate) selection: SelectionArgs,
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
-    #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
-    pub(crate) kind: Option<ShapeKindArg>,
+    #[arg(long = "as", value_name = "KIND", value_parser = parse_named::<ShapeKind>(), help_heading = "Shape")]
+    pub(crate) kind: Option<ShapeKind>,
     /// Approximate number of vertices of a sample
     #[arg(long, value_name = "N", value_parser = count, help_heading = "Shape")]
     pub(crate) vertices: Option<usize>,
@@ -33,22 +33,4 @@ pub(crate) struct ShapeArgs {
     pub(crate) allow_degrees: bool,
     #[command(flatten)]
     pub(crate) operator: OperatorArgs,
-}
-
-/// Kind that a file is taken as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ShapeKindArg {
-    Mesh,
-    Cloud,
-    Graph,
-}
-
-impl From<ShapeKindArg> for ShapeKind {
-    fn from(kind: ShapeKindArg) -> Self {
-        match kind {
-            ShapeKindArg::Mesh => Self::Mesh,
-            ShapeKindArg::Cloud => Self::Cloud,
-            ShapeKindArg::Graph => Self::Graph,
-        }
-    }
 }

@@ -1,8 +1,8 @@
 //! The walk of commands that work on nodes without a shape.
 
-use super::parse::{count_from_one, number};
-use adwave_graph::{Kernel, Normalization, Symmetrization};
-use clap::{ArgGroup, Args, ValueEnum};
+use super::parse::{count_from_one, number, parse_named};
+use adwave_graph::{KernelName, Normalization, Symmetrization};
+use clap::{ArgGroup, Args};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -34,84 +34,21 @@ pub(crate) struct WalkArgs {
     #[arg(long, value_name = "K", value_parser = count_from_one)]
     pub(crate) neighbors: Option<NonZeroUsize>,
     /// Points: weights by distance [default: adaptive]
-    #[arg(long, value_name = "KIND", value_enum)]
-    pub(crate) kernel: Option<KernelArg>,
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<KernelName>())]
+    pub(crate) kernel: Option<KernelName>,
     /// Weight of the loop at each node; "keep" takes the diagonal of the graph
     #[arg(long, value_name = "WEIGHT")]
     pub(crate) self_loops: Option<String>,
     /// Graph that is directed: make its weights symmetric
-    #[arg(long, value_name = "KIND", value_enum)]
-    pub(crate) symmetrize: Option<SymmetrizeArg>,
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Symmetrization>())]
+    pub(crate) symmetrize: Option<Symmetrization>,
     /// Divisors of the weights [default: row]
-    #[arg(long, value_name = "KIND", value_enum)]
-    pub(crate) normalize: Option<NormalizeArg>,
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Normalization>())]
+    pub(crate) normalize: Option<Normalization>,
     /// Share of the steps that stay, 0 to 1
     #[arg(long, value_name = "SHARE", value_parser = number)]
     pub(crate) stay: Option<f64>,
 }
 
-/// Weights of neighbors by their distance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum KernelArg {
-    /// exp(−d/σ), σ the distance to the fifth neighbor, mean of both directions
-    Adaptive,
-    /// exp(−d²/2E²), E the mean distance, as in the paper
-    Paper,
-    /// exp(−d²/σσ′) with the scales of both points
-    SelfTuning,
-    /// The paper's, divided by the density of the points
-    DensityInvariant,
-}
-
 /// Neighbor whose distance is the scale of a point.
 pub(crate) const SCALE_NEIGHBOR: usize = 5;
-
-impl KernelArg {
-    pub(crate) fn to_kernel(self) -> Kernel {
-        match self {
-            Self::Adaptive => Kernel::Adaptive { decay: 1.0, scale_neighbor: SCALE_NEIGHBOR },
-            Self::Paper => Kernel::Paper,
-            Self::SelfTuning => Kernel::SelfTuning { scale_neighbor: SCALE_NEIGHBOR },
-            Self::DensityInvariant => Kernel::DensityInvariant,
-        }
-    }
-}
-
-/// Rule that makes weights symmetric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SymmetrizeArg {
-    /// The mean of both directions
-    Mean,
-    /// The larger of both directions
-    Maximum,
-}
-
-impl From<SymmetrizeArg> for Symmetrization {
-    fn from(kind: SymmetrizeArg) -> Self {
-        match kind {
-            SymmetrizeArg::Mean => Self::Mean,
-            SymmetrizeArg::Maximum => Self::Maximum,
-        }
-    }
-}
-
-/// Divisors of the weights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum NormalizeArg {
-    /// Rows sum to 1: values are averaged
-    Row,
-    /// Columns sum to 1: amounts are moved
-    Column,
-    /// Both by square roots
-    Symmetric,
-}
-
-impl From<NormalizeArg> for Normalization {
-    fn from(kind: NormalizeArg) -> Self {
-        match kind {
-            NormalizeArg::Row => Self::Row,
-            NormalizeArg::Column => Self::Column,
-            NormalizeArg::Symmetric => Self::Symmetric,
-        }
-    }
-}

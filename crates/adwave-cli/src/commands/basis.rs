@@ -13,7 +13,7 @@ use crate::resolve::shape::{load_shape, vertex_in_row};
 use adwave::bands::Schedule;
 use adwave::basis::{BasisParams, CompressedRows};
 use adwave::operator::OperatorTask;
-use adwave_io::{ArrayValues, Compression, Field, FieldValues, MatrixValues};
+use adwave_io::{ArrayValues, Compression, Field, FieldValues};
 use clap::Args;
 use serde_json::json;
 use std::ffi::OsStr;
@@ -229,14 +229,8 @@ fn write_matrix(
     matrix: &CompressedRows<f32>,
     format: MatrixFormat,
 ) -> Result<(), adwave_io::WriteError> {
-    let rows = adwave_io::SparseRows {
-        n_columns: matrix.n_rows(),
-        offsets: matrix.offsets(),
-        indices: matrix.columns(),
-        values: MatrixValues::F32(matrix.values()),
-    };
     match format {
-        MatrixFormat::MatrixMarket => adwave_io::write_matrix_market(path, &rows),
-        MatrixFormat::Npz => adwave_io::write_sparse_npz(path, &rows, Compression::Stored),
+        MatrixFormat::MatrixMarket => adwave_io::write_matrix_market(path, matrix),
+        MatrixFormat::Npz => adwave_io::write_sparse_npz(path, matrix, Compression::Stored),
     }
 }

@@ -15,7 +15,7 @@ use adwave::shape::{MeshArea, Shape, mesh_areas};
 use adwave::{Cancelled, Progress};
 use adwave_io::{ArrayValues, Compression, Field, FieldValues};
 use adwave_subdivision::{
-    Coefficients, Family, HaarWavelets, Hierarchy, LiftedWavelets, SubdivisionError, WeldedMesh,
+    Family, HaarWavelets, Hierarchy, LiftedCoefficients, LiftedWavelets, SubdivisionError, WeldedMesh,
 };
 use serde_json::json;
 use std::path::Path;
@@ -205,7 +205,7 @@ fn means_of_corners(values: &[f64], d: usize, triangles: &[[u32; 3]]) -> Vec<f64
 }
 
 impl BasisJob {
-    fn analyze(&self, progress: Progress<'_>) -> Result<Coefficients, CliError> {
+    fn analyze(&self, progress: Progress<'_>) -> Result<LiftedCoefficients, CliError> {
         Ok(match &self.basis {
             MeshWavelets::Vertices(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
             MeshWavelets::Faces(wavelets) => wavelets.analyze(&self.values, self.n_channels, progress)?,
@@ -230,7 +230,7 @@ impl BasisJob {
 
     /// Root mean square difference by area from the field that some coefficients stand for, divided by the deviation of the field;
     /// 0 for a constant field.
-    fn relative_error(&self, kept: &Coefficients, progress: Progress<'_>) -> Result<f64, CliError> {
+    fn relative_error(&self, kept: &LiftedCoefficients, progress: Progress<'_>) -> Result<f64, CliError> {
         let (found, d) = (self.synthesize(&kept.values, progress)?, self.n_channels);
         let (mut error, mut variance) = (0.0, 0.0);
         for c in 0..d {
@@ -306,7 +306,7 @@ fn write_field(
 fn write_coefficients(
     args: &TransformArgs,
     job: &BasisJob,
-    coefficients: &Coefficients,
+    coefficients: &LiftedCoefficients,
     kind: OutputKind,
     global: &Global<'_>,
 ) -> Result<(), CliError> {
@@ -364,7 +364,7 @@ fn write_coefficients(
 fn report(
     args: &TransformArgs,
     job: &BasisJob,
-    all: &Coefficients,
+    all: &LiftedCoefficients,
     error: Option<f64>,
     global: &Global<'_>,
 ) -> Result<(), CliError> {

@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::bar;
 use crate::output::{print, tell};
-use adwave_report::reproduce::{
+use adwave_reproduce::{
     Context, Event, FIGURES, Figure, Models, ReproducedFigure, Target, reproduce, select,
 };
 use clap::Args;

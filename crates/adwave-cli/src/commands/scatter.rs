@@ -11,7 +11,7 @@ use crate::resolve::walk::{
 use adwave::bands::Precision;
 use adwave_graph::{Normalization, Pooling, ScatteringParams, pool, scatter};
 use adwave_io::{ArrayValues, write_npy};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -39,8 +39,8 @@ pub(crate) struct ScatterArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "0,1,2")]
     pub(crate) orders: Vec<u32>,
     /// Statistics over the nodes of each graph
-    #[arg(long, value_name = "KIND", value_enum)]
-    pub(crate) pool: Option<PoolArg>,
+    #[arg(long, value_name = "KIND", value_parser = parse_named::<Pooling>())]
+    pub(crate) pool: Option<Pooling>,
     /// Graph of each node, counted from 0, for --pool of several graphs (.npy) [default: one graph]
     #[arg(long, value_name = "FILE", requires = "pool")]
     pub(crate) batch: Option<PathBuf>,
@@ -49,30 +49,6 @@ pub(crate) struct ScatterArgs {
     pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) walk: WalkArgs,
-}
-
-/// Statistics over the nodes of a graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PoolArg {
-    /// The mean
-    Mean,
-    /// The maximum
-    Max,
-    /// Sums of the powers 1 to 4 of the sizes
-    Norms,
-    /// Mean, variance, skewness and excess kurtosis
-    Moments,
-}
-
-impl From<PoolArg> for Pooling {
-    fn from(kind: PoolArg) -> Self {
-        match kind {
-            PoolArg::Mean => Self::Mean,
-            PoolArg::Max => Self::Max,
-            PoolArg::Norms => Self::Norms,
-            PoolArg::Moments => Self::Moments,
-        }
-    }
 }
 
 pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliError> {
@@ -96,8 +72,7 @@ pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliErro
     let n_paths = found.paths.len();
     let (shape, values, n_graphs) = match args.pool {
         None => (vec![n_paths, n, n_channels], found.values, 1),
-        Some(kind) => {
-            let pooling = Pooling::from(kind);
+        Some(pooling) => {
             let graph_of = match labels {
                 Some((labels, 1)) => graph_labels(&labels)?,
                 Some(_) => return Err(CliError::Input("--batch needs one number per node".to_owned())),

@@ -1,11 +1,12 @@
 //! `adwave studio`: an equalizer for the shape in a browser.
 
-use crate::args::{SelectionArgs, ShapeKindArg, count, file_name, number, to_path};
+use crate::args::{SelectionArgs, count, file_name, number, parse_named, to_path};
 use crate::error::CliError;
 use crate::global::{Global, HeapUse};
 use crate::output::{note, print, print_bytes};
 use crate::resolve::applicable::check_source_options;
 use crate::resolve::shape::{SampleSize, ShapeSource, load_source};
+use adwave_io::ShapeKind;
 use adwave_studio::{StudioAddress, StudioInput, StudioParams, serve};
 use clap::Args;
 use serde_json::json;
@@ -34,8 +35,8 @@ pub(crate) struct StudioArgs {
     #[command(flatten)]
     selection: SelectionArgs,
     /// Take the shape as a mesh or as a cloud of its vertices
-    #[arg(long = "as", alias = "kind", value_name = "KIND")]
-    kind: Option<ShapeKindArg>,
+    #[arg(long = "as", alias = "kind", value_name = "KIND", value_parser = parse_named::<ShapeKind>())]
+    kind: Option<ShapeKind>,
     /// Approximate number of vertices of a sample
     #[arg(long, value_name = "N", value_parser = count)]
     vertices: Option<usize>,

@@ -3,7 +3,7 @@
 use super::applicable::check_shape_options;
 use super::walk::{GivenWalk, read_points};
 pub(crate) use crate::args::GivenLength;
-use crate::args::{SelectionArgs, ShapeArgs, ShapeKindArg, to_path};
+use crate::args::{SelectionArgs, ShapeArgs, to_path};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
@@ -13,8 +13,8 @@ use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
 use adwave::{ClassifiedError, ErrorKind};
 use adwave_io::{
-    CloudPart, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, read_bytes,
-    read_cloud_part_with, read_path_with,
+    CloudPart, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, ShapeKind,
+    read_bytes, read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
 
@@ -91,7 +91,7 @@ impl Input {
 pub(crate) struct ShapeSource<'a> {
     /// A file, `-`, or `sample:NAME`.
     pub(crate) shape: &'a str,
-    pub(crate) kind: Option<ShapeKindArg>,
+    pub(crate) kind: Option<ShapeKind>,
     pub(crate) sample: SampleSize,
     /// The part of a cloud that is read.
     pub(crate) part: CloudPart,
@@ -166,7 +166,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         for text in file.notes() {
             global.inputs.add_remark(text.clone());
         }
-        let kind = source.kind.map_or_else(|| file.kind(), Into::into);
+        let kind = source.kind.unwrap_or_else(|| file.kind());
         let file = match selection {
             Some(selection) => select(file, &name, SelectionUse { selection, rest: Rest::Stays }, global)?,
             None => file,

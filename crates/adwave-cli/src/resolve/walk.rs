@@ -2,7 +2,7 @@
 
 use super::applicable::OPERATOR_OPTIONS;
 use super::shape::{Input, ShapeSource};
-use crate::args::{GivenWalkArgs, KernelArg, ShapeKindArg, WalkArgs};
+use crate::args::{GivenWalkArgs, SCALE_NEIGHBOR, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -11,14 +11,14 @@ use adwave::bands::Precision;
 use adwave::operator::{Diffusion, Semigroup};
 use adwave::rows::CompressedRows;
 use adwave_graph::{
-    DimensionedPoints, GraphWalkError, SelfLoops, SparseMatrix, Symmetrization, WalkAccuracy, WalkMatrix,
-    WalkOptions, WalkPowers, kernel_weights, nearest_lists, read_edges, read_matrix_market,
+    DimensionedPoints, GraphWalkError, KernelName, SelfLoops, WalkAccuracy, WalkMatrix, WalkOptions,
+    WalkPowers, kernel_weights, nearest_lists,
 };
-use adwave_io::{Direction, Edges, ShapeFile, read_npy};
-use flate2::bufread::MultiGzDecoder;
+use adwave_io::{
+    Direction, Edges, ShapeFile, ShapeKind, open_text, read_edge_rows, read_matrix_market, read_npy,
+};
 use serde_json::{Value, json};
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
 /// Number of nearest neighbors of a point.
@@ -92,9 +92,8 @@ pub(crate) fn load_walk_from(
             .given
             .refuse(&options, "applies to weights (--graph, --points); a given walk is taken as it is")?;
         let matrix = read_matrix(path, global)?;
-        let built = with_progress(global, "preparing", |progress| {
-            WalkMatrix::from_probabilities(matrix.rows, progress)
-        });
+        let built =
+            with_progress(global, "preparing", |progress| WalkMatrix::from_probabilities(matrix, progress));
         (built.map_err(|e| in_file(path, &e))?, "as given".to_owned())
     } else {
         build_walk(source, args, defaults, global)?
@@ -139,38 +138,32 @@ fn build_walk(
 ) -> Result<(WalkMatrix, String), CliError> {
     let self_loops = match args.self_loops.as_deref() {
         None => SelfLoops::Weight(defaults.self_loops),
-        Some("keep") => SelfLoops::Keep,
-        Some(text) => match text.parse::<f64>() {
-            Ok(weight) => SelfLoops::Weight(weight),
-            Err(_) => {
-                return Err(CliError::Input(format!(
-                    "--self-loops must be a weight or \"keep\", got {text}"
-                )));
-            }
-        },
+        Some(text) => SelfLoops::from_text(text).ok_or_else(|| {
+            CliError::Input(format!("--self-loops must be a weight or \"keep\", got {text}"))
+        })?,
     };
     let options = WalkOptions {
         self_loops,
-        symmetrization: args.symmetrize.map_or(Symmetrization::None, Into::into),
-        normalization: args.normalize.map(Into::into).unwrap_or_default(),
+        symmetrization: args.symmetrize,
+        normalization: args.normalize.unwrap_or_default(),
         stay: args.stay.unwrap_or(defaults.stay),
     };
     let path = source.path;
     let (weights, source) = match source.content {
         WalkContent::Graph(Some(rows)) => (rows, "on the graph of the file".to_owned()),
         WalkContent::Graph(None) | WalkContent::Walk => {
-            (read_graph(path, global)?.rows, "on the graph".to_owned())
+            (read_graph(path, global)?, "on the graph".to_owned())
         }
         WalkContent::Points(points) => {
             let (k, kernel) =
-                (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelArg::Adaptive));
+                (args.neighbors.map_or(NEIGHBORS, Into::into), args.kernel.unwrap_or(KernelName::Adaptive));
             let (values, n_dimensions) = match points {
                 Some(points) => points,
                 None => read_table(path, global)?,
             };
             let weights = with_progress(global, "finding neighbors", |progress| {
                 let lists = nearest_lists(DimensionedPoints { values: &values, n_dimensions }, k, progress)?;
-                kernel_weights(&lists, kernel.to_kernel(), progress)
+                kernel_weights(&lists, kernel.with_scale(1.0, SCALE_NEIGHBOR), progress)
             });
             let source = format!("to the {k} nearest neighbors of points in {n_dimensions} dimensions");
             (weights.map_err(|e| in_file(path, &e))?, source)
@@ -229,7 +222,7 @@ pub(crate) fn with_given_walk(
 ) -> Result<Input, CliError> {
     let Some(path) = &args.walk else { return Ok(input) };
     global.given.refuse(&OPERATOR_OPTIONS, "applies to the shape's own walk (not with --walk)")?;
-    let rows = read_matrix(path, global)?.rows;
+    let rows = read_matrix(path, global)?;
     let n = input.shape.n_vertices();
     if rows.n_rows() != n {
         let rows = count(rows.n_rows(), "row", "rows");
@@ -266,14 +259,14 @@ pub(crate) fn read_points(
     let (values, n_dimensions) = read_table(path, global)?;
     let is_in_space = matches!(n_dimensions, 2 | 3);
     match source.kind {
-        Some(ShapeKindArg::Cloud) if !is_in_space => {
+        Some(ShapeKind::Cloud) if !is_in_space => {
             return Err(CliError::Input(format!(
                 "{}: a cloud has two or three columns, got {n_dimensions}; leave out --as to take the graph of the nearest \
                  neighbors",
                 path.display()
             )));
         }
-        Some(ShapeKindArg::Cloud) | None if is_in_space => {
+        Some(ShapeKind::Cloud) | None if is_in_space => {
             let points = values.chunks_exact(n_dimensions);
             let points = points.map(|p| [p[0], p[1], p.get(2).copied().unwrap_or(0.0)]).collect();
             global.inputs.add_remark(format!(
@@ -287,8 +280,9 @@ pub(crate) fn read_points(
     }
     let k = source.neighbors.unwrap_or(NEIGHBORS);
     let points = DimensionedPoints { values: &values, n_dimensions };
+    let kernel = KernelName::Adaptive.with_scale(1.0, SCALE_NEIGHBOR);
     let weights = nearest_lists(points, k, global.progress())
-        .and_then(|lists| kernel_weights(&lists, KernelArg::Adaptive.to_kernel(), global.progress()))
+        .and_then(|lists| kernel_weights(&lists, kernel, global.progress()))
         .map_err(|e| in_file(path, &e))?;
     global.inputs.add_remark(format!(
         "{}: a graph of the {k} nearest neighbors of points in {n_dimensions} dimensions (--neighbors), without lengths",
@@ -305,37 +299,15 @@ pub(crate) fn read_points(
     Ok(ShapeFile::from_graph(weights.n_rows(), edges))
 }
 
-/// Text that ends in an error after a number of bytes.
-struct LimitedText<R> {
-    reader: R,
-    left: u64,
-}
-
-impl<R: Read> Read for LimitedText<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let n_bytes = self.reader.read(buffer)?;
-        self.left = self.left.checked_sub(n_bytes as u64).ok_or_else(|| {
-            std::io::Error::other("the file exceeds the largest size of an input (--max-input BYTES)")
-        })?;
-        Ok(n_bytes)
-    }
-}
-
 /// Opens a text file, plain or gzip.
 fn open(path: &Path, global: &Global<'_>) -> Result<Box<dyn BufRead>, CliError> {
     global.inputs.add_file(path);
-    let file =
-        File::open(path).map_err(|e| CliError::Input(format!("cannot read {}: {e}", path.display())))?;
-    let left = global.limits.max_bytes;
-    Ok(if has_extension(path, &["gz"]) {
-        Box::new(BufReader::new(LimitedText { reader: MultiGzDecoder::new(BufReader::new(file)), left }))
-    } else {
-        Box::new(BufReader::new(LimitedText { reader: file, left }))
-    })
+    open_text(path, &global.limits)
+        .map_err(|e| CliError::Input(format!("cannot read {}: {e}", path.display())))
 }
 
 /// Reads a sparse matrix.
-pub(crate) fn read_matrix(path: &Path, global: &Global<'_>) -> Result<SparseMatrix, CliError> {
+pub(crate) fn read_matrix(path: &Path, global: &Global<'_>) -> Result<CompressedRows<f64>, CliError> {
     let lines = open(path, global)?;
     with_progress(global, "reading", |progress| {
         read_matrix_market(lines, progress).map_err(|e| in_file(path, &e))
@@ -343,14 +315,14 @@ pub(crate) fn read_matrix(path: &Path, global: &Global<'_>) -> Result<SparseMatr
 }
 
 /// Reads the weights of a graph, as a matrix or as a list of edges.
-fn read_graph(path: &Path, global: &Global<'_>) -> Result<SparseMatrix, CliError> {
+fn read_graph(path: &Path, global: &Global<'_>) -> Result<CompressedRows<f64>, CliError> {
     let name = crate::output::without_gzip(path);
     if has_extension(&name, &["mtx"]) {
         return read_matrix(path, global);
     }
     let lines = open(path, global)?;
     let list = with_progress(global, "reading", |progress| {
-        read_edges(lines, 0, progress).map_err(|e| in_file(path, &e))
+        read_edge_rows(lines, 0, progress).map_err(|e| in_file(path, &e))
     })?;
     if list.n_repeated > 0 {
         let text = format!(
@@ -359,7 +331,7 @@ fn read_graph(path: &Path, global: &Global<'_>) -> Result<SparseMatrix, CliError
         );
         note(global, &text);
     }
-    Ok(SparseMatrix { n_columns: list.weights.n_rows(), rows: list.weights })
+    Ok(list.weights)
 }
 
 /// Reads a table of numbers with its number of columns.

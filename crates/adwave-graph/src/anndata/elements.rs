@@ -1,7 +1,6 @@
 //! Elements of an AnnData in HDF5: matrices, data frames and their index.
 
 use super::{AnnDataError, AnnDataMatrix};
-use crate::SparseMatrix;
 use adwave::Progress;
 use adwave::rows::CompressedRows;
 use hdf5_pure::{AttrValue, Dataset, Error, File};
@@ -96,7 +95,7 @@ impl Elements {
         let arrays = self.compressed_arrays(name, n_long, n_short, progress)?;
         let entries = if is_by_rows { arrays } else { arrays.transpose(n_rows) };
         let rows = entries.into_rows(n_columns).map_err(|error| wrong(name, error.to_string()))?;
-        Ok(AnnDataMatrix::Sparse(SparseMatrix { rows, n_columns }))
+        Ok(AnnDataMatrix::Sparse(rows))
     }
 
     /// `data`, `indices` and `indptr` of `n_long` compressed rows (or columns) of `n_short` places.

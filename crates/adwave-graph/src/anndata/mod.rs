@@ -6,7 +6,8 @@
 mod elements;
 mod replace;
 
-use crate::{CountMatrix, CountValues, SparseMatrix};
+use crate::{CountMatrix, CountValues};
+use adwave::rows::CompressedRows;
 use adwave::{Cancelled, ClassifiedError, ErrorKind, Progress};
 use elements::Elements;
 use hdf5_pure::File;
@@ -80,7 +81,7 @@ pub enum AnnDataMatrix {
     /// Values, row after row, and the number of columns.
     Dense(Vec<f64>, usize),
     /// A sparse matrix, of compressed rows or columns in the file.
-    Sparse(SparseMatrix),
+    Sparse(CompressedRows<f64>),
 }
 
 impl AnnDataMatrix {
@@ -91,7 +92,7 @@ impl AnnDataMatrix {
                 CountMatrix { values: CountValues::Dense(values), n_channels: *n_channels }
             }
             Self::Sparse(matrix) => {
-                CountMatrix { values: CountValues::Sparse(&matrix.rows), n_channels: matrix.n_columns }
+                CountMatrix { values: CountValues::Sparse(matrix), n_channels: matrix.n_columns() }
             }
         }
     }
@@ -165,12 +166,15 @@ impl AnnDataFile {
     ///
     /// # Errors
     /// [`AnnDataError`] if they are not sparse, not square, or exceed the limit.
-    pub fn connectivities(&self, progress: Progress<'_>) -> Result<Option<SparseMatrix>, AnnDataError> {
+    pub fn connectivities(
+        &self,
+        progress: Progress<'_>,
+    ) -> Result<Option<CompressedRows<f64>>, AnnDataError> {
         let Some(what) = self.connectivities_name() else { return Ok(None) };
         let wrong = |problem: &str| AnnDataError::Form { what: what.to_owned(), problem: problem.to_owned() };
         match self.elements.matrix(what, progress)? {
             AnnDataMatrix::Sparse(matrix)
-                if matrix.n_columns == self.n_cells && matrix.rows.n_rows() == self.n_cells =>
+                if matrix.n_columns() == self.n_cells && matrix.n_rows() == self.n_cells =>
             {
                 Ok(Some(matrix))
             }

@@ -49,7 +49,7 @@ fn stored(name: &str, bytes: &[u8]) -> TemporaryFile {
     file
 }
 
-fn sparse(file: &AnnDataFile) -> SparseMatrix {
+fn sparse(file: &AnnDataFile) -> CompressedRows<f64> {
     match file.matrix(None, Progress::none()).unwrap() {
         AnnDataMatrix::Sparse(matrix) => matrix,
         AnnDataMatrix::Dense(..) => panic!("X is sparse"),
@@ -63,8 +63,8 @@ fn sparse_rows_and_columns_layers_and_names_are_read() {
         let file = AnnDataFile::open(&stored.0, 1 << 20).unwrap();
         assert_eq!((file.n_cells(), file.n_genes()), (2, 3));
         let matrix = sparse(&file);
-        assert_eq!(matrix.rows.row(0), ([1].as_slice(), [2.0].as_slice()));
-        assert_eq!(matrix.rows.row(1), ([0, 2].as_slice(), [5.0, 1.0].as_slice()));
+        assert_eq!(matrix.row(0), ([1].as_slice(), [2.0].as_slice()));
+        assert_eq!(matrix.row(1), ([0, 2].as_slice(), [5.0, 1.0].as_slice()));
         let layer = file.matrix(Some("raw"), Progress::none()).unwrap();
         assert_eq!(layer, AnnDataMatrix::Dense(vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], 3));
         let error = file.matrix(Some("x"), Progress::none()).unwrap_err().to_string();
@@ -155,7 +155,7 @@ fn files_from_before_version_0_7_are_read() {
     let file = AnnDataFile::open(&stored.0, 1 << 20).unwrap();
     assert_eq!(file.connectivities_name(), Some("uns/neighbors/connectivities"));
     let weights = file.connectivities(Progress::none()).unwrap().unwrap();
-    assert_eq!(weights.rows.row(0), (&[1_u32][..], &[0.5][..]));
+    assert_eq!(weights.row(0), (&[1_u32][..], &[0.5][..]));
     // Genes have no names that can be read, but columns.
     let columns = |genes: [&str; 2]| file.columns_of(&genes.map(str::to_owned));
     assert_eq!(columns(["1", "0"]).unwrap(), [1, 0]);

@@ -3,7 +3,7 @@
 use adwave::Progress;
 
 use crate::progress::report_row;
-use crate::{Precision, ShapeFile};
+use crate::{CoordinatePrecision, ShapeFile};
 
 /// Steps of a file above this share of the distance between neighbors are reported: they tilt the edges between
 /// neighbors by more than a degree.
@@ -23,7 +23,7 @@ const FRACTION_BITS: i32 = 23;
 /// Remark on a shape whose coordinates were rounded to 32-bit floats before it was read; `None` if the steps of these
 /// do not matter.
 pub(crate) fn note_on_reading(shape: &ShapeFile) -> Option<String> {
-    if shape.precision != Precision::F32 || shape.points.is_empty() {
+    if shape.precision != CoordinatePrecision::F32 || shape.points.is_empty() {
         return None;
     }
     let steps: Vec<(f64, f64)> = (0..3).filter_map(|axis| rounded_step(&shape.points, axis)).collect();
@@ -165,7 +165,7 @@ mod tests {
 
     fn single(points: &[[f64; 3]]) -> ShapeFile {
         let points = points.iter().map(|p| p.map(|c| f64::from(c as f32))).collect();
-        ShapeFile { precision: Precision::F32, ..ShapeFile::from_cloud(points) }
+        ShapeFile { precision: CoordinatePrecision::F32, ..ShapeFile::from_cloud(points) }
     }
 
     #[test]
@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn degenerate_shapes_have_no_remark() {
         for points in [vec![], vec![[5.4e6 + 0.1; 3]], vec![[5.4e6 + 0.1; 3]; 40], vec![[f64::NAN; 3]; 9]] {
-            let file = ShapeFile { precision: Precision::F32, ..ShapeFile::from_cloud(points) };
+            let file = ShapeFile { precision: CoordinatePrecision::F32, ..ShapeFile::from_cloud(points) };
             assert_eq!(note_on_reading(&file), None);
             assert_eq!(note_on_writing(&file, Progress::none()), Ok(None));
         }

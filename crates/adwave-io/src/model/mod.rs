@@ -24,7 +24,6 @@ pub(crate) mod report;
 pub(crate) mod shape;
 pub(crate) mod shape_file;
 pub(crate) mod source_document;
-pub(crate) mod sparse_rows;
 pub(crate) mod subset;
 pub(crate) mod text_rows;
 pub(crate) mod texture;

@@ -1,7 +1,7 @@
 //! Conversion of a file's content to a shape of the library.
 
 use adwave::shape::{Graph, GraphError, Mesh, PointCloud, Shape, ShapeError};
-use adwave::{Cancelled, ClassifiedError, ErrorKind};
+use adwave::{Cancelled, ClassifiedError, ErrorKind, named_values};
 use std::sync::Arc;
 
 use crate::{Direction, Edges, ShapeFile};
@@ -18,6 +18,12 @@ pub enum ShapeKind {
     /// of the faces with weight 1.
     Graph,
 }
+
+named_values!(ShapeKind, "kind", {
+    Mesh => "mesh", "";
+    Cloud => "cloud", "";
+    Graph => "graph", "";
+});
 
 /// Reasons for which the content of a file cannot be changed or used as requested.
 #[derive(Debug, PartialEq, thiserror::Error)]

@@ -15,7 +15,7 @@ use crate::{Field, Format, ShapeFileError};
 /// Number type of the coordinates in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Precision {
+pub enum CoordinatePrecision {
     /// 32-bit floating point.
     F32,
     /// 64-bit floating point, or text.
@@ -75,7 +75,7 @@ pub struct ShapeFile {
     /// Values of the file as a whole, such as a time.
     pub(crate) field_data: Vec<Field>,
     pub(crate) format: Option<Format>,
-    pub(crate) precision: Precision,
+    pub(crate) precision: CoordinatePrecision,
     /// Unit of length of the coordinates, if it is known.
     pub(crate) unit: Option<LengthUnit>,
     pub(crate) coordinate_system: Option<Arc<CoordinateSystem>>,
@@ -122,7 +122,7 @@ pub struct ShapeParts {
     /// Format of the original bytes.
     pub format: Option<Format>,
     /// Number type of the coordinates in the file.
-    pub precision: Precision,
+    pub precision: CoordinatePrecision,
 }
 
 impl ShapeFile {
@@ -137,7 +137,7 @@ impl ShapeFile {
             face_fields: Vec::new(),
             field_data: Vec::new(),
             format: None,
-            precision: Precision::F64,
+            precision: CoordinatePrecision::F64,
             unit: None,
             coordinate_system: None,
             structure: None,
@@ -232,12 +232,12 @@ impl ShapeFile {
     }
 
     /// Number type of the coordinates in the file.
-    pub fn precision(&self) -> Precision {
+    pub fn precision(&self) -> CoordinatePrecision {
         self.precision
     }
 
     /// Sets the number type of written coordinates, for formats with a choice.
-    pub fn set_precision(&mut self, precision: Precision) {
+    pub fn set_precision(&mut self, precision: CoordinatePrecision) {
         if precision != self.precision {
             self.original = None;
         }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::progress::report_row;
 use crate::text::tokens::Tokens;
 use crate::text::{is_blank, is_space, parse_f32, parse_f64, push_f32, push_f64};
-use crate::{Precision, ShapeFile, WriteError};
+use crate::{CoordinatePrecision, ShapeFile, WriteError};
 use adwave::Progress;
 
 /// Separator of the values in a row.
@@ -60,10 +60,10 @@ pub(crate) struct RowEdit<'a> {
 }
 
 /// Formats a value for a text file of that precision.
-pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: Precision) {
+pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: CoordinatePrecision) {
     match precision {
-        Precision::F32 => push_f32(out, x as f32),
-        Precision::F64 => push_f64(out, x),
+        CoordinatePrecision::F32 => push_f32(out, x as f32),
+        CoordinatePrecision::F64 => push_f64(out, x),
     }
 }
 
@@ -83,17 +83,17 @@ pub(crate) fn cell_length(row: &[u8], separator: u8) -> usize {
     }
 }
 
-fn is_same(word: &[u8], x: f64, precision: Precision) -> bool {
+fn is_same(word: &[u8], x: f64, precision: CoordinatePrecision) -> bool {
     let old = match precision {
-        Precision::F32 => parse_f32(word).map(f64::from),
-        Precision::F64 => parse_f64(word),
+        CoordinatePrecision::F32 => parse_f32(word).map(f64::from),
+        CoordinatePrecision::F64 => parse_f64(word),
     };
     old.is_some_and(|old| old.to_bits() == x.to_bits() || (old.is_nan() && x.is_nan()))
 }
 
 impl TextRows {
     /// True if a word of the text is this number.
-    fn is_same(&self, word: &[u8], x: f64, precision: Precision) -> bool {
+    fn is_same(&self, word: &[u8], x: f64, precision: CoordinatePrecision) -> bool {
         if is_same(word, x, precision) {
             return true;
         }
@@ -109,7 +109,7 @@ impl TextRows {
     }
 
     /// Writes a number with the decimal mark of the text.
-    pub(crate) fn push_number(&self, out: &mut Vec<u8>, x: f64, precision: Precision) {
+    pub(crate) fn push_number(&self, out: &mut Vec<u8>, x: f64, precision: CoordinatePrecision) {
         let start = out.len();
         push_coordinate(out, x, precision);
         if self.decimal == DecimalMark::Comma {

@@ -15,7 +15,7 @@ use crate::model::units::convert_unit;
 use crate::progress::{CancellableWriter, all};
 use crate::provenance::{CommentInserter, NAME, Provenance};
 use crate::registry::names::unknown_ending;
-use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes the shape to a file atomically (see [`atomic_write`](crate::atomic_write)). Without a format the extension
 /// decides; a shape read from the text (or binary) form of that extension is written in the same form. `.gz` after
@@ -123,7 +123,9 @@ fn write_shape(
     let is_single = match descriptor.coordinates {
         CoordinateType::Double => false,
         CoordinateType::Single => !is_updated,
-        CoordinateType::OfShape => shape.precision == Precision::F32 && (shape.moved || !is_updated),
+        CoordinateType::OfShape => {
+            shape.precision == CoordinatePrecision::F32 && (shape.moved || !is_updated)
+        }
     };
     if is_single {
         context.report.notes.extend(note_on_writing(shape, progress)?);
@@ -171,7 +173,7 @@ fn check_indices(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> R
 /// Checks that coordinates written in single precision do not become infinite.
 fn check_range(shape: &ShapeFile, format: Format, progress: Progress<'_>) -> Result<(), WriteError> {
     let is_single = format.descriptor().coordinates == CoordinateType::Single;
-    if shape.precision == Precision::F64 && !is_single {
+    if shape.precision == CoordinatePrecision::F64 && !is_single {
         return Ok(());
     }
     let coordinates = shape.points.as_flattened();

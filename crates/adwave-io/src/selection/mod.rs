@@ -11,7 +11,7 @@ pub use error::SelectionError;
 pub use flagged::FlaggedPoints;
 pub use mask::{MaskFile, MaskSide};
 
-use crate::{Field, FieldValues, Precision, ShapeFile, named_axis};
+use crate::{CoordinatePrecision, Field, FieldValues, ShapeFile, named_axis};
 use flagged::{FlagRule, flagged_points};
 use mask::read_mask;
 
@@ -145,7 +145,7 @@ fn scalar_field(file: &ShapeFile, condition: &FieldCondition) -> Result<ScalarFi
         }
         (field.to_f64(), matches!(field.values, FieldValues::F32(_)))
     } else if let Some(axis) = named_axis(file, name) {
-        (file.points().iter().map(|p| p[axis]).collect(), file.precision() == Precision::F32)
+        (file.points().iter().map(|p| p[axis]).collect(), file.precision() == CoordinatePrecision::F32)
     } else {
         let is_of_faces = file.face_fields().iter().any(|field| field.name == name);
         let (condition, available) = (condition.to_string(), scalar_names(file));

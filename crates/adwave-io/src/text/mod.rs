@@ -3,6 +3,7 @@
 pub(crate) mod csv;
 pub(crate) mod encoding;
 pub(crate) mod lines;
+pub(crate) mod stream;
 pub(crate) mod tokens;
 #[cfg(any(feature = "vtk", feature = "neuro", feature = "graph", feature = "print3d"))]
 pub(crate) mod xml;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use adwave::shape::triangulate;
-use adwave_io::{Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
+use adwave_io::{CoordinatePrecision, Format, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes};
 use adwave_test_data::data_test;
 
 /// Far more than any of the files, of a few megabytes, should take on a busy machine.
@@ -249,7 +249,7 @@ fn moved_points_keep_everything_else() {
         let again = read_bytes(bytes, None, &ReadLimits::default()).unwrap();
         assert_eq!(again.format(), Some(format), "{}", name.display());
         for (x, y) in shape.points().as_flattened().iter().zip(again.points().as_flattened()) {
-            let x = if shape.precision() == Precision::F32 { f64::from(*x as f32) } else { *x };
+            let x = if shape.precision() == CoordinatePrecision::F32 { f64::from(*x as f32) } else { *x };
             // The coordinates of a LAS are integers in its steps.
             let is_near = format == Format::LAS && (x - y).abs() <= 0.005 * (1.0 + 1e-6);
             assert!(same_bits(x, *y) || is_near, "{}: {x} became {y}", name.display());

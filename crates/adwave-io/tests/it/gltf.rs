@@ -3,7 +3,8 @@
 use crate::common;
 
 use adwave_io::{
-    FieldValues, Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes, write_path,
+    CoordinatePrecision, FieldValues, Format, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes,
+    write_path,
 };
 use adwave_test_data::data_test;
 use base64::Engine as _;
@@ -58,7 +59,7 @@ fn nodes_put_meshes_into_the_scene() {
     assert_eq!(shape.points(), [[10.0, 0.0, 0.0], [12.0, 0.0, 0.0], [10.0, -2.0, 0.0]]);
     // A reflection reverses the order of the corners.
     assert_eq!(shape.faces().iter().next().unwrap(), [0, 2, 1]);
-    assert_eq!(shape.precision(), Precision::F64);
+    assert_eq!(shape.precision(), CoordinatePrecision::F64);
     assert_eq!(shape.extras(), ["1 material", "the tree of 3 nodes"]);
 }
 

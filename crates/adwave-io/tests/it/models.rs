@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use adwave_io::{Precision, ReadLimits, read_path};
+use adwave_io::{CoordinatePrecision, ReadLimits, read_path};
 use adwave_test_data::data_test;
 
 /// `(file, vertices, faces)`.
@@ -43,7 +43,7 @@ fn the_gaze_field_keeps_its_type() {
     let file = root.join("benchmarks/FandosA-gaze-saliency/gaze_ply/bunny.ply");
     let shape = read_path(&file, &ReadLimits::default()).unwrap();
     assert_eq!(shape.field_names(), ["gaze", "bin"]);
-    assert_eq!(shape.precision(), Precision::F32);
+    assert_eq!(shape.precision(), CoordinatePrecision::F32);
     assert!(matches!(shape.field("gaze").unwrap().values, adwave_io::FieldValues::F32(_)));
     assert!(matches!(shape.field("bin").unwrap().values, adwave_io::FieldValues::U8(_)));
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use adwave_io::{FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, read_bytes, write_bytes};
+use adwave_io::{
+    CoordinatePrecision, FieldValues, Format, ReadError, ReadLimits, ShapeFile, read_bytes, write_bytes,
+};
 
 fn read(text: impl AsRef<[u8]>, name: &str) -> ShapeFile {
     read_bytes(text.as_ref().to_vec(), Some(name), &ReadLimits::default()).unwrap()
@@ -87,7 +89,7 @@ fn obj_pieces_join_in_order() {
 fn content_overrules_the_name() {
     let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0.1 2 3\n";
     let shape = read(ply, "a.obj");
-    assert_eq!((shape.format(), shape.precision()), (Some(Format::PLY_ASCII), Precision::F32));
+    assert_eq!((shape.format(), shape.precision()), (Some(Format::PLY_ASCII), CoordinatePrecision::F32));
     assert_eq!(shape.points(), [[f64::from(0.1_f32), 2.0, 3.0]]);
     assert_eq!(read("v 1 2 3\n", "a.stl").format(), Some(Format::OBJ));
     assert_eq!(read("1 2 3\n", "a.obj").format(), Some(Format::XYZ));

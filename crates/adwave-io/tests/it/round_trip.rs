@@ -3,7 +3,8 @@
 
 use adwave::shape::Polygons;
 use adwave_io::{
-    Edges, Field, FieldValues, Format, Precision, ReadLimits, ShapeFile, WriteReport, read_bytes, write_bytes,
+    CoordinatePrecision, Edges, Field, FieldValues, Format, ReadLimits, ShapeFile, WriteReport, read_bytes,
+    write_bytes,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -90,7 +91,7 @@ fn shape() -> impl Strategy<Value = ShapeFile> {
                     shape = whole;
                 }
             }
-            shape.set_precision(if is_single { Precision::F32 } else { Precision::F64 });
+            shape.set_precision(if is_single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 });
             for field in fields {
                 shape.add_vertex_field(field).unwrap();
             }

@@ -19,7 +19,7 @@ pub enum AxisScale {
 
 /// Axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Axis {
+pub struct ChartAxis {
     /// Label with the unit.
     pub label: String,
     /// Scale.
@@ -58,8 +58,8 @@ pub struct Series {
 /// Series over common axes, with a legend above them if there are several.
 ///
 /// ```
-/// use adwave_render::plot::{Axis, Chart, Series};
-/// let axis = |label: &str| Axis { label: label.to_owned(), ..Axis::default() };
+/// use adwave_render::plot::{ChartAxis, Chart, Series};
+/// let axis = |label: &str| ChartAxis { label: label.to_owned(), ..ChartAxis::default() };
 /// let line = Series { label: "y = x".to_owned(), points: vec![[0.0, 0.0], [1.0, 1.0]], ..Series::default() };
 /// let chart = Chart { title: "A line".to_owned(), x: axis("x"), y: axis("y"), series: vec![line] };
 /// assert!(chart.svg(400, 300)?.contains("A line"));
@@ -71,9 +71,9 @@ pub struct Chart {
     /// Title above the chart.
     pub title: String,
     /// Horizontal axis.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// Vertical axis.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// Series to draw.
     pub series: Vec<Series>,
 }

@@ -13,7 +13,7 @@ mod sparsity;
 mod tests;
 mod ticks;
 
-pub use chart::{Axis, AxisScale, Chart, Mark, Series};
+pub use chart::{AxisScale, Chart, ChartAxis, Mark, Series};
 pub use sheet::Sheet;
 pub use sparsity::SparsityPattern;
 

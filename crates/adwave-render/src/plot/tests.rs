@@ -1,7 +1,7 @@
 use super::*;
 
 fn chart(points: Vec<[f64; 2]>, scale: AxisScale, mark: Mark) -> Chart {
-    let axis = Axis { label: "σ".to_owned(), scale, ..Axis::default() };
+    let axis = ChartAxis { label: "σ".to_owned(), scale, ..ChartAxis::default() };
     let series = vec![Series { label: "one".to_owned(), mark, points }];
     Chart { title: "t".to_owned(), x: axis.clone(), y: axis, series }
 }

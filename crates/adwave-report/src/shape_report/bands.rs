@@ -5,7 +5,7 @@ use super::drawing::{FieldLook, PictureSpec, Scale, Studio};
 use crate::detail::detail_loss;
 use crate::page::{Block, Figure, Image, Section};
 use crate::table::{NONE, Table, column, digits};
-use adwave_render::plot::{Axis, Chart, Mark, Series};
+use adwave_render::plot::{Chart, ChartAxis, Mark, Series};
 
 /// Largest number of levels that are drawn.
 const MAX_DRAWN: usize = 4;
@@ -261,12 +261,12 @@ fn energy_chart(subject: &Subject<'_>, bands: &[BandSummary]) -> Result<Option<F
     let points = bands.iter().enumerate().map(|(k, b)| [k as f64, 100.0 * b.detail_share]);
     let chart = Chart {
         title: "Energy of the bands".to_owned(),
-        x: Axis {
+        x: ChartAxis {
             label: "level, fine to coarse".to_owned(),
             names: bands.iter().map(|b| b.level.to_string()).collect(),
-            ..Axis::default()
+            ..ChartAxis::default()
         },
-        y: Axis { label: "share, %".to_owned(), ..Axis::default() },
+        y: ChartAxis { label: "share, %".to_owned(), ..ChartAxis::default() },
         series: vec![Series { label: String::new(), mark: Mark::Bars, points: points.collect() }],
     };
     chart_figure(&chart, &format!("A bar chart of the energy of each band: {alt}."), caption).map(Some)
@@ -290,12 +290,12 @@ fn decay_chart(subject: &Subject<'_>) -> Result<Option<Figure>, String> {
     );
     let chart = Chart {
         title: "Standard deviation of the smoothed signal".to_owned(),
-        x: Axis {
+        x: ChartAxis {
             label: "level, fine to coarse".to_owned(),
             names: (0..left.len()).map(|j| j.to_string()).collect(),
-            ..Axis::default()
+            ..ChartAxis::default()
         },
-        y: Axis { label: "standard deviation".to_owned(), ..Axis::default() },
+        y: ChartAxis { label: "standard deviation".to_owned(), ..ChartAxis::default() },
         series: vec![Series {
             label: String::new(),
             mark: Mark::Stems,

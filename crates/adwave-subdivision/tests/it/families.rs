@@ -2,7 +2,7 @@
 
 use crate::common::{Random, TestMesh, areas, fan, grid, octahedron, tetrahedron};
 use adwave::Progress;
-use adwave_subdivision::{Coefficients, Family, HaarWavelets, LiftedWavelets};
+use adwave_subdivision::{Family, HaarWavelets, LiftedCoefficients, LiftedWavelets};
 
 const LIFTED: [Family; 3] = [Family::Linear, Family::Butterfly, Family::Loop];
 
@@ -13,7 +13,7 @@ fn wavelets(mesh: &TestMesh, family: Family) -> LiftedWavelets {
     LiftedWavelets::new(&mesh.hierarchy(), family, &areas(mesh), Progress::none()).expect("a hierarchy")
 }
 
-fn analyze(wavelets: &LiftedWavelets, field: &[f64], d: usize) -> Coefficients {
+fn analyze(wavelets: &LiftedWavelets, field: &[f64], d: usize) -> LiftedCoefficients {
     wavelets.analyze(field, d, Progress::none()).expect("a field")
 }
 
@@ -21,7 +21,7 @@ fn synthesize(wavelets: &LiftedWavelets, coefficients: &[f64], d: usize) -> Vec<
     wavelets.synthesize(coefficients, d, Progress::none()).expect("coefficients")
 }
 
-fn details(coefficients: &Coefficients, n_levels: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+fn details(coefficients: &LiftedCoefficients, n_levels: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     let rows = coefficients.levels.iter().zip(&coefficients.values).enumerate();
     rows.filter(move |(_, (level, _))| **level as usize <= n_levels).map(|(i, (_, value))| (i, *value))
 }

@@ -63,6 +63,17 @@ pub enum SharedNoise {
     Deviation(f64),
 }
 
+impl SharedNoise {
+    /// The treatment that a word names: `detail` or `auto`.
+    pub fn from_word(word: &str) -> Option<Self> {
+        match word {
+            "detail" => Some(Self::Detail),
+            "auto" => Some(Self::Estimate),
+            _ => None,
+        }
+    }
+}
+
 /// Parameters of denoising. The defaults need no tuning.
 ///
 /// ```

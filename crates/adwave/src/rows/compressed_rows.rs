@@ -23,7 +23,7 @@ impl Value for f64 {
 }
 
 /// A sparse matrix in compressed rows: the entries of row `x` are at `offsets[x]..offsets[x + 1]`, with strictly
-/// ascending columns.
+/// ascending columns below [`n_columns`](Self::n_columns).
 ///
 /// The arrays are those of SciPy's `csr_matrix` (`indptr`, `indices`, `data`).
 ///
@@ -39,6 +39,7 @@ impl Value for f64 {
 pub struct CompressedRows<V = f32> {
     pattern: Pattern,
     values: Vec<V>,
+    n_columns: usize,
 }
 
 /// Arrays `indptr`, `indices` and `data` of SciPy's `csr_matrix`, with indices of type `I`.
@@ -61,18 +62,24 @@ impl<V> CompressedRows<V> {
                 return Err(RowsError::NotRising { row, column: pair[1] as usize });
             }
         }
-        Ok(Self { pattern, values })
+        Ok(Self { pattern, values, n_columns })
     }
 
-    /// Wraps a pattern with one value per entry (or none, for a pattern alone), without checks.
+    /// Wraps the pattern of a square matrix with one value per entry (or none, for a pattern alone), without checks.
     pub(crate) fn new_unchecked(pattern: Pattern, values: Vec<V>) -> Self {
         debug_assert_eq!(values.len(), pattern.nnz());
-        Self { pattern, values }
+        let n_columns = pattern.n_rows();
+        Self { pattern, values, n_columns }
     }
 
     /// Number of rows.
     pub fn n_rows(&self) -> usize {
         self.pattern.n_rows()
+    }
+
+    /// Number of columns.
+    pub fn n_columns(&self) -> usize {
+        self.n_columns
     }
 
     /// Number of stored entries.
@@ -147,23 +154,24 @@ impl<V> CompressedRows<V> {
 }
 
 impl CompressedRows<f64> {
-    /// Builds a square matrix with `n` rows from entries `value` at `(row, column)`, in ascending order of rows and
-    /// then columns; repeated entries are summed in their order. O(entries).
+    /// Builds a matrix from entries `value` at `(row, column)`, in ascending order of rows and then columns; repeated
+    /// entries are summed in their order. O(entries).
     ///
     /// # Errors
     /// [`RowsError`] for an entry outside the matrix or out of order.
     ///
     /// ```
     /// use adwave::rows::CompressedRows;
-    /// let matrix = CompressedRows::from_sorted(2, [(0, 1, 1.0), (0, 1, 0.5), (1, 0, 2.0)])?;
+    /// let matrix = CompressedRows::from_sorted(2, 2, [(0, 1, 1.0), (0, 1, 0.5), (1, 0, 2.0)])?;
     /// assert_eq!(matrix.row(0), ([1].as_slice(), [1.5].as_slice()));
     /// # Ok::<(), adwave::rows::RowsError>(())
     /// ```
     pub fn from_sorted(
-        n: usize,
+        n_rows: usize,
+        n_columns: usize,
         entries: impl IntoIterator<Item = (u32, u32, f64)>,
     ) -> Result<Self, RowsError> {
-        let (mut offsets, mut columns, mut values) = (vec![0_usize; n + 1], Vec::new(), Vec::new());
+        let (mut offsets, mut columns, mut values) = (vec![0_usize; n_rows + 1], Vec::new(), Vec::new());
         let mut last: Option<(u32, u32)> = None;
         for (row, column, value) in entries {
             if let (Some(sum), true) = (values.last_mut(), last == Some((row, column))) {
@@ -171,8 +179,8 @@ impl CompressedRows<f64> {
                 continue;
             }
             let (r, c) = (row as usize, column as usize);
-            if r >= n || c >= n {
-                return Err(RowsError::NoColumn { row: r, column: c, n_columns: n });
+            if r >= n_rows || c >= n_columns {
+                return Err(RowsError::NoColumn { row: r, column: c, n_columns });
             }
             if last.is_some_and(|last| last > (row, column)) {
                 return Err(RowsError::NotRising { row: r, column: c });
@@ -182,10 +190,10 @@ impl CompressedRows<f64> {
             offsets[r + 1] += 1;
             last = Some((row, column));
         }
-        for x in 0..n {
+        for x in 0..n_rows {
             offsets[x + 1] += offsets[x];
         }
-        Ok(Self::new_unchecked(Pattern::new_unchecked(offsets, columns), values))
+        Ok(Self { pattern: Pattern::new_unchecked(offsets, columns), values, n_columns })
     }
 }
 
@@ -193,7 +201,7 @@ impl<V: Value> CompressedRows<V> {
     /// The identity matrix with `n_rows` rows.
     pub fn identity(n_rows: usize) -> Self {
         let pattern = Pattern::new_unchecked((0..=n_rows).collect(), (0..n_rows as u32).collect());
-        Self { pattern, values: vec![V::from_f64(1.0); n_rows] }
+        Self::new_unchecked(pattern, vec![V::from_f64(1.0); n_rows])
     }
 
     /// Entry at row `x` and column `y`; 0 if none is stored. O(log entries of the row).

@@ -66,7 +66,7 @@ fn arrays_that_do_not_fit_are_refused() {
     assert_eq!(new(&[0, 2, 1, 3], &[0, 1, 2], &[1.0; 3]), RowsError::EndsBeforeStart { row: 1 });
     assert_eq!(new(&[0, 0, 1], &[3], &[1.0]), RowsError::NoColumn { row: 1, column: 3, n_columns: 3 });
     assert_eq!(new(&[0, 2], &[1, 1], &[1.0; 2]), RowsError::NotRising { row: 0, column: 1 });
-    let late = CompressedRows::from_sorted(2, [(1, 0, 1.0), (0, 1, 1.0)]);
+    let late = CompressedRows::from_sorted(2, 2, [(1, 0, 1.0), (0, 1, 1.0)]);
     assert_eq!(late, Err(RowsError::NotRising { row: 0, column: 1 }));
 }
 

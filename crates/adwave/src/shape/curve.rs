@@ -103,7 +103,7 @@ fn edges_between(graph: &Graph, class: &[u32], n_classes: usize) -> Adjacency {
         pairs.extend(row.filter(|&other| other != own).map(|other| (own, other, 1.0)));
     }
     pairs.sort_unstable_by_key(|&(x, y, _)| (x, y));
-    match CompressedRows::from_sorted(n_classes, pairs) {
+    match CompressedRows::from_sorted(n_classes, n_classes, pairs) {
         Ok(rows) => rows.into_parts().0,
         Err(error) => unreachable!("the edges are sorted: {error}"),
     }

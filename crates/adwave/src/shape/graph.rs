@@ -167,7 +167,7 @@ impl Graph {
         parallel::expect_not_cancelled(parallel::sort_by(&mut directed, Progress::none(), |a, b| {
             (a.0, a.1).cmp(&(b.0, b.1))
         }));
-        let Ok(rows) = CompressedRows::from_sorted(n_nodes, directed) else {
+        let Ok(rows) = CompressedRows::from_sorted(n_nodes, n_nodes, directed) else {
             unreachable!("the edges have been checked and sorted")
         };
         Ok(Self { rows: Arc::new(rows), positions: None, is_curve: false, cell_areas: None })

@@ -46,15 +46,15 @@ pub(crate) use given_normals::welded_normals;
 pub use given_normals::{GivenNormals, NormalCheck, NormalSigns};
 pub use graph::{Graph, GraphError};
 pub use health::{Health, encloses_volume, health};
+#[doc(hidden)]
 pub use hilbert::{HILBERT_BITS, hilbert};
 pub use mesh::Mesh;
 pub(crate) use nearest::try_nearest_neighbors;
 pub use nearest::{Neighborhoods, nearest_neighbors, nearest_to_vertex};
 pub(crate) use order::reverse_cuthill_mckee;
-pub use participation::{
-    KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, describe_outsiders, is_stray, leads_to,
-    may_be_placeholder, picture_frame,
-};
+pub use participation::{KnownRange, OriginRule, STRAY_NEIGHBORS, VertexRole, is_stray};
+#[doc(hidden)]
+pub use participation::{describe_outsiders, leads_to, may_be_placeholder, picture_frame};
 pub use polygons::Polygons;
 pub use prepared_geometry::PreparedGeometry;
 pub use seam_jumps::{SeamJumps, jumps_at_seams};

@@ -14,8 +14,8 @@ use adwave::Decomposer;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Mesh, PointCloud, PreparedGeometry, Shape, WeldMode, first_misplaced_vertex};
 use adwave_register::{
-    AlignParams, ClosestFit, Motion, Registrand, ShapeFeatures, SignedDistances, Signs, Summary, Surface,
-    align, closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
+    AlignParams, ClosestFit, ClosestPointSearch, Motion, Registrand, ShapeFeatures, SignedDistances, Signs,
+    Summary, align, closest_fit, common_lengths, describe_shape, fit_in_place, signed_distances,
 };
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
@@ -301,8 +301,9 @@ fn prepare_geometry(shape: &Shape, global: &Global<'_>) -> Result<PreparedGeomet
     PreparedGeometry::new(shape, WeldMode::default(), global.progress()).map_err(|_| CliError::Cancelled)
 }
 
-pub(super) fn surface(geometry: &PreparedGeometry, name: &str) -> Result<Surface, CliError> {
-    Surface::new(geometry).ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
+pub(super) fn surface(geometry: &PreparedGeometry, name: &str) -> Result<ClosestPointSearch, CliError> {
+    ClosestPointSearch::new(geometry)
+        .ok_or_else(|| CliError::Input(format!("{name}: the shape has no points")))
 }
 
 /// Alignment of the second shape with the first.

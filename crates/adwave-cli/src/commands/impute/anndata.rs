@@ -57,7 +57,7 @@ impl CellsFile {
         if let Some(weights) = weights {
             let name = self.file.connectivities_name().unwrap_or_default();
             note(global, &format!("the walk is that of {name} (--graph, --walk or --points for another)"));
-            let content = WalkContent::Graph(Some(weights.rows));
+            let content = WalkContent::Graph(Some(weights));
             return load_walk_from(WalkSource { path, content }, walk, defaults, global);
         }
         let points = with_progress(global, "reading", |progress| {

@@ -16,9 +16,10 @@ use crate::resolve::walk::{
 };
 use adwave::bands::Precision;
 use adwave::pages::zeros;
+use adwave::rows::CompressedRows;
 use adwave_graph::{
     AnnDataMatrix, CountMatrix, CountValues, CrossValidation, CrossValidationParams, GraphWalkError,
-    ImputationInput, SparseMatrix, Transformation, WalkAccuracy, cross_validate, impute_into,
+    ImputationInput, Transformation, WalkAccuracy, cross_validate, impute_into,
 };
 use adwave_io::{ArrayValues, write_npy};
 use anndata::CellsFile;
@@ -82,7 +83,7 @@ pub(crate) struct ImputeArgs {
 /// Values of the matrix as read.
 enum LoadedCounts {
     Dense { values: Vec<f64>, n_channels: usize },
-    Sparse(SparseMatrix),
+    Sparse(CompressedRows<f64>),
     InFile(CellsFile, AnnDataMatrix),
 }
 
@@ -93,7 +94,7 @@ impl LoadedCounts {
                 CountMatrix { values: CountValues::Dense(values), n_channels: *n_channels }
             }
             Self::Sparse(matrix) => {
-                CountMatrix { values: CountValues::Sparse(&matrix.rows), n_channels: matrix.n_columns }
+                CountMatrix { values: CountValues::Sparse(matrix), n_channels: matrix.n_columns() }
             }
             Self::InFile(_, matrix) => matrix.counts(),
         }

@@ -2,9 +2,10 @@
 
 use super::framing::FramingArgs;
 use crate::args::{
-    CloudPartArgs, SelectionArgs, ShapeKindArg, count, file_name, number, region, signal_names,
+    CloudPartArgs, SelectionArgs, count, file_name, number, parse_named, region, signal_names,
 };
 use adwave::region::Region;
+use adwave_io::ShapeKind;
 use adwave_render::{RenderParams, Up, View};
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -113,8 +114,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, requires = "grid", help_heading = "Picture")]
     pub(crate) own_scale: bool,
     /// Take the shapes as this kind, whatever their files say
-    #[arg(long = "as", value_name = "KIND", value_enum, help_heading = "Shape")]
-    pub(crate) kind: Option<ShapeKindArg>,
+    #[arg(long = "as", value_name = "KIND", value_parser = parse_named::<ShapeKind>(), help_heading = "Shape")]
+    pub(crate) kind: Option<ShapeKind>,
     /// Approximate number of vertices of samples
     #[arg(long, value_name = "N", value_parser = count, help_heading = "Shape")]
     pub(crate) vertices: Option<usize>,

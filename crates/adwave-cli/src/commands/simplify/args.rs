@@ -1,9 +1,10 @@
 //! The arguments of `adwave simplify`.
 
 use crate::args::{
-    CloudPartArgs, SelectionArgs, ShapeKindArg, count, count_from_one, file_name, length, number,
+    CloudPartArgs, SelectionArgs, count, count_from_one, file_name, length, number, parse_named,
 };
 use adwave::region::Length;
+use adwave_io::ShapeKind;
 use clap::{ArgGroup, Args};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -35,8 +36,8 @@ pub(crate) struct SimplifyArgs {
     #[command(flatten)]
     pub(crate) selection: SelectionArgs,
     /// Take the shape as this kind, whatever the file says; a mesh as a cloud is its vertices
-    #[arg(long = "as", value_name = "KIND", value_enum)]
-    pub(crate) kind: Option<ShapeKindArg>,
+    #[arg(long = "as", value_name = "KIND", value_parser = parse_named::<ShapeKind>())]
+    pub(crate) kind: Option<ShapeKind>,
     /// Accept lengths in model units although coordinates are longitudes and latitudes
     #[arg(long)]
     pub(crate) allow_degrees: bool,

@@ -11,7 +11,7 @@ use crate::model::text_rows::{RowEdit, Separator, TextRows};
 use crate::progress::report_row;
 use crate::text::csv::push_csv_row;
 use crate::text::push_f64;
-use crate::{Field, Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes the original with other coordinates and with added columns. [`Update::DoesNotFit`] if a column of it was replaced, or
 /// if there is no line that could take the names of added ones.
@@ -37,7 +37,7 @@ pub(crate) fn update_columns(
         for field in &added {
             for c in 0..field.n_channels {
                 buffer.push(separator);
-                rows.push_number(buffer, field.get(i, c), Precision::F64);
+                rows.push_number(buffer, field.get(i, c), CoordinatePrecision::F64);
             }
         }
     };

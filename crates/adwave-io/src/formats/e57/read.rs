@@ -10,7 +10,7 @@ use e57::{E57Reader, PointCloud, Quaternion};
 use super::record::{RecordLayout, ScanColumns};
 use crate::progress::report_row;
 use crate::text::one_line;
-use crate::{Field, FieldValues, FileRows, Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{CoordinatePrecision, Field, FieldValues, FileRows, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Bytes that may be read ahead of their points: packets have up to 64 KiB.
 const AHEAD: u64 = 1 << 22;
@@ -59,7 +59,7 @@ pub(crate) fn read_e57(
     }
     let mut shape = ShapeFile::empty();
     shape.format = Some(Format::E57);
-    shape.precision = Precision::F32;
+    shape.precision = CoordinatePrecision::F32;
     let (mut points, mut columns, mut of_scan) = (Vec::new(), ScanColumns::default(), Vec::new());
     let (mut kept, mut n_before) = (Vec::new(), 0_u64);
     for (k, scan) in scans.iter().enumerate() {
@@ -67,7 +67,7 @@ pub(crate) fn read_e57(
         limits.check_points((points.len() as u64).saturating_add(scan.records))?;
         let pose = pose(scan);
         if pose.is_some() || !layout.is_single(scan) {
-            shape.precision = Precision::F64;
+            shape.precision = CoordinatePrecision::F64;
         }
         let bits = layout.bits_of_a_point();
         let first = points.len();

@@ -14,7 +14,7 @@ use adwave::shape::Polygons;
 use crate::model::field::{ByteOrder, Number};
 use crate::model::numbers::{IndexError, Numbers};
 use crate::progress::collect;
-use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Triangles, 32-bit coordinates.
 pub(super) const TRIANGLES: &[u8] = b"\xff\xff\xfe";
@@ -58,7 +58,7 @@ pub(crate) fn read_surface(
         quads(bytes, limits, progress)?
     };
     shape.format = Some(Format::FREESURFER);
-    shape.precision = Precision::F32;
+    shape.precision = CoordinatePrecision::F32;
     Ok(shape)
 }
 

@@ -7,7 +7,7 @@ use adwave::Progress;
 use super::read::{FreeSurferSource, TRIANGLES};
 use crate::model::f32_limits::{is_single, triangles};
 use crate::progress::report_row;
-use crate::{Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes a surface.
 pub(crate) fn write_surface(
@@ -18,7 +18,9 @@ pub(crate) fn write_surface(
 ) -> Result<(), WriteError> {
     let original = shape.source::<FreeSurferSource>();
     let coordinates = shape.points.as_flattened();
-    if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
+    if shape.precision == CoordinatePrecision::F64
+        && !is_single(coordinates.len(), progress, |i| coordinates[i])?
+    {
         report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     report.report_vertex_fields(shape, &[]);

@@ -16,7 +16,7 @@ use super::update::{ArrayLocation, GiftiSource};
 use crate::model::field::unused;
 use crate::progress::{collect, report_row};
 use crate::text::one_line;
-use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Field, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Content of a file.
 struct GiftiContent {
@@ -60,8 +60,11 @@ pub(crate) fn read_gifti(
     let mut shape = ShapeFile::from_cloud(collect(coordinates.len() / 3, progress, point)?);
     shape.format = Some(Format::GIFTI);
     shape.structure = points.structure.or(structure);
-    shape.precision =
-        if points.values.value_type() == ValueType::F64 { Precision::F64 } else { Precision::F32 };
+    shape.precision = if points.values.value_type() == ValueType::F64 {
+        CoordinatePrecision::F64
+    } else {
+        CoordinatePrecision::F32
+    };
     if let Some(at) = arrays.iter().position(|a| a.intent == "triangle") {
         shape.faces = faces(&arrays.remove(at), shape.n_vertices, progress)?.into();
     }

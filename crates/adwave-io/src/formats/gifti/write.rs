@@ -18,7 +18,8 @@ use crate::model::grouping::column_names;
 use crate::progress::{CancellableWriter, all};
 use crate::text::escape_xml;
 use crate::{
-    Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport, atomic_write_with,
+    CoordinatePrecision, Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport,
+    atomic_write_with,
 };
 
 /// Text before the arrays, without their number.
@@ -132,7 +133,9 @@ pub(crate) fn write_gifti(
 ) -> Result<(), WriteError> {
     let coordinates = shape.points.as_flattened();
     check_range(Format::GIFTI, "coordinates", coordinates.len(), progress, |i| coordinates[i])?;
-    if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
+    if shape.precision == CoordinatePrecision::F64
+        && !is_single(coordinates.len(), progress, |i| coordinates[i])?
+    {
         report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     shape.vertex_fields.iter().try_for_each(|field| check_field(field, report, progress))?;

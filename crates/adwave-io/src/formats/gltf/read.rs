@@ -15,7 +15,7 @@ use super::update::GltfSource;
 use super::write::COLOR;
 use crate::model::colors::srgb_values;
 use crate::provenance::{NAME, Provenance};
-use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Vertices shared by the primitives of one instance with the same attributes.
 #[derive(Clone, Debug)]
@@ -56,7 +56,8 @@ pub(crate) fn read_gltf(
     }
     // Transformed coordinates have more digits than the file's numbers.
     let is_plain = |part: &VertexGroup| part.instance.matrix == IDENTITY && !part.positions.is_normalized;
-    shape.precision = if parts.iter().all(is_plain) { Precision::F32 } else { Precision::F64 };
+    shape.precision =
+        if parts.iter().all(is_plain) { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
     shape.points = points.into();
     shape.vertex_fields = fields(&document, &parts, shape.n_vertices, progress)?;
     cells(&document, &parts, &mut shape, limits, progress)?;

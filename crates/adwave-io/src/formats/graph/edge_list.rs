@@ -1,10 +1,12 @@
-//! Reader for lists of edges: two names per line and an optional weight; `#` and `%` begin comments.
+//! Lists of edges as shapes.
 
 use adwave::Progress;
 
+use crate::formats::graph::edge_line::EdgeLines;
 use crate::formats::graph::{VertexNames, names_unless_numbered};
+use crate::limits::most_numbered;
 use crate::progress::report_row;
-use crate::text::{is_blank, line_end, parse_f64, parse_u64, show};
+use crate::text::{line_end, parse_u64};
 use crate::{Direction, Edges, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -26,8 +28,7 @@ pub(crate) fn read_edge_list(
 ) -> Result<ShapeFile, ReadError> {
     let (n_vertices, pairs, names, texts, weights);
     if let Some(mut numbered) = read_numbered(bytes, progress)? {
-        // Vertices without edges take no bytes in the file, but memory in every later computation.
-        let limit = 1_000_000 + 64 * bytes.len() as u64;
+        let limit = most_numbered(bytes.len());
         let largest = numbered.pairs.as_flattened().iter().copied().max();
         let named = numbered
             .n_vertices
@@ -161,76 +162,25 @@ fn visit_edges<'a>(
     progress: Progress<'_>,
     mut visit: impl FnMut([&'a [u8]; 2], Option<f64>) -> ControlFlow<()>,
 ) -> Result<Option<u64>, ReadError> {
-    let (mut n_edges, mut n_vertices) = (0, None);
+    let mut lines = EdgeLines::default();
     let mut position = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while position < bytes.len() {
-        report_row(progress, n_edges, 0)?;
+        report_row(progress, lines.n_edges, 0)?;
         let start = position;
         let end = line_end(bytes, start);
         position = end + 1;
-        let line = bytes[start..end].trim_ascii();
-        if line.is_empty() {
-            continue;
-        }
-        if matches!(line[0], b'#' | b'%') {
-            n_vertices = n_vertices.or_else(|| n_nodes(line));
-            continue;
-        }
-        let mut parts = line.split(|&b| is_blank(b) || matches!(b, b',' | b';')).filter(|w| !w.is_empty());
-        let (Some(a), Some(b)) = (parts.next(), parts.next()) else {
-            let message = format!("an edge needs two vertices, got {}; add the other one", show(line));
-            return Err(ReadError::line_error(bytes, start, message));
-        };
-        if n_edges == 0 && is_header([a, b]) {
-            continue;
-        }
-        n_edges += 1;
-        let weight = match parts.next() {
-            // NetworkX writes a Python dictionary.
-            Some(word) if word.starts_with(b"{") => in_dictionary(line),
-            other => other.and_then(parse_f64),
-        };
-        if visit([a, b], weight).is_break() {
-            return Ok(n_vertices);
+        let edge = lines
+            .parse(bytes[start..end].trim_ascii())
+            .map_err(|message| ReadError::line_error(bytes, start, message))?;
+        let Some(edge) = edge else { continue };
+        if visit(edge.ends, edge.weight.and_then(Result::ok)).is_break() {
+            return Ok(lines.n_vertices);
         }
     }
-    if n_edges == 0 && n_vertices.is_none() {
+    if lines.n_edges == 0 && lines.n_vertices.is_none() {
         return Err(ReadError::line_error(bytes, bytes.len(), "the file has no edges; get the whole file"));
     }
-    Ok(n_vertices)
-}
-
-/// True for the names of the first two columns of a table of edges.
-fn is_header(words: [&[u8]; 2]) -> bool {
-    const NAMES: [[&str; 2]; 7] = [
-        ["source", "target"],
-        ["src", "dst"],
-        ["from", "to"],
-        ["node1", "node2"],
-        ["u", "v"],
-        ["i", "j"],
-        ["head", "tail"],
-    ];
-    let plain =
-        words.map(|word| word.to_ascii_lowercase().into_iter().filter(|b| *b != b'"').collect::<Vec<_>>());
-    NAMES.iter().any(|names| names.map(str::as_bytes) == plain.each_ref().map(Vec::as_slice))
-}
-
-/// Number after `Nodes:` in a comment of SNAP.
-fn n_nodes(line: &[u8]) -> Option<u64> {
-    let lower = line.to_ascii_lowercase();
-    let at = memchr::memmem::find(&lower, b"nodes:")?;
-    parse_u64(crate::text::words(&line[at + 6..]).next()?)
-}
-
-/// Number after `'weight':`.
-fn in_dictionary(line: &[u8]) -> Option<f64> {
-    let at = memchr::memmem::find(line, b"weight")? + 7;
-    let rest = line.get(at..)?;
-    let colon = memchr::memchr(b':', rest)?;
-    let word = rest[colon + 1..].trim_ascii_start();
-    let end = word.iter().position(|b| matches!(b, b',' | b'}' | b' ')).unwrap_or(word.len());
-    parse_f64(&word[..end])
+    Ok(lines.n_vertices)
 }
 
 #[cfg(test)]

@@ -2,7 +2,9 @@
 //!
 //! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
 
+mod edge_line;
 pub(crate) mod edge_list;
+pub(crate) mod edge_rows;
 pub(crate) mod graphml;
 pub(crate) mod tgf;
 pub(crate) mod write;

@@ -14,7 +14,7 @@ use crate::formats::las::extra::ExtraBytes;
 use crate::formats::las::fields::{PointRecords, fields, record_bytes};
 use crate::formats::las::write::{LasSource, provenance};
 use crate::progress::collect;
-use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{CoordinatePrecision, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Size of the shortest header in bytes; later versions extend it.
 pub(crate) const LEAST_HEADER: usize = 227;
@@ -106,7 +106,7 @@ pub(crate) fn read_las(
     let mut shape =
         ShapeFile::from_cloud(collect(n, progress, |i| [0, 1, 2].map(|axis| coordinate(row(i), axis)))?);
     shape.format = Some(if header.is_compressed { Format::LAZ } else { Format::LAS });
-    shape.precision = Precision::F64;
+    shape.precision = CoordinatePrecision::F64;
     shape.vertex_fields = fields(
         header.format,
         &PointRecords { bytes: &points, record_bytes: header.record_bytes, n, progress },

@@ -2,7 +2,7 @@
 
 use adwave::shape::nearest_neighbors;
 
-use crate::{Precision, ShapeFile, WriteReport};
+use crate::{CoordinatePrecision, ShapeFile, WriteReport};
 
 /// Largest coordinate in steps from the offset, a little below 2³¹.
 const MOST_STEPS: f64 = 2e9;
@@ -104,10 +104,10 @@ fn power_at_most(x: f64) -> f64 {
 }
 
 /// Half the distance to the next number of that type, and the rounding of a computed decimal.
-fn uncertainty(c: f64, precision: Precision) -> f64 {
+fn uncertainty(c: f64, precision: CoordinatePrecision) -> f64 {
     let relative = match precision {
-        Precision::F32 => f64::from(f32::EPSILON) / 2.0,
-        Precision::F64 => 2.0 * f64::EPSILON,
+        CoordinatePrecision::F32 => f64::from(f32::EPSILON) / 2.0,
+        CoordinatePrecision::F64 => 2.0 * f64::EPSILON,
     };
     relative * c.abs()
 }
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn single_numbers_count_with_the_digits_they_have() {
         let points = cloud(100.0, 0.5, Some(3)).iter().map(|p| p.map(|c| f64::from(c as f32))).collect();
-        let file = ShapeFile { precision: Precision::F32, ..ShapeFile::from_cloud(points) };
+        let file = ShapeFile { precision: CoordinatePrecision::F32, ..ShapeFile::from_cloud(points) };
         assert_eq!(CoordinateSteps::choose(&file).scale, [0.001; 3]);
     }
 

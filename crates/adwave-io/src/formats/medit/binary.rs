@@ -10,7 +10,7 @@ use crate::model::binary_rows::CoordinateRows;
 use crate::model::binary_rows::{BinaryRows, Run};
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::{all, extend};
-use crate::{Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{CoordinatePrecision, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Byte order of a binary Medit file, or `None` if the bytes do not begin like one. The dimension has to follow
 /// first, because an MGH of a few vertices begins in the same way.
@@ -99,7 +99,7 @@ pub(crate) fn read_meshb(
     let n_axes = input.dimension;
     let is_flat = n_axes == 2;
     let mut shape = found.into_shape(Format::MEDIT_BINARY, progress)?;
-    shape.precision = if version == 1 { Precision::F32 } else { Precision::F64 };
+    shape.precision = if version == 1 { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
     let rows =
         CoordinateRows::Binary(BinaryRows { bytes, runs: vec![run], is_double: version > 1, n_axes, order });
     shape.set_source(MeditSource { rows, is_flat });

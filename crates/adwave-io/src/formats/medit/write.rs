@@ -10,7 +10,7 @@ use adwave::Progress;
 use crate::model::binary_rows::CoordinateRows;
 use crate::progress::report_row;
 use crate::text::push_f64;
-use crate::{Field, Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, Format, ShapeFile, WriteError, WriteReport};
 
 /// Content kept from a Medit mesh for its update.
 #[derive(Debug)]
@@ -100,7 +100,7 @@ pub(crate) fn write_medit(
     }
     let n_bytes =
         40 * shape.points.len() + 16 * triangles.len() + 20 * quadrilaterals.len() + 12 * edges.len();
-    let is_single = shape.precision == Precision::F32;
+    let is_single = shape.precision == CoordinatePrecision::F32;
     let version = if n_bytes > 1 << 30 { 3 } else { 2 - i32::from(is_single) };
     let mut writer =
         MeditWriter { is_binary: format == Format::MEDIT_BINARY, version, position: 0, out, progress };

@@ -1,8 +1,10 @@
-//! MatrixMarket coordinate matrices: read as graphs, written from graphs and from sparse matrices.
+//! MatrixMarket coordinate matrices: read as graphs and as sparse matrices, written from graphs and from sparse matrices.
 //!
 //! Library: none.
 
+mod lines;
 pub(crate) mod read;
+pub(crate) mod rows;
 pub(crate) mod write;
 
 use crate::Format;

@@ -1,10 +1,11 @@
 //! MatrixMarket writer: coordinate matrices.
 
-use crate::model::sparse_rows::SparseRows;
 use std::io::{self, Write};
 
 use adwave::Progress;
+use adwave::rows::CompressedRows;
 
+use crate::formats::npy::write::MatrixValue;
 use crate::progress::{CancellableWriter, report_row};
 use crate::text::push_f64;
 use crate::{Direction, Format, ShapeFile, WriteError, WriteReport, atomic_write_with};
@@ -64,7 +65,10 @@ fn write_entry(
 ///
 /// # Errors
 /// The errors of [`atomic_write`](crate::atomic_write).
-pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> Result<(), WriteError> {
+pub fn write_matrix_market<V: MatrixValue>(
+    path: &std::path::Path,
+    matrix: &CompressedRows<V>,
+) -> Result<(), WriteError> {
     write_matrix_market_with(path, matrix, Progress::none())
 }
 
@@ -72,22 +76,22 @@ pub fn write_matrix_market(path: &std::path::Path, matrix: &SparseRows<'_>) -> R
 ///
 /// # Errors
 /// The errors of [`write_matrix_market`], and [`WriteError::Cancelled`].
-pub fn write_matrix_market_with(
+pub fn write_matrix_market_with<V: MatrixValue>(
     path: &std::path::Path,
-    matrix: &SparseRows<'_>,
+    matrix: &CompressedRows<V>,
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
-    matrix.check()?;
     atomic_write_with(path, progress, |out| {
         let out = &mut CancellableWriter::new(out, progress);
-        let (n_rows, n_columns, n) = (matrix.n_rows(), matrix.n_columns, matrix.values.len());
+        let (n_rows, n_columns, n) = (matrix.n_rows(), matrix.n_columns(), matrix.nnz());
         writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n_rows} {n_columns} {n}")?;
         for row in 0..n_rows {
             report_row(progress, row as u64, n_rows as u64)?;
-            for entry in matrix.offsets[row]..matrix.offsets[row + 1] {
-                write_entry(out, row as u32, matrix.indices[entry], |line| {
+            let (columns, values) = matrix.row(row);
+            for (&column, value) in columns.iter().zip(values) {
+                write_entry(out, row as u32, column, |line| {
                     line.push(b' ');
-                    matrix.values.write_text(entry, line);
+                    value.push_text(line);
                 })?;
             }
         }

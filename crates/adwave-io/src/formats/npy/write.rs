@@ -5,7 +5,9 @@ use std::path::Path;
 
 use zip::write::{SimpleFileOptions, StreamWriter, ZipWriter};
 
-use crate::model::sparse_rows::{MatrixValues, SparseRows};
+use adwave::rows::CompressedRows;
+
+use crate::text::{push_f32, push_f64};
 use crate::{WriteError, atomic_write};
 
 /// Compression of arrays.
@@ -199,44 +201,62 @@ pub fn write_npz(
     })
 }
 
+/// Type of the values of a matrix that is written.
+pub trait MatrixValue: adwave::rows::Value {
+    /// The values as those of an array.
+    fn array(values: &[Self]) -> ArrayValues<'_>;
+
+    /// Appends the shortest decimal that reads back to the same value of this type.
+    fn push_text(self, out: &mut Vec<u8>);
+}
+
+impl MatrixValue for f32 {
+    fn array(values: &[Self]) -> ArrayValues<'_> {
+        ArrayValues::F32(values)
+    }
+
+    fn push_text(self, out: &mut Vec<u8>) {
+        push_f32(out, self);
+    }
+}
+
+impl MatrixValue for f64 {
+    fn array(values: &[Self]) -> ArrayValues<'_> {
+        ArrayValues::F64(values)
+    }
+
+    fn push_text(self, out: &mut Vec<u8>) {
+        push_f64(out, self);
+    }
+}
+
 /// Writes a matrix for `scipy.sparse.load_npz`.
 ///
 /// # Errors
 /// The errors of [`atomic_write`](crate::atomic_write).
-pub fn write_sparse_npz(
+pub fn write_sparse_npz<V: MatrixValue>(
     path: &Path,
-    matrix: &SparseRows<'_>,
+    matrix: &CompressedRows<V>,
     compression: Compression,
 ) -> Result<(), WriteError> {
-    matrix.check()?;
-    let shape = [matrix.n_rows(), matrix.n_columns];
-    let n = matrix.values.len();
+    let shape = [matrix.n_rows(), matrix.n_columns()];
+    let (n, indices, offsets) = (matrix.nnz(), matrix.columns(), matrix.offsets());
     // SciPy expects both index arrays in one type, and 32 bits as long as they suffice.
-    let narrow = i32::try_from(n.max(matrix.n_columns)).is_ok();
+    let narrow = i32::try_from(n.max(matrix.n_columns())).is_ok();
     write_archive(path, compression, |npz| {
         if narrow {
-            npz.add(
-                "indices",
-                &[n],
-                ArrayValues::I32(&matrix.indices.iter().map(|&i| i as i32).collect::<Vec<_>>()),
-            )?;
-            let offsets: Vec<i32> = matrix.offsets.iter().map(|&o| o as i32).collect();
+            let indices: Vec<i32> = indices.iter().map(|&i| i as i32).collect();
+            npz.add("indices", &[n], ArrayValues::I32(&indices))?;
+            let offsets: Vec<i32> = offsets.iter().map(|&o| o as i32).collect();
             npz.add("indptr", &[offsets.len()], ArrayValues::I32(&offsets))?;
         } else {
-            let indices: Vec<i64> = matrix.indices.iter().map(|&i| i.into()).collect();
+            let indices: Vec<i64> = indices.iter().map(|&i| i.into()).collect();
             npz.add("indices", &[n], ArrayValues::I64(&indices))?;
-            npz.add("indptr", &[matrix.offsets.len()], ArrayValues::Usize(matrix.offsets))?;
+            npz.add("indptr", &[offsets.len()], ArrayValues::Usize(offsets))?;
         }
         npz.add("format", &[], ArrayValues::Text("csr"))?;
         npz.add("shape", &[2], ArrayValues::Usize(&shape))?;
-        npz.add(
-            "data",
-            &[n],
-            match matrix.values {
-                MatrixValues::F32(values) => ArrayValues::F32(values),
-                MatrixValues::F64(values) => ArrayValues::F64(values),
-            },
-        )
+        npz.add("data", &[n], V::array(matrix.values()))
     })
 }
 

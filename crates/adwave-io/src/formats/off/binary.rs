@@ -13,7 +13,8 @@ use crate::model::binary_rows::{BinaryRows, Run};
 use crate::model::field::{ByteOrder, Number};
 use crate::progress::{all, collect, report_row};
 use crate::{
-    Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, WriteError, WriteReport,
+    CoordinatePrecision, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, WriteError,
+    WriteReport,
 };
 
 /// Layout named by the first line, and the start of the numbers; `None` if the file is not a binary OFF.
@@ -80,7 +81,7 @@ pub(crate) fn read_off_binary(
     let point = |i: usize| [0, 4, 8].map(|at| f64::from(number(stride * i + at)));
     let mut shape = ShapeFile::from_cloud(collect(n, progress, point)?);
     shape.format = Some(Format::OFF_BINARY);
-    shape.precision = Precision::F32;
+    shape.precision = CoordinatePrecision::F32;
     let mut offset = 12;
     for &(name, n_channels) in &parts[1..] {
         let value = |k: usize| number(stride * (k / n_channels) + offset + 4 * (k % n_channels));
@@ -94,7 +95,7 @@ pub(crate) fn read_off_binary(
         let rounded: Vec<[f64; 3]> = shape.points.iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
         if rounded.as_flattened().iter().all(|x| x.is_finite()) {
             shape.points = rounded.into();
-            shape.precision = Precision::F32;
+            shape.precision = CoordinatePrecision::F32;
         } else {
             shape.format = Some(Format::OFF);
         }
@@ -187,7 +188,7 @@ pub(crate) fn write_off_binary(
         report.report_dropped("edges");
     }
     let is_single = |i: usize| shape.points[i].iter().all(|&x| f64::from(x as f32) == x || x.is_nan());
-    if shape.precision == Precision::F64 && !all(shape.points.len(), progress, is_single)? {
+    if shape.precision == CoordinatePrecision::F64 && !all(shape.points.len(), progress, is_single)? {
         report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     let counts = [shape.points.len(), shape.faces.len()].map(i32::try_from);

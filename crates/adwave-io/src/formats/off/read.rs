@@ -162,7 +162,7 @@ pub(crate) fn divide(shape: &mut ShapeFile) -> bool {
     }
     shape.points = points.into();
     shape.vertex_fields.remove(at);
-    shape.precision = crate::Precision::F64;
+    shape.precision = crate::CoordinatePrecision::F64;
     true
 }
 

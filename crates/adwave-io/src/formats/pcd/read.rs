@@ -13,7 +13,7 @@ use crate::model::grouping::group;
 use crate::model::text_rows::{DecimalMark, Separator, TextRows};
 use crate::progress::{collect, report_row};
 use crate::text::{line_end, parse_f32, parse_f64, parse_u64, show, words};
-use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Content kept from a PCD for its update.
 #[derive(Debug)]
@@ -419,7 +419,7 @@ fn to_shape(
     };
     let mut shape = ShapeFile::from_cloud(collect(n, progress, |i| [x.get(i), y.get(i), z.get(i)])?);
     let single = [&x, &y, &z].iter().all(|c| c.value_type() == ValueType::F32);
-    shape.precision = if single { Precision::F32 } else { Precision::F64 };
+    shape.precision = if single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
     let (fields, members) = group(columns, progress)?;
     for (name, positions) in members {
         for (channel, position) in positions.into_iter().enumerate() {

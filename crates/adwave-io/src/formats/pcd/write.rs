@@ -9,7 +9,7 @@ use crate::model::field::ByteOrder;
 use crate::model::grouping::one_word;
 use crate::progress::report_row;
 use crate::text::{push_f32, push_f64};
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// True for a color of bytes, which is packed into one number for the library.
 fn is_packed(field: &Field) -> bool {
@@ -120,7 +120,8 @@ fn kept_column(shape: &ShapeFile, old: &PcdField, coordinate: ValueType, is_text
 
 /// Columns of the file: those of the original in their order, then those of new fields.
 fn columns(shape: &ShapeFile, is_text: bool) -> Vec<Column> {
-    let coordinate = if shape.precision == Precision::F32 { ValueType::F32 } else { ValueType::F64 };
+    let coordinate =
+        if shape.precision == CoordinatePrecision::F32 { ValueType::F32 } else { ValueType::F64 };
     let layout = shape.source::<PcdSource>().map(|source| source.layout.as_slice()).unwrap_or_default();
     let mut all: Vec<Column> =
         layout.iter().filter_map(|old| kept_column(shape, old, coordinate, is_text)).collect();
@@ -245,8 +246,10 @@ fn binary_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>
         for cell in &column.cells {
             match *cell {
                 WrittenCell::Axis(axis) => match shape.precision {
-                    Precision::F32 => row.extend_from_slice(&(shape.points[i][axis] as f32).to_le_bytes()),
-                    Precision::F64 => row.extend_from_slice(&shape.points[i][axis].to_le_bytes()),
+                    CoordinatePrecision::F32 => {
+                        row.extend_from_slice(&(shape.points[i][axis] as f32).to_le_bytes());
+                    }
+                    CoordinatePrecision::F64 => row.extend_from_slice(&shape.points[i][axis].to_le_bytes()),
                 },
                 WrittenCell::Packed(place) => {
                     row.extend_from_slice(&pack_color(&shape.vertex_fields[place], i).to_le_bytes());
@@ -270,8 +273,8 @@ fn text_row(shape: &ShapeFile, columns: &[Column], i: usize, row: &mut Vec<u8>) 
             }
             match *cell {
                 WrittenCell::Axis(axis) => match shape.precision {
-                    Precision::F32 => push_f32(row, shape.points[i][axis] as f32),
-                    Precision::F64 => push_f64(row, shape.points[i][axis]),
+                    CoordinatePrecision::F32 => push_f32(row, shape.points[i][axis] as f32),
+                    CoordinatePrecision::F64 => push_f64(row, shape.points[i][axis]),
                 },
                 WrittenCell::Packed(place) => {
                     let bits = pack_color(&shape.vertex_fields[place], i);

@@ -11,7 +11,9 @@ use crate::model::source_document::CORNER_TEXCOORDS;
 use crate::progress::{collect, report_row};
 use crate::provenance::in_comments;
 use crate::text::line_of;
-use crate::{Direction, Edges, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{
+    CoordinatePrecision, Direction, Edges, FieldValues, Format, ReadError, ReadLimits, ShapeFile, ValueType,
+};
 use adwave::Progress;
 use std::sync::Arc;
 
@@ -107,7 +109,8 @@ fn read_vertices(
     let mut columns = empty_columns(element);
     check_axes(element)?;
     if let Some(vertices) = fixed::read_vertices(body, element)? {
-        shape.precision = if vertices.is_single { Precision::F32 } else { Precision::F64 };
+        shape.precision =
+            if vertices.is_single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
         shape.points = vertices.points.into();
         let (fields, extras) = (&mut shape.vertex_fields, &mut shape.extras);
         return attach_columns(element, vertices.columns, fields, extras, body.progress);
@@ -127,7 +130,7 @@ fn read_vertices(
         xyz.push(column.unwrap_or_else(|| ValueType::F32.empty()));
     }
     let single = xyz.iter().all(|c| c.value_type() == ValueType::F32);
-    shape.precision = if single { Precision::F32 } else { Precision::F64 };
+    shape.precision = if single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
     shape.points =
         collect(shape.n_vertices, body.progress, |i| [xyz[0].get(i), xyz[1].get(i), xyz[2].get(i)])?.into();
     attach_columns(element, columns, &mut shape.vertex_fields, &mut shape.extras, body.progress)

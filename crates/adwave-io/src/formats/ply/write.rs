@@ -9,7 +9,7 @@ use crate::model::field::ByteOrder;
 use crate::model::grouping::column_names;
 use crate::progress::report_row;
 use crate::text::{push_f32, push_f64};
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, ValueType, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, ValueType, WriteError, WriteReport};
 
 /// Encoding of values.
 #[derive(Clone, Copy)]
@@ -82,7 +82,8 @@ pub(crate) fn write_ply(
     let face_fields: Vec<&Field> = shape.face_fields.iter().collect();
     note_rounding(&fields, report);
     note_rounding(&face_fields, report);
-    let coordinate = if shape.precision == Precision::F32 { ValueType::F32 } else { ValueType::F64 };
+    let coordinate =
+        if shape.precision == CoordinatePrecision::F32 { ValueType::F32 } else { ValueType::F64 };
     writeln!(out, "ply\nformat {encoding} 1.0\nelement vertex {}", shape.points.len())?;
     for axis in ["x", "y", "z"] {
         writeln!(out, "property {} {axis}", type_name(coordinate))?;
@@ -204,18 +205,20 @@ fn end_row(style: ValueStyle, row: &mut Vec<u8>) {
     }
 }
 
-fn push_point(point: [f64; 3], precision: Precision, style: ValueStyle, row: &mut Vec<u8>) {
+fn push_point(point: [f64; 3], precision: CoordinatePrecision, style: ValueStyle, row: &mut Vec<u8>) {
     for (axis, x) in point.into_iter().enumerate() {
         match (style, precision) {
-            (ValueStyle::Bytes(_), Precision::F32) => row.extend_from_slice(&(x as f32).to_le_bytes()),
-            (ValueStyle::Bytes(_), Precision::F64) => row.extend_from_slice(&x.to_le_bytes()),
+            (ValueStyle::Bytes(_), CoordinatePrecision::F32) => {
+                row.extend_from_slice(&(x as f32).to_le_bytes());
+            }
+            (ValueStyle::Bytes(_), CoordinatePrecision::F64) => row.extend_from_slice(&x.to_le_bytes()),
             (ValueStyle::Text, precision) => {
                 if axis > 0 {
                     row.push(b' ');
                 }
                 match precision {
-                    Precision::F32 => push_f32(row, x as f32),
-                    Precision::F64 => push_f64(row, x),
+                    CoordinatePrecision::F32 => push_f32(row, x as f32),
+                    CoordinatePrecision::F64 => push_f64(row, x),
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::model::source_document::SourceDocument;
 use crate::progress::{all, collect, report_row};
 use crate::text::lines::{Statement, Statements};
 use crate::text::{parse_f64, show, words};
-use crate::{Field, FieldValues, Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ReadError, ReadLimits, ShapeFile};
 use adwave::shape::Polygons;
 use adwave::{Cancelled, Progress};
 
@@ -87,7 +87,7 @@ pub(crate) fn read_stl(
     let normals = collect(n, progress, |f| triple(f, 0))?.into_flattened();
     let mut shape = soup(points, progress)?;
     shape.format = Some(Format::STL);
-    shape.precision = Precision::F32;
+    shape.precision = CoordinatePrecision::F32;
     shape.face_fields.push(Field::new("normal", 3, FieldValues::F32(normals)));
     if !all(n, progress, |f| attribute(f) == 0)? {
         let attributes = collect(n, progress, attribute)?;

@@ -8,7 +8,7 @@ use crate::formats::stl::read::StlSource;
 use crate::model::f32_limits::{is_single, triangles_with_faces};
 use crate::progress::report_row;
 use crate::text::push_f64;
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes the faces as triangles; polygons are split.
 pub(crate) fn write_stl(
@@ -38,7 +38,9 @@ pub(crate) fn write_stl(
         return write_ascii(&normals, &triangles, solids.as_deref(), out, progress);
     }
     let coordinates = shape.points.as_flattened();
-    if shape.precision == Precision::F64 && !is_single(coordinates.len(), progress, |i| coordinates[i])? {
+    if shape.precision == CoordinatePrecision::F64
+        && !is_single(coordinates.len(), progress, |i| coordinates[i])?
+    {
         report.report_dropped("digits of coordinates beyond 32-bit floats");
     }
     let n = u32::try_from(triangles.len());

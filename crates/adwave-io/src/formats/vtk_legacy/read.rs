@@ -9,7 +9,7 @@ use crate::model::cells::{CellKind, Cells, Dataset, Grid, GridPoints, Lattice};
 use crate::model::numbers::IndexError;
 use crate::progress::collect;
 use crate::text::show;
-use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Field, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// First bytes of a legacy VTK file.
 pub(crate) const MAGIC: &[u8] = b"# vtk DataFile";
@@ -213,7 +213,7 @@ impl LegacyContent {
         limits: &ReadLimits,
         progress: Progress<'_>,
     ) -> Result<ShapeFile, ReadError> {
-        let precision = if self.is_single { Precision::F32 } else { Precision::F64 };
+        let precision = if self.is_single { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 };
         if !matches!(self.kind.as_slice(), b"POLYDATA" | b"UNSTRUCTURED_GRID") {
             return self.into_grid(file, precision)?.into_shape(Format::VTK, limits, progress);
         }
@@ -256,7 +256,7 @@ impl LegacyContent {
         .into_shape(Format::VTK, progress)
     }
 
-    fn into_grid(self, file: &Scanner<'_>, precision: Precision) -> Result<Grid, ReadError> {
+    fn into_grid(self, file: &Scanner<'_>, precision: CoordinatePrecision) -> Result<Grid, ReadError> {
         let fail = |message: &str| Err(file.error(file.at, message));
         let is_known =
             matches!(self.kind.as_slice(), b"STRUCTURED_POINTS" | b"STRUCTURED_GRID" | b"RECTILINEAR_GRID");
@@ -275,7 +275,7 @@ impl LegacyContent {
                 let spacing = self.spacing.unwrap_or([1.0; 3]);
                 let matrix = [0, 1, 2].map(|c| [0, 1, 2].map(|a| if a == c { spacing[a] } else { 0.0 }));
                 let points = GridPoints::Image { origin: self.origin, matrix, first: [0; 3] };
-                (points, Precision::F64)
+                (points, CoordinatePrecision::F64)
             }
             b"STRUCTURED_GRID" => {
                 let points = self.points.unwrap_or_default();

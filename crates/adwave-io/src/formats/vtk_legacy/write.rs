@@ -8,7 +8,7 @@ use super::scanner::encoded;
 use crate::model::field::ByteOrder;
 use crate::model::numbers::cell_fields;
 use crate::progress::report_row;
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
 /// Writes a legacy VTK.
 pub(crate) fn write_vtk(
@@ -18,7 +18,7 @@ pub(crate) fn write_vtk(
     progress: Progress<'_>,
 ) -> Result<(), WriteError> {
     let n = shape.points.len();
-    let is_double = shape.precision == Precision::F64;
+    let is_double = shape.precision == CoordinatePrecision::F64;
     writeln!(
         out,
         "# vtk DataFile Version 4.2\nadwave\nBINARY\nDATASET POLYDATA\nPOINTS {n} {}",

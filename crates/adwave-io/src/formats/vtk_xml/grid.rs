@@ -8,7 +8,7 @@ use super::document::{XmlFrame, error_at, numbers};
 use super::read::{JoinedFields, fields, points};
 use crate::model::cells::{Grid, GridPoints, Lattice};
 use crate::progress::report_row;
-use crate::{Format, Precision, ReadError, ValueType};
+use crate::{CoordinatePrecision, Format, ReadError, ValueType};
 
 /// First and last index along each axis.
 type Extent = [[i64; 2]; 3];
@@ -66,10 +66,14 @@ fn grid_points<'n: 'a, 'a>(
     piece: &LocatedPiece<'n, '_>,
     format: Format,
     progress: Progress<'_>,
-) -> Result<(GridPoints, Precision), ReadError> {
+) -> Result<(GridPoints, CoordinatePrecision), ReadError> {
     let LocatedPiece { node: piece, extent, lattice } = *piece;
     let precision = |kinds: &[ValueType]| {
-        if kinds.iter().all(|kind| *kind == ValueType::F32) { Precision::F32 } else { Precision::F64 }
+        if kinds.iter().all(|kind| *kind == ValueType::F32) {
+            CoordinatePrecision::F32
+        } else {
+            CoordinatePrecision::F64
+        }
     };
     match format {
         Format::VTI => {
@@ -80,7 +84,7 @@ fn grid_points<'n: 'a, 'a>(
                 .unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
             let matrix = [0, 1, 2].map(|c| [0, 1, 2].map(|a| turn[3 * c + a] * spacing[a]));
             let first = extent.map(|[first, _]| first);
-            Ok((GridPoints::Image { origin, matrix, first }, Precision::F64))
+            Ok((GridPoints::Image { origin, matrix, first }, CoordinatePrecision::F64))
         }
         Format::VTR => {
             let Some(section) = piece.children().find(|node| node.has_tag_name("Coordinates")) else {
@@ -141,7 +145,7 @@ fn join_pieces<'n: 'a, 'a>(
     let mut parts = Vec::new();
     let mut listed = Vec::new();
     let mut image = None;
-    let mut precision = Precision::F32;
+    let mut precision = CoordinatePrecision::F32;
     for &piece in pieces {
         let extent = extent(piece, "Extent")?;
         let lattice = lattice(piece, &extent)?;
@@ -152,7 +156,7 @@ fn join_pieces<'n: 'a, 'a>(
         let offset = [0, 1, 2].map(|a| (extent[a][0] - whole[a][0]) as usize);
         let located = LocatedPiece { node: piece, extent, lattice };
         let (points, of_piece) = grid_points(frame, data, &located, format, progress)?;
-        if of_piece == Precision::F64 {
+        if of_piece == CoordinatePrecision::F64 {
             precision = of_piece;
         }
         let mut axes: [Vec<f64>; 3] = Default::default();

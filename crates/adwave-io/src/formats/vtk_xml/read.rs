@@ -14,7 +14,7 @@ use crate::model::numbers::{Numbers, append};
 use crate::progress::{all, collect};
 use crate::provenance::{NAME, Provenance};
 use crate::text::show;
-use crate::{Field, Format, Precision, ReadError, ReadLimits, ShapeFile, ValueType};
+use crate::{CoordinatePrecision, Field, Format, ReadError, ReadLimits, ShapeFile, ValueType};
 
 /// Format of a VTK XML file.
 pub(crate) fn kind_of(head: &[u8]) -> Option<Result<Format, &'static str>> {
@@ -199,7 +199,7 @@ fn read_cells<'n: 'a, 'a>(
     progress: Progress<'_>,
 ) -> Result<ShapeFile, ReadError> {
     let mut all_points = Vec::new();
-    let mut precision = Precision::F32;
+    let mut precision = CoordinatePrecision::F32;
     let (mut point_fields, mut cell_fields) = (JoinedFields::default(), JoinedFields::default());
     let mut cells = Vec::new();
     for &piece in pieces {
@@ -214,7 +214,7 @@ fn read_cells<'n: 'a, 'a>(
             all_points.extend(points);
         }
         if n > 0 && kind != ValueType::F32 {
-            precision = Precision::F64;
+            precision = CoordinatePrecision::F64;
         }
         let mut of_piece = if format == Format::VTP {
             polydata_cells(frame, piece, n, progress)?

@@ -10,7 +10,7 @@ use crate::model::numbers::cell_fields;
 use crate::progress::{collect, report_row};
 use crate::provenance::NAME;
 use crate::text::escape_xml;
-use crate::{Field, FieldValues, Format, Precision, ShapeFile, WriteError, WriteReport};
+use crate::{CoordinatePrecision, Field, FieldValues, Format, ShapeFile, WriteError, WriteReport};
 
 /// Uncompressed size of one block in bytes.
 const BLOCK: usize = 1 << 20;
@@ -221,8 +221,8 @@ fn values_and_points(
     body += "<Points>\n";
     let flat = shape.points.as_flattened();
     let points = match shape.precision {
-        Precision::F32 => FieldValues::F32(collect(flat.len(), progress, |i| flat[i] as f32)?),
-        Precision::F64 => FieldValues::F64(collect(flat.len(), progress, |i| flat[i])?),
+        CoordinatePrecision::F32 => FieldValues::F32(collect(flat.len(), progress, |i| flat[i] as f32)?),
+        CoordinatePrecision::F64 => FieldValues::F64(collect(flat.len(), progress, |i| flat[i])?),
     };
     appended.add_numbers(&mut body, "Points", 3, &points)?;
     body += "</Points>\n";

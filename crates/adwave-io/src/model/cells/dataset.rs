@@ -6,12 +6,12 @@ use super::Cells;
 use super::surface::{CellSurface, FaceSources};
 use crate::model::numbers::collect_rows;
 use crate::progress::collect;
-use crate::{Edges, Field, FieldValues, Format, Precision, ReadError, ShapeFile};
+use crate::{CoordinatePrecision, Edges, Field, FieldValues, Format, ReadError, ShapeFile};
 
 /// Content of a VTK file.
 pub(crate) struct Dataset {
     pub(crate) points: Vec<[f64; 3]>,
-    pub(crate) precision: Precision,
+    pub(crate) precision: CoordinatePrecision,
     /// Cells in the order in which the cell values are stored.
     pub(crate) cells: Vec<Cells>,
     pub(crate) point_fields: Vec<Field>,

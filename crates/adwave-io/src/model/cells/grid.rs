@@ -6,7 +6,7 @@ use adwave::shape::Polygons;
 
 use crate::model::numbers::collect_rows;
 use crate::progress::{collect, report_row};
-use crate::{Edges, Field, Format, Precision, ReadError, ReadLimits, ShapeFile};
+use crate::{CoordinatePrecision, Edges, Field, Format, ReadError, ReadLimits, ShapeFile};
 
 /// Largest number of vertices of a grid for which a file stores only the size.
 const MOST_WITHOUT_VALUES: usize = 1 << 18;
@@ -138,7 +138,7 @@ pub(crate) enum GridPoints {
 pub(crate) struct Grid {
     pub(crate) lattice: Lattice,
     pub(crate) points: GridPoints,
-    pub(crate) precision: Precision,
+    pub(crate) precision: CoordinatePrecision,
     pub(crate) point_fields: Vec<Field>,
     pub(crate) cell_fields: Vec<Field>,
     /// Field rows of the lattice's points and cells, if they are not in order.
@@ -305,7 +305,7 @@ mod tests {
         let grid = Grid {
             lattice,
             points: GridPoints::Axes([0, 1, 2].map(|a| (0..dims[a]).map(|i| i as f64).collect())),
-            precision: Precision::F64,
+            precision: CoordinatePrecision::F64,
             point_fields: vec![Field::new("p", 1, whole(n))],
             cell_fields: vec![Field::new("c", 1, whole(n_cells))],
             point_rows: None,

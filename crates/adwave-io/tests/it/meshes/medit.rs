@@ -2,7 +2,8 @@
 
 use adwave::shape::Polygons;
 use adwave_io::{
-    Field, FieldValues, Format, Precision, ReadLimits, ShapeFile, read_bytes, read_path, write_bytes,
+    CoordinatePrecision, Field, FieldValues, Format, ReadLimits, ShapeFile, read_bytes, read_path,
+    write_bytes,
 };
 use adwave_test_data::data_test;
 
@@ -86,7 +87,10 @@ fn all_versions_and_both_byte_orders() {
             let bytes = binary(version, is_big);
             let mut file = read(&bytes);
             assert_eq!(file.format(), Some(Format::MEDIT_BINARY));
-            assert_eq!(file.precision(), if version == 1 { Precision::F32 } else { Precision::F64 });
+            assert_eq!(
+                file.precision(),
+                if version == 1 { CoordinatePrecision::F32 } else { CoordinatePrecision::F64 }
+            );
             assert_eq!((file.points()[2], file.faces().get(0)), ([0.0, 1.0, 0.5], &[0, 1, 2][..]));
             assert_eq!(file.field("reference").unwrap().to_f64(), [5.0, 6.0, 7.0]);
             assert_eq!(file.face_fields()[0].to_f64(), [8.0]);
