@@ -247,12 +247,12 @@ impl Decomposer {
         let mask = Mask::new(masked, self.vertex_map())?;
         let (domain, none) = (Arc::clone(&self.domain), Progress::none());
         let squared_length = move |x: usize, y: usize| domain.squared_length(x, y);
-        let transform = match self.operator().masked(mask.welded(), &squared_length, none)? {
-            Some(operator) => Transform::from_shared_operator(operator, &BandsParams::default())?,
-            None => {
-                let rows = self.transform.rows("a mask")?;
-                transform(rows.remove_masked(mask.welded(), squared_length, none)?)
-            }
+        let around = self.operator().masked(mask.welded(), &squared_length, none)?;
+        let transform = if let Some(operator) = around {
+            Transform::from_shared_operator(operator, &BandsParams::default())?
+        } else {
+            let rows = self.transform.rows("a mask")?;
+            transform(rows.remove_masked(mask.welded(), squared_length, none)?)
         };
         let keep = |(x, a): (usize, &f64)| if mask.welded()[x] { 0.0 } else { *a };
         let measure = match &self.measure {
@@ -545,12 +545,11 @@ impl Decomposer {
     /// Counts of the elements of the shape; of a domain without one, of the graph of its neighbors.
     pub fn health(&self) -> Health {
         let graph;
-        let geometry = match self.geometry() {
-            Some(geometry) => geometry,
-            None => {
-                graph = PreparedGeometry::from_neighbors(self.neighbors());
-                &graph
-            }
+        let geometry = if let Some(geometry) = self.geometry() {
+            geometry
+        } else {
+            graph = PreparedGeometry::from_neighbors(self.neighbors());
+            &graph
         };
         expect_not_cancelled(health(geometry, self.neighbors(), Progress::none()))
     }

@@ -28,7 +28,7 @@ impl WalkDomain {
         if let Some(&y) = walk.columns().iter().find(|&&y| y as usize >= n) {
             return Err(DiffusionError::RowCount { n_rows: n, n_vertices: y as usize + 1 });
         }
-        let steps = |_: &mut (), x: usize, columns: &mut Vec<u32>| {
+        let steps = |(): &mut (), x: usize, columns: &mut Vec<u32>| {
             let (others, values) = walk.row(x);
             let steps = others.iter().zip(values).filter(|(y, w)| **y as usize != x && **w > 0.0);
             columns.extend(steps.map(|(y, _)| *y));
