@@ -50,7 +50,9 @@ fn may_be_unknown(x: f64) -> bool {
 pub fn mark_unknown(values: &mut [f64], n_channels: usize) -> Vec<UnknownValue> {
     let suspects: Vec<usize> = (0..values.len()).filter(|&k| may_be_unknown(values[k])).collect();
     let mut is_asked = vec![false; n_channels];
-    suspects.iter().for_each(|k| is_asked[k % n_channels] = true);
+    for k in &suspects {
+        is_asked[k % n_channels] = true;
+    }
     let range = |c: usize| {
         let known =
             values.iter().skip(c).step_by(n_channels).filter(|x| x.is_finite() && !may_be_unknown(**x));
@@ -96,7 +98,9 @@ mod tests {
 
     /// Values of n vertices and c channels in (−a, a), with a sentinel at every fifth vertex of the last channel.
     fn field(n: usize, c: usize, a: f64, sentinel: f64) -> Vec<f64> {
-        let value = |k: usize| if k % c == c - 1 && k / c % 5 == 0 { sentinel } else { a * (k as f64).sin() };
+        let value = |k: usize| {
+            if k % c == c - 1 && (k / c).is_multiple_of(5) { sentinel } else { a * (k as f64).sin() }
+        };
         (0..n * c).map(value).collect()
     }
 
@@ -110,7 +114,7 @@ mod tests {
             9.96921e36,
             -9999.0,
             -32768.0,
-            -3.4028235e38,
+            -3.402_823_5e38,
         ] {
             for (n, c, a) in [(40, 1, 1.0), (100, 3, 300.0), (25, 2, 1e-9)] {
                 let before = field(n, c, a, sentinel);

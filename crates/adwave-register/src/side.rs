@@ -193,7 +193,7 @@ pub fn lies_on_a_surface(points: &[[f64; 3]]) -> bool {
                 .map(|&y| Vector3::from(subtract(&points[y as usize], &points[x])))
                 .chain([Vector3::zeros()])
                 .collect();
-            let size = around.iter().map(|d| d.amax()).fold(0.0, f64::max);
+            let size = around.iter().map(nalgebra::Matrix::amax).fold(0.0, f64::max);
             if size == 0.0 {
                 return 0.0;
             }

@@ -125,7 +125,7 @@ impl ValuesFile {
 /// True if the name is that of a CIFTI of any kind: `.dlabel.nii`.
 fn is_cifti(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    name.ends_with(".nii") || name.ends_with(".nii.gz")
+    [".nii", ".nii.gz"].iter().any(|extension| name.ends_with(extension))
 }
 
 /// Whether a file of that name stores a shape together with any fields of its vertices.

@@ -62,7 +62,7 @@ fn write_fixtures(folder: &Path) {
     let n = mesh(1).n_vertices();
     let mask: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", u8::from(k % 5 != 0)));
     fs::write(at("mask.csv"), format!("inside\n{mask}")).unwrap();
-    let depth = |k: usize| if k % 7 == 0 { -9999.0 } else { (k as f64).sin() };
+    let depth = |k: usize| if k.is_multiple_of(7) { -9999.0 } else { (k as f64).sin() };
     let depths: String = (0..n).fold(String::new(), |text, k| text + &format!("{}\n", depth(k)));
     fs::write(at("depth.csv"), format!("depth\n{depths}")).unwrap();
     write_cells(folder);

@@ -131,7 +131,9 @@ impl Mesh {
 
 fn save_cloud(path: &Path, points: &[Point]) {
     let mut text = String::new();
-    points.iter().for_each(|p| writeln!(text, "{} {} {}", p[0], p[1], p[2]).unwrap());
+    for p in points {
+        writeln!(text, "{} {} {}", p[0], p[1], p[2]).unwrap();
+    }
     fs::write(path, text).unwrap();
 }
 
@@ -352,7 +354,7 @@ fn diff_of_clouds_gives_distances_and_sides() {
         let (n, climb) = (8 + random.below(5), 0.5 + random.next());
         let grid = |n: usize, climb: f64| -> Vec<Point> {
             let height = |i: usize| climb * i.saturating_sub(9) as f64;
-            (0..n).flat_map(|i| (0..8).map(move |j| [i as f64, j as f64, height(i)])).collect()
+            (0..n).flat_map(|i| (0..8).map(move |j| [i as f64, f64::from(j), height(i)])).collect()
         };
         let (s, t) = (grid(n, 0.0), grid(n + 12, climb));
         save_cloud(&folder.join("s.xyz"), &s);
@@ -416,11 +418,10 @@ fn expected_errors_of_denoised_fields_are_those_that_are_left() {
             let sigma = 0.5 + random.next();
             let truth: Vec<f64> = places.iter().map(|p| 3.0 + (0.2 * p[0]).sin()).collect();
             let values: Vec<f64> = truth.iter().map(|f| f + sigma * random.normal()).collect();
-            let rows: String = places
-                .iter()
-                .zip(&values)
-                .map(|(p, v)| format!("{} {} {} {v}\n", p[0], p[1], p[2]))
-                .collect();
+            let mut rows = String::new();
+            for (p, v) in places.iter().zip(&values) {
+                writeln!(rows, "{} {} {} {v}", p[0], p[1], p[2]).unwrap();
+            }
             let mut header = format!(
                 "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double z\nproperty double q\n",
                 places.len()
@@ -529,7 +530,9 @@ fn imputed_counts_are_powers_of_the_walk() {
             row[(x + 1) % n] += random.next();
             row[random.below(n)] += random.next();
             let sum: f64 = row.iter().sum();
-            row.iter_mut().for_each(|w| *w /= sum);
+            for w in row.iter_mut() {
+                *w /= sum;
+            }
         }
         let mut counts = vec![vec![0.0; genes]; n];
         counts.iter_mut().flatten().for_each(|c| *c = (6.0 * random.next()).floor());

@@ -182,10 +182,14 @@ fn a_binary_off_may_be_little_endian() {
                 let reversed = [x[3], x[2], x[1], x[0]];
                 bytes.extend_from_slice(if is_little { &reversed } else { &x });
             };
-            [5_i32, 2, 0].iter().for_each(|n| push(n.to_be_bytes()));
+            for n in [5_i32, 2, 0] {
+                push(n.to_be_bytes());
+            }
             (0..5 * per_vertex).for_each(|k| push((k as f32 / 8.0).to_be_bytes()));
             for face in [vec![3_i32, 0, 1, 2, 0], vec![4, 1, 2, 3, 4, 0]] {
-                face.iter().for_each(|n| push(n.to_be_bytes()));
+                for n in face {
+                    push(n.to_be_bytes());
+                }
             }
             let file = read(&bytes, "a.off");
             assert_eq!(file.n_vertices(), 5);

@@ -456,10 +456,8 @@ fn branches_and_weighted_graphs_are_denoised() {
 fn noisy_tracks(seed: u64) -> Vec<(&'static str, Vec<Point>, Vec<Point>)> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut deviate = || -> f64 { StandardNormal.sample(&mut random) };
-    let truth: Vec<Point> = (0..600)
-        .map(|k| f64::from(k))
-        .map(|t| [t, 40.0 * (t / 60.0).sin(), 10.0 * (t / 100.0).cos()])
-        .collect();
+    let truth: Vec<Point> =
+        (0..600).map(f64::from).map(|t| [t, 40.0 * (t / 60.0).sin(), 10.0 * (t / 100.0).cos()]).collect();
     let all = truth.iter().map(|p| p.map(|c| c + 3.0 * deviate())).collect();
     let height = truth.iter().map(|p| [p[0], p[1], p[2] + 3.0 * deviate()]).collect();
     vec![("all axes", truth.clone(), all), ("height", truth, height)]

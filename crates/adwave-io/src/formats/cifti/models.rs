@@ -49,7 +49,7 @@ pub(super) fn maps(xml: &[u8], progress: Progress<'_>) -> Result<CiftiMaps, Read
         match map.attribute("IndicesMapToDataType") {
             Some("CIFTI_INDEX_TYPE_BRAIN_MODELS") if dimension.trim() == "1" => rows = Some(map),
             Some("CIFTI_INDEX_TYPE_SERIES") if dimension.trim() == "0" => {
-                columns = Some(CiftiColumns::Series)
+                columns = Some(CiftiColumns::Series);
             }
             Some(kind @ ("CIFTI_INDEX_TYPE_SCALARS" | "CIFTI_INDEX_TYPE_LABELS"))
                 if dimension.trim() == "0" =>

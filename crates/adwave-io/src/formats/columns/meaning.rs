@@ -273,7 +273,7 @@ impl NumberedRows {
         };
         let mut names = vec!["number".to_owned(), String::new(), String::new(), String::new()];
         for (axis, at) in ["x", "y", "z"].into_iter().zip(axes) {
-            names[at] = axis.to_owned();
+            axis.clone_into(&mut names[at]);
         }
         if self != Self::Plain {
             names.push("code".to_owned());
