@@ -472,8 +472,8 @@ fn moved_shapes_match_by_their_motion() {
     let mut faults = Faults::default();
     for seed in 0..N_SEEDS {
         let mut random = Random(500 + seed);
-        let n = 400 + 20 * seed;
-        faults.inspect(&run_line(folder, &format!("sample creature -o a.ply --vertices {n} --seed {seed}")));
+        let n = 2000 + 50 * seed;
+        faults.inspect(&run_line(folder, &format!("sample creature -o a.ply --vertices {n}")));
         let original = read(&folder.join("a.ply"));
         let angle = random.next();
         let (sin, cos) = (angle.sin(), angle.cos());

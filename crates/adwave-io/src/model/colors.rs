@@ -45,18 +45,17 @@ pub(crate) fn srgb_values(linear: &FieldValues, n_channels: usize) -> FieldValue
     }
 }
 
-/// Colors in bytes; `None` if they are bytes or 16-bit integers already, or a number is missing. The flag is true if
-/// digits are lost.
+/// Colors in bytes; `None` unless they are floats in [0, 1], which all readers of colors take for intensities. The flag is
+/// true if digits are lost.
 fn in_bytes(field: &Field) -> Option<(Field, bool)> {
-    if !is_color(field) || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_)) {
+    if !is_color(field) || !matches!(field.values, FieldValues::F32(_) | FieldValues::F64(_)) {
         return None;
     }
-    let full = field.full_intensity();
-    let scaled: Vec<f64> = field.to_f64().iter().map(|x| 255.0 * x / full).collect();
-    if !scaled.iter().all(|x| x.is_finite()) {
+    let scaled: Vec<f64> = field.to_f64().iter().map(|x| 255.0 * x).collect();
+    if !scaled.iter().all(|x| (0.0..=255.0).contains(x)) {
         return None;
     }
-    let is_rounded = scaled.iter().any(|x| (x - x.round()).abs() > 1e-4 || !(0.0..=255.0).contains(x));
+    let is_rounded = scaled.iter().any(|x| (x - x.round()).abs() > 1e-4);
     let bytes = scaled.iter().map(|x| x.round() as u8).collect();
     Some((Field::new("color", field.n_channels, FieldValues::U8(bytes)), is_rounded))
 }
@@ -92,6 +91,16 @@ mod tests {
         // Middle gray of 188 is half of the light; 128 is 21.6 %.
         assert!((linear_from_srgb(188.0 / 255.0) - 0.5029).abs() < 1e-4);
         assert!((linear_from_srgb(128.0 / 255.0) - 0.2159).abs() < 1e-4);
+    }
+
+    #[test]
+    fn only_intensities_become_bytes() {
+        let bytes = |values| in_bytes(&Field::new("color", 3, values));
+        let (field, is_rounded) = bytes(FieldValues::F64(vec![0.0, 0.5, 1.0])).unwrap();
+        assert_eq!((field.to_f64(), is_rounded), (vec![0.0, 128.0, 255.0], true));
+        assert!(bytes(FieldValues::F32(vec![0.0, 0.5, 1.5])).is_none());
+        assert!(bytes(FieldValues::F32(vec![0.0, f32::NAN, 1.0])).is_none());
+        assert!(bytes(FieldValues::U32(vec![0, 1, 5_514_484])).is_none());
     }
 
     #[test]

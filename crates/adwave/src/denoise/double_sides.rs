@@ -55,8 +55,9 @@ fn orient(triangles: &mut [[u32; 3]], may_turn: &[bool]) {
     }
     let mut is_settled: Vec<bool> = may_turn.iter().map(|may| !may).collect();
     let mut queue: Vec<usize> = (0..triangles.len()).filter(|&t| is_settled[t]).collect();
-    for start in 0..triangles.len() {
-        if !is_settled[start] && (start == 0 || queue.is_empty()) {
+    // First from those that may not turn, then from the first triangle of each part that has none.
+    for start in std::iter::once(None).chain((0..triangles.len()).map(Some)) {
+        if let Some(start) = start.filter(|&start| !is_settled[start]) {
             is_settled[start] = true;
             queue.push(start);
         }

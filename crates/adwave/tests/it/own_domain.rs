@@ -166,7 +166,11 @@ impl Operator for Stored {
 }
 
 fn signal(d: usize) -> Vec<f64> {
-    let noise = |i: usize| ((i * 7919 + 13) % 1009) as f64 / 1009.0 - 0.5;
+    let noise = |i: usize| {
+        let hash = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let hash = (hash ^ (hash >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        (hash >> 11) as f64 * (-53_f64).exp2() - 0.5
+    };
     (0..AROUND * ALONG * d).map(|i| (i / d % AROUND / 8) as f64 + (i % d) as f64 + 0.3 * noise(i)).collect()
 }
 

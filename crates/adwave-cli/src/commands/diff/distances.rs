@@ -266,10 +266,15 @@ impl ClosestComparison {
 
     fn json(&self, alignment: Option<&Alignment>) -> Value {
         let alignment = alignment.map(|found| {
-            json!({
+            let mut own = json!({
                 "certain": found.is_certain && found.n_equal == 0, "equal_motions": found.n_equal,
-                "median_distance": found.median, "overlap": found.overlap,
-            })
+                "overlap": found.overlap,
+            });
+            // There is none if no point lies over the other shape.
+            if found.median.is_finite() {
+                own["median_distance"] = json!(found.median);
+            }
+            own
         });
         let Summary { rms, mean, greatest, vertex } = self.summary;
         let mut json = json!({
