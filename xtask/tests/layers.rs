@@ -187,7 +187,7 @@ const ROOMS: [(&str, &[&[&str]]); 4] = [
     (
         "crates/adwave-io",
         &[
-            &["error", "format", "limits", "progress", "provenance"],
+            &["error", "format", "limits", "progress", "provenance", "unknown"],
             &["text", "bytes", "files"],
             &["transaction", "model"],
             &["formats"],

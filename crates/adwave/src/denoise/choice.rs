@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```
 /// use adwave::denoise::{DenoiseChoice, DenoiseParams, denoise};
-/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, WeldMode};
+/// use adwave::shape::{Mesh, Polygons, PreparedGeometry, Shape, WeldMode};
 /// use adwave::Progress;
 /// let rough = |x: u32, y: u32| [f64::from(x), f64::from(y), 0.3 * f64::from((7 * x + 3 * y) % 5) / 5.0];
 /// let points = (0..400).map(|i| rough(i % 20, i / 20)).collect();

@@ -30,7 +30,7 @@ const NO_FACES: u64 = 0xcbf2_9ce4_8422_2325;
 /// };
 /// let (a, b) = (soup([[0, 1, 2], [0, 2, 3]]), soup([[0, 2, 3], [0, 1, 2]]));
 /// assert_eq!(first_misplaced_vertex(&a, &a), None);
-/// assert_eq!(first_misplaced_vertex(&a, &b), Some(2));
+/// assert_eq!(first_misplaced_vertex(&a, &b), Some(4)); // at the place of vertex 2 in a, and not in b
 /// ```
 ///
 /// # Panics
