@@ -17,6 +17,18 @@ pub(crate) fn is_color(field: &Field) -> bool {
     field.name == "color" && matches!(field.n_channels, 3 | 4)
 }
 
+/// True if the colors are intensities: integers of 8 or 16 bits, or floats in [0, 1]. Other numbers of that name stay as they
+/// are.
+pub(crate) fn is_intensity(field: &Field) -> bool {
+    let is_within = || field.to_f64().iter().all(|x| (0.0..=1.0).contains(x));
+    is_color(field)
+        && match field.values {
+            FieldValues::U8(_) | FieldValues::U16(_) => true,
+            FieldValues::F32(_) | FieldValues::F64(_) => is_within(),
+            _ => false,
+        }
+}
+
 /// Difference of a channel from a byte that rounding to 16 bits of linear intensity leaves, of 255.
 const BYTE_TOLERANCE: f64 = 0.03;
 
@@ -48,13 +60,10 @@ pub(crate) fn srgb_values(linear: &FieldValues, n_channels: usize) -> FieldValue
 /// Colors in bytes; `None` unless they are floats in [0, 1], which all readers of colors take for intensities. The flag is
 /// true if digits are lost.
 fn in_bytes(field: &Field) -> Option<(Field, bool)> {
-    if !is_color(field) || !matches!(field.values, FieldValues::F32(_) | FieldValues::F64(_)) {
+    if !is_intensity(field) || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_)) {
         return None;
     }
     let scaled: Vec<f64> = field.to_f64().iter().map(|x| 255.0 * x).collect();
-    if !scaled.iter().all(|x| (0.0..=255.0).contains(x)) {
-        return None;
-    }
     let is_rounded = scaled.iter().any(|x| (x - x.round()).abs() > 1e-4);
     let bytes = scaled.iter().map(|x| x.round() as u8).collect();
     Some((Field::new("color", field.n_channels, FieldValues::U8(bytes)), is_rounded))

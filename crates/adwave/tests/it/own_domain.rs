@@ -256,7 +256,7 @@ fn regions_features_saliency_and_denoising_follow_the_neighbors_of_the_domain() 
         let level = found.info[0].noise;
         assert!((0.06..0.12).contains(&level), "noise of .087 found as {level}");
     }
-    let slope: Vec<f64> = (0..values.len()).map(|x| (x / AROUND) as f64).collect();
+    let slope: Vec<f64> = (0..values.len()).map(|x| 2.0 * (x / AROUND) as f64 + 1.0).collect();
     let whole = Cylinder::new(&[]);
     let whole = Decomposer::from_domain(whole.clone(), whole).unwrap();
     let bands = whole.request(&slope, 1, &schedule).local_fit(LocalFit::Linear).bands().unwrap();

@@ -10,7 +10,7 @@ use base64::Engine as _;
 use super::accessor::code;
 use super::document::glb_head;
 use super::json::{Json, object};
-use crate::model::colors::linear_from_srgb;
+use crate::model::colors::{is_intensity, linear_from_srgb};
 use crate::model::f32_limits::{check_range, is_single, triangles};
 use crate::model::field::{ByteOrder, Number, with_values};
 use crate::progress::collect;
@@ -146,7 +146,7 @@ pub(crate) fn attributes(field: &Field) -> Vec<Attribute> {
         ("normal", 3) => one("NORMAL", ValueType::F32, false),
         ("tangent", 4) => one("TANGENT", ValueType::F32, false),
         // Eight bits of light would not tell dark colors apart, and some readers take 16 bits for 8.
-        ("color", 3 | 4) => one(COLOR, ValueType::F32, false),
+        ("color", 3 | 4) if is_intensity(field) => one(COLOR, ValueType::F32, false),
         ("texcoord", 2) => one("TEXCOORD_0", ValueType::F32, false),
         (name, 1..=4) => one(&format!("_{name}"), if small { own } else { ValueType::F32 }, false),
         (name, _) => (0..n)
