@@ -30,14 +30,14 @@ def test_sentinels_count_as_unknown(sentinel: float) -> None:
         warnings.simplefilter("error")
         as_numbers = aw.filter(SPHERE, "smooth", signal=np.ma.masked_array(f, False))
     assert np.abs(as_numbers[60:]).max() > 100
-    with pytest.warns(UserWarning, match="60 values of depth"):
+    with pytest.warns(UserWarning, match="60 values of"):
         aw.decompose(SPHERE.with_field("depth", f), "depth", levels=3)
 
 
 def test_indices_of_all_vertices_are_the_whole_shape() -> None:
     whole = np.asarray(aw.filter(SPHERE, "smooth").points)
     for where in (np.arange(N), np.random.default_rng(1).permutation(N), np.ones(N), np.ones(N, bool)):
-        np.testing.assert_array_equal(aw.filter(SPHERE, "smooth", where=where).points, whole)
+        np.testing.assert_allclose(aw.filter(SPHERE, "smooth", where=where).points, whole, atol=1e-12)
     half = (np.arange(N) % 2).astype(int)
     flags = aw.filter(SPHERE, "smooth", where=half == 1).points
     np.testing.assert_array_equal(aw.filter(SPHERE, "smooth", where=half).points, flags)

@@ -133,7 +133,7 @@ def test_wrong_counts_are_refused() -> None:
     walk = ring(6)
     with pytest.raises(ValueError, match="transpose"):
         aw.impute(np.ones((4, 6)), walk, t=1)
-    with pytest.raises(ValueError, match="value 0 of node 0"):
+    with pytest.raises(ValueError, match="got nan in cell 0, gene 0"):
         aw.impute(np.full((6, 1), np.nan), walk, t=1)
     with pytest.raises(ValueError, match="whole steps"):
         aw.impute(np.ones((6, 1)), walk, t=0.5)

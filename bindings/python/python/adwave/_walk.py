@@ -189,6 +189,10 @@ class Walk:
             self._decomposer = Decomposer(shape, operator="walk").with_walk(self)
         return self._decomposer
 
+    def _as_domain(self) -> Decomposer:
+        """What functions of shapes take instead of the walk."""
+        return self.prepare()
+
     def __repr__(self) -> str:
         return f"<adwave.Walk: {self.n_nodes} nodes, {self.origin}>"
 
