@@ -172,7 +172,14 @@ impl RewrittenFile<'_> {
         // A part without the attribute has NaN in the field.
         let of_part = part.first * field.n_channels..(part.first + part.positions.count) * field.n_channels;
         let has_values = of_part.clone().any(|k| !field.values.get(k).is_nan()) || of_part.is_empty();
-        for attribute in attributes(field) {
+        for mut attribute in attributes(field) {
+            let old = part.attributes.iter().find(|(name, _)| {
+                *name == attribute.name || (attribute.channels.0 == 0 && field_name(name) == field.name)
+            });
+            // The attribute keeps its name, which says how its numbers are encoded.
+            if let Some((name, _)) = old {
+                attribute.name.clone_from(name);
+            }
             let turn = attribute.name == "NORMAL" && turns(&part.instance.matrix);
             let is_tangent = field.name == "tangent" && field.n_channels == 4 && turns(&part.instance.matrix);
             let turned = |row: &mut [f32]| {
@@ -185,9 +192,6 @@ impl RewrittenFile<'_> {
             };
             let rows =
                 rows(field, &attribute, part.first..part.first + part.positions.count, turned, progress)?;
-            let old = part.attributes.iter().find(|(name, _)| {
-                *name == attribute.name || (attribute.channels.0 == 0 && field_name(name) == field.name)
-            });
             match old {
                 Some((_, accessor)) if holds(accessor, &attribute) && self.is_own(accessor, k) => {
                     self.put(accessor, &rows);
