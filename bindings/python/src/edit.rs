@@ -132,7 +132,7 @@ fn filter_everywhere<'py>(
     let signal = own.signal(request.signal.as_ref())?;
     let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
     let layers = [WeightedLayer::everywhere(gains(given, schedule.n_levels())?)];
-    let fit = options::named("local_fit", &request.local_fit)?;
+    let fit = options::parse_name("local_fit", &request.local_fit)?;
     let params = request.params()?;
     let filtered = run(py, n, progress.as_ref(), |p| {
         own.request(signal, &schedule, &params, p).local_fit(fit).filter_layers(&layers)
@@ -212,7 +212,7 @@ impl EditorData {
         let own = prepared.get();
         let signal = own.signal(request.signal.as_ref())?;
         let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
-        let fit = options::named("local_fit", &request.local_fit)?;
+        let fit = options::parse_name("local_fit", &request.local_fit)?;
         let params = request.params()?;
         let editor = run(py, n, progress.as_ref(), |p| {
             own.request(signal, &schedule, &params, p).local_fit(fit).editor()

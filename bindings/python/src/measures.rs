@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::{self, StageError, stage, value_error};
-use crate::options::{BandsOptions, WeldOption, named, word};
+use crate::options::{BandsOptions, WeldOption, parse_name, word};
 use crate::prepared::{Prepared, SignalValues, schedule};
 use crate::shape::ShapeData;
 use adwave::Progress;
@@ -55,7 +55,7 @@ impl SaliencyOptions {
 
     /// Index of the axis that points up.
     fn axis(&self) -> PyResult<Option<usize>> {
-        self.up.as_ref().map(|up| named::<Axis>("up", up).map(Axis::index)).transpose()
+        self.up.as_ref().map(|up| parse_name::<Axis>("up", up).map(Axis::index)).transpose()
     }
 }
 
@@ -74,7 +74,7 @@ fn saliency_map<'py>(
     let is_geometry = request.signal.is_none() && !own.decomposer.positions().is_empty();
     let signal = own.signal(request.signal.as_ref())?;
     let (schedule, bands) = (schedule(&request.steps)?, request.params()?);
-    let chosen = named("weighting", weighting)?;
+    let chosen = parse_name("weighting", weighting)?;
     let (params, up, per_level) = (options.params(chosen)?, options.axis()?, options.per_level);
     let decomposer = &own.decomposer;
     let work = |p: Progress<'_>| {
@@ -141,7 +141,7 @@ impl FeatureOptions {
     fn params(&self, threshold: &FeatureThreshold) -> PyResult<FeatureParams> {
         let params = FeatureParams {
             theta: threshold.theta,
-            response: named("response", &self.response)?,
+            response: parse_name("response", &self.response)?,
             scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
             refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
             max_edge_ratio: self.edge_ratio,
@@ -241,13 +241,13 @@ enum SharedNoiseOption {
 
 impl DenoiseOptions {
     fn params(&self) -> PyResult<DenoiseParams> {
-        let creases = named("creases", &self.creases)?;
-        let fit = named("local_fit", &self.local_fit)?;
+        let creases = parse_name("creases", &self.creases)?;
+        let fit = parse_name("local_fit", &self.local_fit)?;
         let params = DenoiseParams::default().with_strength(self.strength).with_creases(creases);
         // An array of points stays as long as it is, so none are dropped.
         let outliers = [Outliers::Keep, Outliers::Pull].map(|treatment| (treatment.name(), treatment));
         let params = params.with_local_fit(fit).with_outliers(word("outliers", &self.outliers, &outliers)?);
-        let params = params.with_noise_model(named("noise", &self.noise_model)?);
+        let params = params.with_noise_model(parse_name("noise", &self.noise_model)?);
         let params = params.with_shared(match &self.shared_noise {
             SharedNoiseOption::Deviation(deviation) => SharedNoise::Deviation(*deviation),
             SharedNoiseOption::Word(name) => SharedNoise::from_word(name)

@@ -20,7 +20,7 @@ pub(crate) fn word<T: Copy>(option: &str, given: &str, known: &[(&str, T)]) -> P
 }
 
 /// The value of an option by its name in the library.
-pub(crate) fn named<T: NamedValue>(option: &str, given: &str) -> PyResult<T> {
+pub(crate) fn parse_name<T: NamedValue>(option: &str, given: &str) -> PyResult<T> {
     let entries = T::ENTRIES.iter();
     let names = entries.flat_map(|entry| {
         std::iter::once(entry.name).chain(entry.alias).map(move |name| (name, entry.value))
@@ -74,7 +74,7 @@ impl OperatorOptions {
     pub(crate) fn params(&self) -> PyResult<OperatorParams> {
         let mut params = OperatorParams::default();
         if let Some(kind) = &self.kind {
-            params = params.with_kind(named("operator", kind)?);
+            params = params.with_kind(parse_name("operator", kind)?);
         }
         if let Some(weld) = self.weld {
             params = params.with_weld(weld.mode()?);
@@ -147,7 +147,7 @@ pub(crate) struct BandsOptions<'py> {
 impl BandsOptions<'_> {
     /// Accuracy and number format.
     pub(crate) fn params(&self) -> PyResult<BandsParams> {
-        let precision = named("precision", &self.precision)?;
+        let precision = parse_name("precision", &self.precision)?;
         Ok(BandsParams::default().with_accuracy(self.accuracy).with_precision(precision))
     }
 }
@@ -198,16 +198,16 @@ impl ConstraintOptions {
     /// Parameters of the constraints.
     pub(crate) fn params(&self) -> PyResult<PositionParams> {
         Ok(PositionParams {
-            along: self.along.as_ref().map(|along| named("along", along)).transpose()?,
-            borders: named("border", &self.border)?,
-            volume: named("volume", &self.volume)?,
+            along: self.along.as_ref().map(|along| parse_name("along", along)).transpose()?,
+            borders: parse_name("border", &self.border)?,
+            volume: parse_name("volume", &self.volume)?,
         })
     }
 }
 
 /// Gains of a preset by its name.
 pub(crate) fn preset_gains(name: &str, n_levels: usize) -> PyResult<Vec<f64>> {
-    Ok(named::<Preset>("preset", name)?.gains(n_levels))
+    Ok(parse_name::<Preset>("preset", name)?.gains(n_levels))
 }
 
 /// A length in model units, or a share of the diagonal such as `"2%"`.

@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
-use crate::options::named;
+use crate::options::parse_name;
 use adwave::sample::{NoiseSigma, Sample, SampleError};
 use adwave::shape::{Polygons, Shape};
 use adwave::{Decomposer, Progress};
@@ -74,7 +74,7 @@ impl ShapeData {
 }
 
 fn parse_kind(kind: Option<&str>) -> PyResult<Option<ShapeKind>> {
-    kind.map(|kind| named("kind", kind)).transpose()
+    kind.map(|kind| parse_name("kind", kind)).transpose()
 }
 
 fn parse_format(format: Option<&str>) -> PyResult<Option<Format>> {

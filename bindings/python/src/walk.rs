@@ -3,7 +3,7 @@
 use crate::arrays;
 use crate::call::run;
 use crate::error::value_error;
-use crate::options::named;
+use crate::options::parse_name;
 use adwave::Cancelled;
 use adwave::rows::CompressedRows;
 use adwave_graph::{
@@ -55,8 +55,12 @@ impl WalkChoices {
         Ok(WalkOptions {
             self_loops: SelfLoops::from_text(&self.self_loops)
                 .ok_or_else(|| value_error("self_loops must be a number or 'keep'"))?,
-            symmetrization: self.symmetrize.as_ref().map(|rule| named("symmetrize", rule)).transpose()?,
-            normalization: named("normalize", &self.normalize)?,
+            symmetrization: self
+                .symmetrize
+                .as_ref()
+                .map(|rule| parse_name("symmetrize", rule))
+                .transpose()?,
+            normalization: parse_name("normalize", &self.normalize)?,
             stay: self.stay,
         })
     }
@@ -194,7 +198,7 @@ impl WalkData {
         let [n, n_channels] = [signal.shape()[0], signal.shape()[1]];
         let signal = arrays::rows(&signal, "signal")?;
         let ScatteringChoices { scales, orders, precision } = choices;
-        let precision = named("precision", &precision)?;
+        let precision = parse_name("precision", &precision)?;
         let params = ScatteringParams { scales, orders, precision, max_bytes: adwave_io::free_memory() };
         let found = run(py, usize::MAX, progress.as_ref(), |p| {
             scatter(&self.powers, signal, n_channels, &params, p)
@@ -216,7 +220,7 @@ impl WalkData {
         let n_channels = counts.shape()[1];
         let counts = arrays::rows(&counts, "X")?;
         let channels: Vec<usize> = (0..n_channels).collect();
-        let precision = named("precision", precision)?;
+        let precision = parse_name("precision", precision)?;
         let (out, accuracy) = run(py, usize::MAX, None, |p| {
             let counts = CountMatrix { values: CountValues::Dense(counts), n_channels };
             let transformation = Transformation { library_size: None, square_root };
@@ -336,7 +340,7 @@ fn neighbor_weights<'py>(
     kernel: KernelChoice,
 ) -> PyResult<WeightArrays<'py>> {
     let KernelChoice { name, decay, scale_neighbor } = kernel;
-    let kernel = named::<KernelName>("kernel", &name)?.with_scale(decay, scale_neighbor);
+    let kernel = parse_name::<KernelName>("kernel", &name)?.with_scale(decay, scale_neighbor);
     let (offsets, indices, distances) = (offsets.as_slice()?, indices.as_slice()?, distances.as_slice()?);
     let rows = run(py, usize::MAX, None, |p| {
         let lists = if offsets.len() == 1 {
@@ -383,7 +387,7 @@ fn pool_graphs<'py>(
     let n_channels = values.shape()[2];
     let values = values3(&values, "values")?;
     let graph_of = graph_of.as_slice()?;
-    let pooling = named("pool", pooling)?;
+    let pooling = parse_name("pool", pooling)?;
     let out = run(py, usize::MAX, None, |_| {
         Ok::<_, Cancelled>(pool(values, n_channels, graph_of, n_graphs, pooling))
     })?;

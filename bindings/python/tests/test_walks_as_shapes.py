@@ -1,9 +1,8 @@
 """A walk is accepted wherever a shape is, and a graph wherever a walk is."""
 
+import adwave as aw
 import numpy as np
 import pytest
-
-import adwave as aw
 
 RANDOM = np.random.default_rng(3)
 

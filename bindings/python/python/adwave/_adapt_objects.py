@@ -409,7 +409,9 @@ def warn_of_weights(found: Found) -> None:
             message = "looks like a walk, whose rows sum to 1, and is taken for weights; pass the symmetric weights"
             message += ", or adwave.walk(W) to take it as it is"
         else:
-            message = f"is not symmetric: (W + W.T) / 2 is used; adwave.walk({matrix}, normalize='row') keeps directions"
+            message = (
+                f"is not symmetric: (W + W.T) / 2 is used; adwave.walk({matrix}, normalize='row') keeps directions"
+            )
     loops = (rows == cols) & (weights != 0)
     if message is None and loops.any():
         n_loops = np.count_nonzero(loops)

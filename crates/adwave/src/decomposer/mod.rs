@@ -311,7 +311,9 @@ impl Decomposer {
     pub(crate) fn step_rows(&self) -> &Diffusion {
         match self.operator().rows() {
             Some(rows) => rows,
-            None => self.neighbor_walk.get_or_init(|| Arc::new(Diffusion::over_neighbors(self.neighbors()))),
+            None => {
+                self.neighbor_walk.get_or_init(|| Arc::new(Diffusion::from_neighbor_lists(self.neighbors())))
+            }
         }
     }
 

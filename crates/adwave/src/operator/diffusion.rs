@@ -383,7 +383,7 @@ impl Diffusion {
 
     /// Lazy walk to each neighbor with the same probability: `Φ₁(x,y) = 1/(2·n_x)` for the n_x neighbors y of x. It is
     /// reversible if the neighbors are symmetric, as those of a domain are. The step length is in hops. O(entries).
-    pub(crate) fn over_neighbors(neighbors: &Adjacency) -> Self {
+    pub(crate) fn from_neighbor_lists(neighbors: &Adjacency) -> Self {
         let weights = (0..neighbors.n_rows())
             .flat_map(|x| {
                 let n = neighbors.row(x).len();
