@@ -93,7 +93,7 @@ impl SurfaceSides {
     }
 }
 
-/// What decides the signs of the distances from a shape to another one.
+/// Source of the signs of the distances from a shape to another one.
 pub enum Signs {
     /// Normals of the shape, one per point: positive where the other shape lies on their side.
     Own(Vec<[f64; 3]>),

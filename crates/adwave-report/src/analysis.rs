@@ -13,7 +13,7 @@ fn wavelets(decomposer: &Decomposer, bands: &Bands) -> Wavelets {
 /// The map of [`saliency::saliency`] over all channels together.
 ///
 /// # Errors
-/// Those of [`saliency::saliency`].
+/// As for [`saliency::saliency`].
 pub fn saliency(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -53,7 +53,7 @@ pub(crate) fn signed_saliency(
 /// The maps of [`saliency::saliency_per_level`] over all channels together.
 ///
 /// # Errors
-/// Those of [`saliency::saliency_per_level`].
+/// As for [`saliency::saliency_per_level`].
 pub fn saliency_per_level(
     decomposer: &Decomposer,
     bands: &Bands,
@@ -66,7 +66,7 @@ pub fn saliency_per_level(
 /// The features of [`features::features`] over all channels together, or of each channel if the response is by channel.
 ///
 /// # Errors
-/// Those of [`features::features`].
+/// As for [`features::features`].
 pub fn features(
     decomposer: &Decomposer,
     bands: &Bands,

@@ -716,4 +716,8 @@ def _plain_gains(gains: Sequence[float] | str) -> Any:
 
 
 def _plain_weights(where: Where, n: int) -> Any:
-    return where if where is None or isinstance(where, str) else region_weights(where, n)
+    if where is None or isinstance(where, str):
+        return where
+    weights = region_weights(where, n)
+    # Weights of 1 at all vertices are no region, and give the same bits as without.
+    return None if (weights == 1).all() else weights

@@ -50,7 +50,7 @@ impl Cylinder {
         ring.into_iter().chain(path).flatten().filter(move |&y| !self.is_hole[x] && !self.is_hole[y])
     }
 
-    /// The same walk as a matrix with its diagonal.
+    /// Matrix of the same walk, with its diagonal.
     fn matrix(&self) -> CompressedRows<f64> {
         let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         for x in 0..self.positions.len() {
