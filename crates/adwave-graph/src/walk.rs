@@ -1,10 +1,9 @@
 //! Walks: row-stochastic matrices with their diagonal, given or made from weights.
 
 use crate::GraphWalkError;
-use adwave::operator::{Diffusion, DiffusionError};
+use adwave::operator::Diffusion;
 use adwave::rows::CompressedRows;
-use adwave::shape::{Graph, Shape};
-use adwave::{Decomposer, Progress, named_values};
+use adwave::{Progress, named_values};
 use std::sync::OnceLock;
 
 /// Treatment of the diagonal of the weights.
@@ -219,31 +218,6 @@ impl WalkMatrix {
     /// Bytes of memory of the matrix.
     pub fn bytes(&self) -> u64 {
         self.rows.bytes() + self.transpose.get().map_or(0, CompressedRows::bytes)
-    }
-
-    /// The graph of the walk with the walk as its operator, for bands, filters, saliency and features. O(entries · log).
-    ///
-    /// # Errors
-    /// [`GraphWalkError::NotRowStochastic`] for another normalization; if there is no node, or the call is cancelled.
-    pub fn to_decomposer(&self, progress: Progress<'_>) -> Result<Decomposer, GraphWalkError> {
-        if self.normalization != Normalization::Row {
-            return Err(GraphWalkError::NotRowStochastic(self.normalization.name()));
-        }
-        let n = self.n_nodes();
-        let (mut rows, mut columns, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for x in 0..n {
-            let (others, values) = self.rows.row(x);
-            for (&y, &w) in others.iter().zip(values).filter(|(y, w)| **y as usize != x && **w > 0.0) {
-                rows.push(x as u32);
-                columns.push(y);
-                weights.push(w);
-            }
-        }
-        let graph = Graph::from_columns(n, &rows, &columns, &weights)
-            .map_err(|_| GraphWalkError::Diffusion(DiffusionError::RowCount { n_rows: n, n_vertices: n }))?;
-        let params = adwave::operator::OperatorParams::default();
-        let decomposer = Decomposer::with_params(&Shape::Graph(graph), &params, progress)?;
-        Ok(decomposer.with_walk(&self.rows, progress)?)
     }
 }
 
@@ -501,7 +475,7 @@ mod tests {
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         for (stay, eigenvalue) in [(0.0, -0.2), (0.5, 0.4)] {
             let walk = walk(&rows, WalkOptions { stay, ..WalkOptions::default() }).unwrap();
-            let decomposer = walk.to_decomposer(Progress::none()).unwrap();
+            let decomposer = adwave::Decomposer::from_walk(walk.rows(), Progress::none()).unwrap();
             let signal = [3.0, -1.0, 4.0, 1.0, -5.0, 9.0];
             let mean = signal.iter().sum::<f64>() / 6.0;
             let schedule = adwave::bands::Schedule::new(vec![1, 2, 4, 7]).unwrap();

@@ -23,7 +23,8 @@ pub enum Engine {
     /// operator; others use [`Powers`](Self::Powers).
     Chebyshev,
     /// One call of the operator's own way to take many steps ([`Leap`](crate::operator::Leap)) for each level. Operators
-    /// without one use [`Chebyshev`](Self::Chebyshev) or [`Powers`](Self::Powers).
+    /// without one, and reversible ones where rounding keeps it from the accuracy, use [`Chebyshev`](Self::Chebyshev) or
+    /// [`Powers`](Self::Powers).
     Leaps,
 }
 

@@ -168,7 +168,12 @@ impl Transform {
         let stages = self.stages(schedule);
         self.check_precision(schedule, progress)?;
         let outcome = if let Some(leap) = self.leap() {
-            self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress)?
+            match self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress) {
+                Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
+                    return self.by_series().wavelets_into(signal, n_channels, schedule, wavelets, progress);
+                }
+                found => found?,
+            }
         } else if stages.len() > 1 {
             self.staged_wavelets(&stages, signal, n_channels, wavelets, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -212,7 +217,14 @@ impl Transform {
         self.check_precision(schedule, progress)?;
         let outcome = if let Some(leap) = self.leap() {
             let levels = LevelFactors { schedule, factors };
-            self.weighted_by_leaps(leap, signal, n_channels, levels, out, progress)?
+            match self.weighted_by_leaps(leap, signal, n_channels, levels, out, progress) {
+                Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
+                    return self
+                        .by_series()
+                        .weighted_into(signal, n_channels, schedule, factors, out, progress);
+                }
+                found => found?,
+            }
         } else if stages.len() > 1 {
             self.staged_sum(&stages, signal, n_channels, factors, out, progress)?
         } else if self.engine == Engine::Chebyshev {
@@ -250,6 +262,11 @@ impl Transform {
             return Err(BandsError::ChannelGroups { n_channels, together });
         }
         Ok(())
+    }
+
+    /// This operator by series of products, for bands that leaps do not give to the accuracy.
+    fn by_series(&self) -> Self {
+        Self { engine: Engine::Chebyshev, ..self.clone() }
     }
 
     /// The operator's own way to take many steps, if it is used.
