@@ -10,7 +10,7 @@ use crate::region::region_weights;
 use crate::shape::ShapeData;
 use adwave::filter::{BandsView, Edit, FilterError, Gains, WeightedLayer, filter_bands};
 use adwave::region::RegionWeights;
-use adwave::{Decomposer, Editor};
+use adwave::{Decomposer, EditBits, Editor, MANY_CHANNELS};
 use adwave_io::{distinct_labels, labels_of_field};
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3, PyReadwriteArray2,
@@ -22,9 +22,11 @@ use std::sync::{Mutex, PoisonError};
 
 pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<EditorData>()?;
+    module.add("MANY_CHANNELS", MANY_CHANNELS)?;
+    module.add_function(wrap_pyfunction!(channels_by_mask, module)?)?;
     module.add_function(wrap_pyfunction!(labels_of_signal, module)?)?;
     module.add_function(wrap_pyfunction!(filter_labels, module)?)?;
-    module.add_function(wrap_pyfunction!(filter_everywhere, module)?)?;
+    module.add_function(wrap_pyfunction!(filter_layers, module)?)?;
     module.add_function(wrap_pyfunction!(apply_bands, module)?)
 }
 
@@ -87,6 +89,17 @@ fn writable<'py>(
     Ok(given)
 }
 
+/// Channels that are NaN at the same vertices, and the flags of these vertices.
+#[pyfunction]
+fn channels_by_mask<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Vec<(Vec<usize>, Option<Bound<'py, PyArray1<bool>>>)>> {
+    let groups = adwave::mask::channels_by_mask(arrays::rows(&values, "signal")?, values.shape()[1]);
+    let flags = |missing: Option<Vec<bool>>| missing.map(|flags| PyArray1::from_vec(py, flags));
+    Ok(groups.into_iter().map(|group| (group.channels, flags(group.missing))).collect())
+}
+
 /// Labels of a signal of that name, in ascending order; `None` if it has numbers.
 #[pyfunction]
 fn labels_of_signal(name: &str, values: PyReadonlyArray2<'_, f64>) -> PyResult<Option<Vec<f64>>> {
@@ -118,26 +131,26 @@ fn filter_labels<'py>(
     Ok(arrays::matrix(py, filtered, 1)?.into_any())
 }
 
-/// The signal with gains that hold everywhere, by one polynomial of the operator.
+/// The signal with layers, edited once by the cheapest way.
 #[pyfunction]
-#[pyo3(signature = (prepared, request, given, progress=None))]
-fn filter_everywhere<'py>(
+#[pyo3(signature = (prepared, request, layers, progress=None))]
+fn filter_layers<'py>(
     py: Python<'py>,
     prepared: &Bound<'py, Prepared>,
     request: BandsOptions<'py>,
-    given: &Bound<'py, PyAny>,
+    layers: Vec<PlainLayer<'py>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let own = prepared.get();
     let signal = own.signal(request.signal.as_ref())?;
     let (schedule, n) = (schedule(&request.steps)?, own.decomposer.n_vertices());
-    let layers = [WeightedLayer::everywhere(gains(given, schedule.n_levels())?)];
+    let layers = weighted_layers(py, &layers, schedule.n_levels(), &own.decomposer, own.shape.get())?;
     let fit = options::parse_name("local_fit", &request.local_fit)?;
     let params = request.params()?;
-    let filtered = run(py, n, progress.as_ref(), |p| {
-        own.request(signal, &schedule, &params, p).local_fit(fit).filter_layers(&layers)
+    let (edited, _) = run(py, n, progress.as_ref(), |p| {
+        own.request(signal, &schedule, &params, p).local_fit(fit).edit(layers, EditBits::Accuracy)
     })?;
-    Ok(arrays::matrix(py, filtered, signal.n_channels)?.into_any())
+    Ok(arrays::matrix(py, edited, signal.n_channels)?.into_any())
 }
 
 /// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written to `out`,

@@ -1,6 +1,6 @@
 //! Repeated edits of one signal: the bands are kept, and an edit costs as much as it changes.
 
-use crate::bands::{BandsError, Wavelets, check_buffer};
+use crate::bands::{BandsError, BandsInfo, Wavelets, check_buffer};
 use crate::filter::{Edit, FilterError, FilterInput, LayerSlot, WeightedLayer, WeldedMembers};
 use crate::mask::Mask;
 use crate::pages::zeros;
@@ -47,7 +47,79 @@ pub struct Editor {
     change: Vec<f64>,
 }
 
+/// Number of channels from which a signal is edited in groups of channels, without an [`Editor`], whose bands would take
+/// several times the memory of the signal.
+pub const MANY_CHANNELS: usize = 16;
+
+/// Relation of a single edit to that of an [`Editor`] with the same layers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EditBits {
+    /// Equal to the accuracy of the bands: gains that hold everywhere are one polynomial, for which no band is kept.
+    #[default]
+    Accuracy,
+    /// Equal bit for bit, as a recipe is everywhere, for fewer than [`MANY_CHANNELS`] channels.
+    Editor,
+}
+
 impl BandsRequest<'_> {
+    /// Edits the signal once, and returns the new values with the cost and error bound of its bands. All front ends take this
+    /// way: gains that hold everywhere are one polynomial, regions on few channels go through an [`Editor`], and signals of
+    /// [`MANY_CHANNELS`] channels and more are edited [`channels_together`](crate::bands::BandsParams::channels_together) at a
+    /// time. The number format is that of [`BandsParams::precision`](crate::bands::BandsParams::precision).
+    ///
+    /// ```
+    /// use adwave::filter::WeightedLayer;
+    /// use adwave::{Decomposer, EditBits, bands::Schedule, shape::{Graph, Shape}};
+    /// let pair = Decomposer::new(&Shape::Graph(Graph::new(2, &[(0, 1, 1.0)])?));
+    /// let schedule = Schedule::dyadic(1)?;
+    /// let drop = vec![WeightedLayer::everywhere(vec![0.0])];
+    /// let (smooth, _) = pair.request(&[1.0, 3.0], 1, &schedule).edit(drop, EditBits::Accuracy)?;
+    /// assert_eq!(smooth, [2.0, 2.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`filter_layers`](Self::filter_layers).
+    pub fn edit(
+        &self,
+        layers: Vec<WeightedLayer>,
+        bits: EditBits,
+    ) -> Result<(Vec<f64>, BandsInfo), FilterError> {
+        if self.n_channels() >= MANY_CHANNELS {
+            return self.edit_in_groups(&layers);
+        }
+        let is_everywhere = matches!(&layers[..], [WeightedLayer { weights: RegionWeights::Everywhere, .. }]);
+        if is_everywhere && bits == EditBits::Accuracy {
+            return self.filter_layers_with_info(&layers);
+        }
+        let mut editor = self.editor()?;
+        editor.set_layers(layers)?;
+        let info = editor.wavelets.info.clone();
+        Ok((editor.into_edited(), info))
+    }
+
+    /// Edits groups of channels of nearly equal size.
+    fn edit_in_groups(&self, layers: &[WeightedLayer]) -> Result<(Vec<f64>, BandsInfo), FilterError> {
+        let (values, n_channels) = (self.signal(), self.n_channels());
+        let n_groups = n_channels.div_ceil(self.bands_params().channels_together());
+        let most = n_channels.div_ceil(n_groups);
+        let mut edited = zeros(values.len());
+        let mut info: Option<BandsInfo> = None;
+        for at in (0..n_channels).step_by(most) {
+            self.reports().step(at as u64, n_channels as u64).map_err(BandsError::from)?;
+            let width = most.min(n_channels - at);
+            let group: Vec<f64> =
+                values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
+            let request = self.with_signal(&group, width).progress(self.reports().quiet());
+            let (group, own) = request.filter_layers_with_info(layers)?;
+            info = Some(info.map_or_else(|| own.clone(), |sum| sum.plus(&own)));
+            for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
+                row[at..at + width].copy_from_slice(group);
+            }
+        }
+        Ok((edited, info.expect("many channels are a group or more")))
+    }
+
     /// Creates an editor that keeps the bands, for repeated edits of this signal.
     ///
     /// # Errors

@@ -83,7 +83,7 @@ pub mod sparse;
 pub mod vector;
 
 pub use decomposer::{BandsRequest, Decomposer, LevelSpec, LevelSpecError, ResolvedLevels, VertexFunctions};
-pub use editor::{ChangedVertices, Editor};
+pub use editor::{ChangedVertices, EditBits, Editor, MANY_CHANNELS};
 pub use error::{ClassifiedError, ErrorKind};
 pub use named::{NamedEntry, NamedValue, UnknownName};
 pub use progress::{Cancelled, Progress, ProgressCounter};

@@ -69,13 +69,16 @@ pub struct MaskedChannels {
 }
 
 /// Groups the channels of a signal (n_vertices × n_channels, row-major) by the vertices where they are NaN, in the
-/// order of their first channels. O(n_vertices × n_channels), and once more for each group.
+/// order of their first channels. Channels without any value are left out, because nothing can be computed of them, unless
+/// no channel has one. O(n_vertices × n_channels), and once more for each group.
 ///
 /// ```
 /// use adwave::mask::channels_by_mask;
 /// let groups = channels_by_mask(&[0.0, f64::NAN, 2.0, 1.0, 4.0, 3.0], 3);
 /// assert_eq!((&groups[0].channels[..], &groups[0].missing), (&[0, 2][..], &None));
 /// assert_eq!((&groups[1].channels[..], &groups[1].missing), (&[1][..], &Some(vec![true, false])));
+/// let groups = channels_by_mask(&[0.0, f64::NAN, 2.0, f64::NAN], 2);
+/// assert_eq!((groups.len(), &groups[0].channels[..]), (1, &[0][..]));
 /// ```
 ///
 /// # Panics
@@ -101,12 +104,15 @@ pub fn channels_by_mask(signal: &[f64], n_channels: usize) -> Vec<MaskedChannels
             }),
         }
     }
+    if groups.iter().any(|group| !group.is_empty()) {
+        groups.retain(|group| !group.is_empty());
+    }
     groups
 }
 
 impl MaskedChannels {
     /// True if the channels have no value at all.
-    pub fn is_empty(&self) -> bool {
+    fn is_empty(&self) -> bool {
         self.missing.as_ref().is_some_and(|missing| missing.iter().all(|&is_missing| is_missing))
     }
 

@@ -10,8 +10,8 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-#: Number of channels from which a mapped signal is processed in groups.
-MANY_CHANNELS = 16
+from adwave import _native
+
 #: Number of bytes that a group may take, with its bands.
 _GROUP_BYTES = 1 << 28
 #: Groups are multiples of this, so that no block of the products is narrow.
@@ -23,7 +23,7 @@ def channels_axis(signal: object, n_vertices: int) -> Union[int, None]:
     if not isinstance(signal, np.memmap) or signal.ndim != 2:
         return None
     axis = 1 if signal.shape[0] == n_vertices else 0
-    is_wide = signal.shape[1 - axis] == n_vertices and signal.shape[axis] >= MANY_CHANNELS
+    is_wide = signal.shape[1 - axis] == n_vertices and signal.shape[axis] >= _native.MANY_CHANNELS
     return axis if is_wide else None
 
 

@@ -541,18 +541,13 @@ class PreparedShape:
         if values is None:
             return [(self, None, [0, 1, 2])]
         n_channels = values.shape[1]
-        if math.isfinite(values.sum()):
+        if n_channels == 0 or math.isfinite(values.sum()):
             return [(self, values, list(range(n_channels)))]
-        missing = np.isnan(values)
-        if not missing.any() or n_channels == 1:
-            return [(self._masked_where(np.atleast_1d(missing.any(axis=1))), values, list(range(n_channels)))]
-        patterns, group_of_channel = np.unique(missing, axis=1, return_inverse=True)
         groups: list[tuple[_Prepared, NDArray[np.float64] | None, list[int]]] = []
-        for group in range(patterns.shape[1]):
-            channels = np.flatnonzero(np.ravel(group_of_channel) == group)
-            if patterns.shape[1] == 1 or not patterns[:, group].all():
-                owner = self._masked_where(patterns[:, group])
-                groups.append((owner, np.ascontiguousarray(values[:, channels]), channels.tolist()))
+        for channels, missing in _native.channels_by_mask(values):
+            owner = self if missing is None else self._masked_where(missing)
+            part = values if len(channels) == n_channels else np.ascontiguousarray(values[:, channels])
+            groups.append((owner, part, channels))
         return groups
 
     def _map_channels(

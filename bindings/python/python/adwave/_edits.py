@@ -348,9 +348,7 @@ def filter(
     steps = decomposer.schedule(levels)
 
     def edit(owner: Decomposer, request: BandsRequest, report: Any) -> NDArray[np.float64]:
-        if len(layers) == 1 and layers[0][1] is None:
-            return _native.filter_everywhere(owner._data, request, layers[0][0], report)
-        return _native.EditorData(owner._data, request, report).apply(layers)
+        return _native.filter_layers(owner._data, request, layers, report)
 
     if named is not None and not isinstance(named, str):
         with report_progress(progress, "filtering") as report:

@@ -21,6 +21,7 @@ __all__ = [
     "FrameData",
     "HierarchyData",
     "InternalError",
+    "MANY_CHANNELS",
     "MultiscaleData",
     "Prepared",
     "RecipeData",
@@ -32,6 +33,7 @@ __all__ = [
     "apply_bands",
     "base_steps",
     "basis_matrices",
+    "channels_by_mask",
     "check_region",
     "clone_detail",
     "color_map_names",
@@ -42,8 +44,8 @@ __all__ = [
     "distances",
     "encode_png",
     "feature_map",
-    "filter_everywhere",
     "filter_labels",
+    "filter_layers",
     "find_features",
     "from_differential",
     "gaze_scores",
@@ -74,6 +76,7 @@ __all__ = [
 ]
 __version__: str
 ACCURACY: float
+MANY_CHANNELS: int
 FWHM: float
 THETA: float
 EXTENT: dict[str, float]
@@ -209,8 +212,12 @@ def morph(
     first: Prepared, second: Prepared, steps: Sequence[float], shares: Sequence[float], progress: _Report = None
 ) -> _Floats: ...
 def labels_of_signal(name: str, values: _Floats) -> list[float] | None: ...
-def filter_everywhere(
-    prepared: Prepared, request: BandsRequest, given: Sequence[float] | str, progress: _Report = None
+def channels_by_mask(values: _Floats) -> list[tuple[list[int], NDArray[np.bool_] | None]]: ...
+def filter_layers(
+    prepared: Prepared,
+    request: BandsRequest,
+    layers: Sequence[tuple[Sequence[float] | str, str | _Floats | None]],
+    progress: _Report = None,
 ) -> _Floats: ...
 def filter_labels(
     prepared: Prepared,

@@ -147,10 +147,7 @@ impl SignalParts {
         global: &Global<'_>,
     ) -> Result<Self, CliError> {
         let n_channels = signal.n_channels;
-        let mut groups = channels_by_mask(&signal.values, n_channels);
-        if groups.iter().any(|group| !group.is_empty()) {
-            groups.retain(|group| !group.is_empty());
-        }
+        let groups = channels_by_mask(&signal.values, n_channels);
         if let ([_, _, ..], n_vertices) = (&groups[..], decomposer.n_vertices()) {
             let n_missing = |group: &MaskedChannels| {
                 group

@@ -2,6 +2,7 @@
 
 use super::BandsRequest;
 use crate::filter::{FilterError, WeightedLayer};
+use crate::local_fit::LocalFit;
 use crate::parallel;
 
 /// Number of labels that are filtered together, as the channels of one signal.
@@ -59,7 +60,8 @@ impl BandsRequest<'_> {
                     }
                 }
             });
-            let filtered = self.with_mean_of(&indicators, d).filter_layers(layers)?;
+            let filtered =
+                self.with_signal(&indicators, d).local_fit(LocalFit::Constant).filter_layers(layers)?;
             parallel::visit_rows(&mut shares, 1, VERTICES_AT_A_TIME, |first, rows| {
                 for (x, shares) in (first..).zip(rows) {
                     for (k, share) in filtered[x * d..][..d].iter().enumerate() {

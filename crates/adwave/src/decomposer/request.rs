@@ -78,12 +78,22 @@ impl<'a> BandsRequest<'a> {
         Self { progress, ..self }
     }
 
-    /// Copies the request for another signal, smoothed about its mean.
-    pub(super) fn with_mean_of<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
+    /// Copies the request for another signal.
+    pub(crate) fn with_signal<'s>(&self, signal: &'s [f64], n_channels: usize) -> BandsRequest<'s>
     where
         'a: 's,
     {
-        BandsRequest { signal, n_channels, local_fit: LocalFit::Constant, ..*self }
+        BandsRequest { signal, n_channels, ..*self }
+    }
+
+    /// Reports of the progress.
+    pub(crate) fn reports(&self) -> Progress<'a> {
+        self.progress
+    }
+
+    /// Parameters of the bands.
+    pub(crate) fn bands_params(&self) -> &BandsParams {
+        &self.params
     }
 
     fn transform(&self) -> Result<Transform, BandsError> {

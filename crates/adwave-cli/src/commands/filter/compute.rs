@@ -15,8 +15,7 @@ use adwave::filter::{Edit, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::measure::rms;
 use adwave::positions::{MoveDirection, constrain_positions};
-use adwave::region::Region;
-use adwave::{BandsRequest, Decomposer, Progress};
+use adwave::{BandsRequest, Decomposer, EditBits, MANY_CHANNELS, Progress};
 use adwave_io::{region_field, with_axis};
 
 /// A filtered signal, and the levels and layers that it was filtered by.
@@ -229,34 +228,18 @@ fn edited_values(
         .iter()
         .map(|layer| Ok(Layer { region: region_in_shape(&layer.region, &job.input)?, ..layer.clone() }))
         .collect::<Result<Vec<Layer>, CliError>>()?;
+    let edit = Edit::new(layers).with_fields(&lookup, &names);
+    let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
     if let Some(labels) = &job.labels {
-        let edit = Edit::new(layers).with_fields(&lookup, &names);
-        let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
         let request = decomposer.request(values, 1, schedule).params(&job.bands);
         let values = request.progress(progress).filter_labels(labels, &layers)?;
         return Ok(EditedGroup { values, accuracy: None });
     }
     let axis = job.positions.along.and_then(MoveDirection::axis).filter(|_| job.signal_name == COORDS);
-    if n_channels >= MANY_CHANNELS {
-        let edit = Edit::new(layers).with_fields(&lookup, &names);
-        let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
-        return edited_in_groups(signal, job.bands.channels_together(), progress, |signal| {
-            let request = request(job, signal, schedule, progress.quiet());
-            Ok(request.filter_layers_with_info(&layers)?)
-        });
-    }
-    let edited = |values: &[f64], n_channels: usize| -> Result<(Vec<f64>, BandsInfo), CliError> {
-        let edit = Edit::new(layers).with_fields(&lookup, &names);
+    let bits = if job.has_recipe { EditBits::Editor } else { EditBits::Accuracy };
+    let edited = move |values: &[f64], n_channels: usize| -> Result<(Vec<f64>, BandsInfo), CliError> {
         let request = request(job, PartOfSignal { decomposer, values, n_channels }, schedule, progress);
-        if let ([Layer { region: Region::Everywhere {}, .. }], false) = (&layers[..], job.has_recipe) {
-            // One polynomial, for which no band is kept.
-            let layers = edit.resolve(schedule.n_levels(), decomposer.metric(), progress)?;
-            return Ok(request.filter_layers_with_info(&layers)?);
-        }
-        let mut editor = request.editor()?;
-        editor.set_edit(&edit)?;
-        let info = editor.wavelets().info.clone();
-        Ok((editor.into_edited(), info))
+        Ok(request.edit(layers, bits)?)
     };
     let (values, info) = match axis {
         Some(axis) => {
@@ -268,14 +251,10 @@ fn edited_values(
         None => edited(values, n_channels)?,
     };
     // Of few channels only what single precision did is worth a line.
-    let accuracy = (info.precision == Precision::Single)
+    let accuracy = (info.precision == Precision::Single || n_channels >= MANY_CHANNELS)
         .then_some(BandsAccuracy { precision: info.precision, error_bound: info.error_bound });
     Ok(EditedGroup { values, accuracy })
 }
-
-/// Number of channels from which a signal is filtered in groups without an editor, whose bands would take several times
-/// the memory of the signal.
-pub(super) const MANY_CHANNELS: usize = 16;
 
 /// Request for the bands of a signal with the options of the job.
 fn request<'a>(
@@ -286,31 +265,6 @@ fn request<'a>(
 ) -> BandsRequest<'a> {
     let request = signal.decomposer.request(signal.values, signal.n_channels, schedule).params(&job.bands);
     request.local_fit(job.local_fit.unwrap_or(LocalFit::Constant)).progress(progress)
-}
-
-/// Results of `edit` for groups of at most `together` channels of nearly equal size.
-fn edited_in_groups(
-    signal: PartOfSignal<'_>,
-    together: usize,
-    progress: Progress<'_>,
-    edit: impl Fn(PartOfSignal<'_>) -> Result<(Vec<f64>, BandsInfo), CliError>,
-) -> Result<EditedGroup, CliError> {
-    let PartOfSignal { decomposer, values, n_channels } = signal;
-    let most = n_channels.div_ceil(n_channels.div_ceil(together));
-    let mut edited = vec![0.0; values.len()];
-    let mut accuracy = None;
-    for at in (0..n_channels).step_by(most) {
-        progress.step(at as u64, n_channels as u64).map_err(|_| CliError::Cancelled)?;
-        let width = most.min(n_channels - at);
-        let group: Vec<f64> =
-            values.chunks_exact(n_channels).flat_map(|row| &row[at..at + width]).copied().collect();
-        let (group, info) = edit(PartOfSignal { decomposer, values: &group, n_channels: width })?;
-        accuracy = Some(BandsAccuracy::with(accuracy, info.precision, info.error_bound));
-        for (row, group) in edited.chunks_exact_mut(n_channels).zip(group.chunks_exact(width)) {
-            row[at..at + width].copy_from_slice(group);
-        }
-    }
-    Ok(EditedGroup { values: edited, accuracy })
 }
 
 /// New positions under the constraints on directions, borders and volume.

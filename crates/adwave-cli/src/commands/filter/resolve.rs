@@ -2,7 +2,6 @@
 
 use super::FilterArgs;
 use super::args::EditArgs;
-use super::compute::MANY_CHANNELS;
 use crate::args::LocalFitArgs;
 use crate::commands::result_file::ResultFile;
 use crate::error::CliError;
@@ -15,13 +14,13 @@ use crate::resolve::region::{region_in_shape, union_of_regions};
 use crate::resolve::shape::{GivenLength, Input, load_shape};
 use crate::resolve::signal::{COORDS, Signal, SignalValues, load_labels, load_signal, refuse_labels};
 use crate::resolve::walk::with_given_walk;
-use adwave::LevelSpec;
 use adwave::bands::BandsParams;
 use adwave::filter::{Gains, KeepVolume, Layer};
 use adwave::local_fit::LocalFit;
 use adwave::operator::{EndPoints, OperatorParams};
 use adwave::positions::{Borders, MoveDirection, PositionParams, Volume};
 use adwave::shape::{PreparedGeometry, Shape, VertexMap, WeldMode, jumps_at_seams};
+use adwave::{LevelSpec, MANY_CHANNELS};
 use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
 
