@@ -75,7 +75,7 @@ impl DeformerData {
         let given = options.stiffness.as_ref().map(length).transpose()?;
         let stiffness = given.map(|length| length.to_model_units(decomposer.extent()));
         let regions = DeformRegions { fixed: options.fixed, handles: options.handles };
-        let params = DeformParams { stiffness };
+        let params = DeformParams::default().with_stiffness(stiffness);
         let n = decomposer.n_vertices();
         let deformer =
             run(py, n, progress.as_ref(), |p| Deformer::bind(decomposer, &schedule, &regions, &params, p))?;

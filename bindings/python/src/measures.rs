@@ -47,8 +47,7 @@ impl SaliencyOptions {
     /// Parameters of the map.
     fn params(&self, weighting: MapWeighting) -> PyResult<SaliencyParams> {
         let params = weighting.params(if self.unsigned { Sign::Unsigned } else { Sign::Signed });
-        let params =
-            SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: self.border, ..params };
+        let params = params.with_skip(self.skip.unwrap_or(params.skip)).with_border_sigmas(self.border);
         params.check().map_err(|e| error::to_exception(&e))?;
         Ok(params)
     }
@@ -139,15 +138,14 @@ struct FeatureOptions {
 
 impl FeatureOptions {
     fn params(&self, threshold: &FeatureThreshold) -> PyResult<FeatureParams> {
-        let params = FeatureParams {
-            theta: threshold.theta,
-            response: parse_name("response", &self.response)?,
-            scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
-            refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
-            max_edge_ratio: self.edge_ratio,
-            border_sigmas: self.border,
-            best: threshold.best,
-        };
+        let params = FeatureParams::default()
+            .with_theta(threshold.theta)
+            .with_response(parse_name("response", &self.response)?)
+            .with_scope(if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape })
+            .with_refinement(if self.refine { Refinement::Quadratic } else { Refinement::Off })
+            .with_max_edge_ratio(self.edge_ratio)
+            .with_border_sigmas(self.border)
+            .with_best(threshold.best);
         params.check().map_err(|e| error::to_exception(&e))?;
         Ok(params)
     }

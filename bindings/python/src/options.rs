@@ -197,11 +197,10 @@ pub(crate) struct ConstraintOptions {
 impl ConstraintOptions {
     /// Parameters of the constraints.
     pub(crate) fn params(&self) -> PyResult<PositionParams> {
-        Ok(PositionParams {
-            along: self.along.as_ref().map(|along| parse_name("along", along)).transpose()?,
-            borders: parse_name("border", &self.border)?,
-            volume: parse_name("volume", &self.volume)?,
-        })
+        Ok(PositionParams::default()
+            .with_along(self.along.as_ref().map(|along| parse_name("along", along)).transpose()?)
+            .with_borders(parse_name("border", &self.border)?)
+            .with_volume(parse_name("volume", &self.volume)?))
     }
 }
 

@@ -93,18 +93,17 @@ impl PictureOptions<'_> {
 
     fn params(&self, up: Up) -> PyResult<RenderParams> {
         let default = RenderParams::default();
-        Ok(RenderParams {
-            width: self.width,
-            height: self.height,
-            view: self.view.parse::<View>().map_err(|e| value_error(e.to_string()))?,
-            up,
-            projection: if self.orthographic { Projection::Orthographic } else { default.projection },
-            framing: Framing { zoom: self.zoom, focus: self.focus },
-            background: self.background.map_or(Background::Transparent, Background::Color),
-            color_bar: if self.color_bar { ColorBar::Shown } else { ColorBar::Hidden },
-            samples: SAMPLES,
-            ..default
-        })
+        let projection = if self.orthographic { Projection::Orthographic } else { default.projection };
+        Ok(default
+            .with_width(self.width)
+            .with_height(self.height)
+            .with_view(self.view.parse::<View>().map_err(|e| value_error(e.to_string()))?)
+            .with_up(up)
+            .with_projection(projection)
+            .with_framing(Framing { zoom: self.zoom, focus: self.focus })
+            .with_background(self.background.map_or(Background::Transparent, Background::Color))
+            .with_color_bar(if self.color_bar { ColorBar::Shown } else { ColorBar::Hidden })
+            .with_samples(SAMPLES))
     }
 }
 

@@ -122,7 +122,7 @@ fn match_shapes<'py>(
     let (a, b) = (first.get(), second.get());
     let work = |p: Progress<'_>| -> Stage<_> {
         let [one, two] = registrands(a, b, options.theta, options.scaled, p)?;
-        let params = SearchParams { scaled: options.scaled, ..SearchParams::default() };
+        let params = SearchParams::default().with_scaled(options.scaled);
         let registration = stage(register(&one, &two, &params, p))?;
         let pairs = registration.pairs(&one, &two, options.within);
         Ok((one.features, two.features, registration, pairs))

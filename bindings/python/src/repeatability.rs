@@ -130,7 +130,7 @@ impl ChangeData {
         }
         let decomposer = &reference.get().decomposer;
         let (before, after) = (features(before)?, features(after)?);
-        let params = RepeatabilityParams { sigmas, ..RepeatabilityParams::default() };
+        let params = RepeatabilityParams::default().with_sigmas(sigmas);
         run(py, usize::MAX, None, |_| {
             let triangles = decomposer.geometry().map_or(&[][..], |geometry| geometry.triangles());
             let area = match triangles {

@@ -36,7 +36,7 @@ fn studio<'py>(
         file: content.file.clone(),
         shape: content.shape(py)?.clone(),
     };
-    let params = StudioParams { port, n_threads: Some(crate::call::threads()), ..StudioParams::default() };
+    let params = StudioParams::default().with_port(port).with_n_threads(Some(crate::call::threads()));
     let stop = AtomicBool::new(false);
     let (send, receive) = mpsc::channel();
     let mut raised = None;

@@ -199,7 +199,11 @@ impl WalkData {
         let signal = arrays::rows(&signal, "signal")?;
         let ScatteringChoices { scales, orders, precision } = choices;
         let precision = parse_name("precision", &precision)?;
-        let params = ScatteringParams { scales, orders, precision, max_bytes: adwave_io::free_memory() };
+        let params = ScatteringParams::default()
+            .with_scales(scales)
+            .with_orders(orders)
+            .with_precision(precision)
+            .with_max_bytes(adwave_io::free_memory());
         let found = run(py, usize::MAX, progress.as_ref(), |p| {
             scatter(&self.powers, signal, n_channels, &params, p)
         })?;
@@ -245,13 +249,11 @@ impl WalkData {
         let offsets: Vec<usize> = offsets.as_slice()?.iter().map(|&at| at.max(0) as usize).collect();
         let (columns, values) = (columns.as_slice()?.to_vec(), values.as_slice()?.to_vec());
         let SplitChoices { share, library_size, seed, most_steps } = split;
-        let params = CrossValidationParams {
-            share,
-            library_size,
-            seed,
-            most_steps,
-            ..CrossValidationParams::default()
-        };
+        let params = CrossValidationParams::default()
+            .with_share(share)
+            .with_library_size(library_size)
+            .with_seed(seed)
+            .with_most_steps(most_steps);
         let found = run(py, usize::MAX, progress.as_ref(), |p| {
             let rows = CompressedRows::new(offsets, columns, values, n_channels)?;
             cross_validate(

@@ -33,10 +33,19 @@ const RIGID_ENERGY: f64 = 1e-24;
 
 /// Parameters of a deformation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct DeformParams {
     /// Bending length in model units: rotations vary over at least about this length. The distance of the nodes if
     /// `None`; 0 lets thin shapes wrinkle.
     pub stiffness: Option<f64>,
+}
+
+impl DeformParams {
+    /// Sets [`stiffness`](Self::stiffness).
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: Option<f64>) -> Self {
+        Self { stiffness, ..self }
+    }
 }
 
 /// Result of a step or a solve.

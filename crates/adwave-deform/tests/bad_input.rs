@@ -57,7 +57,7 @@ fn regions_that_cannot_be_are_refused_in_one_line() {
     assert!(bound.set(1, HandleMotion::from_translation([f64::NAN; 3])).is_err());
     let schedule = Schedule::dyadic(3).unwrap();
     let regions = DeformRegions { fixed: vec![0], handles: vec![vec![1]] };
-    let params = DeformParams { stiffness: Some(-1.0) };
+    let params = DeformParams::default().with_stiffness(Some(-1.0));
     assert!(Deformer::bind(&sphere, &schedule, &regions, &params, Progress::none()).is_err());
 }
 

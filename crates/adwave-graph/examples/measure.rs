@@ -146,7 +146,7 @@ fn scattering(n: usize, precision: Precision) -> Result<(), Box<dyn std::error::
     let powers = WalkPowers::new(walk, Progress::none())?;
     let signal: Vec<f64> = (0..n as u64).map(noise).collect();
     let scales = vec![1, 2, 4, 8, 16, 32];
-    let params = ScatteringParams { scales, precision, ..ScatteringParams::default() };
+    let params = ScatteringParams::default().with_scales(scales).with_precision(precision);
     let (start, used) = (Instant::now(), processor_seconds());
     let found = scatter(&powers, &signal, 1, &params, Progress::none())?;
     println!(

@@ -25,6 +25,7 @@ const ROWS_AT_A_TIME: usize = 1024;
 
 /// Parameters of cross-validation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CrossValidationParams {
     /// Share of the molecules that are diffused, in 0.1 … 0.95.
     pub share: f64,
@@ -36,6 +37,32 @@ pub struct CrossValidationParams {
     pub library_size: Option<f64>,
     /// Seed of the split.
     pub seed: u64,
+}
+
+impl CrossValidationParams {
+    /// Sets [`share`](Self::share).
+    #[must_use]
+    pub fn with_share(self, share: f64) -> Self {
+        Self { share, ..self }
+    }
+
+    /// Sets [`most_steps`](Self::most_steps).
+    #[must_use]
+    pub fn with_most_steps(self, most_steps: u32) -> Self {
+        Self { most_steps, ..self }
+    }
+
+    /// Sets [`library_size`](Self::library_size).
+    #[must_use]
+    pub fn with_library_size(self, library_size: Option<f64>) -> Self {
+        Self { library_size, ..self }
+    }
+
+    /// Sets [`seed`](Self::seed).
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
 }
 
 impl Default for CrossValidationParams {

@@ -13,6 +13,7 @@ use std::ops::Range;
 
 /// Scales and orders of scattering.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ScatteringParams {
     /// Numbers of steps n_1 < n_2 < …; the bands are `P^{n_{j−1}} − P^{n_j}` with n_0 = 0.
     pub scales: Vec<u32>,
@@ -49,6 +50,30 @@ pub struct Scattering {
 }
 
 impl ScatteringParams {
+    /// Sets [`scales`](Self::scales).
+    #[must_use]
+    pub fn with_scales(self, scales: Vec<u32>) -> Self {
+        Self { scales, ..self }
+    }
+
+    /// Sets [`orders`](Self::orders).
+    #[must_use]
+    pub fn with_orders(self, orders: Vec<u32>) -> Self {
+        Self { orders, ..self }
+    }
+
+    /// Sets [`precision`](Self::precision).
+    #[must_use]
+    pub fn with_precision(self, precision: Precision) -> Self {
+        Self { precision, ..self }
+    }
+
+    /// Sets [`max_bytes`](Self::max_bytes).
+    #[must_use]
+    pub fn with_max_bytes(self, max_bytes: Option<u64>) -> Self {
+        Self { max_bytes, ..self }
+    }
+
     /// Paths of the result: the signal, then `|W_j f|`, then `|W_{j′}|W_j f||` with j′ > j, in ascending order.
     ///
     /// ```

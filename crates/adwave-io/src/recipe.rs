@@ -187,7 +187,10 @@ pub fn parse_recipe(text: &str) -> Result<Recipe, ReadError> {
         density_invariant: table.density_invariant,
         keep_creases: table.keep_creases,
         local_fit: table.local_fit,
-        positions: PositionParams { along: table.along, borders: table.border, volume: table.volume },
+        positions: PositionParams::default()
+            .with_along(table.along)
+            .with_borders(table.border)
+            .with_volume(table.volume),
         levels,
         layers: table.layers,
         clones: table.clones,
@@ -291,11 +294,10 @@ mod tests {
             density_invariant: false,
             keep_creases: true,
             local_fit: Some(LocalFit::Constant),
-            positions: PositionParams {
-                along: Some(MoveDirection::Surface),
-                borders: Borders::Keep,
-                volume: Volume::Keep,
-            },
+            positions: PositionParams::default()
+                .with_along(Some(MoveDirection::Surface))
+                .with_borders(Borders::Keep)
+                .with_volume(Volume::Keep),
             levels: LevelSpec::Steps(vec![1.0, 2.5, 9.0]),
             layers: vec![
                 Layer { gains: Gains::Gains(vec![0.0, 1.5, 1.0]), region },

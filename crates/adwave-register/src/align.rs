@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 /// Options of an alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct AlignParams {
     /// Largest number of points of the moving shape, sampled evenly in their order.
     pub max_points: usize,
@@ -20,6 +21,14 @@ pub struct AlignParams {
     /// distance decides; with 0 that decides from the start. It should be as far as points lie apart at the start, so that
     /// few parts that differ, such as the bumps of a ball, turn the shape.
     pub reach: f64,
+}
+
+impl AlignParams {
+    /// Sets [`scaled`](Self::scaled).
+    #[must_use]
+    pub fn with_scaled(self, scaled: bool) -> Self {
+        Self { scaled, ..self }
+    }
 }
 
 impl Default for AlignParams {

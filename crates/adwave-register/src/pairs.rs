@@ -7,6 +7,7 @@ use adwave::vector::{norm, subtract};
 
 /// Options of the pairing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PairParams {
     /// Largest distance after the motion, in σ of the second feature.
     pub sigmas: f64,

@@ -28,6 +28,7 @@ pub enum SearchStarts {
 
 /// Options of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SearchParams {
     /// True to search for similarities, with a change of size, instead of rigid motions.
     pub scaled: bool,
@@ -35,6 +36,14 @@ pub struct SearchParams {
     pub starts: SearchStarts,
     /// Largest number of motions that are compared to the end.
     pub equal: usize,
+}
+
+impl SearchParams {
+    /// Sets [`scaled`](Self::scaled).
+    #[must_use]
+    pub fn with_scaled(self, scaled: bool) -> Self {
+        Self { scaled, ..self }
+    }
 }
 
 impl Default for SearchParams {

@@ -86,7 +86,7 @@ fn no_motion_is_clear_between_shapes_that_have_nothing_in_common() {
     let torus = Shape::Mesh(Mesh::new(torus.points, torus.faces).unwrap());
     let creature = creature(6000, 0.1, 1, &Motion::default());
     for scaled in [false, true] {
-        let params = SearchParams { scaled, ..SearchParams::default() };
+        let params = SearchParams::default().with_scaled(scaled);
         let found = registration(&creature, &torus, &params);
         assert!(found.clear().is_none(), "{:?}", found.best);
         assert!(found.candidates.iter().all(|found| found.motion.scale() > 0.0));
@@ -214,7 +214,7 @@ fn a_fit_finds_motion_and_size_and_is_not_tilted_by_what_differs() {
         for p in points.iter_mut().take(n / 10) {
             p[0] += 0.03 * target.shape().diagonal();
         }
-        let params = AlignParams { scaled, ..AlignParams::default() };
+        let params = AlignParams::default().with_scaled(scaled);
         let (motion, _) = align(&points, &surface, Motion::default(), &params, Progress::none()).unwrap();
         let farthest = target.points()[n / 10..]
             .iter()

@@ -94,6 +94,7 @@ pub enum ColorBar {
 
 /// Parameters of a picture.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RenderParams {
     /// Width in pixels.
     pub width: u32,
@@ -139,6 +140,18 @@ impl Default for RenderParams {
 }
 
 impl RenderParams {
+    /// Sets [`width`](Self::width).
+    #[must_use]
+    pub fn with_width(self, width: u32) -> Self {
+        Self { width, ..self }
+    }
+
+    /// Sets [`height`](Self::height).
+    #[must_use]
+    pub fn with_height(self, height: u32) -> Self {
+        Self { height, ..self }
+    }
+
     /// Sets the size in pixels.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {

@@ -39,6 +39,7 @@ pub enum Border {
 
 /// Options of a simplification.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeshParams {
     /// Target.
     pub target: MeshTarget,

@@ -171,7 +171,7 @@ impl Document {
     }
 
     pub(crate) fn position_params(&self) -> PositionParams {
-        PositionParams { along: self.along, borders: self.border, volume: self.volume }
+        PositionParams::default().with_along(self.along).with_borders(self.border).with_volume(self.volume)
     }
 
     /// Tells whether new positions are more than a sum of bands; by default a cloud moves along its normals.
@@ -223,7 +223,7 @@ impl Document {
             return Err(ApiError::bad_request(message));
         }
         let layers = layers_of_recipe(recipe, n_levels)?;
-        let PositionParams { along, borders, volume } = recipe.positions;
+        let PositionParams { along, borders, volume, .. } = recipe.positions;
         let (clones, pose) = (recipe.clones.clone(), recipe.pose.clone());
         Ok(Self { revision, layers, along, border: borders, volume, clones, pose, fields: Vec::new() })
     }

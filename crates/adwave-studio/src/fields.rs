@@ -213,7 +213,7 @@ fn cloud_feature_list(
 /// Responds with the features of the edited positions.
 pub(crate) fn feature_response(session: &Session, theta: f64) -> ApiResult {
     let prepared = session.lock_prepared()?;
-    let params = FeatureParams { theta, ..FeatureParams::default() };
+    let params = FeatureParams::default().with_theta(theta);
     params.check().map_err(|e| ApiError::from_classified(&e))?;
     let list = if session.input.shape.is_cloud() {
         cloud_feature_list(session, &prepared, &params)?

@@ -148,7 +148,7 @@ pub(crate) fn build_decomposer(
     kind: OperatorKind,
     progress: Progress<'_>,
 ) -> Result<Decomposer, StudioError> {
-    let params = OperatorParams { kind, ..OperatorParams::default() };
+    let params = OperatorParams::default().with_kind(kind);
     Decomposer::with_params(shape, &params, progress).map_err(|e| StudioError::from_classified(&e))
 }
 

@@ -18,6 +18,7 @@ use std::time::Duration;
 
 /// Options of the server.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct StudioParams {
     /// Port; 0 chooses a free one.
     pub port: u16,
@@ -27,6 +28,32 @@ pub struct StudioParams {
     pub autosave_folder: Option<PathBuf>,
     /// Number of compute threads; that of the caller's thread pool if `None`.
     pub n_threads: Option<usize>,
+}
+
+impl StudioParams {
+    /// Sets [`port`](Self::port).
+    #[must_use]
+    pub fn with_port(self, port: u16) -> Self {
+        Self { port, ..self }
+    }
+
+    /// Sets [`host`](Self::host).
+    #[must_use]
+    pub fn with_host(self, host: Option<IpAddr>) -> Self {
+        Self { host, ..self }
+    }
+
+    /// Sets [`autosave_folder`](Self::autosave_folder).
+    #[must_use]
+    pub fn with_autosave_folder(self, autosave_folder: Option<PathBuf>) -> Self {
+        Self { autosave_folder, ..self }
+    }
+
+    /// Sets [`n_threads`](Self::n_threads).
+    #[must_use]
+    pub fn with_n_threads(self, n_threads: Option<usize>) -> Self {
+        Self { n_threads, ..self }
+    }
 }
 
 /// Address of a running studio.

@@ -23,6 +23,7 @@ pub enum Triangulation {
 
 /// Parameters of a Laplacian.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct LaplacianParams {
     /// Triangulation of a mesh.
     pub triangulation: Triangulation,

@@ -16,6 +16,7 @@ const NULL: f64 = 1e-11;
 
 /// Parameters of the eigensolver.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EigenParams {
     /// Largest relative residual `‖(A−σI)⁻¹x − θx‖ / |θ|` in the inverse.
     pub tolerance: f64,

@@ -77,6 +77,7 @@ pub struct Coefficients {
 
 /// Parameters of the construction.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MultiscaleParams {
     /// ε: remainder of a column in the rank-revealing QR that counts as zero; T has norm 1.
     pub precision: f64,

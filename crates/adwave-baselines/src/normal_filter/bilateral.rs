@@ -32,6 +32,7 @@ pub enum NormalScheme {
 /// Parameters of [`bilateral_normals`]; the defaults are those in the program of `zhang2015`, which contains this
 /// method too. The authors of the method choose the range weight for each mesh, from 0.2 to 0.6.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BilateralParams {
     /// Faces that are averaged over; by default those that share a vertex.
     pub neighbors: FaceNeighbors,

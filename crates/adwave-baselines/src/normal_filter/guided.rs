@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 /// Parameters of [`guided_normals`]; the defaults are those of its authors' program.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GuidedParams {
     /// Radius of the averaged neighborhood, in mean distances of the centroids of faces that share an edge; 2 by
     /// default.

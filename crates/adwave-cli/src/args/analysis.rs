@@ -43,7 +43,7 @@ pub(crate) struct MapArgs {
 impl MapArgs {
     pub(crate) fn to_params(&self, border: &BorderMaskArgs) -> SaliencyParams {
         let params = self.weighting.params(if self.unsigned { Sign::Unsigned } else { Sign::Signed });
-        SaliencyParams { skip: self.skip.unwrap_or(params.skip), border_sigmas: border.sigmas, ..params }
+        params.with_skip(self.skip.unwrap_or(params.skip)).with_border_sigmas(border.sigmas)
     }
 }
 
@@ -73,14 +73,13 @@ pub(crate) struct DetectArgs {
 
 impl DetectArgs {
     pub(crate) fn to_params(&self, border: &BorderMaskArgs) -> FeatureParams {
-        FeatureParams {
-            theta: self.theta,
-            response: self.response,
-            scope: if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape },
-            refinement: if self.refine { Refinement::Quadratic } else { Refinement::Off },
-            max_edge_ratio: self.edge_ratio,
-            border_sigmas: border.sigmas,
-            best: self.best.map(NonZeroUsize::get),
-        }
+        FeatureParams::default()
+            .with_theta(self.theta)
+            .with_response(self.response)
+            .with_scope(if self.per_component { ThresholdScope::Component } else { ThresholdScope::Shape })
+            .with_refinement(if self.refine { Refinement::Quadratic } else { Refinement::Off })
+            .with_max_edge_ratio(self.edge_ratio)
+            .with_border_sigmas(border.sigmas)
+            .with_best(self.best.map(NonZeroUsize::get))
     }
 }

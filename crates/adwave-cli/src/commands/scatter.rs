@@ -59,12 +59,11 @@ pub(crate) fn run(args: &ScatterArgs, global: &Global<'_>) -> Result<(), CliErro
     let (field, n_channels) = read_table(&args.field, global)?;
     let labels = args.batch.as_ref().map(|path| read_table(path, global)).transpose()?;
     let walk = load_walk(&args.walk, WalkDefaults { self_loops: 0.0, stay: 0.5 }, global)?;
-    let params = ScatteringParams {
-        scales: args.scales.clone(),
-        orders: args.orders.clone(),
-        precision: args.precision,
-        max_bytes: adwave_io::free_memory(),
-    };
+    let params = ScatteringParams::default()
+        .with_scales(args.scales.clone())
+        .with_orders(args.orders.clone())
+        .with_precision(args.precision)
+        .with_max_bytes(adwave_io::free_memory());
     let found = with_progress(global, "scattering", |progress| {
         scatter(&walk.powers, &field, n_channels, &params, progress).map_err(|e| in_file(&args.field, &e))
     })?;

@@ -87,7 +87,7 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     };
     // Each edit needs as much memory as the one before.
     global.tune_heap(HeapUse::ReuseUpTo(KEPT));
-    let params = StudioParams { port: args.port, host: args.host, ..StudioParams::default() };
+    let params = StudioParams::default().with_port(args.port).with_host(args.host);
     let mut browser = None;
     let mut printed = Ok(());
     let finished = serve(opened, &params, global.progress(), |served: &StudioAddress| {

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let unit = decomposer.diagonal();
         let first =
             Deformer::bind(&decomposer, &schedule, &regions, &DeformParams::default(), Progress::none())?;
-        let params = DeformParams { stiffness: stiffness.map(|s| s * first.info().spacing) };
+        let params = DeformParams::default().with_stiffness(stiffness.map(|s| s * first.info().spacing));
         let mut deformer = Deformer::bind(&decomposer, &schedule, &regions, &params, Progress::none())?;
         let bound = start.elapsed();
         deformer.set(1, HandleMotion::from_matrix(&matrix)?)?;

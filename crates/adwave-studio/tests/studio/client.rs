@@ -64,8 +64,7 @@ impl Studio {
         // Leaked, because the server must not outlive its flag.
         let stop: &'static AtomicBool = Box::leak(Box::new(AtomicBool::new(false)));
         let (send, receive) = mpsc::channel();
-        let params =
-            StudioParams { autosave_folder: Some(autosave_folder.to_path_buf()), ..StudioParams::default() };
+        let params = StudioParams::default().with_autosave_folder(Some(autosave_folder.to_path_buf()));
         let thread = std::thread::spawn(move || {
             serve(opened, &params, Progress::none().with_cancel(stop), |served| {
                 send.send(served.url.clone()).unwrap();

@@ -37,8 +37,7 @@ fn in_memory(shape: &Shape, params: &Params) -> Vec<[f64; 3]> {
     } else {
         after = filtered(points.as_flattened(), 3, LocalFit::Constant).as_chunks().0.to_vec();
     }
-    let constraints =
-        PositionParams { along: params.along, borders: params.borders, ..PositionParams::default() };
+    let constraints = PositionParams::default().with_along(params.along).with_borders(params.borders);
     constrain_positions(&decomposer, points, after, &constraints, Progress::none()).unwrap()
 }
 

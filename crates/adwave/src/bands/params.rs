@@ -56,6 +56,7 @@ named_values!(Precision, "precision", {
 /// assert!(BandsParams::default().with_accuracy(0.0).check().is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BandsParams {
     /// Largest relative error `‖error of W_f(j)‖ / ‖W_f(j)‖` of each band, in the norm weighted by the stationary
     /// distribution; in 1e-13 … 0.1. The effect of rounding the signal itself to double precision comes on top.

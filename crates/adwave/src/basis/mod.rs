@@ -44,6 +44,7 @@ use thiserror::Error;
 
 /// Levels, drop tolerance and memory limit of a basis.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BasisParams {
     /// The levels.
     pub schedule: Schedule,

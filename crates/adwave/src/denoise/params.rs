@@ -82,6 +82,7 @@ impl SharedNoise {
 /// assert_eq!((params.strength, params.noise), (1.0, None));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct DenoiseParams {
     /// Factor of the noise level: 0 changes nothing, 1 minimizes the estimated risk, 2 assumes twice the noise.
     pub strength: f64,

@@ -64,6 +64,7 @@ pub enum Refinement {
 /// assert_eq!((params.response, params.best), (Response::Normalized, Some(50)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FeatureParams {
     /// Threshold θ > 0: a response must exceed θ times the mean |R| of its level; useful values are 1.6 to 3.
     pub theta: f64,
@@ -122,22 +123,22 @@ impl FeatureParams {
         Self { refinement, ..self }
     }
 
-    /// Rejects features on edges with a curvature ratio above `ratio`.
+    /// Rejects features on edges with a curvature ratio above `ratio`; `None` rejects none.
     #[must_use]
-    pub fn with_max_edge_ratio(self, ratio: f64) -> Self {
-        Self { max_edge_ratio: Some(ratio), ..self }
+    pub fn with_max_edge_ratio(self, ratio: impl Into<Option<f64>>) -> Self {
+        Self { max_edge_ratio: ratio.into(), ..self }
     }
 
-    /// Rejects features within `sigmas`·σ of a border.
+    /// Rejects features within `sigmas`·σ of a border; `None` rejects none.
     #[must_use]
-    pub fn with_border_sigmas(self, sigmas: f64) -> Self {
-        Self { border_sigmas: Some(sigmas), ..self }
+    pub fn with_border_sigmas(self, sigmas: impl Into<Option<f64>>) -> Self {
+        Self { border_sigmas: sigmas.into(), ..self }
     }
 
-    /// Keeps at most `best` features.
+    /// Keeps at most `best` features; `None` keeps all.
     #[must_use]
-    pub fn with_best(self, best: usize) -> Self {
-        Self { best: Some(best), ..self }
+    pub fn with_best(self, best: impl Into<Option<usize>>) -> Self {
+        Self { best: best.into(), ..self }
     }
 
     /// Checks that every number is in its range.

@@ -11,12 +11,21 @@ use crate::shape::squared_distance;
 /// assert_eq!(RepeatabilityParams::default().sigmas, 1.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RepeatabilityParams {
     /// Largest distance, in its own σ.
     pub sigmas: f64,
     /// Largest difference of its σ in octaves (doublings). Dyadic levels are half an octave apart; noise lengthens
     /// edges, and with them the step in which σ is counted.
     pub octaves: f64,
+}
+
+impl RepeatabilityParams {
+    /// Sets [`sigmas`](Self::sigmas).
+    #[must_use]
+    pub fn with_sigmas(self, sigmas: f64) -> Self {
+        Self { sigmas, ..self }
+    }
 }
 
 impl Default for RepeatabilityParams {

@@ -141,6 +141,7 @@ pub fn choose_operator(
 /// assert_eq!((params.neighbors, params.rings), (16, 1));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct OperatorParams {
     /// Kind of operator. A curve ([`Graph::curve`](crate::shape::Graph::curve)) always has heat by arc length.
     pub kind: OperatorKind,

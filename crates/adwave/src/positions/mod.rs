@@ -93,6 +93,7 @@ named_values!(Volume, "volume", {
 
 /// Constraints on new positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct PositionParams {
     /// Directions in which vertices move; `None` means along the normals on a cloud, and all directions on a mesh or
     /// a curve.
@@ -101,6 +102,26 @@ pub struct PositionParams {
     pub borders: Borders,
     /// Treatment of the volume.
     pub volume: Volume,
+}
+
+impl PositionParams {
+    /// Sets [`along`](Self::along).
+    #[must_use]
+    pub fn with_along(self, along: Option<MoveDirection>) -> Self {
+        Self { along, ..self }
+    }
+
+    /// Sets [`borders`](Self::borders).
+    #[must_use]
+    pub fn with_borders(self, borders: Borders) -> Self {
+        Self { borders, ..self }
+    }
+
+    /// Sets [`volume`](Self::volume).
+    #[must_use]
+    pub fn with_volume(self, volume: Volume) -> Self {
+        Self { volume, ..self }
+    }
 }
 
 /// Error of constraining positions.

@@ -99,6 +99,7 @@ impl MapWeighting {
 /// assert_eq!((params.skip, params.weighting, params.sign), (2, Weighting::PerLevel, Sign::Unsigned));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SaliencyParams {
     /// Number of finest levels that are skipped.
     pub skip: usize,
@@ -139,10 +140,10 @@ impl SaliencyParams {
         Self { weighting, ..self }
     }
 
-    /// Fades out the border within the given distance in σ.
+    /// Fades out the border within the given distance in σ; `None` does not fade it.
     #[must_use]
-    pub fn with_border_sigmas(self, sigmas: f64) -> Self {
-        Self { border_sigmas: Some(sigmas), ..self }
+    pub fn with_border_sigmas(self, sigmas: impl Into<Option<f64>>) -> Self {
+        Self { border_sigmas: sigmas.into(), ..self }
     }
 
     /// Checks that every number is in its range.

@@ -231,7 +231,7 @@ fn positions_move_in_the_allowed_directions() {
     let decomposer = Decomposer::new(&shape);
     let after: Vec<Point> = points.iter().map(|p| p.map(|c| c + 0.1)).collect();
     let constrained = |along, borders| {
-        let params = PositionParams { along, borders, ..PositionParams::default() };
+        let params = PositionParams::default().with_along(along).with_borders(borders);
         constrain_positions(&decomposer, &points, after.clone(), &params, Progress::none()).unwrap()
     };
     for borders in [Borders::Natural, Borders::Keep] {

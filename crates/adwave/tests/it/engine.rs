@@ -289,7 +289,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn a_directed_cloud_falls_back_to_powers() {
     let shape = sheet(15, 15, 0.4);
     let cloud = Shape::Cloud(PointCloud::new(shape.points().expect("points").to_vec()).expect("finite"));
-    let params = OperatorParams { cloud_graph: CloudGraph::Directed, ..OperatorParams::default() };
+    let params = OperatorParams::default().with_cloud_graph(CloudGraph::Directed);
     let (geometry, diffusion) = prepare(&cloud, &params);
     let schedule = Schedule::dyadic(5).expect("valid");
     let ask = BandsParams::default().with_engine(Engine::Chebyshev);

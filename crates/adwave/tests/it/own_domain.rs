@@ -249,7 +249,7 @@ fn regions_features_saliency_and_denoising_follow_the_neighbors_of_the_domain() 
     let clean: Vec<f64> = (0..values.len()).map(|x| (x % AROUND / 8) as f64).collect();
     let square = |f: &[f64]| f.iter().zip(&clean).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
     for fit in [LocalFit::Constant, LocalFit::Linear] {
-        let params = DenoiseParams { local_fit: fit, ..DenoiseParams::default() };
+        let params = DenoiseParams::default().with_local_fit(fit);
         let found = denoise_signal(&own, &values, 1, &params, Progress::none()).unwrap();
         let ratio = square(&found.values) / square(&values);
         assert!(ratio < 0.5, "{fit:?} leaves {ratio} of the noise");

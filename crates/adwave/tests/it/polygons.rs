@@ -81,7 +81,7 @@ fn shape(points: &[[f64; 3]], faces: &[Vec<u32>]) -> Shape {
 }
 
 fn params(kind: OperatorKind) -> OperatorParams {
-    OperatorParams { kind, ..OperatorParams::default() }
+    OperatorParams::default().with_kind(kind)
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {

@@ -31,7 +31,7 @@ fn settled(
 }
 
 fn borders(borders: Borders) -> PositionParams {
-    PositionParams { borders, ..PositionParams::default() }
+    PositionParams::default().with_borders(borders)
 }
 
 fn farthest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
@@ -56,7 +56,7 @@ fn a_flat_square_stays_where_it_is_as_a_mesh_and_as_a_cloud() {
                 assert!(farthest(&points, &after) <= 1e-9, "{name}, {kind:?}");
             }
         }
-        let free = PositionParams { along: Some(MoveDirection::Free), ..borders(Borders::Free) };
+        let free = borders(Borders::Free).with_along(Some(MoveDirection::Free));
         let free = settled(shape, &points, Preset::SuppressPaper, 6, free);
         assert!(farthest(&points, &free) > 0.05, "the paper's way draws corners in");
     }
@@ -133,7 +133,7 @@ fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
     // 2Φⁿ − Φ²ⁿ on one level more is as smooth as dropping all bands.
     let limbs = settled(&shape, &points, Preset::Suppress, 6, PositionParams::default());
     assert!(loss(&limbs) < loss(&smooth) / 3.0, "{} of {}", loss(&limbs), loss(&smooth));
-    let keep = PositionParams { volume: Volume::Keep, ..PositionParams::default() };
+    let keep = PositionParams::default().with_volume(Volume::Keep);
     for preset in [Preset::Suppress, Preset::SuppressPaper, Preset::Enhance] {
         assert!(loss(&settled(&shape, &points, preset, 5, keep)) < 1e-12, "{preset:?}");
     }
@@ -149,7 +149,7 @@ fn closed_shapes_keep_their_bits_and_their_volume_where_asked() {
 #[test]
 fn an_open_shape_has_no_volume_to_keep() {
     let (points, faces) = common::plane(4);
-    let keep = PositionParams { volume: Volume::Keep, ..PositionParams::default() };
+    let keep = PositionParams::default().with_volume(Volume::Keep);
     let error =
         constrain_positions(&decomposer(&points, &faces), &points, points.clone(), &keep, Progress::none());
     assert_eq!(error, Err(PositionsError::NoVolume));
@@ -177,7 +177,7 @@ fn points_of_a_cloud_move_along_its_normals_and_stay_apart() {
         let mean = points.iter().map(radius).sum::<f64>() / points.len() as f64;
         (points.iter().map(|p| (radius(p) - mean).powi(2)).sum::<f64>() / points.len() as f64).sqrt()
     };
-    let of = |along| PositionParams { along, ..PositionParams::default() };
+    let of = |along| PositionParams::default().with_along(along);
     let after = |along| settled(&cloud, &points, Preset::SuppressPaper, 5, of(along));
     let least = |points: &[[f64; 3]]| {
         let mut distances = nearest(points);

@@ -205,7 +205,7 @@ fn a_border_fades_out_of_a_map_and_nothing_else_does() {
     // only begun to fade in.
     const LEFT: f64 = 0.03;
     let faded = SaliencyParams::paper().with_weighting(Weighting::Uniform).with_border_sigmas(1.0);
-    let plain = SaliencyParams { border_sigmas: None, ..faded };
+    let plain = faded.with_border_sigmas(None);
     let largest = |map: &[f64]| map.iter().copied().fold(0.0, f64::max);
     // A flat plane has nothing but its border. The last level is wider than the plane and has nothing left at all.
     let (plane, faces) = common::plane(60);

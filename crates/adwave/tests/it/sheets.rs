@@ -37,7 +37,7 @@ fn normals(sign: impl Fn(usize) -> f64) -> Vec<[f64; 3]> {
 
 fn smoothed(cloud: PointCloud, kind: OperatorKind) -> Vec<[f64; 3]> {
     let points = cloud.points().to_vec();
-    let params = OperatorParams { kind, ..OperatorParams::default() };
+    let params = OperatorParams::default().with_kind(kind);
     let decomposer = Decomposer::with_params(&Shape::Cloud(cloud), &params, Progress::none()).unwrap();
     let schedule = decomposer.default_schedule().schedule;
     let layer = WeightedLayer::everywhere(Preset::Suppress.gains(schedule.n_levels()));

@@ -38,7 +38,7 @@ fn terrain() -> Vec<[f64; 3]> {
 
 /// Positions smoothed over the default levels, the extent and the number of levels.
 fn smoothed(shape: &Shape, kind: OperatorKind) -> (Vec<[f64; 3]>, f64, usize) {
-    let params = OperatorParams { kind, ..OperatorParams::default() };
+    let params = OperatorParams::default().with_kind(kind);
     let decomposer = Decomposer::with_params(shape, &params, Progress::none()).unwrap();
     let schedule = LevelSpec::Default.resolve(&decomposer, DEFAULT_EXTENT).unwrap().schedule;
     let bands = decomposer.decompose(shape.points().unwrap().as_flattened(), 3, &schedule).unwrap();
@@ -185,7 +185,7 @@ fn a_default_keeps_half_of_the_volume() {
     for (what, (points, faces)) in [("cube", cube(8)), ("tube", tube(16, 11.0)), ("wire", tube(400, 180.0))] {
         let shape = mesh(points, faces);
         for kind in [OperatorKind::Walk, OperatorKind::Surface] {
-            let params = OperatorParams { kind, ..OperatorParams::default() };
+            let params = OperatorParams::default().with_kind(kind);
             let decomposer = Decomposer::with_params(&shape, &params, Progress::none()).unwrap();
             let before = decomposer.health().volume.unwrap();
             let levels = decomposer.default_schedule();

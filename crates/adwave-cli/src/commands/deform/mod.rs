@@ -50,8 +50,8 @@ pub(crate) fn run(args: &DeformArgs, global: &Global<'_>) -> Result<(), CliError
     let regions = with_progress(global, "measuring", |progress| {
         resolve_regions(args, &input, &decomposer, global, progress)
     })?;
-    let params =
-        DeformParams { stiffness: args.stiffness.map(|length| length.to_model_units(decomposer.extent())) };
+    let params = DeformParams::default()
+        .with_stiffness(args.stiffness.map(|length| length.to_model_units(decomposer.extent())));
     let bind = |progress: Progress<'_>| Deformer::bind(&decomposer, &schedule, &regions, &params, progress);
     let mut deformer = with_progress(global, "binding", bind)?;
     let rest = input.shape.points().unwrap_or_default();

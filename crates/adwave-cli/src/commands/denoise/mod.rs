@@ -148,7 +148,7 @@ fn limit_positions(
     with_progress(global, "limiting", |progress| {
         let points = match args.border {
             Some(borders) => {
-                let params = PositionParams { borders, ..PositionParams::default() };
+                let params = PositionParams::default().with_borders(borders);
                 constrain_positions(&decomposer, before, points, &params, progress)?
             }
             None => points,

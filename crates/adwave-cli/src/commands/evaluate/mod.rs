@@ -172,7 +172,7 @@ fn evaluate_repeatability(
             global.progress().check().map_err(|_| CliError::Cancelled)?;
             let changed = step.apply(analysis, global)?;
             let found = find_again(args, global, analysis, &changed)?;
-            let params = RepeatabilityParams { sigmas: args.within, ..RepeatabilityParams::default() };
+            let params = RepeatabilityParams::default().with_sigmas(args.within);
             let levels = repeatability(&reference, &found, &changed, &params);
             row.n_right += n_right(&reference, &found, &changed, &params);
             row.n_found += found.len();

@@ -285,13 +285,12 @@ fn resolve_local_fit(
 /// Options of new positions: those of the flags, else those of the recipe.
 fn positions(args: &EditArgs, recipe: Option<&Recipe>) -> PositionParams {
     let in_recipe = recipe.map(|recipe| recipe.positions).unwrap_or_default();
-    PositionParams {
-        along: args.along.or(in_recipe.along),
-        borders: args.border.unwrap_or(in_recipe.borders),
-        volume: match args.keep_volume {
+    PositionParams::default()
+        .with_along(args.along.or(in_recipe.along))
+        .with_borders(args.border.unwrap_or(in_recipe.borders))
+        .with_volume(match args.keep_volume {
             Some(KeepVolume::Offset) => Volume::Keep,
             Some(KeepVolume::Twice | KeepVolume::Thrice) => Volume::Free,
             None => in_recipe.volume,
-        },
-    }
+        })
 }

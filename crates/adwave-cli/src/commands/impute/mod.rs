@@ -189,7 +189,7 @@ fn choose_time(
     library_size: Option<f64>,
     global: &Global<'_>,
 ) -> Result<CrossValidation, CliError> {
-    let params = CrossValidationParams { library_size, seed: args.seed, ..CrossValidationParams::default() };
+    let params = CrossValidationParams::default().with_library_size(library_size).with_seed(args.seed);
     let found = with_progress(global, "choosing the time", |progress| {
         cross_validate(&walk.powers, matrix, params, progress).map_err(|e| in_file(&args.counts, &e))
     })?;

@@ -177,7 +177,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     if args.motion == MotionArg::None {
         return Ok(Matching { registration: None, pairs: descriptor_pairs(a, b, args.ratio) });
     }
-    let params = SearchParams { scaled: args.motion == MotionArg::Similarity, ..SearchParams::default() };
+    let params = SearchParams::default().with_scaled(args.motion == MotionArg::Similarity);
     let registration = with_progress(global, "matching", |progress| {
         register(&first.registrand, &second.registrand, &params, progress)
     })
