@@ -89,12 +89,15 @@ fn writable<'py>(
     Ok(given)
 }
 
+/// Channels and the flags of the vertices where all of them are NaN; `None` if they have no NaN.
+type MaskedChannels<'py> = (Vec<usize>, Option<Bound<'py, PyArray1<bool>>>);
+
 /// Channels that are NaN at the same vertices, and the flags of these vertices.
 #[pyfunction]
 fn channels_by_mask<'py>(
     py: Python<'py>,
     values: PyReadonlyArray2<'py, f64>,
-) -> PyResult<Vec<(Vec<usize>, Option<Bound<'py, PyArray1<bool>>>)>> {
+) -> PyResult<Vec<MaskedChannels<'py>>> {
     let groups = adwave::mask::channels_by_mask(arrays::rows(&values, "signal")?, values.shape()[1]);
     let flags = |missing: Option<Vec<bool>>| missing.map(|flags| PyArray1::from_vec(py, flags));
     Ok(groups.into_iter().map(|group| (group.channels, flags(group.missing))).collect())
