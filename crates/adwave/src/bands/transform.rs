@@ -170,7 +170,7 @@ impl Transform {
         let outcome = if let Some(leap) = self.leap() {
             match self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
-                    return self.by_series().wavelets_into(signal, n_channels, schedule, wavelets, progress);
+                    return self.with_series().wavelets_into(signal, n_channels, schedule, wavelets, progress);
                 }
                 found => found?,
             }
@@ -220,7 +220,7 @@ impl Transform {
             match self.weighted_by_leaps(leap, signal, n_channels, levels, out, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
                     return self
-                        .by_series()
+                        .with_series()
                         .weighted_into(signal, n_channels, schedule, factors, out, progress);
                 }
                 found => found?,
@@ -265,7 +265,7 @@ impl Transform {
     }
 
     /// This operator by series of products, for bands that leaps do not give to the accuracy.
-    fn by_series(&self) -> Self {
+    fn with_series(&self) -> Self {
         Self { engine: Engine::Chebyshev, ..self.clone() }
     }
 
