@@ -3,7 +3,7 @@
 use crate::args::GlobalArgs;
 use crate::given::GivenOptions;
 use crate::inputs::Inputs;
-use adwave::Progress;
+use adwave::{Decomposer, Progress};
 use adwave_io::{ReadLimits, Transaction};
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
@@ -19,6 +19,45 @@ pub enum HeapUse {
     ReuseAll,
     /// Requests of one size come again and again; of freed memory up to this many bytes are kept.
     ReuseUpTo(usize),
+}
+
+/// A domain that a program adds to the command: `NAME:TEXT` stands for it wherever a shape is expected.
+#[derive(Clone, Copy, Debug)]
+pub struct OwnDomain {
+    /// The word before the colon.
+    pub name: &'static str,
+    /// Makes the domain with its operator from the text after the colon, or says in a line why it cannot.
+    pub open: fn(&str) -> Result<Decomposer, String>,
+}
+
+/// What a program brings to the command.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Program<'a> {
+    /// Is told how the command uses the heap, before the work begins.
+    pub tune_heap: fn(HeapUse),
+    /// Domains of its own.
+    pub domains: &'a [OwnDomain],
+}
+
+impl Default for Program<'_> {
+    fn default() -> Self {
+        Self { tune_heap: |_| {}, domains: &[] }
+    }
+}
+
+impl<'a> Program<'a> {
+    /// A program whose allocator is tuned by a function.
+    #[must_use]
+    pub fn with_heap(self, tune_heap: fn(HeapUse)) -> Self {
+        Self { tune_heap, ..self }
+    }
+
+    /// A program with domains of its own.
+    #[must_use]
+    pub fn with_domains(self, domains: &'a [OwnDomain]) -> Self {
+        Self { domains, ..self }
+    }
 }
 
 /// Context of one run.
@@ -44,7 +83,8 @@ pub(crate) struct Global<'a> {
     /// Files of the result.
     pub(crate) files: &'a Transaction,
     cancel: &'a AtomicBool,
-    tune_heap: fn(HeapUse),
+    /// The program that runs the command.
+    pub(crate) program: Program<'a>,
 }
 
 /// Parts of the context that the caller of the command owns.
@@ -57,14 +97,14 @@ pub(crate) struct RunContext<'a> {
     pub(crate) files: &'a Transaction,
     /// Becomes true when the run is to stop.
     pub(crate) cancel: &'a AtomicBool,
-    pub(crate) tune_heap: fn(HeapUse),
+    pub(crate) program: Program<'a>,
 }
 
 impl<'a> Global<'a> {
     pub(crate) fn new(args: &GlobalArgs, context: RunContext<'a>) -> Self {
         let mut limits = ReadLimits::default();
         limits.max_bytes = args.max_input.unwrap_or(limits.max_bytes);
-        let RunContext { arguments, given, inputs, files, cancel, tune_heap } = context;
+        let RunContext { arguments, given, inputs, files, cancel, program } = context;
         Self {
             json: args.json,
             quiet: args.quiet,
@@ -76,7 +116,7 @@ impl<'a> Global<'a> {
             inputs,
             files,
             cancel,
-            tune_heap,
+            program,
         }
     }
 
@@ -87,6 +127,6 @@ impl<'a> Global<'a> {
 
     /// Tells the program what the heap will be used for.
     pub(crate) fn tune_heap(&self, heap_use: HeapUse) {
-        (self.tune_heap)(heap_use);
+        (self.program.tune_heap)(heap_use);
     }
 }

@@ -19,8 +19,8 @@ use clap::FromArgMatches;
 use cli::{Cli, Command};
 use error::CliError;
 use given::GivenOptions;
-pub use global::HeapUse;
 use global::{Global, RunContext};
+pub use global::{HeapUse, OwnDomain, Program};
 use inputs::Inputs;
 use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,14 +45,14 @@ pub fn definition() -> clap::Command {
 /// assert_eq!(adwave_cli::run(["adwave", "info", "sample:teapot"], &never), 2);
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &AtomicBool) -> u8 {
-    run_with_heap(arguments, cancel, |_| {})
+    run_for(Program::default(), arguments, cancel)
 }
 
-/// [`run`] for a program of its own: `tune_heap` is told how the command uses the heap, before the work begins.
-pub fn run_with_heap(
+/// [`run`] for a program that tunes its heap or has domains of its own.
+pub fn run_for(
+    program: Program<'_>,
     arguments: impl IntoIterator<Item = impl Into<OsString>>,
     cancel: &AtomicBool,
-    tune_heap: fn(HeapUse),
 ) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     let definition = cli::command();
@@ -71,14 +71,8 @@ pub fn run_with_heap(
     };
     let inputs = Inputs::new(cli.global.provenance);
     let files = transaction(&cli.command);
-    let context = RunContext {
-        arguments: &arguments,
-        given: &given,
-        inputs: &inputs,
-        files: &files,
-        cancel,
-        tune_heap,
-    };
+    let context =
+        RunContext { arguments: &arguments, given: &given, inputs: &inputs, files: &files, cancel, program };
     let global = Global::new(&cli.global, context);
     global.tune_heap(heap_use(&cli.command));
     let outcome = given.check().and_then(|()| run_in_threads(&cli, &global));

@@ -1,6 +1,6 @@
 //! The program `adwave`: the command line, the answer to Ctrl-C, and the settings of the allocator.
 
-use adwave_cli::HeapUse;
+use adwave_cli::{HeapUse, Program};
 use std::io::Write as _;
 use std::process::{ExitCode, exit};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         });
     });
     remember_signals();
-    let code = adwave_cli::run_with_heap(std::env::args_os(), &STOP, tune_heap);
+    let code = adwave_cli::run_for(Program::default().with_heap(tune_heap), std::env::args_os(), &STOP);
     // A server that was asked to end by another signal than Ctrl-C says so too.
     let is_stopped = code == CANCELLED || (code == 0 && STOP.load(Ordering::SeqCst));
     let stop_code = STOP_CODE.load(Ordering::SeqCst);

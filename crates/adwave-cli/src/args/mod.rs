@@ -28,7 +28,7 @@ pub(crate) use labels::LabelArgs;
 pub(crate) use levels::LevelArgs;
 pub(crate) use local_fit::LocalFitArgs;
 pub(crate) use normals::NormalArgs;
-pub(crate) use operator::OperatorArgs;
+pub(crate) use operator::{OPERATOR_OPTIONS, OperatorArgs, WALK_OPTIONS};
 pub(crate) use parse::{
     count, count_from_one, length, number, parse_named, region, seed, shared_noise, size,
 };

@@ -6,6 +6,22 @@ use adwave::shape::{CloudArea, MeshArea, WeldMode};
 use clap::Args;
 use std::num::NonZeroUsize;
 
+/// Options of the diffusion operator that only the walk has.
+pub(crate) const WALK_OPTIONS: [&str; 5] =
+    ["--rings", "--mesh-area", "--directed", "--cloud-area", "--density-invariant"];
+
+/// Options of the diffusion operator.
+pub(crate) const OPERATOR_OPTIONS: [&str; 8] = [
+    "--operator",
+    "--rings",
+    "--mesh-area",
+    "--neighbors",
+    "--directed",
+    "--cloud-area",
+    "--density-invariant",
+    "--keep-creases",
+];
+
 /// Options of the diffusion operator.
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 #[derive(Clone, Debug, Args)]
@@ -67,6 +83,19 @@ impl OperatorArgs {
             .with_cloud_area(self.cloud_area)
             .with_density_invariant(self.density_invariant)
             .with_keep_creases(self.keep_creases)
+    }
+
+    /// The first option of the walk that differs from its default.
+    pub(crate) fn changed_walk_option(&self) -> Option<&'static str> {
+        let (walk, unchanged) = (self.to_walk_params(), OperatorParams::default());
+        let is_changed = [
+            walk.rings != unchanged.rings,
+            walk.mesh_area != unchanged.mesh_area,
+            walk.cloud_graph != unchanged.cloud_graph,
+            walk.cloud_area != unchanged.cloud_area,
+            walk.density_invariant,
+        ];
+        is_changed.iter().position(|is_changed| *is_changed).map(|at| WALK_OPTIONS[at])
     }
 
     /// Rule by which vertices at equal or nearly equal positions are one.

@@ -1,6 +1,7 @@
 //! `adwave transform --basis`: as many coefficients as values, of wavelets by lifting, and the field that they stand for.
 
 use super::transform::TransformArgs;
+use crate::args::OPERATOR_OPTIONS;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -8,7 +9,6 @@ use crate::output::provenance::provenance;
 use crate::output::values_file::{ValuesFile, holds_fields, unsuitable_format};
 use crate::output::{check_writable, clone_for_output, count, has_extension, number, print, table};
 use crate::output::{write_file_with, write_shape};
-use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::shape::{Input, load_shape};
 use crate::resolve::signal::{load_signal, refuse_labels, smooth_labels_hint};
 use adwave::shape::{MeshArea, Shape, mesh_areas};

@@ -1,6 +1,7 @@
 //! Refusal of options that apply to nothing on the shapes at hand.
 
 use super::shape::{Input, POINTS};
+use crate::args::WALK_OPTIONS;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::health::kind_name;
@@ -8,22 +9,6 @@ use crate::output::note;
 use adwave::operator::{OperatorKind, OperatorParams};
 use adwave::shape::Shape;
 use adwave_io::Format;
-
-/// Options of the diffusion operator that only the walk has.
-const WALK_OPTIONS: [&str; 5] =
-    ["--rings", "--mesh-area", "--directed", "--cloud-area", "--density-invariant"];
-
-/// Options of the diffusion operator.
-pub(crate) const OPERATOR_OPTIONS: [&str; 8] = [
-    "--operator",
-    "--rings",
-    "--mesh-area",
-    "--neighbors",
-    "--directed",
-    "--cloud-area",
-    "--density-invariant",
-    "--keep-creases",
-];
 
 /// Refuses options that none of the shapes of a command can use.
 pub(crate) fn check_shape_options(inputs: &[&Input], global: &Global<'_>) -> Result<(), CliError> {

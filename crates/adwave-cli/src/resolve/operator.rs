@@ -1,7 +1,7 @@
 //! From operator flags to a shape that is prepared with its diffusion operator.
 
 use super::applicable::check_operator_options;
-use super::shape::Input;
+use super::shape::{Carrier, Input};
 use super::signal::Signal;
 use super::walk::in_file;
 use crate::args::{LevelArgs, OperatorArgs};
@@ -38,23 +38,14 @@ pub(crate) fn operator_with_default(
     args: &OperatorArgs,
     default: OperatorKind,
 ) -> Result<OperatorParams, CliError> {
-    let (walk, unchanged) = (args.to_walk_params(), OperatorParams::default());
     if args.directed && args.density_invariant {
         return Err(CliError::Input(
             "--density-invariant needs steps in both directions; leave out --directed".to_owned(),
         ));
     }
-    let walk_options = [
-        ("--rings", walk.rings != unchanged.rings),
-        ("--mesh-area", walk.mesh_area != unchanged.mesh_area),
-        ("--directed", walk.cloud_graph != unchanged.cloud_graph),
-        ("--cloud-area", walk.cloud_area != unchanged.cloud_area),
-        ("--density-invariant", walk.density_invariant),
-    ];
-    let asked = walk_options.iter().find(|(_, is_asked)| *is_asked).map(|(option, _)| *option);
-    let kind = choose_operator(args.operator, default, asked)
+    let kind = choose_operator(args.operator, default, args.changed_walk_option())
         .map_err(|error| CliError::Input(format!("{error} (--operator walk)")))?;
-    Ok(walk.with_kind(kind))
+    Ok(args.to_walk_params().with_kind(kind))
 }
 
 /// A shape with its diffusion operator.
@@ -247,16 +238,18 @@ pub(crate) fn check_operator(
     adwave_io::free_memory().map_or(Ok(()), |free| check_neighbors(shape, params, free))
 }
 
-/// Builds the operator of an input: the walk that was given for it, or that of its shape.
+/// The domain of an input with its operator: a domain of the program's own, a walk that was given, or the shape's own.
 pub(crate) fn build_decomposer(
     input: &Input,
     params: &OperatorParams,
     progress: Progress<'_>,
 ) -> Result<Decomposer, CliError> {
-    let own = build_operator(&input.shape, params, progress)?;
-    match &input.walk {
-        None => Ok(own),
-        Some(walk) => own.with_walk(&walk.rows, progress).map_err(|e| in_file(&walk.path, &e)),
+    match &input.carrier {
+        Carrier::Shape => build_operator(&input.shape, params, progress),
+        Carrier::Walk(walk) => build_operator(&input.shape, params, progress)?
+            .with_walk(&walk.rows, progress)
+            .map_err(|e| in_file(&walk.path, &e)),
+        Carrier::Own(domain) => Ok(domain.clone()),
     }
 }
 

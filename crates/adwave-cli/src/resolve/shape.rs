@@ -3,7 +3,7 @@
 use super::applicable::check_shape_options;
 use super::walk::{GivenWalk, read_points};
 pub(crate) use crate::args::GivenLength;
-use crate::args::{SelectionArgs, ShapeArgs, to_path};
+use crate::args::{OPERATOR_OPTIONS, SelectionArgs, ShapeArgs, to_path};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_spinner;
@@ -11,10 +11,10 @@ use crate::output::{count, note};
 use adwave::region::Length;
 use adwave::sample::{NoiseSigma, Sample};
 use adwave::shape::Shape;
-use adwave::{ClassifiedError, ErrorKind};
+use adwave::{ClassifiedError, Decomposer, ErrorKind};
 use adwave_io::{
-    CloudPart, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile, ShapeKind,
-    read_bytes, read_cloud_part_with, read_path_with,
+    CloudPart, Direction, Edges, FaceCells, MovedNormals, ReadError, SelectedShape, Selection, ShapeFile,
+    ShapeKind, read_bytes, read_cloud_part_with, read_path_with,
 };
 use std::io::Read;
 
@@ -30,8 +30,18 @@ pub(crate) struct Input {
     pub(crate) allows_degrees: bool,
     /// The mesh whose faces the shape has as nodes, for a field of faces.
     pub(crate) mesh_of_cells: Option<Box<ShapeFile>>,
-    /// Walk that takes the place of the shape's own.
-    pub(crate) walk: Option<GivenWalk>,
+    /// What diffuses.
+    pub(crate) carrier: Carrier,
+}
+
+/// What diffuses on an input.
+pub(crate) enum Carrier {
+    /// The operator of its shape, by the options of the command.
+    Shape,
+    /// A walk from a file.
+    Walk(GivenWalk),
+    /// A domain of the program's own; the shape is the graph of its neighbors.
+    Own(Decomposer),
 }
 
 impl Input {
@@ -154,7 +164,11 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
         check_source(source)?;
         // A condition that cannot be read is refused before a large file is read.
         let selection = source.selection.map(SelectionArgs::to_selection).transpose()?;
-        let file = if let Some(sample) = source.shape.strip_prefix("sample:") {
+        let own = open_own_domain(&name, global)?;
+        let file = if let Some(own) = &own {
+            global.inputs.add_unhashed(source.shape);
+            graph_of_domain(own)
+        } else if let Some(sample) = source.shape.strip_prefix("sample:") {
             global.inputs.add_unhashed(source.shape);
             make_sample(sample, &source.sample)?
         } else if let Some(path) = source.shape.strip_prefix(POINTS) {
@@ -184,8 +198,35 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
             };
             global.inputs.add_remark(format!("{name}: {text}{change}"));
         }
-        Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, walk: None })
+        let carrier = own.map_or(Carrier::Shape, Carrier::Own);
+        Ok(Input { file, shape, name, allows_degrees: false, mesh_of_cells: None, carrier })
     })
+}
+
+/// The domain of the program's own that a name stands for, if it does.
+fn open_own_domain(name: &str, global: &Global<'_>) -> Result<Option<Decomposer>, CliError> {
+    let Some((word, text)) = name.split_once(':') else { return Ok(None) };
+    let Some(own) = global.program.domains.iter().find(|own| own.name == word) else { return Ok(None) };
+    global
+        .given
+        .refuse(&OPERATOR_OPTIONS, &format!("applies to shapes, and {name} has an operator of its own"))?;
+    (own.open)(text).map(Some).map_err(|e| CliError::Input(format!("{name}: {e}")))
+}
+
+/// The places of a domain as nodes, with an edge between neighbors.
+fn graph_of_domain(domain: &Decomposer) -> ShapeFile {
+    let (map, neighbors) = (domain.vertex_map(), domain.neighbors());
+    let mut place_of_row = vec![0; map.n_welded()];
+    for place in (0..map.n_vertices()).rev() {
+        place_of_row[map.welded(place)] = place as u32;
+    }
+    let mut edges = Edges { direction: Direction::Both, ..Edges::default() };
+    for x in 0..map.n_welded() {
+        let after = neighbors.row(x).iter().filter(|y| **y as usize > x);
+        edges.pairs.extend(after.map(|&y| [place_of_row[x], place_of_row[y as usize]]));
+    }
+    edges.weights = vec![1.0; edges.pairs.len()];
+    ShapeFile::from_graph(map.n_vertices(), edges)
 }
 
 /// A selection and what becomes of the vertices that take no part.

@@ -1,8 +1,7 @@
 //! From the flags of a walk to its powers.
 
-use super::applicable::OPERATOR_OPTIONS;
-use super::shape::{Input, ShapeSource};
-use crate::args::{GivenWalkArgs, SCALE_NEIGHBOR, WalkArgs};
+use super::shape::{Carrier, Input, ShapeSource};
+use crate::args::{GivenWalkArgs, OPERATOR_OPTIONS, SCALE_NEIGHBOR, WalkArgs};
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::progress::with_progress;
@@ -245,7 +244,7 @@ pub(crate) fn with_given_walk(
             "the walk need not stay where it is: it takes whole steps; half of P and half of I would not",
         );
     }
-    input.walk = Some(GivenWalk { path: path.clone(), rows });
+    input.carrier = Carrier::Walk(GivenWalk { path: path.clone(), rows });
     Ok(input)
 }
 

@@ -8,6 +8,8 @@ mod commands;
 mod common;
 mod compare;
 mod curves;
+#[path = "../../../adwave/tests/it/cylinder.rs"]
+mod cylinder;
 mod deform;
 mod field_files;
 mod gains_everywhere;
@@ -18,6 +20,7 @@ mod levels;
 mod many_channels;
 mod missing_values;
 mod moved_shapes;
+mod own_domain;
 mod plates;
 mod provenance;
 mod real_shapes;

@@ -568,3 +568,173 @@ fn imputed_counts_are_powers_of_the_walk() {
     }
     faults.finish();
 }
+
+#[test]
+fn bent_shapes_move_as_reported() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(700 + seed);
+        let mesh =
+            if seed % 2 == 0 { Mesh::ball(10, &mut random) } else { Mesh::terrain(16, 12, &mut random) };
+        mesh.save(&folder.join("a.ply"));
+        let mut end = |high: bool| {
+            let along = |p: &Point| if seed % 2 == 0 { p[2] } else { p[0] };
+            let mut order: Vec<usize> = (0..mesh.points.len()).collect();
+            order.sort_by(|a, b| along(&mesh.points[*a]).total_cmp(&along(&mesh.points[*b])));
+            if high {
+                order.reverse();
+            }
+            order.truncate(20 + random.below(15));
+            order
+        };
+        let (fixed, handle) = (end(false), end(true));
+        let [x, y, z] = [0, 1, 2].map(|_| (random.next() - 0.5) * if seed % 2 == 0 { 0.6 } else { 4.0 });
+        let words = |vertices: &[usize]| {
+            let all: Vec<String> = vertices.iter().map(ToString::to_string).collect();
+            format!("'vertices:indices={}'", all.join(" "))
+        };
+        let (fix, moved) = (words(&fixed), words(&handle));
+        let line = format!("deform a.ply -o b.ply --fix {fix} --move {moved} --by {x},{y},{z}");
+        let Some(json) = report(folder, &line, &mut faults) else { continue };
+        let result = read(&folder.join("b.ply"));
+        let line = format!("deform, seed {seed}");
+        let mut expect = |what: &str, path: &str, expected: f64, within: f64| {
+            let limits = [expected - within, expected + within];
+            expect_between(&line, what, number(&json, path), limits, &mut faults);
+        };
+        expect("fixed", "/fixed", fixed.len() as f64, 0.0);
+        expect("vertices of the handle", "/handles/0", handle.len() as f64, 0.0);
+        let distances: Vec<f64> = (mesh.points.iter().zip(result.points()))
+            .map(|(a, b)| dot(&minus(b, a), &minus(b, a)).sqrt())
+            .collect();
+        let greatest = distances.iter().fold(0.0_f64, |most, d| most.max(*d));
+        expect("greatest motion", "/moved/max", greatest, DIGITS * greatest);
+        let furthest = number(&json, "/moved/furthest_vertex") as usize;
+        faults.expect(distances[furthest] >= greatest * (1.0 - DIGITS), || {
+            format!("{line}: vertex {furthest}")
+        });
+        let mean = distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64;
+        let rms = number(&json, "/moved/rms");
+        expect_between(&line, "rms", rms, [mean.sqrt() - DIGITS, mean.sqrt() + DIGITS], &mut faults);
+        let after = Mesh { points: result.points().to_vec(), faces: mesh.faces.clone() };
+        for (when, mesh) in [("before", &mesh), ("after", &after)] {
+            let twice = |[a, b, c]: &[Point; 3]| {
+                let normal = cross(&minus(b, a), &minus(c, a));
+                dot(&normal, &normal).sqrt()
+            };
+            let area = mesh.triangles().iter().map(twice).sum::<f64>() / 2.0;
+            let limits = [area * (1.0 - DIGITS), area * (1.0 + DIGITS)];
+            expect_between(&line, "area", number(&json, &format!("/area/{when}")), limits, &mut faults);
+            if seed % 2 == 0 {
+                let six = |[a, b, c]: &[Point; 3]| dot(a, &cross(b, c));
+                let volume = mesh.triangles().iter().map(six).sum::<f64>() / 6.0;
+                let found = number(&json, &format!("/volume/{when}")).abs();
+                let limits = [volume.abs() * (1.0 - DIGITS), volume.abs() * (1.0 + DIGITS)];
+                expect_between(&line, "volume", found, limits, &mut faults);
+            }
+        }
+        // A handle follows its motion, and what is fixed stays.
+        for (vertices, motion) in [(&fixed, [0.0; 3]), (&handle, [x, y, z])] {
+            for &v in vertices {
+                let apart = minus(&minus(&result.points()[v], &mesh.points[v]), &motion);
+                let apart = dot(&apart, &apart).sqrt();
+                expect_between(&line, "distance from its place", apart, [0.0, 0.02 * greatest], &mut faults);
+            }
+        }
+    }
+    faults.finish();
+}
+
+/// A ball whose triangles were cut into four some times.
+fn subdivided(n_times: usize, random: &mut Random) -> Mesh {
+    let mut mesh = Mesh::ball(2, random);
+    for _ in 0..n_times {
+        let mut middles = std::collections::HashMap::new();
+        let Mesh { points, faces } = &mut mesh;
+        let mut cut = Vec::new();
+        for &[a, b, c] in faces.iter() {
+            let [p, q, r] = [[a, b], [b, c], [c, a]].map(|[x, y]| {
+                *middles.entry([x.min(y), x.max(y)]).or_insert_with(|| {
+                    let bump = 1.0 + 0.1 * random.next();
+                    points.push([0, 1, 2].map(|k| bump * (points[x][k] + points[y][k]) / 2.0));
+                    points.len() - 1
+                })
+            });
+            cut.extend([[a, p, r], [p, b, q], [r, q, c], [p, q, r]]);
+        }
+        *faces = cut;
+    }
+    mesh
+}
+
+#[test]
+fn coefficients_that_are_kept_give_the_field_to_the_error_that_is_reported() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let mut faults = Faults::default();
+    for seed in 0..N_SEEDS {
+        let mut random = Random(800 + seed);
+        let family = ["linear", "butterfly", "loop", "irregular"][seed as usize % 4];
+        let mesh = subdivided(2 + seed as usize % 2, &mut random);
+        let [a, b] = [random.next(), random.next()];
+        let values: Vec<f64> = (mesh.points.iter())
+            .map(|p| 5.0 + (3.0 * p[0] + a).sin() + b * p[1] * p[2] + 0.1 * random.normal())
+            .collect();
+        mesh.save(&folder.join("a.ply"));
+        let columns: Vec<String> = values.iter().map(ToString::to_string).collect();
+        fs::write(folder.join("f.csv"), format!("f\n{}\n", columns.join("\n"))).unwrap();
+        let share = 0.05 + 0.9 * random.next();
+        let n = values.len();
+        // The areas of the vertices: a third of each of their triangles.
+        let mut areas = vec![0.0; n];
+        for (t, f) in mesh.triangles().iter().zip(&mesh.faces) {
+            let normal = cross(&minus(&t[1], &t[0]), &minus(&t[2], &t[0]));
+            for &x in f {
+                areas[x] += dot(&normal, &normal).sqrt() / 6.0;
+            }
+        }
+        for keep in [share, 1.0] {
+            let line = format!("transform a.ply --signal f.csv --basis {family} --keep {keep} -o c.vtu");
+            let Some(json) = report(folder, &line, &mut faults) else { continue };
+            let line_back =
+                format!("transform c.vtu --signal coefficient --basis {family} --inverse -o g.npy");
+            let back = run_line(folder, &line_back);
+            faults.inspect(&back);
+            faults.expect(back.is_done(), || format!("{line_back}: {}", back.tail()));
+            let Ok(bytes) = fs::read(folder.join("g.npy")) else { continue };
+            let found: Vec<f64> = (bytes[bytes.len().saturating_sub(8 * n)..].chunks_exact(8))
+                .map(|b| f64::from_le_bytes(b.try_into().unwrap()))
+                .collect();
+            let total: f64 = areas.iter().sum();
+            let mean = areas.iter().zip(&values).map(|(m, v)| m * v).sum::<f64>() / total;
+            let square = |of: &dyn Fn(usize) -> f64| (0..n).map(|x| areas[x] * of(x).powi(2)).sum::<f64>();
+            let error = square(&|x| found[x] - values[x]) / square(&|x| values[x] - mean);
+            let reported = number(&json, "/error");
+            let error = error.sqrt();
+            expect_between(&line, "error", reported, [error - DIGITS, error + DIGITS], &mut faults);
+            let n_kept = (keep * n as f64).ceil();
+            expect_between(&line, "kept", number(&json, "/kept"), [n_kept, n_kept], &mut faults);
+            let file = read(&folder.join("c.vtu"));
+            let field = |name: &str| file.field(name).map(adwave_io::Field::to_f64).unwrap_or_default();
+            let [coefficients, levels, norms] = [field("coefficient"), field("level"), field("norm")];
+            let n_nonzero = coefficients.iter().filter(|c| **c != 0.0).count() as f64;
+            expect_between(&line, "coefficients that are not 0", n_nonzero, [0.0, n_kept], &mut faults);
+            if keep < 1.0 {
+                continue;
+            }
+            faults.expect(reported < 1e-9, || format!("{line}: all coefficients leave {reported}"));
+            for level in 1..=number(&json, "/levels") as usize + 1 {
+                let of_level = || (0..n).filter(|&i| levels[i] == level as f64);
+                let square: f64 = of_level().map(|i| (coefficients[i] * norms[i]).powi(2)).sum();
+                let at = |key: &str| number(&json, &format!("/{key}/{}", level - 1));
+                let (norm, count) = (square.sqrt(), of_level().count() as f64);
+                let limits = [norm * (1.0 - DIGITS), norm * (1.0 + DIGITS)];
+                expect_between(&line, "norm of a level", at("norm"), limits, &mut faults);
+                expect_between(&line, "coefficients", at("coefficients"), [count, count], &mut faults);
+            }
+        }
+    }
+    faults.finish();
+}

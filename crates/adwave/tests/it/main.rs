@@ -6,6 +6,7 @@ mod cloud_features;
 mod cloud_normals;
 mod common;
 mod curves;
+mod cylinder;
 mod denoise;
 mod density;
 mod editor;

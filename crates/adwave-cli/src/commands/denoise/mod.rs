@@ -3,13 +3,13 @@
 mod args;
 
 use super::result_file::{EditedSignal, ResultFile};
+use crate::args::OPERATOR_OPTIONS;
 use crate::error::CliError;
 use crate::global::Global;
 use crate::output::denoising::{SamplingUnit, describe_denoising, describe_local_fit};
 use crate::output::movement::Movement;
 use crate::output::progress::with_progress;
 use crate::output::{count, number, print};
-use crate::resolve::applicable::OPERATOR_OPTIONS;
 use crate::resolve::operator::{
     SignalParts, check_operator, note_moved_sheets, note_outsiders, operator_for_task, prepare,
 };

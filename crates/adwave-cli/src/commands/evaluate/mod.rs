@@ -9,7 +9,7 @@ use crate::output::progress::with_progress;
 use crate::output::{count, print, table};
 use crate::resolve::levels::{check_levels, rescale_levels};
 use crate::resolve::operator::{build_operator, check_operator, operator_for_levels};
-use crate::resolve::shape::Input;
+use crate::resolve::shape::{Carrier, Input};
 use crate::resolve::signal::load_signal;
 use adwave::Progress;
 use adwave::features::{CloudCoordinates, FEATURE_EXTENT, Feature, Response, cloud_features, features};
@@ -317,7 +317,7 @@ fn find_again(
             name: analysis.input.name.clone(),
             allows_degrees: analysis.input.allows_degrees,
             mesh_of_cells: None,
-            walk: None,
+            carrier: Carrier::Shape,
         };
         let signal = load_signal(global, &input, args.signal.name(), args.signal.texture.as_deref())?;
         (signal.n_channels, signal.values.to_vec())

@@ -9,14 +9,15 @@ use crate::global::Global;
 use crate::output::progress::with_spinner;
 use crate::output::{check_writable, count, has_extension, note, print, write_file};
 use crate::resolve::applicable::check_source_options;
+use crate::resolve::operator::build_decomposer;
 use crate::resolve::region::{WEIGHT, note_region, region_weights, union_of_regions};
 use crate::resolve::shape::{Input, SampleSize, ShapeSource, load_source};
 use crate::resolve::signal::{COORDS, Signal, load_signal};
 use crate::resolve::up::UpAxis;
+use adwave::Progress;
 use adwave::operator::OperatorParams;
 use adwave::shape::{Graph, Shape, diagonal, picture_frame, triangulate};
 use adwave::signal::SurfaceSignal;
-use adwave::{Decomposer, Progress};
 use adwave_io::FieldValues;
 use adwave_render::{
     Background, Ball, ColorBar, ColorMap, FieldPaint, Frame, Paint, Panel, Picture, Projection, RenderParams,
@@ -243,8 +244,7 @@ fn tubes(graph: &Graph, points: &[[f64; 3]]) -> Tubes {
 /// The weights of the regions.
 fn region_look(args: &RenderArgs, input: &Input, global: &Global<'_>) -> Result<Look, CliError> {
     let progress = global.progress();
-    let decomposer = Decomposer::with_params(&input.shape, &OperatorParams::default(), progress)
-        .map_err(|_| CliError::Cancelled)?;
+    let decomposer = build_decomposer(input, &OperatorParams::default(), progress)?;
     let region = union_of_regions(&args.region);
     note_region(&region, &input.file, &decomposer, global)?;
     let values = region_weights(&region, input, &decomposer, progress)?;
