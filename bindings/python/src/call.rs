@@ -1,7 +1,7 @@
 //! Calls with the interpreter released: a pool of threads for each process, Ctrl-C, progress, panics.
 
 use crate::error::{self, InternalError};
-use adwave::{ClassifiedError, Progress, ProgressCounter};
+use adwave::{Cancelled, ClassifiedError, Progress, ProgressCounter};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::any::Any;
@@ -102,6 +102,15 @@ pub(crate) fn keep_panics_quiet() {
     }));
 }
 
+/// Exception of a Python function that the work called, for the call that the work belongs to.
+static RAISED: Mutex<Option<PyErr>> = Mutex::new(None);
+
+/// Keeps an exception of a function that the work called. The work is to stop with the error that this returns.
+pub(crate) fn keep_raised(raised: PyErr) -> Cancelled {
+    *RAISED.lock().unwrap_or_else(PoisonError::into_inner) = Some(raised);
+    Cancelled
+}
+
 type CallOutcome<T, E> = Result<Result<T, E>, String>;
 
 fn guarded<T, E>(
@@ -130,14 +139,19 @@ pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     report: Option<&Py<PyAny>>,
     work: impl FnOnce(Progress<'_>) -> Result<T, E> + Send,
 ) -> PyResult<T> {
-    let outcome = if n_vertices <= SMALL && report.is_none() {
+    // A function that the work calls may call this package again: the pool may have no other thread for that.
+    let is_inside = rayon::current_thread_index().is_some();
+    let outcome = if is_inside || (n_vertices <= SMALL && report.is_none()) {
         py.detach(|| guarded(work, Progress::none()))
     } else {
         run_in_pool(py, report, work)?
     };
     match outcome {
         Ok(Ok(value)) => Ok(value),
-        Ok(Err(error)) => Err(error::to_exception(&error)),
+        Ok(Err(error)) => {
+            let raised = RAISED.lock().unwrap_or_else(PoisonError::into_inner).take();
+            Err(raised.unwrap_or_else(|| error::to_exception(&error)))
+        }
         Err(panic) => Err(InternalError::new_err(format!(
             "internal error of adwave ({panic}); please report it with the input"
         ))),

@@ -19,6 +19,7 @@ mod hierarchy;
 mod measures;
 mod operator;
 mod options;
+mod own_operator;
 mod picture;
 mod prepared;
 mod recipe;

@@ -25,7 +25,7 @@ fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<
 }
 
 /// Vertex of the shape of each welded vertex; `None` if some vertices were welded.
-fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
+pub(crate) fn shape_order(map: &VertexMap) -> Option<Vec<u32>> {
     if map.n_welded() < map.n_vertices() {
         return None;
     }

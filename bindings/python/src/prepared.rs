@@ -4,6 +4,7 @@ use crate::arrays;
 use crate::call::run;
 use crate::error::{self, value_error};
 use crate::options::{BandsOptions, ConstraintOptions, LevelOptions, OperatorOptions};
+use crate::own_operator::OwnOperatorOptions;
 use crate::region::region_weights;
 use crate::shape::ShapeData;
 use crate::walk::WalkData;
@@ -108,6 +109,11 @@ impl Prepared {
         }
         let decomposer = run(py, usize::MAX, None, |p| self.decomposer.with_walk(walk.rows(), p))?;
         Ok(Self { decomposer, normals: None, shape: self.shape.clone_ref(py) })
+    }
+
+    /// The shape with an operator that a function computes.
+    fn with_operator(&self, py: Python<'_>, own: OwnOperatorOptions<'_>) -> PyResult<Self> {
+        self.with_own_operator(py, own)
     }
 
     #[getter]

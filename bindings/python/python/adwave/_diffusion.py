@@ -25,6 +25,7 @@ from adwave._options import (
     check_levels,
     check_steps,
 )
+from adwave._own_operator import GivenOperator, LaplacianLike
 from adwave._progress import ProgressLike, report_progress
 from adwave._shape import Shape, as_shape
 
@@ -168,10 +169,65 @@ class PreparedShape:
         >>> pair.decompose([1.0, 3.0], levels=1).scaling(1)
         array([3., 1.])
         """
+        return self._with_given(walk)
+
+    def with_operator(
+        self: _Prepared,
+        laplacian: LaplacianLike,
+        *,
+        reversible: bool = True,
+        step_length: float = 1.0,
+        weights: ArrayLike | None = None,
+        masked: Callable[[NDArray[np.bool_]], LaplacianLike] | None = None,
+    ) -> _Prepared:
+        """Shape with a diffusion of one's own that stores no rows: Φ₁ = I − L.
+
+        The shape says where its vertices are, which are neighbors, and how large they are; the function says how a
+        signal diffuses.
+
+        Parameters
+        ----------
+        laplacian : LinearOperator or callable
+            L, with ``@``, or as a function of an (n, channels) array, whose order of vertices is that of the shape. A row
+            of L is best a sum of differences, which keeps constants to the last bit.
+        reversible : bool
+            Whether ``weights[x] * L[x, y] == weights[y] * L[y, x]``, with eigenvalues of L in [0, 1]. If not, the operator
+            is applied step by step, in whole steps.
+        step_length : float
+            Root mean square length of a step, in model units, from which widths follow.
+        weights : (n,) array_like, optional
+            Stationary distribution, > 0; uniform by default.
+        masked : callable, optional
+            Function of (n,) flags that returns L without the flagged vertices. Masks and NaN need it.
+
+        Raises
+        ------
+        TypeError
+            If L is neither a function nor an operator.
+        ValueError
+            If L has another number of rows, does not keep constants, or is not reversible although it should be.
+
+        Examples
+        --------
+        >>> import adwave as aw, numpy as np
+        >>> n = 64
+        >>> ring = aw.graph(n, [(i, (i + 1) % n) for i in range(n)])
+        >>> own = aw.Decomposer(ring).with_operator(
+        ...     lambda x: ((x - np.roll(x, 1, 0)) + (x - np.roll(x, -1, 0))) / 4
+        ... )
+        >>> wave = np.cos(2 * np.pi * np.arange(n) / n)  # an eigenvector, to cos²(π/n)
+        >>> np.allclose(own.decompose(wave, levels=1).scaling(1), np.cos(np.pi / n) ** 2 * wave)
+        True
+        """
+        return self._with_given(GivenOperator(laplacian, reversible, step_length, weights, masked))
+
+    def _with_given(self: _Prepared, given: Any) -> _Prepared:
+        """Shape with a walk or an operator of one's own in place of its own."""
         other = type(self).__new__(type(self))
-        other.shape, other._options, other._mask, other._given_walk = self.shape, self._options, None, walk
+        other.shape, other._options, other._mask, other._given_walk = self.shape, self._options, None, given
         other._by_width = other._last_masked = None
-        other._data = self._data.with_walk(walk._data)
+        is_own = isinstance(given, GivenOperator)
+        other._data = given.prepare(self._data) if is_own else self._data.with_walk(given._data)
         return other if self._mask is None else other.with_mask(self._mask)
 
     def schedule(self, levels: LevelsLike = None, *, extent: float | None = None) -> list[float]:
@@ -616,5 +672,5 @@ def _restore(
 ) -> _Prepared:
     prepared = kind(shape, operator=options)
     if walk is not None:
-        prepared = prepared.with_walk(walk)
+        prepared = prepared._with_given(walk)
     return prepared if mask is None else prepared.with_mask(mask)
