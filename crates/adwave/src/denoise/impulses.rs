@@ -5,7 +5,7 @@ use super::surface::NoisySurface;
 use crate::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, parallel};
 
-/// Cap on the rounds of each sensitivity that find impulses, the largest of a neighborhood first.
+/// Cap on the rounds that find impulses, for each sensitivity; a round takes the largest impulse of each neighborhood.
 const MAX_ROUNDS: [usize; 2] = [5, 4];
 
 /// Rings of neighbors on which a round depends: planes of the triangles around a ring, medians over two rings of their
@@ -111,7 +111,7 @@ impl NoisySurface {
         Ok(found)
     }
 
-    /// Impulses where these have the given share of the vertices.
+    /// Impulses of a surface on which they moved the given share of the vertices.
     pub(super) fn impulses_of_share(
         &self,
         points: &[[f64; 3]],
@@ -123,7 +123,7 @@ impl NoisySurface {
         Ok(found)
     }
 
-    /// Adds those that others hid if the given share is large.
+    /// Adds the impulses that other impulses hid, if the given share of the vertices is large.
     pub(super) fn add_if_many(
         &self,
         found: &mut Impulses,

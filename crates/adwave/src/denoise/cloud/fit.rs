@@ -137,9 +137,9 @@ impl Heights {
         self.solve::<N>(&[1.0; NEIGHBORS][..n], 0.0).map(|(fit, _)| fit)
     }
 
-    /// Plane and quadric fitted to all neighbors and the point itself with Gaussian weights of `width` radii, and robust
-    /// weights: first those of points near the height of the point itself, then those of points near the surface so
-    /// found.
+    /// Plane and quadric fitted to all neighbors and the point itself with Gaussian weights of `width` radii, and
+    /// robust weights: first those of points near the height of the point itself, then those of points near the surface
+    /// so found.
     pub(super) fn robust_fits(&self, width: f64, reach: RobustReach) -> [Option<HeightFit>; 2] {
         let scale = -0.5 / (width * width);
         let (mut by_distance, mut start) = ([0.0; NEIGHBORS], [0.0; NEIGHBORS]);
