@@ -89,7 +89,8 @@ pub enum OperatorTask {
 }
 
 impl OperatorTask {
-    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk of the paper.
+    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk
+    /// of the paper.
     pub fn default_kind(self) -> OperatorKind {
         match self {
             Self::StepLevels => OperatorKind::Walk,
@@ -98,17 +99,18 @@ impl OperatorTask {
     }
 }
 
-/// An option that applies to the walk, asked for together with the operator of the surface.
+/// Error of asking for the operator of the surface together with an option of the walk.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
     "{option} is an option of the walk and has no effect on the surface operator; leave it out or choose the walk"
 )]
 pub struct WalkOptionError {
-    /// The option by its name at the caller's.
+    /// Name of the option, as the caller knows it.
     pub option: String,
 }
 
-/// The operator for a task: the one asked for; else the walk if `walk_option` names an option that only the walk has; else `default`.
+/// The operator for a task: the one asked for; else the walk if `walk_option` names an option that only the walk has;
+/// else `default`.
 ///
 /// ```
 /// use adwave::operator::{OperatorKind, OperatorTask, choose_operator};

@@ -219,8 +219,8 @@ pub fn constrain_positions(
     }
 }
 
-/// Values between `before` (weight 0) and `after` (weight 1), with one weight per vertex; at weights 0 and 1 they are those
-/// values bit for bit. Both have one row per vertex. O(n).
+/// Values between `before` (weight 0) and `after` (weight 1), with one weight per vertex; at weights 0 and 1 they are
+/// those values bit for bit. Both have one row per vertex. O(n).
 ///
 /// ```
 /// let blended = adwave::positions::blend_by_weights(&[0.0, 0.0, 4.0], &[1.0, 1.0, 8.0], &[0.0, 1.0, 0.25]);

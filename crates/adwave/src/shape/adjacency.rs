@@ -64,7 +64,8 @@ pub(crate) fn try_one_ring(
     })
 }
 
-/// Number of triangles around a vertex up to which [`closed_ring`] applies: all that fit into a vector of the processor.
+/// Number of triangles around a vertex up to which [`closed_ring`] applies: all that fit into a vector of the
+/// processor.
 const SMALL_RING: usize = 8;
 
 /// Neighbors of `x` in ascending order and their number, if its triangles form one closed fan; `None` if that was not

@@ -380,7 +380,8 @@ fn run_width<I: Index, T: VectorNumber, const L: usize, const D: usize>(
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
         InstructionSet::Avx2 => unsafe { avx2::<I, T, L, D>(tile, pass, scratch) },
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
+        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and
+        // FMA.
         InstructionSet::Avx512 => unsafe { avx512::<I, T, L, D>(tile, pass, scratch) },
     }
 }
