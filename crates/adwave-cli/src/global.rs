@@ -8,7 +8,8 @@ use adwave_io::{ReadLimits, Transaction};
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
-/// Use of the heap that a program can tune its allocator for. The library never tunes it: it may run inside another program.
+/// Use of the heap that a program can tune its allocator for. The library never tunes it: it may run inside another
+/// program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeapUse {
     /// Vectors of a mebibyte and more go back to the system as soon as they are freed.
@@ -37,7 +38,7 @@ pub(crate) struct Global<'a> {
     pub(crate) has_max_input: bool,
     /// Limits on what is read.
     pub(crate) limits: ReadLimits,
-    /// Whether the result goes to the standard output, so that reports go to the standard error.
+    /// True if the result goes to the standard output, so that reports go to the standard error.
     pub(crate) is_piped: bool,
     /// Files that have been read so far.
     pub(crate) inputs: &'a Inputs,

@@ -36,12 +36,12 @@ pub fn base_points(
 /// The shape on an edited base: `f′ = S′ + R (f − S_J)`, with S′ the edited [`base_points`] and R the rotation of each
 /// vertex's neighborhood from S_J to S′, averaged over a few edges.
 ///
-/// The unchanged base gives the shape, a base moved as a whole gives the shape moved. Detail keeps its size where the base
-/// is scaled. `base` holds a position per vertex in the order of the shape. O(n).
+/// The unchanged base gives the shape, a base moved as a whole gives the shape moved. Detail keeps its size where the
+/// base is scaled. `base` holds a position per vertex in the order of the shape. O(n).
 ///
 /// # Errors
-/// [`DeformError`] if the base has another number of vertices, coordinates that are not finite, all points at one place,
-/// the order or the shape of another, or mirrors the shape.
+/// [`DeformError`] if the base has another number of vertices, coordinates that are not finite, all points at one
+/// place, the order or the shape of another, or mirrors the shape.
 pub fn with_base(
     decomposer: &Decomposer,
     schedule: &Schedule,

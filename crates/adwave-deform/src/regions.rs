@@ -90,8 +90,8 @@ impl BoundRows {
     }
 }
 
-/// Nodes that keep at least a share of their weight beside the regions. The others would be moved by a few samples, and carry
-/// vertices between these anywhere.
+/// Nodes that keep at least a share of their weight beside the regions. The other nodes would be determined by a few
+/// samples, and would carry the vertices between these anywhere.
 fn free_nodes(base: &CoarseBase, held: &ShareOfRegions<'_>) -> Vec<bool> {
     let (mut all, mut free) = (vec![0.0; base.nodes.len()], vec![0.0; base.nodes.len()]);
     for (&x, area) in base.samples.iter().zip(&base.sample_areas) {

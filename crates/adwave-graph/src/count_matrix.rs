@@ -18,8 +18,8 @@ pub enum CountValues<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChannelBlock<'a> {
     channels: &'a [usize],
-    /// True if each channel follows the one before. Copies without a look-up per value have many rows under way at a time:
-    /// rows lie in different pages, and waiting for one after the other takes longer than the products.
+    /// True if each channel follows the one before. Copies without a look-up per value have many rows under way at a
+    /// time: rows lie in different pages, and waiting for one after the other takes longer than the products.
     follow: bool,
 }
 

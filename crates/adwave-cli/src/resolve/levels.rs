@@ -51,8 +51,8 @@ pub(crate) fn resolve_levels(
     resolve_spec(&args.to_spec(), DEFAULT_EXTENT, decomposer, global)
 }
 
-/// Levels on a shape, with a note if one is finer than the edges or wider than the shape. If no number is asked for, the last level
-/// reaches the share `extent` of the diagonal.
+/// Levels on a shape, with a note if one is finer than the edges or wider than the shape. If no number is asked for,
+/// the last level reaches the share `extent` of the diagonal.
 pub(crate) fn resolve_spec(
     spec: &LevelSpec,
     extent: f64,

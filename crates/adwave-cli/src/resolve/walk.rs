@@ -249,8 +249,8 @@ pub(crate) fn with_given_walk(
     Ok(input)
 }
 
-/// Points of a table: in the plane or in space a cloud, unless a graph is asked for; in more dimensions the graph of the
-/// nearest neighbors, with the weights of the adaptive kernel.
+/// Points of a table: in the plane or in space a cloud, unless a graph is asked for; in more dimensions the graph of
+/// the nearest neighbors, with the weights of the adaptive kernel.
 pub(crate) fn read_points(
     path: &Path,
     source: &ShapeSource<'_>,

@@ -1,4 +1,5 @@
-//! Statistics of whole levels from sums over blocks, added in the order of the blocks, so that they do not depend on the tiles.
+//! Statistics of whole levels from sums over blocks, added in the order of the blocks, so that they do not depend on
+//! the tiles.
 
 use std::ops::Range;
 
@@ -60,14 +61,16 @@ impl NormSums {
         self.logarithms += other.logarithms;
     }
 
-    /// mean(r·ln r) with r = l/mean over `n` vectors: the entropy of n equal shares minus the entropy of the shares of the norms.
+    /// mean(r·ln r) with r = l/mean over `n` vectors: the entropy of n equal shares minus the entropy of the shares of
+    /// the norms.
     fn unevenness(&self, n: f64, mean_length: f64) -> f64 {
         let scale = if mean_length > 0.0 { mean_length } else { 1.0 };
         (self.logarithms / self.sum - (self.sum / n / scale).ln()).max(0.0)
     }
 }
 
-/// Number of vertices with neighbors, and sums over their mean squared step lengths, weighted by the stationary distribution of the walk (eq. 10).
+/// Number of vertices with neighbors, and sums over their mean squared step lengths, weighted by the stationary
+/// distribution of the walk (eq. 10).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepSums {
     /// Number of vertices with neighbors: the others take no part in statistics of bands.

@@ -20,7 +20,7 @@ use adwave_register::{
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
 
-/// Share of points with a closest point off the border below which that is said.
+/// Share of points with a closest point off the border below which a sentence reports it.
 const LEAST_OVERLAP: f64 = 0.3;
 
 /// Difference at the vertices of the first shape, in its order; NaN where there is none.
@@ -100,11 +100,11 @@ pub(super) fn difference(
     }
 }
 
-/// Answer to whether row x of one file is the vertex of row x of another.
+/// Evidence on whether equal rows of two files are the same vertex.
 enum SameRows {
     Yes,
     No,
-    /// The faces have equal numbers, but a vertex speaks against the same order.
+    /// The faces name the same rows, but this vertex shows another order of the vertices.
     Misplaced(usize),
 }
 
@@ -322,8 +322,8 @@ struct Alignment {
     n_equal: usize,
 }
 
-/// Motion that aligns the second shape with the first: from where it is, or, if parts then remain apart, the best of those
-/// from features and from a grid of rotations.
+/// Motion that aligns the second shape with the first: from where it is, or, if parts then remain apart, the best of
+/// those from features and from a grid of rotations.
 fn fit(
     first: &Input,
     second: &Input,

@@ -186,7 +186,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     Ok(Matching { registration: Some(registration), pairs })
 }
 
-/// Sentences on the motion, on what it rests, and on the motions that fit equally well.
+/// Sentences on the motion, on the evidence for it, and on the other motions that fit equally well.
 fn describe_motion(found: &RegisteredMotion, registration: &Registration, second: &Side) -> String {
     let chance = registration.chance.map_or(0.0, |fit| fit.agreement.max(0.0));
     let mut text = format!("motion: {}\n", motion_text(&found.motion));

@@ -21,7 +21,7 @@ pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// The simplified shape and what is reported of it.
+/// The simplified shape and the report on it.
 struct Simplified {
     file: ShapeFile,
     deviation: Deviation,

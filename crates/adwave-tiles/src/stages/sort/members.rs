@@ -41,8 +41,8 @@ impl SortedRecords<'_> {
         Ok(())
     }
 
-    /// The block table of the records by their final rule; `builder` has the table by the first rule, which leaves out flagged points
-    /// and knows no placeholders.
+    /// The block table of the records by their final rule; `builder` has the table by the first rule, which leaves out
+    /// flagged points and knows no placeholders.
     pub(super) fn final_table(
         &self,
         mut builder: BlockTableBuilder,
