@@ -101,8 +101,8 @@ pub(crate) struct WaveletData {
 
 #[pymethods]
 impl WaveletData {
-    /// `areas` are positions of another surface with the same faces, or nothing for the positions of the shape; `hierarchy` is
-    /// needed by all families but the irregular one.
+    /// `areas` are positions of another surface with the same faces, or nothing for the positions of the shape;
+    /// `hierarchy` is needed by all families but the irregular one.
     #[new]
     #[pyo3(signature = (shape, family, hierarchy=None, surface=None, progress=None))]
     fn new(

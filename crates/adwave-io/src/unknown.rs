@@ -28,9 +28,9 @@ fn may_be_unknown(x: f64) -> bool {
         || (magnitude > 1e19 && LARGE.iter().any(|large| (magnitude - large).abs() <= ROUNDING * large))
 }
 
-/// Replaces the numbers that stand for unknown values by NaN, and returns them in their order. Such a number is one that
-/// files write where nothing is known (−9999, −32768, 1e20, −1.6375e30, 9.96921e36 …), farther from all other values of its
-/// channel than these are from each other. O(values).
+/// Replaces the numbers that stand for unknown values by NaN, and returns them in their order. Such a number is one
+/// that files write where nothing is known (−9999, −32768, 1e20, −1.6375e30, 9.96921e36 …), farther from all other
+/// values of its channel than these are from each other. O(values).
 ///
 /// ```
 /// use adwave_io::mark_unknown;

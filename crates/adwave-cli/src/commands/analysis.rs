@@ -61,7 +61,7 @@ pub(crate) struct Map {
     pub(crate) params: SaliencyParams,
     /// True if + and − stand for different sides.
     pub(crate) is_signed: bool,
-    /// How the outside was found, if the signal is the shape.
+    /// Method by which the outside was found, if the signal is the shape.
     pub(crate) outward: Option<OutwardInfo>,
     /// Seconds for the map alone.
     pub(crate) seconds: f64,

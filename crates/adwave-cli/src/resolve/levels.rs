@@ -102,7 +102,7 @@ fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Glob
     }
 }
 
-/// The same levels on a shape whose step length differs, as for a changed copy of the shape.
+/// These levels on a shape whose step length differs, as for a changed copy of the shape.
 pub(crate) fn rescale_levels(
     spec: &LevelSpec,
     sigma: &[f64],

@@ -56,8 +56,8 @@ pub(crate) enum Evidence {
     Name,
     /// The first word is a statement of the format.
     Statement,
-    /// The first lines follow the layout of the format. From here on the content counts more than that of the
-    /// kinds of files which are known and not read.
+    /// The first lines follow the layout of the format. Evidence from here on outweighs the signature of a kind of file
+    /// that is known but not read.
     Layout,
     /// The ending of the name says so, and any content is possible.
     NameAlone,
@@ -178,7 +178,7 @@ pub(crate) struct FormatDescriptor {
     pub(crate) recognize: fn(&FileHead<'_>) -> Option<Evidence>,
     /// Name of a related kind of file that is not read as a shape, for the message.
     pub(crate) name_foreign: fn(&FileHead<'_>) -> Option<&'static str>,
-    /// Tells if the bytes are text in lines, whose line ends may be those of the old Macintosh.
+    /// True if the bytes are text in lines, whose line ends may be those of the old Macintosh.
     pub(crate) has_lines: fn(&[u8]) -> bool,
     pub(crate) read: Option<ReadFn>,
     pub(crate) read_folder: Option<ReadFolderFn>,
@@ -232,7 +232,7 @@ impl FormatDescriptor {
         samples: &[],
     };
 
-    /// Tells if the ending of a file's name, with or without `.gz` after it, means this format.
+    /// True if the ending of a file's name, with or without `.gz` after it, means this format.
     pub(crate) fn matches_name(&self, path: &Path) -> bool {
         let Some(name) = path.file_name() else { return false };
         let name = name.to_string_lossy().to_ascii_lowercase();

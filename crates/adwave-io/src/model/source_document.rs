@@ -39,12 +39,12 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         Ok(Update::DoesNotFit)
     }
 
-    /// Tells if a document of the format `read` can be updated as the format `written`.
+    /// True if a document of the format `read` can be updated as the format `written`.
     fn can_update(&self, read: Format, written: Format) -> bool {
         read == written
     }
 
-    /// Tells if files of that format keep the extras of the shape, because they are written from this document.
+    /// True if files of that format keep the extras of the shape, because they are written from this document.
     fn keeps_extras(&self, _: Format) -> bool {
         false
     }
@@ -65,7 +65,7 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         None
     }
 
-    /// Tells if the document is written with normals of faces that are computed from the points.
+    /// True if the document is written with normals of faces that are computed from the points.
     fn computes_face_normals(&self) -> bool {
         false
     }

@@ -15,7 +15,8 @@ pub(crate) struct ColumnMeanings {
     /// Name of each column; `x`, `y` and `z` are the coordinates.
     pub(crate) names: Vec<String>,
     pub(crate) axes: [usize; 3],
-    /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without names.
+    /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without
+    /// names.
     pub(crate) note: Option<String>,
     /// True if the columns of x and y are named longitude and latitude; the values have the last word.
     pub(crate) are_named_degrees: bool,

@@ -155,8 +155,8 @@ fn number_from_zero(
     Ok(distinct)
 }
 
-/// Calls `visit` with the ends and the weight of each edge until it breaks. Returns the number of vertices that a comment
-/// states.
+/// Calls `visit` with the ends and the weight of each edge until it breaks. Returns the number of vertices that a
+/// comment states.
 fn visit_edges<'a>(
     bytes: &'a [u8],
     progress: Progress<'_>,

@@ -48,7 +48,7 @@ impl SortedRecords<'_> {
         mut builder: BlockTableBuilder,
     ) -> Result<BlockTableBuilder, TilesError> {
         let mut rule = builder.rule;
-        // A file of noise alone is what somebody wants to look at.
+        // If all points of a file are flagged, they are meant to be processed.
         if builder.n_vertices == 0 && builder.outsiders.flagged > 0 {
             rule.includes_flagged = true;
             builder = self.build(rule)?;
