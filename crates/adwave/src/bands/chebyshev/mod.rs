@@ -40,7 +40,7 @@ pub(crate) struct EvaluationInfo {
 }
 
 impl EvaluationInfo {
-    /// Adds another evaluation of the same request. The caller handles what `other` missed.
+    /// Adds another evaluation of the same request. The caller handles the series that missed the accuracy in `other`.
     pub(super) fn add(&mut self, other: &Self) {
         self.degree = self.degree.max(other.degree);
         self.products += other.products;
@@ -223,7 +223,7 @@ impl ChebyshevEvaluator {
         Ok(outcome)
     }
 
-    /// Number format of an evaluation: single precision if it is asked for, or nothing that is known before shows that
+    /// Number format of an evaluation: single precision if it is asked for, or if nothing known beforehand shows that
     /// its errors exceed the accuracy.
     pub(super) fn format_for(
         &self,
@@ -372,7 +372,7 @@ struct Block {
     format: BlockPrecision,
 }
 
-/// Accuracy of a block, and where its results go.
+/// Accuracy of a block, and the destination of its results.
 struct BlockTarget<'a, 'b> {
     accuracy: f64,
     outs: &'a mut [&'b mut [f64]],
