@@ -219,7 +219,7 @@ impl WaveletData {
         ))
     }
 
-    /// The coefficients of which only the largest share stays.
+    /// Coefficients of which only the share that contributes most stays; the others become 0.
     fn keep<'py>(
         &self,
         py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Context of one run: how to print, what was read, where results go, and when to stop.
+//! Context of one run: form of the output, inputs so far, files of the result, and cancellation.
 
 use crate::args::GlobalArgs;
 use crate::given::GivenOptions;
@@ -36,7 +36,7 @@ pub(crate) struct Global<'a> {
     pub(crate) given: &'a GivenOptions,
     /// True if --max-input was given.
     pub(crate) has_max_input: bool,
-    /// Limits on what is read.
+    /// Limits on reading.
     pub(crate) limits: ReadLimits,
     /// True if the result goes to the standard output, so that reports go to the standard error.
     pub(crate) is_piped: bool,
@@ -86,7 +86,7 @@ impl<'a> Global<'a> {
         Progress::none().with_cancel(self.cancel)
     }
 
-    /// Tells the program what the heap will be used for.
+    /// Tells the program the future use of the heap.
     pub(crate) fn tune_heap(&self, heap_use: HeapUse) {
         (self.tune_heap)(heap_use);
     }

@@ -49,7 +49,8 @@ pub fn run(arguments: impl IntoIterator<Item = impl Into<OsString>>, cancel: &At
     run_with_heap(arguments, cancel, |_| {})
 }
 
-/// [`run`] for a program of its own: `tune_heap` is told how the command uses the heap, before the work begins.
+/// [`run`] for a program of its own: `tune_heap` gets the use that the command makes of the heap, before the work
+/// begins.
 pub fn run_with_heap(
     arguments: impl IntoIterator<Item = impl Into<OsString>>,
     cancel: &AtomicBool,
@@ -163,7 +164,7 @@ fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>)
     }
 }
 
-/// The use that a command makes of the heap; some commands say more when they know their input.
+/// The use that a command makes of the heap; some commands refine it when they know their input.
 fn heap_use(command: &Command) -> HeapUse {
     if matches!(command, Command::Denoise(_)) { HeapUse::ReuseVectors } else { HeapUse::ReturnVectors }
 }

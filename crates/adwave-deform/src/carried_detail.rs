@@ -16,7 +16,7 @@ const OTHER_ORDER: f64 = 8.0;
 /// Rounds in which frames are averaged with those of their neighbors.
 const FRAME_ROUNDS: usize = 2;
 
-/// Least volume of a solid, as a share of that of the cube over its size, whose sign tells a mirrored base.
+/// Smallest volume of a solid, as a share of the cube over its size, whose sign shows that a base is mirrored.
 const LEAST_VOLUME: f64 = 1e-4;
 
 /// Positions S_J of the last level, in the order of the shape: the base that other programs edit and

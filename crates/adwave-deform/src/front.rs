@@ -111,7 +111,7 @@ impl PlacedGraph<'_> {
     }
 }
 
-/// A front from one place after another over the same graph, which costs only what each covers.
+/// Fronts from one place after another over the same graph; each costs only the places that it covers.
 pub(crate) struct RepeatedFront<'a> {
     graph: PlacedGraph<'a>,
     reached: Reached,

@@ -127,7 +127,7 @@ impl CountMatrix<'_> {
         if sums.len() % 2 == 1 { sums[middle] } else { 0.5 * (sums[middle - 1] + sums[middle]) }
     }
 
-    /// Fetches what [`copy_row`](Self::copy_row) will read of a node.
+    /// Prefetches the values of a node that [`copy_row`](Self::copy_row) will read.
     pub(crate) fn fetch_row(&self, node: usize, channels: ChannelBlock<'_>) {
         if let (CountValues::Dense(values), [first, ..]) = (self.values, channels.channels)
             && channels.follow

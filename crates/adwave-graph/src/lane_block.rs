@@ -42,7 +42,7 @@ pub(crate) trait RowSource: Sync {
     /// Writes the values of a node.
     fn fill(&self, node: usize, row: &mut [f64]);
 
-    /// Fetches what [`fill`](Self::fill) will read of a node.
+    /// Prefetches the values of a node that [`fill`](Self::fill) will read.
     fn fetch(&self, _node: usize) {}
 }
 

@@ -184,8 +184,8 @@ impl<'a> PointBlocks<'a> {
         ((0.5 * limit - 0.5 * norm * norm + slack) as f32).next_up()
     }
 
-    /// Calls `each(query, place)` for the places of a block whose product with a query is at most its threshold, which
-    /// becomes what `each` returns.
+    /// Calls `each(query, place)` for the places of a block whose product with a query is at most its threshold. `each`
+    /// returns the new threshold.
     pub(crate) fn visit_near(
         &self,
         queries: &[f32],

@@ -25,7 +25,7 @@ pub struct Transaction {
     staged: Option<Mutex<Vec<StagedFile>>>,
 }
 
-/// A file that is whole and on the disk, in a folder of its own beside its place.
+/// A complete file on the disk, in a folder of its own beside its final place.
 #[derive(Debug)]
 struct StagedFile {
     _folder: TemporaryFolder,

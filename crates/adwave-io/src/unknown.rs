@@ -10,7 +10,7 @@ const LARGE: [f64; 8] =
 /// Relative difference of a number from the one above that it was rounded from, by 32-bit floats or in text.
 const ROUNDING: f64 = 1e-5;
 
-/// Smallest number of known values that tell what is far outside of them.
+/// Smallest number of known values that show which values are far outside of them.
 const MIN_KNOWN: usize = 16;
 
 /// Number of a field that stands for an unknown one.

@@ -11,7 +11,7 @@ pub struct NamedEntry<T: 'static> {
     pub name: &'static str,
     /// Another name that is accepted too.
     pub alias: Option<&'static str>,
-    /// One line about the value; empty where the name says it all.
+    /// One line about the value; empty if the name suffices.
     pub summary: &'static str,
 }
 

@@ -22,7 +22,7 @@ use adwave::{BandsRequest, Decomposer};
 use serde_json::{Value, json};
 use std::time::Instant;
 
-/// Flags that say what is analyzed.
+/// Flags that select the shape, the signal, the operator and the levels of an analysis.
 #[derive(Clone, Copy)]
 pub(crate) struct AnalysisArgs<'a> {
     pub(crate) shape: &'a ShapeArgs,

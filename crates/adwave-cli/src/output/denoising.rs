@@ -180,7 +180,7 @@ fn describe_far(text: &mut String, info: &DenoiseInfo) {
     }
 }
 
-/// Adds a line on what smoothing left unchanged in a field.
+/// Adds a line on the fields that smoothing left unchanged.
 pub(crate) fn describe_local_fit(text: &mut String, fit: LocalFit) {
     let line = match fit {
         LocalFit::Linear => "slopes are kept (local fit: linear)",

@@ -97,7 +97,7 @@ pub(crate) fn write_file(global: &Global<'_>, path: &Path, bytes: &[u8]) -> Resu
     })
 }
 
-/// Writes a shape, with a note on what its format cannot store.
+/// Writes a shape, with a note on the content that its format cannot store.
 pub(crate) fn write_shape(
     global: &Global<'_>,
     file: &ShapeFile,

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Widths of the widest level beyond which a note says that a vertex moved far.
+/// Distance in widths of the widest level beyond which a note says that a vertex moved far.
 const FAR: f64 = 3.0;
 
 /// Relative change of the volume beyond which a note reports it.
@@ -61,7 +61,7 @@ impl Movement {
     /// Movement to new positions, in the order of the shape.
     ///
     /// # Errors
-    /// A vertex moved so far that no number says how far, or the shape has no positions.
+    /// A vertex moved farther than a number can represent, or the shape has no positions.
     pub(crate) fn measure(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Result<Self, CliError> {
         let shape = geometry.shape();
         let diagonal = geometry.extent();

@@ -72,7 +72,7 @@ pub(crate) fn prepare(
 }
 
 /// Prints notes on placeholders and strays, with their rows in the file, on vertices that were welded although their
-/// positions differ, and on given normals whose signs are not what they seem.
+/// positions differ, and on given normals whose signs were changed or are not used.
 pub(crate) fn note_outsiders(geometry: Option<&PreparedGeometry>, input: &Input, global: &Global<'_>) {
     let Some(geometry) = geometry else { return };
     if let Some(seams) = geometry.seams() {
@@ -140,7 +140,7 @@ pub(crate) struct SignalPart {
 }
 
 impl SignalParts {
-    /// Splits a signal, with a note on what is masked. Channels without any value stay as they are if others have
+    /// Splits a signal, with a note on the masked vertices. Channels without any value stay as they are if others have
     /// values.
     pub(crate) fn new(
         decomposer: &Decomposer,

@@ -188,7 +188,7 @@ pub(crate) fn load_source(source: &ShapeSource<'_>, global: &Global<'_>) -> Resu
     })
 }
 
-/// A selection and what becomes of the vertices that take no part.
+/// A selection and the treatment of the vertices that take no part.
 pub(crate) struct SelectionUse {
     pub(crate) selection: Selection,
     pub(crate) rest: Rest,

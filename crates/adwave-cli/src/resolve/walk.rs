@@ -56,7 +56,7 @@ pub(crate) fn load_walk(
     load_walk_from(source, args, defaults, global)
 }
 
-/// File of a walk, and what is in it.
+/// File of a walk, and its content.
 pub(crate) struct WalkSource<'a> {
     pub(crate) path: &'a Path,
     pub(crate) content: WalkContent,

@@ -52,14 +52,14 @@ pub(crate) enum CoordinateType {
 pub(crate) enum Evidence {
     /// The first lines are rows of numbers.
     Numbers,
-    /// The ending of the name says so, and the content does not speak against it.
+    /// The ending of the name is that of the format, and the content does not speak against it.
     Name,
     /// The first word is a statement of the format.
     Statement,
     /// The first lines follow the layout of the format. Evidence from here on outweighs the signature of a kind of file
     /// that is known but not read.
     Layout,
-    /// The ending of the name says so, and any content is possible.
+    /// The ending of the name is that of the format, and any content is possible.
     NameAlone,
     /// The first word is reserved for the format.
     Keyword,
@@ -106,7 +106,7 @@ pub(crate) struct ValuesEdit<'a> {
     pub(crate) size: SurfaceSize<'a>,
     /// Values of all columns of the file, in its order.
     pub(crate) field: &'a Field,
-    /// Path of the new file, whose name says what it is.
+    /// Path of the new file, whose name selects its kind.
     pub(crate) path: &'a Path,
 }
 
@@ -115,7 +115,7 @@ pub(crate) type RewriteValuesFn = fn(&[u8], &ValuesEdit<'_>) -> Result<Option<Ve
 /// The surface that a mask is read for, and the parts of the file that are asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MaskRequest<'a> {
-    /// Name of the file, whose words may say what it lists.
+    /// Name of the file, whose words may describe its list.
     pub(crate) name: &'a str,
     /// Names of regions, with commas between them; `None` for the usual meaning of the file.
     pub(crate) regions: Option<&'a str>,

@@ -1,4 +1,4 @@
-//! Content of the file that a shape was read from, kept to write the same file again with what changed.
+//! Content of the file that a shape was read from, kept to write the same file again with the changes.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -54,8 +54,8 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         None
     }
 
-    /// Part of the shape made from the document itself, with what only the document holds; `None` if the shape's
-    /// own arrays hold all of it.
+    /// Part of the shape made from the document itself, with the content that only the document holds; `None` if the
+    /// shape's own arrays hold all of it.
     fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {
         None
     }

@@ -36,7 +36,7 @@ pub enum Precision {
     /// Single precision if the bound of its error keeps to the accuracy, else double.
     #[default]
     Auto,
-    /// Single precision, whatever the accuracy; [`BandsInfo::error_bound`] tells what was reached.
+    /// Single precision, whatever the accuracy; [`BandsInfo::error_bound`] is the accuracy that was reached.
     Single,
     /// Double precision.
     Double,

@@ -236,6 +236,11 @@ impl Schedule {
 pub const DEFAULT_EXTENT: f64 = 0.02;
 
 /// Default number of dyadic levels and the reason for it: [`levels_reaching`] for [`DEFAULT_EXTENT`].
+///
+/// ```
+/// use adwave::bands::default_levels;
+/// assert_eq!(default_levels(0.003, 1.0).0, 7); // 0.003·√64 = 0.024 ≥ 0.02
+/// ```
 pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
     levels_reaching(DEFAULT_EXTENT, step_length, diagonal)
 }

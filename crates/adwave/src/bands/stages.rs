@@ -84,8 +84,8 @@ impl Transform {
 
     /// [`wavelets_into`](Self::wavelets_into) in stages.
     ///
-    /// All stages but the last take every term that double precision can tell apart, because the signal of the next
-    /// stage is what they leave.
+    /// All stages but the last take every term that double precision can distinguish, because the next stage starts
+    /// from the signal that remains.
     pub(super) fn staged_wavelets(
         &self,
         stages: &[Stage],

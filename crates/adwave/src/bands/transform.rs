@@ -490,7 +490,7 @@ fn engine(operator: &dyn Operator, params: &BandsParams) -> Engine {
     }
 }
 
-/// Checks what an operator promises, as far as a product with three vectors shows it.
+/// Checks the promises of an operator, as far as a product with three vectors shows them.
 fn check_operator(operator: &dyn Operator) -> Result<(), BandsError> {
     /// Rounding of a sum over all rows, relative to the norms of the vectors.
     const ROUNDING: f64 = 1e-9;

@@ -146,8 +146,8 @@ impl Decomposer {
     /// operator has none take those of a walk over the neighbors of the domain.
     ///
     /// # Errors
-    /// [`DomainError`] unless the operator has a row and the domain a measure for each place, either of them tells
-    /// which places are neighbors, and the operator passes the checks of [`Transform::from_operator`].
+    /// [`DomainError`] unless the operator has a row and the domain a measure for each place, one of them states which
+    /// places are neighbors, and the operator passes the checks of [`Transform::from_operator`].
     pub fn from_domain(
         domain: impl Domain + 'static,
         operator: impl Operator + 'static,

@@ -9,7 +9,8 @@ use crate::{Cancelled, Progress, parallel};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Number of sites up to which one mixture holds everywhere: fewer do not tell the risk of each kind of place.
+/// Number of sites up to which one mixture holds everywhere: fewer sites do not determine the risk of each kind of
+/// place.
 pub(super) const FEW_FOR_KINDS: usize = 2_000;
 
 /// Number of standard errors by which mixtures by place must promise to be better than one for all.

@@ -20,7 +20,7 @@ use thiserror::Error;
 
 /// Places that carry a signal, in the order of the rows of an operator.
 ///
-/// Two functions suffice: the map of the places, and their neighbors, if the operator has no rows that tell them. All
+/// Two functions suffice: the map of the places, and their neighbors, if the operator has no rows that state them. All
 /// other functions are optional: a domain without positions has no balls, and on one without a border nothing fades.
 ///
 /// ```
@@ -190,7 +190,7 @@ pub enum DomainError {
         /// Places of the domain.
         n_places: usize,
     },
-    /// Nothing tells which places are neighbors.
+    /// Neither the domain nor the operator states which places are neighbors.
     #[error(
         "neither the domain (`Domain::neighbors`) nor the operator (`Operator::rows`) tells which places are neighbors; give one of them"
     )]

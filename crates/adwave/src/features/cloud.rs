@@ -1,8 +1,8 @@
 //! Features of the coordinates of a cloud, independent of how its points were drawn.
 //!
 //! A band of coordinates moves points along the surface where their density changes, and along the normal where the
-//! surface is curved or noisy. The response of a cloud is the part along the normal, divided by what the same points
-//! would give on a sphere of curvature 1 (its second moment): 0 on a plane and equal everywhere on a sphere, wherever
+//! surface is curved or noisy. The response of a cloud is the part along the normal, divided by the response of the
+//! same points on a sphere of curvature 1 (its second moment): 0 on a plane and equal everywhere on a sphere, wherever
 //! the points are. What remains of the drawing and of noise is measured: the bands are computed again from two random
 //! halves of the points, and a feature must stand out from its surroundings by several times the difference.
 

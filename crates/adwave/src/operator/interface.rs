@@ -1,6 +1,6 @@
-//! The interface between bands and an operator: whatever takes steps has bands with a proven error.
+//! The interface between bands and an operator: any operator that takes steps has bands with a proven error.
 //!
-//! The series of the bands and the bounds of their errors ask an operator for nothing but what is in [`Operator`]: the
+//! The series of the bands and the bounds of their errors require nothing of an operator beyond [`Operator`]: the
 //! number of its rows, the weights of the norm, the meaning of n steps, and vectors `T_k(Y)u` that [`Steps`] adds to
 //! sums. A call goes through the interface once per pass of several products, never per row. An operator that takes any
 //! number of steps at once, such as the solver of a grid, is a [`Leap`] instead.
@@ -315,7 +315,7 @@ pub struct SignalBlock<'a> {
     pub values: &'a [f64],
     /// Number of channels of the whole signal.
     pub n_channels: usize,
-    /// Channels of the block, as many as [`Operator::width`] says.
+    /// Channels of the block, in the number given by [`Operator::width`].
     pub channels: Range<usize>,
     /// Weights of the norms.
     pub weights: RowWeights<'a>,

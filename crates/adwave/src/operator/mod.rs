@@ -1,5 +1,5 @@
-//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
-//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk. [`Operator`] is what bands ask of any operator.
+//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator `Φ₁ = [T]_r`
+//! (eq. 4), one step of a lazy random walk. [`Operator`] is the interface that bands require of any operator.
 
 mod density;
 mod difference_steps;

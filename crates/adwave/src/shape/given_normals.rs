@@ -53,7 +53,7 @@ pub struct NormalCheck {
 }
 
 impl NormalCheck {
-    /// Describes what is special about the normals; `None` if they are used as given and none points inward.
+    /// Describes deviations of the normals; `None` if they are used as given and none points inward.
     pub fn describe(&self) -> Option<String> {
         let agreement = 100.0 * self.agreement;
         let turned = match self.n_turned {
@@ -218,7 +218,7 @@ impl PairCount {
 }
 
 impl Pairs<'_> {
-    /// True if two normals are on one side, false if on different sides; `None` if they do not tell.
+    /// True if two normals are on one side, false if they are on different sides; `None` if the pair does not show it.
     fn compare(&self, normals: &[Vector3<f64>], x: usize, y: usize) -> Option<bool> {
         let (n, m) = (&normals[x], &normals[y]);
         if self.are_sheets_apart && n.dot(m) < OPPOSITE {

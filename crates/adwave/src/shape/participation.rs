@@ -397,7 +397,7 @@ impl Participation {
     }
 }
 
-/// Bounding box of what a picture of `points` should show, of those that are `used` (by a face) or of all: without
+/// Bounding box of the points that a picture should show, among those that are `used` (by a face) or among all: without
 /// placeholders, and without the few points that are so far away that the others would fill less than half of the
 /// picture. `None` without points. O(n).
 ///
@@ -433,8 +433,8 @@ pub enum OriginRule {
     Ordinary,
 }
 
-/// Range of the coordinates of the vertices whose position is no placeholder in itself, which tells placeholders from
-/// positions that happen to have such a value.
+/// Range of the coordinates of the vertices whose position is no placeholder in itself. It distinguishes placeholders
+/// from positions that happen to have the same value.
 ///
 /// ```
 /// use adwave::shape::{KnownRange, OriginRule, may_be_placeholder};

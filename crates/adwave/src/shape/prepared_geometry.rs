@@ -313,8 +313,9 @@ impl PreparedGeometry {
         self.participation.extent(&self.points, Some(masked))
     }
 
-    /// Bounding box, in model units, of what a picture should show: all vertices that take part, unless a hundredth
-    /// of them lies so far away that the others would fill less than half of the picture. `None` without positions.
+    /// Bounding box, in model units, of the part that a picture should show: all vertices that take part, unless a
+    /// hundredth of them lies so far away that the others would fill less than half of the picture. `None` without
+    /// positions.
     pub fn frame(&self) -> Option<([f64; 3], [f64; 3])> {
         self.participation.frame(&self.points)
     }

@@ -10,7 +10,8 @@ use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use serde::Serialize;
 
-/// Tolerance in steps of 32-bit floats at the largest coordinate of a vertex: what a few products of matrices leave.
+/// Tolerance in steps of 32-bit floats at the largest coordinate of a vertex: the rounding error of a few products of
+/// matrices.
 const SINGLE_STEPS: f64 = 4.0;
 
 /// Smallest tolerance, in shortest edges at a vertex.

@@ -23,7 +23,7 @@ const PLANE_NEIGHBORS: usize = 3;
 pub struct MovedPoints<'a> {
     /// Old positions.
     pub before: &'a [[f64; 3]],
-    /// New positions, as many.
+    /// New positions, in the same number.
     pub after: &'a [[f64; 3]],
 }
 
@@ -41,8 +41,8 @@ pub struct StoredNormals<'a> {
     pub is_flat: &'a [bool],
 }
 
-/// Normals at the corners of faces after the vertices have moved, one per corner; NaN at corners without normal. O(n
-/// log n).
+/// Normals at the corners of faces after the vertices have moved, one per corner; NaN at corners without normal.
+/// O(n log n).
 ///
 /// Corners at one position that shared one normal share one afterwards: the mean of the normals of their faces,
 /// weighted by area. Corners whose normals differed, as at a crease or between flat faces, are computed from their own

@@ -24,7 +24,7 @@ use adwave::{LevelSpec, MANY_CHANNELS};
 use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
 
-/// A filter and what it is applied to.
+/// A filter with its shape and signal.
 pub(super) struct FilterJob<'a> {
     pub(super) input: Input,
     /// The name of the signal.

@@ -47,7 +47,7 @@ pub(super) fn check(args: &InfoArgs) -> Result<(), CliError> {
     }
 }
 
-/// Splits the coordinates and measures what each level loses.
+/// Splits the coordinates and measures the loss at each level.
 pub(super) fn measure(
     input: &Input,
     decomposer: &Decomposer,

@@ -101,7 +101,7 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     print(global, &text, &json)
 }
 
-/// Refuses what can be refused before anything is read.
+/// Refuses arguments that are invalid for all shapes, before anything is read.
 fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     if let Some(path) =
         args.output.as_deref().filter(|path| !has_extension(&without_gzip(path), &["csv", "json"]))

@@ -106,7 +106,7 @@ fn check_lengths(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
 }
 
-/// Prints a note if a cloud has normals, by which other commands tell sheets apart that are closer than the points.
+/// Prints a note if a cloud has normals, which are not used here: other commands separate close sheets by them.
 fn note_normals(args: &TilesArgs, global: &Global<'_>) {
     const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
     let Some(reader) = args.files.first().and_then(|file| LasReader::open(file).ok()) else { return };

@@ -87,7 +87,7 @@ fn id_names(distinct: Vec<u64>) -> (Option<Arc<Vec<String>>>, Option<Field>) {
     (texts, Some(Field::new("id", 1, FieldValues::U64(distinct))))
 }
 
-/// Adds the weight of an edge; there are none as soon as an edge has none.
+/// Adds the weight of an edge; all weights are dropped as soon as an edge has none.
 fn push_weight(weights: &mut Option<Vec<f64>>, weight: Option<f64>) {
     *weights = weights.take().zip(weight).map(|(mut weights, weight)| {
         weights.push(weight);

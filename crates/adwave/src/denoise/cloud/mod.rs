@@ -388,7 +388,7 @@ fn mixed_motion(
     }
 }
 
-/// Number of coordinates that tell whether they are rounded.
+/// Number of coordinates from which their rounding is found.
 const ROUNDING_SAMPLE: usize = 20_000;
 
 /// Step to which coordinates are rounded, the smallest of the axes; 0 if most of them differ along an axis, as the

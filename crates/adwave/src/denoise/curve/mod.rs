@@ -36,8 +36,8 @@ const FEWEST: usize = 6;
 /// Factor within which the estimate of a lower degree counts as equal to the least one.
 const EQUAL: f64 = 1.2;
 
-/// Largest noise along the order of the vertices, relative to that across the curve, for which vertices count as
-/// evenly spaced, so that noise along the curve can be told from uneven spacing.
+/// Largest noise along the order of the vertices, relative to that across the curve, for which vertices count as evenly
+/// spaced, so that noise along the curve can be distinguished from uneven spacing.
 const EVEN: f64 = 1.5;
 
 /// Share of the axes across a curve below which noise has fewer axes, such as height alone.
@@ -368,7 +368,7 @@ fn typical_axes(vectors: &[[f64; 3]]) -> f64 {
 }
 
 /// Standard deviation along an axis of normal vectors with `n_axes` axes, from the median of their squared lengths; a
-/// lower quantile counts if it tells of much less, as where half of the vertices are corners.
+/// lower quantile is used if it gives much less, as for a curve on which half of the vertices are corners.
 fn deviation(vectors: &[[f64; 3]], n_axes: f64) -> f64 {
     const LOW: f64 = 0.3;
     const LOW_NORMAL: f64 = -0.524_400_512_708_041;
