@@ -16,9 +16,9 @@ pub enum HeapUse {
     ReturnVectors,
     /// Many vectors of one size are made and dropped, and those that are freed are kept for the next.
     ReuseVectors,
-    /// As much memory is wanted again and again, and all that is freed is kept.
+    /// The program needs the same amount of memory again and again, and all that is freed is kept.
     ReuseAll,
-    /// Requests of one size come again and again; of freed memory up to this many bytes are kept.
+    /// Requests of one size come again and again, and up to this many bytes of freed memory are kept.
     ReuseUpTo(usize),
 }
 

@@ -118,9 +118,9 @@ pub struct Stamp {
 pub struct Stamped {
     /// Welded vertices whose detail was changed, each once.
     pub vertices: Vec<u32>,
-    /// As in [`Transplanted`].
+    /// Number of vertices within the radius for which the source has no detail, as in [`Transplanted`].
     pub n_without_source: usize,
-    /// As in [`Transplanted`].
+    /// Largest stretch between the two neighborhoods, as in [`Transplanted`].
     pub distortion: f64,
 }
 

@@ -58,7 +58,7 @@ pub struct NearestLists {
     pub offsets: Vec<usize>,
     /// Indices of the neighbors.
     pub indices: Vec<u32>,
-    /// Their distances.
+    /// Distances of the neighbors.
     pub distances: Vec<f64>,
 }
 

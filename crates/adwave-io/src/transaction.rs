@@ -21,7 +21,7 @@ use std::sync::{Mutex, PoisonError};
 /// ```
 #[derive(Debug, Default)]
 pub struct Transaction {
-    /// None where each file takes its place at once.
+    /// Files that wait for [`commit`](Self::commit); `None` if each file takes its place at once.
     staged: Option<Mutex<Vec<StagedFile>>>,
 }
 

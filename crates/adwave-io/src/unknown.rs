@@ -16,7 +16,7 @@ const MIN_KNOWN: usize = 16;
 /// Number of a field that stands for an unknown one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnknownValue {
-    /// Its place among all values of the field.
+    /// Index of the number among all values of the field.
     pub index: usize,
     /// The number.
     pub value: f64,

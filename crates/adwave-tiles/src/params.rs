@@ -152,13 +152,13 @@ fn linear_fit() -> LocalFit {
 /// Rule by which the gains move vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Movement {
-    /// In all directions.
+    /// Motion in all directions.
     Free,
-    /// Along the normals in parts of a mesh that have a border, in all directions elsewhere.
+    /// Motion along the normals in parts of a mesh that have a border, in all directions elsewhere.
     OpenParts,
-    /// In one direction.
+    /// Motion in one direction.
     Directed(MoveDirection),
-    /// Along the axis with this index, about a local linear fit.
+    /// Motion along the axis with this index, about a local linear fit.
     Heights(usize),
 }
 

@@ -12,7 +12,7 @@ use crate::{BandsRequest, Decomposer, Progress};
 pub enum ChangedVertices {
     /// All vertices may have changed.
     All,
-    /// Only these vertices, in ascending analysis order; [`Editor::members`] gives their vertices of the shape.
+    /// The listed vertices alone, in ascending analysis order; [`Editor::members`] gives their vertices of the shape.
     Listed(Vec<u32>),
 }
 

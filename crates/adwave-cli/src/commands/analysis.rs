@@ -56,7 +56,7 @@ pub(crate) struct Seconds {
 /// A saliency map and its ingredients.
 pub(crate) struct Map {
     pub(crate) saliency: Saliency,
-    /// One channel: the levels that the map is the sum of.
+    /// Wavelets of one channel: the levels that the map is the sum of.
     pub(crate) wavelets: Wavelets,
     pub(crate) params: SaliencyParams,
     /// True if + and − stand for different sides.

@@ -197,9 +197,9 @@ pub(crate) struct SelectionUse {
 /// Fate of the vertices that take no part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rest {
-    /// They keep their values.
+    /// The other vertices keep their values.
     Stays,
-    /// They are not written.
+    /// The other vertices are not written.
     IsDropped,
 }
 

@@ -36,7 +36,7 @@ pub(crate) struct WalkDefaults {
 /// A walk with its description.
 pub(crate) struct ResolvedWalk {
     pub(crate) powers: WalkPowers,
-    /// Its construction in words.
+    /// Construction of the walk in words.
     pub(crate) text: String,
     pub(crate) json: Value,
 }

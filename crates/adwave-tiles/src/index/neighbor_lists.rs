@@ -14,7 +14,7 @@ use crate::files::{RandomAccessFile, write_atomic};
 /// that the relation is not symmetric; in a mesh it has the one-ring.
 #[derive(Debug, PartialEq)]
 pub(crate) struct NeighborLists {
-    /// In a cloud the distance to the k-th neighbor, in a mesh the area of the vertex; one per vertex.
+    /// Distance to the k-th neighbor in a cloud, area of the vertex in a mesh; one per vertex.
     pub(crate) measures: Vec<f64>,
     /// Start of each list in `neighbors`, then the end of the last one.
     pub(crate) offsets: Vec<u32>,

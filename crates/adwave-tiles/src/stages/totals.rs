@@ -15,12 +15,12 @@ use crate::vector::length;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BlockSums {
     pub(crate) n_points: u64,
-    /// Over the distances that the vertices moved.
+    /// Sums over the distances that the vertices moved.
     pub(crate) moved: NormSums,
     /// Number of vertices that moved farther than noise explains.
     #[serde(default)]
     pub(crate) n_far: u64,
-    /// Over the norms of each computed band.
+    /// Sums over the norms of each computed band.
     pub(crate) bands: Vec<NormSums>,
     pub(crate) steps: StepSums,
 }

@@ -31,7 +31,7 @@ pub enum ScheduleError {
     NoSteps {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// Number of steps of the level.
         steps: f64,
     },
     /// A level does not have more steps than the one before it.
@@ -39,7 +39,7 @@ pub enum ScheduleError {
     NotIncreasing {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// Number of steps of the level.
         steps: f64,
         /// The steps of the level before it.
         before: f64,

@@ -23,7 +23,7 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum LevelSpec {
-    /// As many dyadic levels as reach a share of the diagonal.
+    /// Dyadic levels, as many as reach a share of the diagonal.
     #[default]
     Default,
     /// A number of dyadic levels: 1, 2, 4 … steps.

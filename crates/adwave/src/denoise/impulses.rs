@@ -19,9 +19,9 @@ pub(super) const RINGS: usize = (MAX_ROUNDS[0] + MAX_ROUNDS[1]) * RINGS_A_ROUND;
 struct Sensitivity {
     /// Cap on the rounds.
     rounds: usize,
-    /// In robust standard deviations of the offsets within two rings.
+    /// Smallest offset, in robust standard deviations of the offsets within two rings.
     deviations: f64,
-    /// In edges of the ring: smaller ones do not need a treatment of their own.
+    /// Smallest offset, in edges of the ring; smaller impulses do not need a treatment of their own.
     edges: f64,
 }
 

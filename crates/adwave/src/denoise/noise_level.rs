@@ -34,9 +34,9 @@ const MEAN_OF_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 /// for noise that is the same everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseLevels {
-    /// By the median.
+    /// Standard deviation by the median.
     pub(super) typical: f64,
-    /// By the 95 % quantile.
+    /// Standard deviation by the 95 % quantile.
     pub(super) high: f64,
 }
 

@@ -34,12 +34,12 @@ named_values!(Creases, "creases", {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Outliers {
-    /// They stay where they are.
+    /// Outliers stay where they are.
     #[default]
     Keep,
-    /// They move to the height of their neighbors.
+    /// Outliers move to the height of their neighbors.
     Pull,
-    /// They stay, and [`Denoised::outliers`] names them, for the caller to remove.
+    /// Outliers stay, and [`Denoised::outliers`] names them, for the caller to remove.
     Drop,
 }
 
@@ -54,10 +54,10 @@ named_values!(Outliers, "treatment of outliers", {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum SharedNoise {
-    /// It counts as detail and stays.
+    /// Shared noise counts as detail and stays.
     #[default]
     Detail,
-    /// As much as the shape admits: everything on its quietest tenth that quadrics do not explain.
+    /// As much shared noise as the shape admits: everything on its quietest tenth that quadrics do not explain.
     Estimate,
     /// Standard deviation along the normals, in model units.
     Deviation(f64),

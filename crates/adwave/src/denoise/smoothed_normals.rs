@@ -72,7 +72,7 @@ pub(super) struct Walks {
 enum PolynomialCut {
     /// All normals decide.
     BySignal,
-    /// Only steps and accuracy decide, so that part of a surface has the bits of the whole.
+    /// Steps and accuracy alone decide, so that part of a surface has the bits of the whole.
     Fixed,
 }
 

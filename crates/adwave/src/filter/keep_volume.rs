@@ -8,12 +8,12 @@ use thiserror::Error;
 /// Way in which a smoothing keeps the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepVolume {
-    /// Exactly, by one offset along the normals of the vertices that moved (see
+    /// Exact volume, by one offset along the normals of the vertices that moved (see
     /// [`Volume::Keep`](crate::positions::Volume::Keep)).
     Offset,
-    /// Of a smoothing by n steps, `1 − (1 − Φⁿ)²`: one level more.
+    /// Part of the volume, by `1 − (1 − Φⁿ)²` instead of a smoothing by n steps: one level more.
     Twice,
-    /// Of a smoothing by n steps, `1 − (1 − Φⁿ)³`: two levels more.
+    /// More of the volume, by `1 − (1 − Φⁿ)³` instead of a smoothing by n steps: two levels more.
     Thrice,
 }
 

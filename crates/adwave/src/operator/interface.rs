@@ -250,7 +250,7 @@ pub enum KeptMeasure {
 pub enum Invariant {
     /// Constants: rows sum to 1.
     Constants,
-    /// None that is known: vectors turn on their way.
+    /// No signal that is known: vectors turn on their way.
     Nothing,
 }
 
@@ -373,7 +373,7 @@ pub enum RowOutput<'a> {
 pub enum Continuation {
     /// More steps follow.
     Continues,
-    /// These are the last steps.
+    /// The steps of this pass are the last.
     Ends,
 }
 

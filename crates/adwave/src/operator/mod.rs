@@ -35,7 +35,7 @@ pub enum CloudGraph {
     /// spectrum real.
     #[default]
     Union,
-    /// Only the nearest points of each point are its neighbors, as in the paper. Φ₁ need not be reversible.
+    /// The neighbors of a point are its nearest points alone, as in the paper. Φ₁ need not be reversible.
     Directed,
 }
 

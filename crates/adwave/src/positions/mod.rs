@@ -23,7 +23,8 @@ pub enum Borders {
     /// outline keep their place, and bumps near the outline are smoothed as elsewhere.
     #[default]
     Natural,
-    /// As `Natural`, and vertices on the border do not move; the change reaches its full size over a few edges.
+    /// Like `Natural`, except that vertices on the border do not move; the change reaches its full size over a few
+    /// edges.
     Keep,
     /// No treatment, as in the paper: smoothing shrinks borders, because their neighbors are on one side only.
     Free,

@@ -391,7 +391,7 @@ pub enum RegionError {
     BadNumber {
         /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// Requirement on the number.
         must: &'static str,

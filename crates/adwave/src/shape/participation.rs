@@ -54,13 +54,13 @@ const POINTS_AT_A_TIME: usize = 1 << 14;
 /// Reason why a vertex takes no part in the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexRole {
-    /// It takes part.
+    /// The vertex takes part.
     #[default]
     Member,
     /// No face of the mesh, or edge of the curve, connects it to another vertex.
     Unused,
-    /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
-    /// `0 0 0` far from everything.
+    /// The position of the vertex stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the
+    /// others, or `0 0 0` far from everything.
     Placeholder,
     /// A point of a cloud, or one of a few, far from all others.
     Stray,

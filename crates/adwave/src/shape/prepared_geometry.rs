@@ -55,7 +55,7 @@ pub struct PreparedGeometry {
 /// Shape of the vertices that take part.
 pub(crate) struct Members {
     pub(crate) geometry: PreparedGeometry,
-    /// Its vertices as vertices of the whole shape, in ascending order.
+    /// Vertices that take part, as vertices of the whole shape, in ascending order.
     pub(crate) vertices: Vec<u32>,
 }
 

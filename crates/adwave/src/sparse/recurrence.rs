@@ -68,7 +68,7 @@ enum TileOutput<'a, T> {
 /// Location of the entries of the rows of a tile.
 #[derive(Clone, Copy)]
 enum RecurrenceEntries<'a, T> {
-    /// In the operator.
+    /// Entries in the operator.
     Operator(&'a [T]),
     Tiles(&'a TileWeights<T>),
 }

@@ -234,9 +234,9 @@ fn closest_differences(
 struct ClosestComparison {
     summary: Summary,
     distances: SignedDistances,
-    /// From all points of the first shape; `None` for a cloud.
+    /// Distance from all points of the first shape; `None` for a cloud.
     there: Option<Reach>,
-    /// From all points of the second shape.
+    /// Distance from all points of the second shape.
     back: Reach,
     is_signed: bool,
 }

@@ -210,7 +210,7 @@ fn evaluate_repeatability(
 /// One change of the shape.
 enum Trial {
     Change(Change),
-    /// As many other vertices, with other triangles, on the same surface, drawn with this seed.
+    /// As many other vertices on the same surface, with other triangles, drawn with this seed.
     OtherVertices(u64),
 }
 

@@ -52,7 +52,7 @@ impl Side {
 
 /// The motion between two shapes, and the pairs of their features.
 struct Matching {
-    /// None if features are paired without a motion.
+    /// The motions that were found; `None` if features are paired without a motion.
     registration: Option<Registration>,
     pairs: Vec<Pair>,
 }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Edges between numbered vertices, 8 bytes each (16 with weights).
 struct NumberedEdges {
     pairs: Vec<[u32; 2]>,
-    /// One per edge, or empty if an edge has none.
+    /// One weight per edge; empty if an edge has none.
     weights: Vec<f64>,
     /// Number of vertices stated in a comment.
     n_vertices: Option<u64>,

@@ -201,9 +201,9 @@ impl Heights {
 /// Distances in height at which robust weights fall.
 #[derive(Clone, Copy)]
 pub(super) struct RobustReach {
-    /// From the point itself, in the first round.
+    /// Distance from the point itself, in the first round.
     pub(super) start: f64,
-    /// From the fitted surface, in the second round.
+    /// Distance from the fitted surface, in the second round.
     pub(super) fit: f64,
 }
 

@@ -198,12 +198,12 @@ impl Default for PointFits {
 /// Treatment of a point.
 #[derive(Clone, Copy, Default, PartialEq)]
 enum PointState {
-    /// It moves by the mixture of its fits.
+    /// The point moves by the mixture of its fits.
     #[default]
     Moved,
-    /// It stays: no surface is found, or its error would be out of range.
+    /// The point stays: no surface is found, or the error of the surface would be out of range.
     Left,
-    /// It is an outlier.
+    /// The point is an outlier.
     Outlier,
 }
 

@@ -287,9 +287,9 @@ pub(super) fn gather_tile<I: Index, T: VectorNumber>(tile: TileView<'_, I>, weig
 /// Location of the values at the rings.
 #[derive(Clone, Copy)]
 enum HaloValues<'a, T> {
-    /// Among the values at all vertices.
+    /// Values among those at all vertices.
     Gathered(&'a [T]),
-    /// In the order of the tile.
+    /// Values in the order of the tile.
     Copied(&'a [T]),
 }
 
