@@ -49,11 +49,11 @@ pub struct Transplanted {
     pub distortion: f64,
 }
 
-/// Clones the detail of some levels from one place to another: around both, the coarse shape is unrolled onto its
-/// tangent plane (the discrete exponential map, `schmidt2006`), and at equal places of the two maps the target takes
-/// the detail of the source, turned from frame to frame. The axes of the two maps differ by the smallest rotation
-/// between the normals and `angle`. The detail of the source fades into the present one from half the radius on. O(n)
-/// for the bands.
+/// Clones the detail of some levels from one place to another. Around both places the coarse shape is unrolled onto its
+/// tangent plane (the discrete exponential map, `schmidt2006`). At equal places of the two maps the target takes the
+/// detail of the source, turned from frame to frame. The axes of the two maps differ by the smallest rotation between
+/// the normals and `angle`. The detail of the source fades into the present one from half the radius on. O(n) for the
+/// bands.
 ///
 /// # Errors
 /// [`DeformError`] if a vertex does not exist or takes no part, the radius is no length, the levels are none, or the

@@ -43,9 +43,9 @@ pub struct Scattering {
     pub values: Vec<f64>,
     /// Bands of each path, from 1: none for the signal, j for `|W_j f|`, j and j′ > j for `|W_{j′}|W_j f||`.
     pub paths: Vec<Vec<u32>>,
-    /// Number format of the products, and a bound of the error of the paths, relative to the signal: of the largest
-    /// size of a value in its channel if rows of the walk are normalized, of the sum of the sizes for columns, and of
-    /// the root of the sum of the squares for the symmetric walk.
+    /// Number format of the products, and a bound of the error of the paths. The bound is relative to a norm of each
+    /// channel of the signal: the largest size of a value for a walk with normalized rows, the sum of the sizes for
+    /// normalized columns, and the root of the sum of the squares for the symmetric walk.
     pub accuracy: WalkAccuracy,
 }
 

@@ -126,9 +126,9 @@ impl NoisySurface {
         Ok(levels.into_iter().map(|level| level.max(noise).min(MOST_LOCAL * noise)).collect())
     }
 
-    /// Standard deviation of the noise along the normals at each point, and the ratio of its 90 % to its 10 % quantile
-    /// over that ratio for white noise which is the same everywhere: means over some rings of the absolute differences
-    /// of third order, to which shape adds least. O(points).
+    /// Standard deviation of the noise along the normals at each point: means over some rings of the absolute
+    /// differences of third order, to which shape adds least. Also the ratio of its 90 % to its 10 % quantile, divided
+    /// by that ratio for white noise which is the same everywhere. O(points).
     pub(super) fn noise_by_place(
         &self,
         points: &[[f64; 3]],

@@ -2,10 +2,10 @@
 //! allows.
 //!
 //! Heights of the neighbors over their plane are fitted by planes and quadrics of two sizes, with weights that fall
-//! with the distance and with the residual, starting from the height of the point itself, so that a second sheet
-//! nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h, `d² + 2σ²h − σ²` is
-//! an unbiased estimate of its squared error (`stein1981`); its mean over the neighbors decides the share of each fit,
-//! and of leaving the point where it is.
+//! with the distance and with the residual. The first residuals are relative to the height of the point itself, so that
+//! a second sheet nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h,
+//! `d² + 2σ²h − σ²` is an unbiased estimate of its squared error (`stein1981`). The mean of this estimate over the
+//! neighbors decides the share of each fit, and the share of leaving the point where it is.
 
 mod fit;
 mod noise;
