@@ -102,9 +102,9 @@ pub struct CloudFeatures {
 /// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as
 /// [`Response::Sigma`] does, since on a smooth cloud no level is more uneven than another. A feature must differ from
 /// the mean of the response between σ and 2σ around it by more than 9 standard deviations of the response. The standard
-/// deviation is the root mean square difference from the responses of two random halves of the points, local or global.
-/// Levels finer than half of the points resolves have no features, and the features of the last level include bumps
-/// that are wider. Of significant features within σ of each other the strongest is kept.
+/// deviation is the root mean square difference from the responses of two random halves of the points, the larger of
+/// the local and the global one. Levels finer than half of the points resolves have no features, and the features of
+/// the last level include bumps that are wider. Of significant features within σ of each other the strongest is kept.
 ///
 /// # Errors
 /// [`CloudFeatureError`] if the bands, the normals or the features cannot be computed.
