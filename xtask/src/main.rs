@@ -223,8 +223,8 @@ fn dependencies() -> StepResult {
     cargo(&["deny", "--offline", "check", "licenses", "bans", "sources"], &[])
 }
 
-/// Broken input for a minute, or as the arguments say. With the optimization of the tests, so that sums that overflow are
-/// seen.
+/// Broken input for a minute, or as the arguments say. With the optimization of the tests, so that sums that overflow
+/// are seen.
 fn fuzz(arguments: &[&str]) -> StepResult {
     let run = ["run", "--locked", "--quiet", "-p", "adwave-fuzz", "--"];
     cargo(&[&run[..], arguments].concat(), &[])

@@ -3,9 +3,9 @@
 use crate::{StepResult, cargo, data, models_and_part, python, root, run, target};
 use std::process::Command;
 
-/// Compares bands, features and maps of several meshings of the same surfaces and writes `docs/MESHINGS.md`. `arguments`:
-/// `--models DIR`, where the models of the paper may be found, and `--only PART` for one part that is printed and not
-/// written.
+/// Compares bands, features and maps of several meshings of the same surfaces and writes `docs/MESHINGS.md`.
+/// `arguments`: `--models DIR`, where the models of the paper may be found, and `--only PART` for one part that is
+/// printed and not written.
 pub(crate) fn bench_meshings(arguments: &[&str]) -> StepResult {
     let (models, only) = models_and_part("bench-meshings", arguments, data().join("paper"))?;
     cargo(&["build", "--release", "--locked", "--quiet", "-p", "adwave-cli"], &[])?;

@@ -14,8 +14,8 @@ pub(crate) const FILE: &str = "crates/adwave-cli/THIRD-PARTY-NOTICES.txt";
 /// Beginnings of the names of files with a license or a notice.
 const LICENSE_FILES: [&str; 6] = ["LICENSE", "LICENCE", "COPYING", "COPYRIGHT", "NOTICE", "UNLICENSE"];
 
-/// Packages that the program named `program` contains: those it reaches by normal dependencies. Packages that are used only
-/// for building or testing are left out.
+/// Packages that the program named `program` contains: those it reaches by normal dependencies. Packages that are used
+/// only for building or testing are left out.
 fn linked_packages(metadata: &Value, program: &str) -> Result<Vec<Value>, String> {
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let packages: BTreeMap<String, Value> =

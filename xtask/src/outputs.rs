@@ -1,4 +1,5 @@
-//! `cargo xtask same-outputs`: a fixed list of commands run by two versions of the program, their files compared by bytes.
+//! `cargo xtask same-outputs`: a fixed list of commands run by two versions of the program, their files compared by
+//! bytes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

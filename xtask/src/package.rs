@@ -12,7 +12,8 @@ fn package() -> PathBuf {
     root().join("bindings/python")
 }
 
-/// Builds `target/wheels/adwave-….whl` for every CPython from 3.10 on, with the oldest manylinux tag that the linker allows.
+/// Builds `target/wheels/adwave-….whl` for every CPython from 3.10 on, with the oldest manylinux tag that the linker
+/// allows.
 pub(crate) fn wheel() -> Result<PathBuf, String> {
     let python = python::environment_from(&package().join("build-requirements.txt"), "wheel")?;
     let out = target().join("wheels");
@@ -69,7 +70,8 @@ pub(crate) fn docs() -> StepResult {
     Ok(())
 }
 
-/// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and that the source distribution builds.
+/// Checks the Python package as it would be published: metadata, licenses and tag of the wheel, and that the source
+/// distribution builds.
 pub(crate) fn check_release() -> StepResult {
     let python = python::environment_from(&package().join("release-requirements.txt"), "release")?;
     let wheel = wheel()?;
@@ -138,7 +140,8 @@ pub(crate) fn test_environment() -> Result<PathBuf, String> {
     python::environment_from(&package().join("test-requirements.txt"), "package")
 }
 
-/// Runs the tests of the package, the examples of its documentation and its type checks, on a wheel or on a debug build.
+/// Runs the tests of the package, the examples of its documentation and its type checks, on a wheel or on a debug
+/// build.
 pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     let with_wheel = match arguments {
         [] => false,
@@ -189,7 +192,8 @@ pub(crate) fn test_package(arguments: &[&str]) -> StepResult {
     ]))
 }
 
-/// Copies the examples of `docs/python` to where they may write their pictures; returns the path of the script that runs them.
+/// Copies the examples of `docs/python` to where they may write their pictures; returns the path of the script that
+/// runs them.
 fn gallery() -> Result<String, String> {
     let to = target().join("gallery");
     let wrong = |e: std::io::Error| format!("cannot copy the examples to {}: {e}", to.display());

@@ -1,4 +1,5 @@
-//! `cargo xtask package-check`: the checks of a release that need no account, for the crates and for the Python package.
+//! `cargo xtask package-check`: the checks of a release that need no account, for the crates and for the Python
+//! package.
 
 use crate::{StepResult, cargo, notices, package};
 use std::process::Command;

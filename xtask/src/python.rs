@@ -12,7 +12,8 @@ pub(crate) fn check() -> StepResult {
     run(Command::new("python3").args(["-c", is_recent])).map_err(|e| format!("{e}; {REQUIREMENT}"))
 }
 
-/// The Python of an environment with the packages of `benches/NAME/requirements.txt`, which is created again if the list changes.
+/// The Python of an environment with the packages of `benches/NAME/requirements.txt`, which is created again if the
+/// list changes.
 pub(crate) fn environment(name: &str) -> Result<PathBuf, String> {
     environment_from(&root().join(format!("benches/{name}/requirements.txt")), name)
 }

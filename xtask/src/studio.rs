@@ -1,5 +1,5 @@
-//! Tests of the studio's page: type check, lints, unit tests, freshness of the committed bundle, and end-to-end tests in a
-//! browser.
+//! Tests of the studio's page: type check, lints, unit tests, freshness of the committed bundle, and end-to-end tests
+//! in a browser.
 
 use crate::{StepResult, root, run, target};
 use std::path::{Path, PathBuf};

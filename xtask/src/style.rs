@@ -1,5 +1,6 @@
-//! Countable rules of style: how doc comments begin, how functions and types are named, how long things are, which files
-//! import each other in a circle. `cargo xtask style` prints every violation, `xtask/tests/style.rs` keeps the counts down.
+//! Countable rules of style: how doc comments begin, how functions and types are named, how long things are, which
+//! files import each other in a circle. `cargo xtask style` prints every violation, `xtask/tests/style.rs` keeps the
+//! counts down.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -147,7 +148,8 @@ fn check_markdown(name: &str, text: &str, violations: &mut Violations) {
     }
 }
 
-/// Counts doc comments and those that begin with a word of a riddle: `///`, `//!` and `/** */`, and docstrings of Python.
+/// Counts doc comments and those that begin with a word of a riddle: `///`, `//!` and `/** */`, and docstrings of
+/// Python.
 fn check_doc_comments(name: &str, text: &str, violations: &mut Violations) {
     let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or_default();
     let is_rust = extension == "rs";
@@ -399,8 +401,8 @@ pub fn import_edges(package: &Path, files: &[(PathBuf, syn::File)]) -> BTreeMap<
         .collect()
 }
 
-/// Imports of the crate in the folder `package` that point from a layer to one above it, as `file -> file`. A layer is a
-/// list of modules at the root of the crate; `layers` begins at the bottom. Modules of one layer may use each other.
+/// Imports of the crate in the folder `package` that point from a layer to one above it, as `file -> file`. A layer is
+/// a list of modules at the root of the crate; `layers` begins at the bottom. Modules of one layer may use each other.
 ///
 /// # Errors
 /// A line of text, if a file cannot be read or parsed or its module stands in no layer.

@@ -1,4 +1,5 @@
-//! Dependencies run one way: `adwave ← {adwave-io, …} ← adwave-cli`. Those of tests and examples alone may run otherwise.
+//! Dependencies run one way: `adwave ← {adwave-io, …} ← adwave-cli`. Those of tests and examples alone may run
+//! otherwise.
 
 use serde_json::Value;
 use std::process::Command;
@@ -61,7 +62,8 @@ fn the_method_knows_no_files_and_no_terminal() {
     assert!(n_files > 10, "only {n_files} files looked at");
 }
 
-/// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves here.
+/// The modules of `adwave` from the bottom up; those of one line may not use each other. A module that moves moves
+/// here.
 const LAYERS: [&[&str]; 18] = [
     &["error", "named", "pages"],
     &["progress", "vector"],
@@ -97,7 +99,8 @@ fn home(name: &str) -> &str {
     }
 }
 
-/// Whom the code of a file names by `crate::…`: modules of the crate, in braces or not. Comments and tests do not count.
+/// Whom the code of a file names by `crate::…`: modules of the crate, in braces or not. Comments and tests do not
+/// count.
 fn imports(text: &str) -> Vec<String> {
     let code: Vec<&str> = text
         .lines()
@@ -182,7 +185,8 @@ fn modules_of_the_method_use_only_those_below_them() {
     }
 }
 
-/// Layers of the other crates from the bottom up, by modules at the root of each. Modules of one layer may use each other.
+/// Layers of the other crates from the bottom up, by modules at the root of each. Modules of one layer may use each
+/// other.
 const ROOMS: [(&str, &[&[&str]]); 4] = [
     (
         "crates/adwave-io",

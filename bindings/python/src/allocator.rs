@@ -1,7 +1,7 @@
 //! An allocator that returns large vectors to the system as soon as they are freed.
 //!
-//! The C library keeps freed vectors of up to 32 MiB for reuse. In an interpreter that runs for hours this looks like memory that `del`
-//! does not free: up to 700 MB after five calls with a million vertices.
+//! The C library keeps freed vectors of up to 32 MiB for reuse. In an interpreter that runs for hours this looks like
+//! memory that `del` does not free: up to 700 MB after five calls with a million vertices.
 
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)]
@@ -11,8 +11,8 @@ mod linux {
 
     /// Size in bytes from which vectors have their own pages.
     const LARGE: usize = 1 << 20;
-    /// Size in bytes from which vectors fill pages of 2 MiB, whose first touch costs less than that of pages of 4 KiB. This takes at most
-    /// half as much memory again.
+    /// Size in bytes from which vectors fill pages of 2 MiB, whose first touch costs less than that of pages of 4 KiB.
+    /// This takes at most half as much memory again.
     const HUGE: usize = 3 << 20;
     const HUGE_PAGE: usize = 2 << 20;
     /// Smallest alignment of pages in bytes, on every system.
@@ -27,8 +27,8 @@ mod linux {
         layout.size() >= LARGE && layout.align() <= PAGE
     }
 
-    /// Bytes of the mapping of a vector. The system aligns mappings whose size is a multiple of the large page; any other mapping would
-    /// begin and end in up to 1022 small pages.
+    /// Bytes of the mapping of a vector. The system aligns mappings whose size is a multiple of the large page; any
+    /// other mapping would begin and end in up to 1022 small pages.
     fn mapping_size(n_bytes: usize) -> usize {
         // Layouts are at most `isize::MAX` bytes long, so this cannot overflow.
         if n_bytes >= HUGE { n_bytes.next_multiple_of(HUGE_PAGE) } else { n_bytes }
@@ -57,8 +57,9 @@ mod linux {
         start.cast()
     }
 
-    // SAFETY: `alloc`, `dealloc` and `realloc` choose by the layout, which is the same for one vector in all of them, so that each
-    // vector is freed by its own allocator; mappings are at least as large as requested, aligned to pages and zeroed.
+    // SAFETY: `alloc`, `dealloc` and `realloc` choose by the layout, which is the same for one vector in all of them,
+    // so that each vector is freed by its own allocator; mappings are at least as large as requested, aligned to pages
+    // and zeroed.
     unsafe impl GlobalAlloc for LargeToSystem {
         unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
             if is_large(layout) {

@@ -1,4 +1,5 @@
-//! Other methods for comparison: harmonics, signatures, Lee's saliency, Taubin smoothing, critical points, differential coordinates.
+//! Other methods for comparison: harmonics, signatures, Lee's saliency, Taubin smoothing, critical points, differential
+//! coordinates.
 
 use crate::arrays;
 use crate::call::run;
@@ -139,8 +140,8 @@ fn taubin<'py>(
     Ok(arrays::matrix(py, smoothed, n_channels)?.into_any())
 }
 
-/// Time, smoothed function, critical points (vertex; kind: 1 maximum, −1 minimum, 0 saddle; multiplicity; value), and the sum of the
-/// indices.
+/// Time, smoothed function, critical points (vertex; kind: 1 maximum, −1 minimum, 0 saddle; multiplicity; value), and
+/// the sum of the indices.
 type CriticalLevel<'py> = (f64, Bound<'py, PyAny>, Vec<(usize, i8, usize, f64)>, i64);
 
 /// Critical points of a function at several scales.

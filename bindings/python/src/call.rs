@@ -25,7 +25,8 @@ struct Pools {
     pools: Mutex<HashMap<usize, Arc<ThreadPool>>>,
 }
 
-/// Pools of this process. A forked child has none of its parent's threads, and a lock may be held forever: it gets its own pools.
+/// Pools of this process. A forked child has none of its parent's threads, and a lock may be held forever: it gets its
+/// own pools.
 static POOLS: AtomicPtr<Pools> = AtomicPtr::new(ptr::null_mut());
 /// Number of threads that was requested; 0 for the default.
 static N_THREADS: AtomicUsize = AtomicUsize::new(0);
@@ -131,8 +132,8 @@ fn guarded<T, E>(
 
 /// Runs `work` on a shape of `n_vertices` vertices with the interpreter released.
 ///
-/// Every 20 ms the calling thread calls `report(done, total)` and checks signals; if one raises, the work is stopped and the exception
-/// passed on.
+/// Every 20 ms the calling thread calls `report(done, total)` and checks signals; if one raises, the work is stopped
+/// and the exception passed on.
 pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     py: Python<'_>,
     n_vertices: usize,

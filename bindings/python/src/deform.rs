@@ -162,7 +162,8 @@ struct CloneOptions<'py> {
     last_level: usize,
 }
 
-/// Detail cloned from one place to another: the points, the changed vertices, those without a source, and the distortion.
+/// Detail cloned from one place to another: the points, the changed vertices, those without a source, and the
+/// distortion.
 #[pyfunction]
 #[pyo3(signature = (prepared, steps, options, progress=None))]
 fn clone_detail<'py>(

@@ -156,8 +156,8 @@ fn filter_layers<'py>(
     Ok(arrays::matrix(py, edited, signal.n_channels)?.into_any())
 }
 
-/// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written to `out`,
-/// if given.
+/// The signal with layers, from its bands: levels × n × channels, of a shape without welded or masked vertices. Written
+/// to `out`, if given.
 #[pyfunction]
 #[pyo3(signature = (prepared, signal, bands, layers, out=None))]
 fn apply_bands<'py>(
@@ -236,8 +236,8 @@ impl EditorData {
         Ok(Self { editor: Mutex::new(editor), n_channels: signal.n_channels, shape: own.shape.clone_ref(py) })
     }
 
-    /// The signal with these layers: gains or the name of a preset, with a region's text, weights or nothing. Written to `out`, if
-    /// given.
+    /// The signal with these layers: gains or the name of a preset, with a region's text, weights or nothing. Written
+    /// to `out`, if given.
     #[pyo3(signature = (layers, out=None))]
     fn apply<'py>(
         &self,

@@ -101,8 +101,8 @@ pub(crate) struct WaveletData {
 
 #[pymethods]
 impl WaveletData {
-    /// `areas` are positions of another surface with the same faces, or nothing for the positions of the shape; `hierarchy` is
-    /// needed by all families but the irregular one.
+    /// `areas` are positions of another surface with the same faces, or nothing for the positions of the shape;
+    /// `hierarchy` is needed by all families but the irregular one.
     #[new]
     #[pyo3(signature = (shape, family, hierarchy=None, surface=None, progress=None))]
     fn new(
@@ -219,7 +219,7 @@ impl WaveletData {
         ))
     }
 
-    /// The coefficients of which only the largest share stays.
+    /// Coefficients of which only the share that contributes most stays; the others become 0.
     fn keep<'py>(
         &self,
         py: Python<'py>,

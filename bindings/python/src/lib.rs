@@ -1,8 +1,9 @@
 //! The extension module `adwave._native`: the crates of adwave for the Python files of the package.
 //!
-//! Nothing is computed here. [`call`] runs the work with the interpreter released, stops it at Ctrl-C and turns errors into
-//! exceptions; [`arrays`] passes numbers without a copy; [`options`] reads the option classes of the package; the other modules have
-//! one class or a few functions each. Names, checks and documentation for users are in the package's Python files.
+//! Nothing is computed here. [`call`] runs the work with the interpreter released, stops it at Ctrl-C and turns errors
+//! into exceptions; [`arrays`] passes numbers without a copy; [`options`] reads the option classes of the package; the
+//! other modules have one class or a few functions each. Names, checks and documentation for users are in the package's
+//! Python files.
 
 #![expect(clippy::needless_pass_by_value, reason = "arguments come from the interpreter as values")]
 

@@ -151,8 +151,8 @@ impl FeatureOptions {
     }
 }
 
-/// Finds features: a dictionary of the columns vertex, position, level, sigma, response, strength, sign, channel (−1: all) and
-/// descriptor.
+/// Finds features: a dictionary of the columns vertex, position, level, sigma, response, strength, sign, channel (−1:
+/// all) and descriptor.
 #[pyfunction]
 #[pyo3(signature = (prepared, request, threshold, options, progress=None))]
 fn find_features<'py>(
@@ -341,8 +341,8 @@ fn denoise_values<'py>(
     Ok((arrays::matrix(py, denoised.values, n_channels)?.into_any(), found))
 }
 
-/// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation, and correlation given the distance from the
-/// center.
+/// Agreement of a map with fixations: AUC, normalized scanpath saliency, correlation, and correlation given the
+/// distance from the center.
 #[pyfunction]
 #[pyo3(signature = (map, fixations, threshold, points=None))]
 fn gaze_scores<'py>(

@@ -15,7 +15,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(basis_matrices, module)?)
 }
 
-/// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
+/// Values, column indices and offsets: the arguments of `scipy.sparse.csr_array`.
 type Csr<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 fn csr<V: Element + Value>(py: Python<'_>, rows: CompressedRows<V>) -> PyResult<Csr<'_>> {

@@ -30,7 +30,7 @@ pub(crate) fn parse_name<T: NamedValue>(option: &str, given: &str) -> PyResult<T
 
 const END_POINTS: &[(&str, EndPoints)] = &[("keep", EndPoints::Keep), ("free", EndPoints::Free)];
 
-/// Rule of welding: whether vertices at equal or nearly equal positions are one, or a tolerance in model units.
+/// Rule of welding: on or off for vertices at equal or nearly equal positions, or a tolerance in model units.
 #[derive(Clone, Copy, FromPyObject)]
 pub(crate) enum WeldOption {
     Flag(bool),
@@ -38,7 +38,7 @@ pub(crate) enum WeldOption {
 }
 
 impl WeldOption {
-    /// The rule as the library has it.
+    /// The rule in the form of the library.
     pub(crate) fn mode(self) -> PyResult<WeldMode> {
         match self {
             Self::Flag(true) => Ok(WeldMode::default()),

@@ -188,7 +188,7 @@ impl Prepared {
         self.decomposer.surface_info().map(|info| (info.n_raised, info.added_mass))
     }
 
-    /// Tells whether the diffusion is reversible.
+    /// True if the diffusion is reversible.
     fn is_reversible(&self) -> bool {
         self.decomposer.operator().is_reversible()
     }
@@ -267,7 +267,7 @@ impl Prepared {
         Ok(arrays::matrix(py, sum, signal.n_channels)?.into_any())
     }
 
-    /// Tells whether `sum_of_bands` applies to these levels.
+    /// True if `sum_of_bands` applies to these levels.
     fn has_sum_of_bands(&self, steps: Vec<f64>) -> PyResult<bool> {
         Ok(self.decomposer.mask_flags().is_none()
             && self.decomposer.transform().has_sum_of_bands(&schedule(&steps)?))

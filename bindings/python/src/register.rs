@@ -203,8 +203,8 @@ fn matrix<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyAny>> 
     Ok(arrays::matrix(py, motion.matrix().as_flattened().to_vec(), 4)?.into_any())
 }
 
-/// Signed distance of each vertex of the first shape to the second, whether it has a sign, and the motion of the second if it is
-/// fitted first.
+/// Signed distance of each vertex of the first shape to the second, whether it has a sign, and the motion of the second
+/// if it is fitted first.
 #[pyfunction]
 #[pyo3(signature = (first, second, align, limit, progress=None))]
 fn distances<'py>(

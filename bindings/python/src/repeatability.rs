@@ -50,12 +50,14 @@ fn features(columns: &Bound<'_, PyDict>) -> PyResult<Vec<Feature>> {
     Ok((0..vertex.len()).map(one).collect())
 }
 
-/// For each level its number, features and features found again; then the features that are right, and the share that chance would find.
+/// For each level its number, features and features found again; then the features that are right, and the share that
+/// chance would find.
 type RepeatedFeatures = (Vec<(usize, usize, usize)>, usize, f64);
 
 #[pymethods]
 impl ChangeData {
-    /// A change by its name: `noise` of a standard deviation in edges, `rotation`, `scaling` by a factor, `resampling`, `other-vertices`.
+    /// A change by its name: `noise` of a standard deviation in edges, `rotation`, `scaling` by a factor, `resampling`,
+    /// `other-vertices`.
     #[new]
     fn new(
         py: Python<'_>,

@@ -119,7 +119,8 @@ impl SelectionOptions {
     }
 }
 
-/// Values of n × channels without the numbers that stand for unknown ones, and a clause on these; `None` if there are none.
+/// Values of n × channels without the numbers that stand for unknown ones, and a clause on these; `None` if there are
+/// none.
 #[pyfunction]
 pub(crate) fn mark_unknown<'py>(
     py: Python<'py>,
@@ -200,8 +201,8 @@ impl ShapeData {
         Ok(Self::new(ShapeFile::from_mesh(points, faces), kind, "arrays".to_owned()))
     }
 
-    /// A graph from its edges; if it is not `undirected`, both directions are listed. With points and without weights it
-    /// is a curve.
+    /// A graph from its edges; if it is not `undirected`, both directions are listed. With points and without weights
+    /// it is a curve.
     #[staticmethod]
     #[pyo3(signature = (n_vertices, rows, columns, weights, undirected, points=None))]
     fn from_graph(

@@ -17,8 +17,8 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Time between two checks of signals.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Serves the studio until the page is done or a signal raises; `ready` is called with the address. Returns the edit as a recipe, and
-/// the positions after it.
+/// Serves the studio until the page is done or a signal raises; `ready` is called with the address. Returns the edit as
+/// a recipe, and the positions after it.
 #[pyfunction]
 fn studio<'py>(
     py: Python<'py>,

@@ -25,7 +25,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(split_molecules, module)?)
 }
 
-/// Values, column indices, offsets: what `scipy.sparse.csr_array` takes.
+/// Values, column indices and offsets: the arguments of `scipy.sparse.csr_array`.
 type WeightArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<i64>>);
 
 /// Scattering coefficients, paths × n × channels, the bands of each path, and the accuracy.

@@ -92,8 +92,8 @@ const SYNONYMS: [(&[&str], &str); 11] = [
     (&["decompose", "bands", "wavelets", "split"], "adwave transform SHAPE -o bands.npz"),
 ];
 
-/// An error of usage with better tips: for words that people try, the command that does it; and none that takes a misspelled option
-/// for a value.
+/// Improves the tips of an error of usage: words that people try get the command that does the task, and no tip takes a
+/// misspelled option for a value.
 pub(crate) fn improve_tips(mut error: clap::Error) -> clap::Error {
     let word = |kind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.trim_start_matches('-').to_lowercase()),

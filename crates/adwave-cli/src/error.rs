@@ -41,7 +41,8 @@ impl CliError {
         }
     }
 
-    /// An error of one of the libraries, by its kind: input and memory are for the user to mend, by another shape or by asking for less.
+    /// An error of one of the libraries, by its kind: the user can correct input and memory, by another shape or a
+    /// smaller request.
     pub(crate) fn classify(error: &impl ClassifiedError) -> Self {
         match error.kind() {
             ErrorKind::Cancelled => Self::Cancelled,

@@ -73,8 +73,8 @@ impl GivenOptions {
         self.outputs.iter().any(|output| output.option == "--output" && output.path == Path::new("-"))
     }
 
-    /// Refuses the first of `options` that was given although it applies to nothing. `applies` follows the name of the option and
-    /// states when it applies, such as `applies to meshes, and a.ply is a cloud`.
+    /// Refuses the first of `options` that was given although it applies to nothing. `applies` follows the name of the
+    /// option and states when it applies, such as `applies to meshes, and a.ply is a cloud`.
     pub(crate) fn refuse(&self, options: &[&str], applies: &str) -> Result<(), CliError> {
         match options.iter().find(|option| self.has(option)) {
             Some(option) => Err(CliError::Input(format!("{option} {applies}; leave it out"))),
@@ -82,7 +82,8 @@ impl GivenOptions {
         }
     }
 
-    /// Refuses lists that were given twice, two results with one name, and a standard output that cannot hold the result.
+    /// Refuses lists that were given twice, two results with one name, and a standard output that cannot hold the
+    /// result.
     pub(crate) fn check(&self) -> Result<(), CliError> {
         if let Some(option) = self.repeated.first() {
             return Err(CliError::Input(format!(
@@ -113,7 +114,7 @@ impl GivenOptions {
     }
 }
 
-/// Tells if an option names a file or folder for a result. `--features` is a result of `tiles` and an input of `render`.
+/// True if an option names a file or folder for a result. `--features` is a result of `tiles` and an input of `render`.
 fn is_output(command: &str, option: &str) -> bool {
     OUTPUTS.contains(&option) || (command == "tiles" && option == "--features")
 }
@@ -123,7 +124,7 @@ fn short_name(option: &str) -> &str {
     if option == "--output" { "-o" } else { option }
 }
 
-/// Tells if two paths name one file, which need not exist.
+/// True if two paths name one file, which need not exist.
 fn is_same_place(a: &Path, b: &Path) -> bool {
     let resolve = |path: &Path| {
         path.canonicalize().ok().or_else(|| {

@@ -1,4 +1,4 @@
-//! Context of one run: how to print, what was read, where results go, and when to stop.
+//! Context of one run: form of the output, inputs so far, files of the result, and cancellation.
 
 use crate::args::GlobalArgs;
 use crate::given::GivenOptions;
@@ -8,16 +8,17 @@ use adwave_io::{ReadLimits, Transaction};
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
-/// Use of the heap that a program can tune its allocator for. The library never tunes it: it may run inside another program.
+/// Use of the heap that a program can tune its allocator for. The library never tunes it: it may run inside another
+/// program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeapUse {
     /// Vectors of a mebibyte and more go back to the system as soon as they are freed.
     ReturnVectors,
     /// Many vectors of one size are made and dropped, and those that are freed are kept for the next.
     ReuseVectors,
-    /// As much memory is wanted again and again, and all that is freed is kept.
+    /// The program needs the same amount of memory again and again, and all that is freed is kept.
     ReuseAll,
-    /// Requests of one size come again and again; of freed memory up to this many bytes are kept.
+    /// Requests of one size come again and again, and up to this many bytes of freed memory are kept.
     ReuseUpTo(usize),
 }
 
@@ -74,9 +75,9 @@ pub(crate) struct Global<'a> {
     pub(crate) given: &'a GivenOptions,
     /// True if --max-input was given.
     pub(crate) has_max_input: bool,
-    /// Limits on what is read.
+    /// Limits on reading.
     pub(crate) limits: ReadLimits,
-    /// Whether the result goes to the standard output, so that reports go to the standard error.
+    /// True if the result goes to the standard output, so that reports go to the standard error.
     pub(crate) is_piped: bool,
     /// Files that have been read so far.
     pub(crate) inputs: &'a Inputs,
@@ -125,7 +126,7 @@ impl<'a> Global<'a> {
         Progress::none().with_cancel(self.cancel)
     }
 
-    /// Tells the program what the heap will be used for.
+    /// Tells the program the future use of the heap.
     pub(crate) fn tune_heap(&self, heap_use: HeapUse) {
         (self.program.tune_heap)(heap_use);
     }

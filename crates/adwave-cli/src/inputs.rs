@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Sources that a run has read.
 pub(crate) struct Inputs {
-    /// Whether results carry their provenance in comments too.
+    /// True if results carry their provenance in comments too.
     pub(crate) in_comments: bool,
     sources: Mutex<Vec<InputSource>>,
     /// Remarks about the sources that have not been printed.

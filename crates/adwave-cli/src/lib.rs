@@ -1,8 +1,9 @@
 //! The command `adwave` as a function: [`run`] takes the words of a command line and returns an exit code.
 //!
-//! A command resolves its flags, computes and writes. The method is in the crate `adwave`, files are read and written by
-//! `adwave-io`; a program that needs results instead of files and text calls those crates. This crate prints to the standard output and
-//! the standard error. It neither ends the process, nor installs signal handlers, nor tunes the allocator.
+//! A command resolves its flags, computes and writes. The method is in the crate `adwave`, files are read and written
+//! by `adwave-io`; a program that needs results instead of files and text calls those crates. This crate prints to the
+//! standard output and the standard error. It neither ends the process, nor installs signal handlers, nor tunes the
+//! allocator.
 
 mod args;
 mod cli;
@@ -32,11 +33,11 @@ pub fn definition() -> clap::Command {
     definition
 }
 
-/// Runs one command line, the program's name first, and returns its exit code: 0 done, 1 the machine failed, 2 bad usage or
-/// input, 130 stopped because `cancel` became true.
+/// Runs one command line, the program's name first, and returns its exit code: 0 done, 1 the machine failed, 2 bad
+/// usage or input, 130 stopped because `cancel` became true.
 ///
-/// Files that the command replaces are replaced as a whole or not at all. With `--threads N` the command runs in a thread pool of
-/// its own; without, in that of the caller.
+/// Files that the command replaces are replaced as a whole or not at all. With `--threads N` the command runs in a
+/// thread pool of its own; without, in that of the caller.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -106,8 +107,8 @@ fn run_in_threads(cli: &Cli, global: &Global<'_>) -> Result<(), CliError> {
         .and_then(|pool| pool.install(|| finish(dispatch(&cli.command, global), &cli.command, global)))
 }
 
-/// Starts the threads that all work shares, unless this runs in threads of the caller or they have been started. Their first use
-/// would panic if the system refuses them.
+/// Starts the threads that all work shares, unless this runs in threads of the caller or they have been started. Their
+/// first use would panic if the system refuses them.
 fn start_global_pool() -> Result<(), CliError> {
     if rayon::current_thread_index().is_some() {
         return Ok(());
@@ -135,8 +136,8 @@ fn limit_threads(asked: usize, global: &Global<'_>) -> usize {
     asked.min(most)
 }
 
-/// Whether the files of a result take their places together. Those of `reproduce` stand on their own after minutes of work, `studio`
-/// writes as long as it runs, and a later run continues from the tiles of an earlier one.
+/// True if all files of a result replace older ones together. The files of `reproduce` stand on their own after minutes
+/// of work, `studio` writes as long as it runs, and a later run of `tiles` continues from the tiles of an earlier one.
 fn is_one_result(command: &Command) -> bool {
     !matches!(command, Command::Studio(_) | Command::Reproduce(_) | Command::Tiles(_) | Command::Tile(_))
 }
@@ -145,7 +146,8 @@ fn transaction(command: &Command) -> Transaction {
     if is_one_result(command) { Transaction::new() } else { Transaction::immediate() }
 }
 
-/// The outcome for the files: a closed standard output does not undo them, and a stop while the last one is written does.
+/// Outcome that decides whether the files of the result stay: a closed standard output does not undo them, but a stop
+/// while the last one is written does.
 fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>) -> Result<(), CliError> {
     match outcome {
         outcome if !is_one_result(command) => outcome,
@@ -155,7 +157,7 @@ fn finish(outcome: Result<(), CliError>, command: &Command, global: &Global<'_>)
     }
 }
 
-/// The use that a command makes of the heap; some commands say more when they know their input.
+/// The use that a command makes of the heap; some commands refine it when they know their input.
 fn heap_use(command: &Command) -> HeapUse {
     if matches!(command, Command::Denoise(_)) { HeapUse::ReuseVectors } else { HeapUse::ReturnVectors }
 }

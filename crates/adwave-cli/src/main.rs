@@ -62,9 +62,10 @@ fn remember_signals() {
 #[cfg(not(unix))]
 fn remember_signals() {}
 
-/// Sets the thresholds of the C library's allocator. By default it keeps freed vectors of up to 32 MiB, which most commands never
-/// ask for again: an eighth of the peak of a mesh of a million vertices. Where vectors of one size come again and again, keeping them
-/// saves the time in which the system clears their pages: a fifth of that of `denoise`, for a tenth more memory.
+/// Sets the thresholds of the C library's allocator. By default it keeps freed vectors of up to 32 MiB, which most
+/// commands never ask for again: an eighth of the peak of a mesh of a million vertices. Where vectors of one size come
+/// again and again, keeping them saves the time in which the system clears their pages: a fifth of that of `denoise`,
+/// for a tenth more memory.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 #[allow(unsafe_code)]
 fn tune_heap(heap_use: HeapUse) {
@@ -94,8 +95,8 @@ fn tune_heap(heap_use: HeapUse) {
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 fn tune_heap(_: HeapUse) {}
 
-/// Prints a line and exits with the code of a failed machine if the system refuses memory. Without this the standard library
-/// reports the number of bytes and aborts with a dump of the process.
+/// Prints a line and exits with the code of a failed machine if the system refuses memory. Without this the standard
+/// library reports the number of bytes and aborts with a dump of the process.
 #[cfg(unix)]
 #[allow(unsafe_code)]
 fn report_exhausted_memory() {

@@ -16,7 +16,7 @@ const OTHER_ORDER: f64 = 8.0;
 /// Rounds in which frames are averaged with those of their neighbors.
 const FRAME_ROUNDS: usize = 2;
 
-/// Least volume of a solid, as a share of that of the cube over its size, whose sign tells a mirrored base.
+/// Smallest volume of a solid, as a share of the cube over its size, whose sign shows that a base is mirrored.
 const LEAST_VOLUME: f64 = 1e-4;
 
 /// Positions S_J of the last level, in the order of the shape: the base that other programs edit and
@@ -36,12 +36,12 @@ pub fn base_points(
 /// The shape on an edited base: `f′ = S′ + R (f − S_J)`, with S′ the edited [`base_points`] and R the rotation of each
 /// vertex's neighborhood from S_J to S′, averaged over a few edges.
 ///
-/// The unchanged base gives the shape, a base moved as a whole gives the shape moved. Detail keeps its size where the base
-/// is scaled. `base` holds a position per vertex in the order of the shape. O(n).
+/// The unchanged base gives the shape, a base moved as a whole gives the shape moved. Detail keeps its size where the
+/// base is scaled. `base` holds a position per vertex in the order of the shape. O(n).
 ///
 /// # Errors
-/// [`DeformError`] if the base has another number of vertices, coordinates that are not finite, all points at one place,
-/// the order or the shape of another, or mirrors the shape.
+/// [`DeformError`] if the base has another number of vertices, coordinates that are not finite, all points at one
+/// place, the order or the shape of another, or mirrors the shape.
 pub fn with_base(
     decomposer: &Decomposer,
     schedule: &Schedule,

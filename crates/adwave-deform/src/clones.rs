@@ -6,8 +6,8 @@ use adwave::vector::{add_scaled, subtract};
 use adwave::{Decomposer, Progress};
 use adwave_io::DetailClone;
 
-/// Clones of the detail finer than the usual base, one after the other. Those that were applied before are kept, so that
-/// a further one costs its own vertices only.
+/// Clones of the detail finer than the usual base, one after the other. Those that were applied before are kept, so
+/// that a further one costs its own vertices only.
 pub struct Clones {
     decomposer: Decomposer,
     cloner: DetailCloner,
@@ -62,7 +62,7 @@ impl Clones {
         Ok(())
     }
 
-    /// Adds to positions what the clones change. Vertices outside all clones keep their bits.
+    /// Adds the changes by the clones to positions. Vertices outside all clones keep their bits.
     ///
     /// # Panics
     /// Unless there is a position for each vertex.

@@ -14,8 +14,8 @@ const NODE_SPACING: f64 = 0.75;
 /// Width σ_J of the base, as a share of the extent, if none is given.
 const DEFAULT_WIDTH: f64 = 0.045;
 
-/// Relative error of the bands that are taken off the shape for its base. The base only has to be smooth, as details are
-/// measured from whatever it is; each digit would cost 8 % of the time of binding.
+/// Relative error of the bands that are taken off the shape for its base. The base only has to be smooth, because
+/// details are measured relative to it; each digit would cost 8 % of the time of binding.
 const ACCURACY: f64 = 1e-4;
 
 /// Distance at which the weight of a node is 0, in distances of nodes.

@@ -87,9 +87,9 @@ pub struct BindInfo {
 /// A shape bound to handles, whose coarse shape bends while all finer detail rides along in turning frames.
 ///
 /// `f′ = S_J′ + R (f − S_J)`: the coarse shape S_J moves by affine maps of nodes, blended over it, such that it
-/// stretches and bends as little as possible (`sorkine2007`, `sumner2007`); R blends the rotations of the nodes. Handles
-/// follow their motions exactly. A step costs the same on any number of vertices; [`points`](Self::points) costs O(n). The
-/// example `survey` bends the four shapes of `botsch2008`.
+/// stretches and bends as little as possible (`sorkine2007`, `sumner2007`); R blends the rotations of the nodes.
+/// Handles follow their motions exactly. A step costs the same on any number of vertices; [`points`](Self::points)
+/// costs O(n). The example `survey` bends the four shapes of `botsch2008`.
 ///
 /// ```
 /// use adwave::{Decomposer, Progress, bands::Schedule, sample::Sample, shape::{Mesh, Shape}};
@@ -422,8 +422,8 @@ impl Deformer {
         self.carried_into(rest, points);
     }
 
-    /// Positions of other values of the same shape, such as those of an edit of its bands, carried along: `S_J′ + R (f −
-    /// S_J)` for these positions f. Pose and edit are so independent of each other.
+    /// Deformed positions for other values of the same shape, such as the result of an edit of its bands:
+    /// `S_J′ + R (f − S_J)` for these positions f. A pose and an edit are thus independent of each other.
     ///
     /// # Panics
     /// Unless there is a position and a place for each vertex.
@@ -438,8 +438,8 @@ impl Deformer {
         });
     }
 
-    /// New places and frames of some vertices, which a display needs: `S_J′ + R (f − S_J)` and R for each, with positions f
-    /// of the shape in `rest`. O(vertices).
+    /// New places and frames of some vertices, which a display needs: `S_J′ + R (f − S_J)` and R for each, with
+    /// positions f of the shape in `rest`. O(vertices).
     ///
     /// # Panics
     /// If a vertex does not exist, or has no position in `rest`.
@@ -452,7 +452,7 @@ impl Deformer {
         vertices.par_iter().with_min_len(ROWS_AT_A_TIME / 4).map(carried).collect()
     }
 
-    /// Takes all motions back, and forgets the way there: what follows depends on the motions alone.
+    /// Takes all motions back and forgets earlier states, so that later results depend on the motions alone.
     pub fn reset(&mut self) {
         self.motions.fill(HandleMotion::default());
         self.pull_handles();
@@ -460,13 +460,13 @@ impl Deformer {
         self.is_at_rest = true;
     }
 
-    /// The common motion in model units; `None` if it is none.
+    /// The common motion in model units; `None` if it moves nothing.
     fn common_in_model_units(&self) -> Option<HandleMotion> {
         let common = self.common_motion();
         (common != HandleMotion::default()).then(|| common.in_unit(1.0 / self.base.unit))
     }
 
-    /// Motion of each region that is not the common one, in model units: what its vertices follow exactly.
+    /// Motion of each region that differs from the common one, in model units; its vertices follow it exactly.
     fn exact_regions(&self) -> Vec<Option<HandleMotion>> {
         let common = self.common_motion();
         let exact = |motion: &HandleMotion| (*motion != common).then(|| motion.in_unit(1.0 / self.base.unit));

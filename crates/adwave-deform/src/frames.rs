@@ -26,8 +26,8 @@ impl Turn {
     }
 }
 
-/// Rotation R with the least `Σ |e′ − R e|²/|e|²` over pairs of edges e, e′ (`horn1987`): that of a neighborhood between
-/// two bases. Equal edges, or none, give exactly no rotation.
+/// Rotation R with the least `Σ |e′ − R e|²/|e|²` over pairs of edges e, e′ (`horn1987`): that of a neighborhood
+/// between two bases. Equal edges, or none, give exactly no rotation.
 pub fn nearest_turn(edges: impl Iterator<Item = (Vector, Vector)>) -> Turn {
     let (mut m, mut is_equal) = ([[0.0; 3]; 3], true);
     for (e, f) in edges {

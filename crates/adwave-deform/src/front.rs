@@ -44,7 +44,7 @@ impl PlacedGraph<'_> {
         norm(&subtract(&self.points[x], &self.points[y]))
     }
 
-    /// Advances a front from `x` up to `radius`; a place keeps the owner that is nearer. `advance` visits the improved.
+    /// Advances a front from the places and owners `start` up to `radius`. A place keeps its nearest owner.
     fn advance(&self, reached: &mut Reached, start: &[(u32, u32)], radius: f64, measure: FrontLength) {
         let mut heap = BinaryHeap::new();
         for &(x, owner) in start {
@@ -111,7 +111,7 @@ impl PlacedGraph<'_> {
     }
 }
 
-/// A front from one place after another over the same graph, which costs only what each covers.
+/// Fronts from one place after another over the same graph; each costs only the places that it covers.
 pub(crate) struct RepeatedFront<'a> {
     graph: PlacedGraph<'a>,
     reached: Reached,

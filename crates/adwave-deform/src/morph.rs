@@ -9,11 +9,11 @@ use adwave::shape::{PreparedGeometry, Shape, first_misplaced_vertex};
 use adwave::{Decomposer, Progress};
 use rayon::prelude::*;
 
-/// Shape between `a` (shares 0) and `b` (shares 1): `f = S + Σ_j (1 − t_j) R_a W_a(j) + t_j R_b W_b(j)` on the base `S = (1 −
-/// t_0) S_a + t_0 S_b`. R_a and R_b turn detail from its own base to this one.
+/// Shape between `a` (shares 0) and `b` (shares 1): `f = S + Σ_j (1 − t_j) R_a W_a(j) + t_j R_b W_b(j)` on the base
+/// `S = (1 − t_0) S_a + t_0 S_b`. R_a and R_b turn detail from its own base to this one.
 ///
-/// `shares` holds t_1 … t_J, fine to coarse, and t_0 of the base last. Shares beyond \[0, 1\] exaggerate. Bases are blended
-/// along straight lines, so that a limb that swings far gets shorter on the way; bend such shapes by a
+/// `shares` holds t_1 … t_J, fine to coarse, and t_0 of the base last. Shares beyond \[0, 1\] exaggerate. Bases are
+/// blended along straight lines, so that a limb that swings far gets shorter on the way; bend such shapes by a
 /// [`Deformer`](crate::Deformer).
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Truncated Newton steps on the energy of the nodes (`nocedal2006`). For given rotations the best maps follow from a
-//! factorization of Q, which a bound deformation keeps; the steps are those of the energy with the best maps, by conjugate
-//! gradients over the rotations.
+//! factorization of Q, which a bound deformation keeps; the steps are those of the energy with the best maps, by
+//! conjugate gradients over the rotations.
 
 use crate::DeformError;
 use crate::node_energy::{ColumnMap, NodeEnergy};
@@ -27,7 +27,7 @@ const N_EARLIER: usize = 3;
 /// Halvings of a step at most.
 const MAX_HALVINGS: usize = 30;
 
-/// Share of the decrease that the slope promises, of which a step must reach this much.
+/// Share of the decrease promised by the slope that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 
 /// Least curvature of a rotation in the preconditioner, relative to the mass of its node.
@@ -82,8 +82,8 @@ struct Linearized {
     inverse: Vec<Matrix>,
 }
 
-/// Directions of earlier steps, among which a step is exact: a limb that hangs on by a thin neck costs so little energy that
-/// single steps would leave it behind.
+/// Directions of earlier steps, among which a step is exact: a limb that hangs on by a thin neck costs so little energy
+/// that single steps would leave it behind.
 #[derive(Clone, Default)]
 pub(crate) struct EarlierSteps(Vec<Vec<Vector>>);
 
@@ -157,7 +157,7 @@ fn combine(a: &mut [Vector], s: f64, t: f64, b: &[Vector]) {
 }
 
 impl NodeSolver {
-    /// Factorizes Q over the numbers that are free: all of nodes, the linear part of a single point.
+    /// Factorizes Q over the free numbers: all four of nodes, and the linear part of a single point.
     pub(crate) fn new(energy: &NodeEnergy, n_nodes: usize, is_point: &[bool]) -> Result<Self, DeformError> {
         let (mut rows, mut n_free) = (vec![[None; 4]; energy.n_columns()], 0);
         let mut has_free_turn = vec![true; n_nodes];
@@ -298,7 +298,8 @@ impl NodeSolver {
         }
     }
 
-    /// Gradient of the energy with the best maps, by the rotations, and what products with its Hessian share.
+    /// Gradient of the energy with the best maps, by the rotations, and the values that products with its Hessian
+    /// share.
     fn linearize(&self, energy: &NodeEnergy, state: &NodeState) -> (Linearized, Vec<Vector>) {
         let n = energy.n_columns();
         let rotations: Vec<Matrix> = state.turns.iter().map(to_matrix).collect();

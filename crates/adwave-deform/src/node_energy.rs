@@ -2,10 +2,11 @@
 //!
 //! `E(T, R) = Σ_s a_s Σ_k w_k(s) ‖∇S′(s) − R_k ∇S(s)‖² + ε Σ_k m_k ‖L_k − R_k‖² + β Σ_{k<l} K_kl ‖R_k − R_l‖²`
 //!
-//! Each column (node or region) maps a point to `L_k (x − c_k) + t_k` and has a rotation R_k of its own. `S′ = Σ_k w_k
-//! (L_k (x − c_k) + t_k)` is linear in T = (L, t). The gradient at a sample is the least-squares gradient over its neighbors
-//! in their plane, so that the shapes of triangles do not matter; `m_k = Σ_s a_s w_k` and `K_kl = Σ_s a_s w_k w_l`. All
-//! sums over samples are done once, so that a step costs the same on any number of vertices.
+//! Each column (node or region) maps a point to `L_k (x − c_k) + t_k` and has a rotation R_k of its own.
+//! `S′ = Σ_k w_k (L_k (x − c_k) + t_k)` is linear in T = (L, t). The gradient at a sample is the least-squares gradient
+//! over its neighbors in their plane, so that the shapes of triangles do not matter; `m_k = Σ_s a_s w_k` and
+//! `K_kl = Σ_s a_s w_k w_l`. All sums over samples are done once, so that a step costs the same on any number of
+//! vertices.
 
 use crate::DeformError;
 use crate::coarse_base::{BlendRow, CoarseBase};
@@ -15,7 +16,7 @@ use adwave::Progress;
 use adwave::vector::{Vector, dot, subtract};
 use rayon::prelude::*;
 
-/// Weight ε of the deformation of a node itself, which fixes what a flat base leaves open.
+/// Weight ε of the deformation of a node itself, which determines the maps where a flat base leaves them open.
 const OWN_SHAPE: f64 = 0.02;
 
 /// Eigenvalue of a plane's moments, relative to the largest, below which the samples lie on a line.

@@ -9,7 +9,7 @@ use adwave::{Decomposer, Progress};
 /// Reach of a handle's ramp in widths σ_J.
 const RAMP: f64 = 1.5;
 
-/// Share of its weight that a node must have beside the regions.
+/// Share of its weight that the regions must leave to a node for it to be free.
 const LEAST_FREE: f64 = 0.05;
 
 /// Number of pairs of samples that are compared at most for a part without a handle.
@@ -90,8 +90,8 @@ impl BoundRows {
     }
 }
 
-/// Nodes that keep at least a share of their weight beside the regions. The others would be moved by a few samples, and carry
-/// vertices between these anywhere.
+/// Nodes to which the regions leave at least a share of their weight. The other nodes would be determined by a few
+/// samples, and would carry the vertices between these anywhere.
 fn free_nodes(base: &CoarseBase, held: &ShareOfRegions<'_>) -> Vec<bool> {
     let (mut all, mut free) = (vec![0.0; base.nodes.len()], vec![0.0; base.nodes.len()]);
     for (&x, area) in base.samples.iter().zip(&base.sample_areas) {

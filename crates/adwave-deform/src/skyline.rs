@@ -1,5 +1,5 @@
-//! Cholesky factor of a symmetric matrix by rows from the first entry of each on: the same bits wherever its memory lies, which
-//! libraries with aligned kernels do not promise.
+//! Cholesky factor of a symmetric matrix, stored by rows from the first entry of each row on. Its bits do not depend on
+//! the place of its memory, which libraries with aligned kernels do not promise.
 
 use rayon::prelude::*;
 

@@ -18,8 +18,8 @@ const DEFAULT_WIDTH: f64 = 0.02;
 /// Distance between the coarse shapes, in widths, beyond which a vertex counts as far.
 const FAR: f64 = 1.0;
 
-/// Distance between the coarse shapes, in widths, up to which they are one surface that two meshes smooth a little differently.
-/// Detail then stands on the first as it is, since their normals differ by the meshes alone.
+/// Distance between the coarse shapes, in widths, up to which they are one surface that two meshes smooth a little
+/// differently. Detail then stands on the first as it is, since their normals differ by the meshes alone.
 const SAME_BASE: f64 = 0.05;
 
 /// Distance between the coarse shapes, in widths, from which detail stands on the second alone.
@@ -34,8 +34,8 @@ pub struct Transferred {
     pub width: f64,
     /// Largest distance between the coarse shapes in model units, over the vertices that may change.
     pub largest_gap: f64,
-    /// Number of vertices whose coarse position is farther than a width from the other coarse shape; they keep their own
-    /// detail.
+    /// Number of vertices whose coarse position is farther than a width from the other coarse shape; they keep their
+    /// own detail.
     pub n_far: usize,
 }
 
@@ -48,10 +48,10 @@ pub fn transfer_decomposer(shape: &Shape, progress: Progress<'_>) -> Result<Deco
     Ok(Decomposer::with_params(shape, &params, progress)?)
 }
 
-/// Detail of `from` carried onto `onto`, another mesh or cloud of the same surface in the same place: `f′ = S + R d` with the
-/// coarse shape S of `onto` and the detail d of `from` at the nearest place of its coarse shape, turned by R between the
-/// normals. Both coarse shapes have the same `width` σ in model units, 2 % of the diagonal of `onto` if `None`. A vertex keeps
-/// the share 1 − `weights` of its own position. Prepare both by [`transfer_decomposer`].
+/// Detail of `from` carried onto `onto`, another mesh or cloud of the same surface in the same place: `f′ = S + R d`
+/// with the coarse shape S of `onto` and the detail d of `from` at the nearest place of its coarse shape, turned by R
+/// between the normals. Both coarse shapes have the same `width` σ in model units, 2 % of the diagonal of `onto` if
+/// `None`. A vertex keeps the share 1 − `weights` of its own position. Prepare both by [`transfer_decomposer`].
 ///
 /// # Errors
 /// [`DeformError`] if a shape has no positions, the width is no length, weights do not match, or the call is cancelled.

@@ -44,19 +44,20 @@ pub struct Transplanted {
     pub n_changed: usize,
     /// Number of vertices within the radius for which the source has no detail, as beyond its border.
     pub n_without_source: usize,
-    /// Largest stretch between the two neighborhoods: distances on the coarse shape between neighbors at the target over
-    /// those in its map. 1 where both are flat, more on a tip.
+    /// Largest stretch between the two neighborhoods: distances on the coarse shape between neighbors at the target
+    /// over those in its map. 1 where both are flat, more on a tip.
     pub distortion: f64,
 }
 
-/// Clones the detail of some levels from one place to another: around both, the coarse shape is unrolled onto its tangent
-/// plane (the discrete exponential map, `schmidt2006`), and at equal places of the two maps the target takes the detail
-/// of the source, turned from frame to frame. The axes of the two maps differ by the smallest rotation between the normals
-/// and `angle`. The detail of the source fades into the present one from half the radius on. O(n) for the bands.
+/// Clones the detail of some levels from one place to another. Around both places the coarse shape is unrolled onto its
+/// tangent plane (the discrete exponential map, `schmidt2006`). At equal places of the two maps the target takes the
+/// detail of the source, turned from frame to frame. The axes of the two maps differ by the smallest rotation between
+/// the normals and `angle`. The detail of the source fades into the present one from half the radius on. O(n) for the
+/// bands.
 ///
 /// # Errors
-/// [`DeformError`] if a vertex does not exist or takes no part, the radius is no length, the levels are none, or the call
-/// is cancelled.
+/// [`DeformError`] if a vertex does not exist or takes no part, the radius is no length, the levels are none, or the
+/// call is cancelled.
 pub fn transplant(
     decomposer: &Decomposer,
     schedule: &Schedule,
@@ -117,9 +118,9 @@ pub struct Stamp {
 pub struct Stamped {
     /// Welded vertices whose detail was changed, each once.
     pub vertices: Vec<u32>,
-    /// As in [`Transplanted`].
+    /// Number of vertices within the radius for which the source has no detail, as in [`Transplanted`].
     pub n_without_source: usize,
-    /// As in [`Transplanted`].
+    /// Largest stretch between the two neighborhoods, as in [`Transplanted`].
     pub distortion: f64,
 }
 

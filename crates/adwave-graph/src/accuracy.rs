@@ -1,16 +1,16 @@
 //! Bounds of the rounding errors of powers of a walk, in double and single precision.
 //!
-//! Lanes are rounded with the relative error ε: 0 in double and 2⁻²⁴ in single precision. A row of m entries is summed in
-//! double precision, with u = 2⁻⁵³ and `γ_m = mu/(1 − mu)` (`higham2002`, chapter 3), and rounded once. No entry of P is
-//! negative, so that the errors of t steps are bounded value by value:
-//! `|computed − Pᵗx| ≤ g(t)·Pᵗ|x|`, `g(t) = (1 + ε)·((1 + ε)(1 + γ_m))ᵗ − 1`, which is (t + 1)·6e-8 in single precision,
-//! whatever the degrees. For values of at least 0 this is a relative error of each.
+//! Lanes are rounded with the relative error ε: 0 in double and 2⁻²⁴ in single precision. A row of m entries is summed
+//! in double precision, with u = 2⁻⁵³ and `γ_m = mu/(1 − mu)` (`higham2002`, chapter 3), and rounded once. No entry of
+//! P is negative, so that the errors of t steps are bounded value by value: `|computed − Pᵗx| ≤ g(t)·Pᵗ|x|`,
+//! `g(t) = (1 + ε)·((1 + ε)(1 + γ_m))ᵗ − 1`, which is (t + 1)·6e-8 in single precision, whatever the degrees. For
+//! values of at least 0 this is a relative error of each.
 //!
-//! Let N be a norm that P does not increase: the largest size if rows are normalized, the sum of the sizes for columns, the
-//! root of the sum of the squares for the symmetric walk. Then a band `W_j` has the error
-//! `b_j = g(n_{j−1}) + g(n_j)` relative to `N(x)`, and as `N(W_j x) ≤ 2N(x)`, the path of the bands j and k has the error
-//! `2b_j + (2 + b_j)·b_k`. In single precision and with normalized rows, the middle of the range of each channel is
-//! subtracted first, which changes no band; the error is then relative to half of the range.
+//! Let N be a norm that P does not increase: the largest size if rows are normalized, the sum of the sizes for columns,
+//! the root of the sum of the squares for the symmetric walk. Then a band `W_j` has the error
+//! `b_j = g(n_{j−1}) + g(n_j)` relative to `N(x)`, and as `N(W_j x) ≤ 2N(x)`, the path of the bands j and k has the
+//! error `2b_j + (2 + b_j)·b_k`. In single precision and with normalized rows, the middle of the range of each channel
+//! is subtracted first, which changes no band; the error is then relative to half of the range.
 
 use crate::WalkPowers;
 use adwave::bands::Precision;
@@ -34,7 +34,7 @@ pub struct WalkAccuracy {
 }
 
 impl WalkAccuracy {
-    /// The accuracy of the format that is asked for; of [`Precision::Auto`], single precision if its error is at most 1e-10.
+    /// Accuracy of the requested format. [`Precision::Auto`] takes single precision if its error is at most 1e-10.
     pub(crate) fn choose(wanted: Precision, bound: impl Fn(Precision) -> f64) -> Self {
         let precision = match wanted {
             Precision::Auto if bound(Precision::Single) <= AUTO_ACCURACY => Precision::Single,

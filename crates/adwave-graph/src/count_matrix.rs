@@ -18,8 +18,8 @@ pub enum CountValues<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChannelBlock<'a> {
     channels: &'a [usize],
-    /// True if each channel follows the one before. Copies without a look-up per value have many rows under way at a time:
-    /// rows lie in different pages, and waiting for one after the other takes longer than the products.
+    /// True if each channel follows the one before. Copies without a look-up per value have many rows under way at a
+    /// time: rows lie in different pages, and waiting for one after the other takes longer than the products.
     follow: bool,
 }
 
@@ -127,7 +127,7 @@ impl CountMatrix<'_> {
         if sums.len() % 2 == 1 { sums[middle] } else { 0.5 * (sums[middle - 1] + sums[middle]) }
     }
 
-    /// Fetches what [`copy_row`](Self::copy_row) will read of a node.
+    /// Prefetches the values of a node that [`copy_row`](Self::copy_row) will read.
     pub(crate) fn fetch_row(&self, node: usize, channels: ChannelBlock<'_>) {
         if let (CountValues::Dense(values), [first, ..]) = (self.values, channels.channels)
             && channels.follow

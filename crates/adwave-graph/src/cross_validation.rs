@@ -1,8 +1,8 @@
 //! Diffusion time by molecular cross-validation (`batson2019`).
 //!
-//! The molecules of each count are split at random: a share p is diffused, the rest is compared with it. With the factors c
-//! of the cells, train values a = c·A/p and test values b = c·B/(1 − p), the mean of `(Pᵗa − b)²` is the risk of t plus the
-//! variance of b, which does not depend on t. All t come from one series of products.
+//! The molecules of each count are split at random: a share p is diffused, the rest is compared with it. With the
+//! factors c of the cells, train values a = c·A/p and test values b = c·B/(1 − p), the mean of `(Pᵗa − b)²` is the risk
+//! of t plus the variance of b, which does not depend on t. All t come from one series of products.
 
 use crate::count_matrix::{ChannelBlock, RowFactors};
 use crate::lane_block::{LaneBlock, blocks};
@@ -87,8 +87,8 @@ pub struct CrossValidation {
 /// Number of steps by molecular cross-validation of counts. O(entries·channels·steps).
 ///
 /// # Errors
-/// [`GraphWalkError`] if a value is no count (whole and ≥ 0), the matrix does not have a row per node, a parameter is out of
-/// range, or the call is cancelled.
+/// [`GraphWalkError`] if a value is no count (whole and ≥ 0), the matrix does not have a row per node, a parameter is
+/// out of range, or the call is cancelled.
 pub fn cross_validate(
     powers: &WalkPowers,
     counts: &CountMatrix<'_>,
@@ -126,7 +126,8 @@ pub fn cross_validate(
     }
 }
 
-/// The share of the counts that cross-validation diffuses, with the split of [`cross_validate`] for the same share and seed.
+/// The share of the counts that cross-validation diffuses, with the split of [`cross_validate`] for the same share and
+/// seed.
 ///
 /// A graph that was made from all counts knows the molecules that are held back, and the least error is then found too
 /// early. Make the graph for cross-validation from these counts.

@@ -29,7 +29,7 @@ pub enum GraphWalkError {
         point: usize,
         /// The coordinate, from 0.
         dimension: usize,
-        /// Its value.
+        /// Value of the coordinate.
         value: f64,
     },
     /// Lists of neighbors of the wrong size.
@@ -183,7 +183,7 @@ pub enum GraphWalkError {
     BadParameter {
         /// Name of the parameter.
         name: &'static str,
-        /// Its range.
+        /// Range of the parameter.
         range: &'static str,
         /// The value.
         value: f64,

@@ -25,14 +25,14 @@ pub struct ImputationInput<'a> {
     pub precision: Precision,
 }
 
-/// Computes `P^steps X` of the transformed values into `out`, n_nodes × channels. Channels that are 0 everywhere stay 0.
-/// O(entries·channels·steps), with two vectors of 32 channels beside the result.
+/// Computes `P^steps X` of the transformed values into `out`, n_nodes × channels. Channels that are 0 everywhere
+/// stay 0. O(entries·channels·steps), with two vectors of 32 channels beside the result.
 ///
 /// A fractional number of steps needs a walk of symmetric weights that stays at least half of the time.
 ///
-/// The error bound is relative to `P^steps |X|`, value by value: of values of at least 0, such as counts, it is the relative
-/// error of each, except that in single precision those below 1e-28 of the largest of their channel may vanish. Of a
-/// fractional number of steps it is relative to the norm of a channel.
+/// The error bound is relative to `P^steps |X|`, value by value. For values of at least 0, such as counts, it bounds
+/// the relative error of each value, except that values below 1e-28 of the largest of their channel may vanish in
+/// single precision. For a fractional number of steps it is relative to the norm of a channel.
 ///
 /// # Errors
 /// [`GraphWalkError`] if the matrix does not have a row per node or lacks a channel, a value is not finite, or negative

@@ -12,8 +12,8 @@ pub enum Kernel {
     /// areas. Pairs are neighbors if either is among the nearest of the other.
     #[default]
     Paper,
-    /// `exp(−(d/σ_x)^decay)`, σ_x the distance from x to its `scale_neighbor`-th neighbor, then the mean of both directions
-    /// (`vandijk2018`).
+    /// `exp(−(d/σ_x)^decay)`, σ_x the distance from x to its `scale_neighbor`-th neighbor, then the mean of both
+    /// directions (`vandijk2018`).
     Adaptive {
         /// Exponent, > 0.
         decay: f64,
@@ -25,8 +25,8 @@ pub enum Kernel {
         /// Neighbor at the scale of a point, from 1.
         scale_neighbor: usize,
     },
-    /// `k(x,y)/q(x)q(y)` with the kernel k of the paper and its row sums q, which removes the density of the points (α = 1 of
-    /// `coifmanlafon2006`).
+    /// `k(x,y)/q(x)q(y)` with the kernel k of the paper and its row sums q, which removes the density of the points (α
+    /// = 1 of `coifmanlafon2006`).
     DensityInvariant,
 }
 
@@ -68,7 +68,8 @@ const NEGLIGIBLE: f64 = 1e-16;
 
 /// Symmetric weights of the neighbors, n_points × n_points, without a diagonal. O(entries · log).
 ///
-/// Duplicates have the distance 0 and the weight 1. If the scale σ_x of a point is 0, its smallest positive distance is used.
+/// Duplicates have the distance 0 and the weight 1. If the scale σ_x of a point is 0, its smallest positive distance is
+/// used.
 ///
 /// # Errors
 /// [`GraphWalkError`] if the decay is out of range or the call is cancelled.

@@ -42,7 +42,7 @@ pub(crate) trait RowSource: Sync {
     /// Writes the values of a node.
     fn fill(&self, node: usize, row: &mut [f64]);
 
-    /// Fetches what [`fill`](Self::fill) will read of a node.
+    /// Prefetches the values of a node that [`fill`](Self::fill) will read.
     fn fetch(&self, _node: usize) {}
 }
 
@@ -167,8 +167,8 @@ impl<T: LaneNumber> BandRows<'_, T> {
 }
 
 impl WalkPowers {
-    /// A block of `width` channels, filled node by node, in the memory of `spare` if there is one. Of some values in single
-    /// precision rows are filled twice.
+    /// A block of `width` channels, filled node by node, in the memory of `spare` if there is one. Of some values in
+    /// single precision rows are filled twice.
     pub(crate) fn load<T: LaneNumber>(
         &self,
         width: usize,
@@ -286,7 +286,7 @@ impl WalkPowers {
     }
 }
 
-/// The power of 2 next below a positive finite number; 1 of 0.
+/// The power of 2 next below a positive finite number; 1 for 0.
 fn power_of_two(size: f64) -> f64 {
     if size == 0.0 { 1.0 } else { size.log2().floor().clamp(-1000.0, 1000.0).exp2() }
 }

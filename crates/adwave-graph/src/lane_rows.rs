@@ -15,8 +15,8 @@ pub(crate) trait LaneNumber: Copy + Default + Send + Sync + std::fmt::Debug + 's
     /// Value in double precision.
     fn widened(self) -> f64;
 
-    /// Lets `fill` write a row, and in single precision multiplies it by the factors and raises the sizes to those of its
-    /// values.
+    /// Lets `fill` write a row, and in single precision multiplies it by the factors and raises the sizes to those of
+    /// its values.
     fn fill_row(
         out: &mut [Self],
         factors: &[f64; MAX_LANES],
@@ -76,8 +76,8 @@ impl LaneNumber for f32 {
     }
 }
 
-/// Bytes of a cache line. A row of 64 bytes that begins elsewhere lies in two lines, and products that gather rows in any
-/// order then take twice as long.
+/// Bytes of a cache line. A row of 64 bytes that begins elsewhere lies in two lines, and products that gather rows in
+/// any order then take twice as long.
 pub(crate) const LINE: usize = 64;
 
 /// A vector of values whose first one begins a cache line.

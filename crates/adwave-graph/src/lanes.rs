@@ -17,7 +17,7 @@ pub(crate) const ROWS_AT_A_TIME: usize = 512;
 pub(crate) const SERIAL: usize = 2048;
 
 /// Number of entries by which rows of lanes are prefetched. Neighbors are scattered over memory, which no hardware
-/// prefetcher follows. 32 to 128 entries are equally good; products of 32 lanes take two thirds of the time without.
+/// prefetcher follows. 32 to 128 entries are equally good; they shorten products of 32 lanes by a third.
 const AHEAD: usize = 64;
 
 /// Number of lanes for `width` channels.
@@ -31,8 +31,8 @@ pub(crate) fn lanes(width: usize) -> usize {
     }
 }
 
-/// Computes `out = rows·now` for `lanes` lanes; both are n × lanes. Sums are in double precision. The bits do not depend on
-/// the number of threads.
+/// Computes `out = rows·now` for `lanes` lanes; both are n × lanes. Sums are in double precision. The bits do not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.

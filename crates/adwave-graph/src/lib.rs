@@ -1,4 +1,4 @@
-//! Random walks on graphs and on clouds of any dimension, and what their powers are used for.
+//! Random walks on graphs and on clouds of any dimension, and methods that use their powers.
 //!
 //! | step | type or function |
 //! |---|---|

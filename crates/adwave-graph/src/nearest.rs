@@ -2,8 +2,8 @@
 //!
 //! Points that are close to each other form blocks. Blocks whose distance exceeds the neighbors found so far are passed
 //! over; of the others, only pairs that may be among the nearest by products in single precision with a bound of their
-//! rounding are measured in double precision. So the result is exact, whatever the order of the points and the number of
-//! threads.
+//! rounding are measured in double precision. So the result is exact, whatever the order of the points and the number
+//! of threads.
 
 use crate::GraphWalkError;
 use crate::point_blocks::{PointBlocks, QUERIES};
@@ -58,7 +58,7 @@ pub struct NearestLists {
     pub offsets: Vec<usize>,
     /// Indices of the neighbors.
     pub indices: Vec<u32>,
-    /// Their distances.
+    /// Distances of the neighbors.
     pub distances: Vec<f64>,
 }
 
@@ -74,8 +74,8 @@ impl NearestLists {
         (&self.indices[range.clone()], &self.distances[range])
     }
 
-    /// Lists from n × k arrays that another program computed. Negative indices mean none, a point in its own list is left
-    /// out, and lists are sorted. O(n·k log k).
+    /// Lists from n × k arrays that another program computed. Negative indices mean none, a point in its own list is
+    /// left out, and lists are sorted. O(n·k log k).
     ///
     /// # Errors
     /// [`GraphWalkError`] if the arrays have different lengths, an index is no point, or a distance is negative or not
@@ -162,9 +162,9 @@ impl NearestSoFar {
     }
 }
 
-/// Finds the `k` nearest neighbors of every point, and those at the same distance as the k-th within a relative 1e-9, at
-/// most k + 54: the same rule as for clouds in space. With fewer than k + 1 points all others are neighbors. O(n²·d) at
-/// most; less if the points lie near a surface of few dimensions or in clusters.
+/// Finds the `k` nearest neighbors of every point, and those at the same distance as the k-th within a relative 1e-9,
+/// at most k + 54: the same rule as for clouds in space. With fewer than k + 1 points all others are neighbors. O(n²·d)
+/// at most; less if the points lie near a surface of few dimensions or in clusters.
 ///
 /// # Errors
 /// [`GraphWalkError`] if the values are not n × d or a coordinate is not finite, or the call is cancelled.

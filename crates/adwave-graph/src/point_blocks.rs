@@ -20,7 +20,7 @@ pub(crate) struct PointBlocks<'a> {
     /// Coordinates minus their mean, divided by a power of two, and then the halves of the squared norms: per block
     /// (n_dimensions + 1) × [`BLOCK`].
     single: Vec<f32>,
-    /// Norm of each place after that, and the largest of each block.
+    /// Norm of each place after this scaling, and the largest norm of each block.
     norms: Vec<f64>,
     largest_norms: Vec<f64>,
     extents: Vec<Extent>,
@@ -166,8 +166,8 @@ impl<'a> PointBlocks<'a> {
         f64::from(near.squares[q * self.extents.len() + block]) <= reach * reach * (1.0 + 1e-12)
     }
 
-    /// Bound of the rounding of `½‖y‖² − x·y` in single precision, and of the rounding of the coordinates to it, for a point of
-    /// the norm `norm` and others of at most the norm `most`.
+    /// Bound of the rounding of `½‖y‖² − x·y` in single precision, and of the rounding of the coordinates to it, for a
+    /// point of the norm `norm` and others of at most the norm `most`.
     fn slack(&self, norm: f64, most: f64) -> f64 {
         let terms = self.points.n_dimensions as f64 + 8.0;
         2.0 * terms * f64::from(f32::EPSILON) * (most * most + norm * most + norm * norm) + 1e-30
@@ -184,8 +184,8 @@ impl<'a> PointBlocks<'a> {
         ((0.5 * limit - 0.5 * norm * norm + slack) as f32).next_up()
     }
 
-    /// Calls `each(query, place)` for the places of a block whose product with a query is at most its threshold, which
-    /// becomes what `each` returns.
+    /// Calls `each(query, place)` for the places of a block whose product with a query is at most its threshold. `each`
+    /// returns the new threshold.
     pub(crate) fn visit_near(
         &self,
         queries: &[f32],
@@ -244,8 +244,8 @@ const ROUNDS: usize = 4;
 /// Smallest share of the points on one side of a cut is one in this many.
 const MOST_UNEVEN: usize = 8;
 
-/// Sorts points so that blocks of [`BLOCK`] in that order are close together: cuts them between two means, again and again.
-/// A cut at the median would slice clusters.
+/// Sorts points so that blocks of [`BLOCK`] in that order are close together: cuts them between two means, again and
+/// again. A cut at the median would slice clusters.
 fn sort_into_blocks(
     frame: CloudFrame<'_>,
     order: &mut [u32],
@@ -344,7 +344,8 @@ impl Balls {
                 group[c * BLOCK + block % BLOCK] = v;
             }
             group[d * BLOCK + block % BLOCK] = (0.5 * square) as f32;
-            // Coordinates are rounded relatively to their distance from the mean, sums of squares relatively to themselves.
+            // Coordinates are rounded relatively to their distance from the mean, sums of squares relatively to
+            // themselves.
             radii.push(radius * (1.0 + 1e-9) + 1e-12 * (square.sqrt() + radius));
             largest_norm = largest_norm.max(square.sqrt());
         }

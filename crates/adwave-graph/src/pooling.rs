@@ -35,8 +35,8 @@ impl Pooling {
     }
 }
 
-/// Statistics of `values`, n_paths × n_nodes × n_channels, over the nodes of each graph: n_graphs × n_paths × n_channels ×
-/// statistics. `graph_of[x]` is the graph of node x, from 0. A graph without nodes has zeros. O(values).
+/// Statistics of `values`, n_paths × n_nodes × n_channels, over the nodes of each graph: n_graphs × n_paths ×
+/// n_channels × statistics. `graph_of[x]` is the graph of node x, from 0. A graph without nodes has zeros. O(values).
 ///
 /// # Errors
 /// [`GraphWalkError::LabelsLength`] unless there is a label per node, below `n_graphs`.

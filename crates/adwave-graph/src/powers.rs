@@ -1,7 +1,7 @@
 //! Powers of a walk applied to many channels, and their adjoint.
 //!
-//! Channels go through the products in blocks of up to 32, nodes in an order in which neighbors are close to each other. A
-//! block takes three vectors, whatever the number of channels.
+//! Channels go through the products in blocks of up to 32, nodes in an order in which neighbors are close to each
+//! other. A block takes three vectors, whatever the number of channels.
 
 use crate::lane_block::{LaneBlock, SignalRows, blocks};
 use crate::node_order::{breadth_first, reorder};
@@ -65,11 +65,12 @@ impl WalkPowers {
         self.node_at.len()
     }
 
-    /// Computes `P^steps x` for `n_channels` channels into `out`; both are n_nodes × n_channels. O(entries·channels·steps).
+    /// Computes `P^steps x` for `n_channels` channels into `out`; both are n_nodes × n_channels.
+    /// O(entries·channels·steps).
     ///
     /// # Errors
-    /// [`GraphWalkError`] if the signal has the wrong length, a value is not finite, there are too many steps, or the call is
-    /// cancelled.
+    /// [`GraphWalkError`] if the signal has the wrong length, a value is not finite, there are too many steps, or the
+    /// call is cancelled.
     ///
     /// # Panics
     /// Unless `out` is as long as the signal.
@@ -100,8 +101,8 @@ impl WalkPowers {
         Ok(progress.step(n_channels as u64, n_channels as u64)?)
     }
 
-    /// Computes the bands `(P^{n_{j−1}} − P^{n_j})x`, n_0 = 0, and the remainder `P^{n_J}x`, one after the other into `out`:
-    /// (J + 1) × n_nodes × n_channels. Their sum is the signal. O(entries·channels·n_J).
+    /// Computes the bands `(P^{n_{j−1}} − P^{n_j})x`, n_0 = 0, and the remainder `P^{n_J}x`, one after the other into
+    /// `out`: (J + 1) × n_nodes × n_channels. Their sum is the signal. O(entries·channels·n_J).
     ///
     /// # Errors
     /// As for [`apply_into`](Self::apply_into), and if the scales do not increase from 1 or more.
@@ -131,8 +132,9 @@ impl WalkPowers {
         Ok(())
     }
 
-    /// Computes the adjoint of [`bands_into`](Self::bands_into): `Σ_j (P^{n_{j−1}} − P^{n_j})ᵀ g_j + (P^{n_J})ᵀ g_{J+1}` for
-    /// the gradients g, (J + 1) × n_nodes × n_channels. It costs the products of the bands.
+    /// Computes the adjoint of [`bands_into`](Self::bands_into):
+    /// `Σ_j (P^{n_{j−1}} − P^{n_j})ᵀ g_j + (P^{n_J})ᵀ g_{J+1}` for the gradients g, (J + 1) × n_nodes × n_channels. It
+    /// costs the products of the bands.
     ///
     /// # Errors
     /// As for [`bands_into`](Self::bands_into).
@@ -346,7 +348,8 @@ pub(crate) mod tests {
 
     #[test]
     fn another_order_of_nodes_permutes_the_result() {
-        // Rows sum their entries in the order of the products, which follows the numbers of the nodes; values agree to rounding.
+        // Rows sum their entries in the order of the products, which follows the numbers of the nodes; values agree to
+        // rounding.
         let n = 64;
         let powers = powers(n, 0.5);
         let place_of: Vec<u32> = (0..n as u32).map(|x| (x * 5 + 3) % n as u32).collect();

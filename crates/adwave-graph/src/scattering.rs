@@ -43,9 +43,9 @@ pub struct Scattering {
     pub values: Vec<f64>,
     /// Bands of each path, from 1: none for the signal, j for `|W_j f|`, j and j′ > j for `|W_{j′}|W_j f||`.
     pub paths: Vec<Vec<u32>>,
-    /// Number format of the products, and a bound of the error of the paths, relative to the signal: of the largest size of
-    /// a value in its channel if rows of the walk are normalized, of the sum of the sizes for columns, and of the root of
-    /// the sum of the squares for the symmetric walk.
+    /// Number format of the products, and a bound of the error of the paths. The bound is relative to a norm of each
+    /// channel of the signal: the largest size of a value for a walk with normalized rows, the sum of the sizes for
+    /// normalized columns, and the root of the sum of the squares for the symmetric walk.
     pub accuracy: WalkAccuracy,
 }
 
@@ -97,12 +97,12 @@ impl ScatteringParams {
     }
 }
 
-/// Scattering coefficients of order 0 (the signal), 1 (`|W_j f|`) and 2 (`|W_{j′}|W_j f||`, j′ > j), n_paths × n_nodes ×
-/// n_channels. O(entries·channels·n_J·J).
+/// Scattering coefficients of order 0 (the signal), 1 (`|W_j f|`) and 2 (`|W_{j′}|W_j f||`, j′ > j), n_paths × n_nodes
+/// × n_channels. O(entries·channels·n_J·J).
 ///
 /// # Errors
-/// [`GraphWalkError`] if the signal has the wrong length or a value that is not finite, scales do not increase, an order does
-/// not exist, the result is too large, or the call is cancelled.
+/// [`GraphWalkError`] if the signal has the wrong length or a value that is not finite, scales do not increase, an
+/// order does not exist, the result is too large, or the call is cancelled.
 ///
 /// ```
 /// use adwave::{Progress, rows::CompressedRows};
@@ -202,8 +202,8 @@ fn scatter_blocks<T: LaneNumber>(
     Ok(())
 }
 
-/// The middle of the range of each channel, which in single precision is subtracted: bands of a walk with normalized rows
-/// do not change, and their error is relative to the range instead of the values.
+/// The middle of the range of each channel, which in single precision is subtracted: bands of a walk with normalized
+/// rows do not change, and their error is relative to the range instead of the values.
 fn middles<T: LaneNumber>(
     powers: &WalkPowers,
     signal: &[f64],

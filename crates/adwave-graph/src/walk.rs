@@ -65,13 +65,13 @@ named_values!(Normalization, "normalize", {
 pub struct WalkOptions {
     /// Diagonal of the weights.
     pub self_loops: SelfLoops,
-    /// Rule that makes the weights symmetric; `None` takes them as they are. A walk on weights that are not symmetric is
-    /// directed: powers and whole steps only.
+    /// Rule that makes the weights symmetric; `None` takes them as they are. A walk on weights that are not symmetric
+    /// is directed: powers and whole steps only.
     pub symmetrization: Option<Symmetrization>,
     /// Divisors.
     pub normalization: Normalization,
-    /// Share of the steps that stay: the walk is `stay·I + (1 − stay)·P`, with stay in 0 … 1. At ½ the walk is that of the
-    /// paper (eq. 4) and takes fractional steps.
+    /// Share of the steps that stay: the walk is `stay·I + (1 − stay)·P`, with stay in 0 … 1. At ½ the walk is that of
+    /// the paper (eq. 4) and takes fractional steps.
     pub stay: f64,
 }
 
@@ -89,8 +89,8 @@ impl WalkMatrix {
     /// Walk on a graph with the given weights. A node without edges stays where it is. O(entries · log).
     ///
     /// # Errors
-    /// [`GraphWalkError`] if the matrix is not square, a weight is negative or not finite, `stay` is out of range, a column or
-    /// symmetric normalization is asked of weights that are not symmetric, or the call is cancelled.
+    /// [`GraphWalkError`] if the matrix is not square, a weight is negative or not finite, `stay` is out of range, a
+    /// column or symmetric normalization is asked of weights that are not symmetric, or the call is cancelled.
     ///
     /// ```
     /// use adwave::{Progress, rows::CompressedRows};
@@ -142,7 +142,8 @@ impl WalkMatrix {
             return Err(GraphWalkError::NotSymmetric { row, column, value, reverse, purpose });
         }
         progress.check()?;
-        // The largest weight of a row is taken out first, so that sums of huge or tiny weights neither overflow nor vanish.
+        // The largest weight of a row is taken out first, so that sums of huge or tiny weights neither overflow nor
+        // vanish.
         let sums: Vec<f64> = (0..weights.n_rows()).map(|x| weights.row(x).1.iter().sum::<f64>()).collect();
         if let Some(row) = sums.iter().position(|sum| !sum.is_finite()) {
             return Err(GraphWalkError::BadWeight { row, column: row, value: sums[row] });

@@ -9,9 +9,9 @@
 //! [`read_cloud_part`] reads the points of a COPC, EPT, LAS or LAZ in a box, and for the first two only the levels
 //! needed for a resolution.
 //!
-//! [`Format::markdown_list`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains it.
-//! Arrays are read from NPY and written as NPY and NPZ. Lists of edges and matrices that are too large for a shape are
-//! read as streams into sparse rows: [`read_edge_rows`], [`read_matrix_market`], [`open_text`].
+//! [`Format::markdown_list`] lists the content read, written, kept and lost by each format; `docs/FORMATS.md` contains
+//! it. Arrays are read from NPY and written as NPY and NPZ. Lists of edges and matrices that are too large for a shape
+//! are read as streams into sparse rows: [`read_edge_rows`], [`read_matrix_market`], [`open_text`].
 //!
 //! All files may be compressed by gzip.
 //!
@@ -31,8 +31,8 @@
 //! # Features
 //!
 //! OBJ, PLY, STL, OFF, rows of numbers (XYZ, PTS, CSV) and NPY are always there. The other formats belong to features,
-//! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and `texture`
-//! for colors of pictures.
+//! all of them default: `las`, `gltf`, `vtk`, `neuro`, `e57`, `pcd`, `volume`, `graph`, `print3d`, `more`, and
+//! `texture` for colors of pictures.
 
 // Headers are a few lines of text; `write!` into a string would return an error that cannot occur.
 #![allow(clippy::format_push_string, clippy::format_collect)]

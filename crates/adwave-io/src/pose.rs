@@ -1,4 +1,4 @@
-//! Edits beside those of bands, as recipes and the studio store them: clones of detail, and a pose.
+//! Edits other than those of bands, as recipes and the studio store them: clones of detail, and a pose.
 
 use adwave::region::{Length, Region, parse_region};
 use serde::de::Error;

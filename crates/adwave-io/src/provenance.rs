@@ -2,10 +2,11 @@
 
 use serde_json::{Value, json};
 
-/// The program and command that made a shape, and what it was made of.
+/// The program and command that made a shape, and the files it was made from.
 ///
-/// Glb and glTF carry it in the extras of their asset, VTP and VTU as field data, LAS and LAZ as a variable-length record, PLY and
-/// OBJ as a comment; other formats do not. A file whose content did not change is written byte for byte, without it.
+/// Glb and glTF carry it in the extras of their asset, VTP and VTU as field data, LAS and LAZ as a variable-length
+/// record, PLY and OBJ as a comment; other formats do not. A file whose content did not change is written byte for
+/// byte, without it.
 ///
 /// ```
 /// use adwave_io::{Format, Provenance, ProvenanceInput, ReadLimits, ShapeFile, read_bytes, write_bytes};

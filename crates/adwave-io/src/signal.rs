@@ -257,9 +257,9 @@ pub fn with_axis(points: &[[f64; 3]], axis: usize, values: &[f64]) -> Vec<[f64; 
     points.iter().zip(values).map(replaced).collect()
 }
 
-/// Converts new values of the named signal to a field for writing: a field of the file keeps its type of numbers, where
-/// integers stay as they are in places that are NaN now; others are named after the column, or after the file without its
-/// extensions.
+/// Converts new values of the named signal to a field for writing. A field of the file keeps its type of numbers, and
+/// its integers stay as they are in places that are NaN now. Other signals are named after the column, or after the
+/// file without its extensions.
 pub fn written_signal(file: &ShapeFile, name: &str, n_channels: usize, mut values: Vec<f64>) -> Field {
     if let Some(old) = file.field(name) {
         if old.values.value_type().is_integer() {

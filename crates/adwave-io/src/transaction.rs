@@ -6,8 +6,8 @@ use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Files that are put in their places when all of them are written: if one fails (a full disk) every old file is as it was, and no
-/// new one is there. Dropped without [`commit`](Self::commit), it leaves nothing.
+/// Files that are put in their places when all of them are written: if one fails (a full disk) every old file is as it
+/// was, and no new one is there. Dropped without [`commit`](Self::commit), it leaves nothing.
 ///
 /// ```
 /// use adwave_io::{Transaction, atomic_write};
@@ -21,11 +21,11 @@ use std::sync::{Mutex, PoisonError};
 /// ```
 #[derive(Debug, Default)]
 pub struct Transaction {
-    /// None where each file takes its place at once.
+    /// Files that wait for [`commit`](Self::commit); `None` if each file takes its place at once.
     staged: Option<Mutex<Vec<StagedFile>>>,
 }
 
-/// A file that is whole and on the disk, in a folder of its own beside its place.
+/// A complete file on the disk, in a folder of its own beside its final place.
 #[derive(Debug)]
 struct StagedFile {
     _folder: TemporaryFolder,
@@ -57,7 +57,8 @@ impl Transaction {
         Self { staged: None }
     }
 
-    /// Writes one file by `write`, which gets the path to write to. Its name is that of `path`; a pipe or a device is written directly.
+    /// Writes one file by `write`, which gets the path to write to. Its name is that of `path`; a pipe or a device is
+    /// written directly.
     ///
     /// # Errors
     /// The folder is missing, the old file may not be replaced, or the error of `write`; each with the name of `path`.
@@ -85,7 +86,8 @@ impl Transaction {
         Ok(result)
     }
 
-    /// Size in bytes of a file that was written, also before it is in its place; none for what is no regular file.
+    /// Size in bytes of a file that was written, also before it is in its place; `None` for a path that is no regular
+    /// file.
     pub fn size(&self, path: &Path) -> Option<u64> {
         let staged = self.staged.as_ref().and_then(|all| {
             let all = all.lock().unwrap_or_else(PoisonError::into_inner);
@@ -109,7 +111,7 @@ impl Transaction {
 }
 
 impl StagedFile {
-    /// Makes the folder; none for what is no regular file.
+    /// Makes the folder; `None` for a path that is no regular file.
     fn begin(path: &Path) -> Result<Option<Self>, WriteError> {
         let target = resolve(path)?;
         let old = fs::metadata(&target).ok();
@@ -134,7 +136,7 @@ impl StagedFile {
 }
 
 impl WriteError {
-    /// The same error about another file, such as the one that a staged file will replace.
+    /// This error about another file, such as the one that a staged file will replace.
     #[must_use]
     pub fn about_file(self, path: &Path) -> Self {
         match self {

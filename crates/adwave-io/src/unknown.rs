@@ -10,13 +10,13 @@ const LARGE: [f64; 8] =
 /// Relative difference of a number from the one above that it was rounded from, by 32-bit floats or in text.
 const ROUNDING: f64 = 1e-5;
 
-/// Smallest number of known values that tell what is far outside of them.
+/// Smallest number of known values that show which values are far outside of them.
 const MIN_KNOWN: usize = 16;
 
 /// Number of a field that stands for an unknown one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnknownValue {
-    /// Its place among all values of the field.
+    /// Index of the number among all values of the field.
     pub index: usize,
     /// The number.
     pub value: f64,
@@ -28,9 +28,9 @@ fn may_be_unknown(x: f64) -> bool {
         || (magnitude > 1e19 && LARGE.iter().any(|large| (magnitude - large).abs() <= ROUNDING * large))
 }
 
-/// Replaces the numbers that stand for unknown values by NaN, and returns them in their order. Such a number is one that
-/// files write where nothing is known (−9999, −32768, 1e20, −1.6375e30, 9.96921e36 …), farther from all other values of its
-/// channel than these are from each other. O(values).
+/// Replaces the numbers that stand for unknown values by NaN, and returns them in their order. Such a number is one
+/// that files write where nothing is known (−9999, −32768, 1e20, −1.6375e30, 9.96921e36 …), farther from all other
+/// values of its channel than these are from each other. O(values).
 ///
 /// ```
 /// use adwave_io::mark_unknown;

@@ -67,7 +67,8 @@ pub(crate) fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY_PREFIX) && name.ends_with(TEMPORARY_SUFFIX)
 }
 
-/// Writes a file under a temporary name, syncs it to the disk and renames it, so that `path` is either absent or complete.
+/// Writes a file under a temporary name, syncs it to the disk and renames it, so that `path` is either absent or
+/// complete.
 pub(crate) fn write_atomic<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T, TilesError>,
@@ -84,7 +85,8 @@ pub(crate) fn write_atomic<T>(
     Ok(result)
 }
 
-/// Writes a file as [`write_atomic`] does, but without syncing it: after a power failure the file may exist and be incomplete.
+/// Writes a file as [`write_atomic`] does, but without syncing it: after a power failure the file may exist and be
+/// incomplete.
 pub(crate) fn write_unsynced(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,

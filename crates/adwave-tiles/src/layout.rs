@@ -37,7 +37,8 @@ impl MemberRule {
         marks & UNSELECTED == 0 && (marks & FLAGGED == 0 || self.includes_flagged)
     }
 
-    /// Fields of a record that takes no part: NaN if it was not chosen, 0 for a placeholder, as for a vertex without neighbors.
+    /// Value of the fields of a record that takes no part: NaN if it was not chosen, 0 for a placeholder, as for a
+    /// vertex without neighbors.
     pub(crate) fn outsider_value(&self, layout: &RecordLayout, record: &[u8]) -> f32 {
         if self.is_chosen(layout.marks(record)) { 0.0 } else { f32::NAN }
     }
@@ -52,8 +53,8 @@ impl MemberRule {
     }
 }
 
-/// Layout of all records of a job. A record begins with its position; two records have the same position exactly if these bytes are
-/// equal. Its last byte has the marks.
+/// Layout of all records of a job. A record begins with its position; two records have the same position exactly if
+/// these bytes are equal. Its last byte has the marks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum RecordLayout {
     /// Points of a cloud, as LAS point records.
@@ -152,11 +153,12 @@ impl LasQuantization {
     }
 }
 
-/// Vertex records of a mesh: three 64-bit coordinates in model units, the index of the vertex in its file, and the marks.
+/// Vertex records of a mesh: three 64-bit coordinates in model units, the index of the vertex in its file, and the
+/// marks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MeshUnits {
-    /// Unit of lengths during the computation, in model units: a power of two near the size of the mesh, so that squares neither
-    /// overflow nor underflow. It is 1 for a mesh of moderate size.
+    /// Unit of lengths during the computation, in model units: a power of two near the size of the mesh, so that
+    /// squares neither overflow nor underflow. It is 1 for a mesh of moderate size.
     pub(crate) unit: f64,
 }
 

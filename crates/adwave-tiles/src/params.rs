@@ -54,7 +54,8 @@ impl MapWeights {
     }
 }
 
-/// Vertices of the inputs that take part. The others keep their values and are nobody's neighbors; their new fields are NaN, those of strays and placeholders 0.
+/// Vertices of the inputs that take part. The others keep their values and are nobody's neighbors; their new fields are
+/// NaN, those of strays and placeholders 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TileSelection {
     /// Conditions on fields, all of which must hold, as [`FieldCondition`] parses them.
@@ -107,8 +108,8 @@ pub struct Params {
     /// Vertices that take part.
     #[serde(default)]
     pub selection: TileSelection,
-    /// Directions in which vertices move by the gains; `None` means along the normals on a cloud, and all directions on a mesh, as in
-    /// [`PositionParams`](adwave::positions::PositionParams).
+    /// Directions in which vertices move by the gains; `None` means along the normals on a cloud, and all directions on
+    /// a mesh, as in [`PositionParams`](adwave::positions::PositionParams).
     #[serde(default)]
     pub along: Option<MoveDirection>,
     /// Treatment of the borders of a mesh by the gains. [`Borders::Keep`] is not available.
@@ -119,7 +120,8 @@ pub struct Params {
     pub local_fit: LocalFit,
     /// Bands, from 1, whose norm ‖W_j‖ is written to the field `wavelet_j`, in model units.
     pub magnitudes: Vec<usize>,
-    /// Bands, from 1, whose vectors W_j are written to the fields `wavelet_j_x`, `wavelet_j_y` and `wavelet_j_z`, in model units.
+    /// Bands, from 1, whose vectors W_j are written to the fields `wavelet_j_x`, `wavelet_j_y` and `wavelet_j_z`, in
+    /// model units.
     #[serde(default)]
     pub vectors: Vec<usize>,
     /// Weights of the saliency map, which is written to the field `saliency`; `None` for no map.
@@ -150,13 +152,13 @@ fn linear_fit() -> LocalFit {
 /// Rule by which the gains move vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Movement {
-    /// In all directions.
+    /// Motion in all directions.
     Free,
-    /// Along the normals in parts of a mesh that have a border, in all directions elsewhere.
+    /// Motion along the normals in parts of a mesh that have a border, in all directions elsewhere.
     OpenParts,
-    /// In one direction.
+    /// Motion in one direction.
     Directed(MoveDirection),
-    /// Along the axis with this index, about a local linear fit.
+    /// Motion along the axis with this index, about a local linear fit.
     Heights(usize),
 }
 
@@ -189,7 +191,8 @@ const MAX_NEIGHBORS: usize = 200;
 /// Largest magnitude of a gain, so that squares of lengths stay finite.
 const MAX_GAIN: f64 = 1e50;
 
-/// Largest number of fields: a LAS record has at most 65 535 bytes, and a VLR of that size describes fields by 192 bytes each.
+/// Largest number of fields: a LAS record has at most 65 535 bytes, and a VLR of that size describes fields by 192
+/// bytes each.
 const MAX_FIELDS: usize = 300;
 
 /// Largest number of halo rings: rings are 16-bit numbers, and a tile with this many is mostly halo.
@@ -311,7 +314,8 @@ impl Params {
         Ok(HeightSeries::new(&Schedule::dyadic(self.levels)?, self.accuracy, &factors)?)
     }
 
-    /// Polynomials of the outputs: the change of the positions, if any gain is not 1 and it is a polynomial, then the bands to compute.
+    /// Polynomials of the outputs: the change of the positions, if any gain is not 1 and it is a polynomial, then the
+    /// bands to compute.
     pub(crate) fn output_series(&self) -> Result<Vec<FixedSeries>, TilesError> {
         let bands = FixedSeries::bands(&Schedule::dyadic(self.levels)?, self.accuracy)?;
         let mut series = Vec::new();
@@ -364,7 +368,8 @@ impl Params {
         Ok(n_rings)
     }
 
-    /// A copy with the parameters that do not affect the result set to 0: jobs that are equal in the rest can share a folder.
+    /// A copy with the parameters that do not affect the result set to 0: jobs that are equal in the rest can share a
+    /// folder.
     pub(crate) fn result_params(&self) -> Self {
         Self { memory: 0, n_workers: 0, n_tiles: None, ..self.clone() }
     }

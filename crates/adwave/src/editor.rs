@@ -12,7 +12,7 @@ use crate::{BandsRequest, Decomposer, Progress};
 pub enum ChangedVertices {
     /// All vertices may have changed.
     All,
-    /// Only these vertices, in ascending analysis order; [`Editor::members`] gives their vertices of the shape.
+    /// The listed vertices alone, in ascending analysis order; [`Editor::members`] gives their vertices of the shape.
     Listed(Vec<u32>),
 }
 
@@ -47,25 +47,27 @@ pub struct Editor {
     change: Vec<f64>,
 }
 
-/// Number of channels from which a signal is edited in groups of channels, without an [`Editor`], whose bands would take
-/// several times the memory of the signal.
+/// Number of channels from which a signal is edited in groups of channels, without an [`Editor`], whose bands would
+/// take several times the memory of the signal.
 pub const MANY_CHANNELS: usize = 16;
 
-/// Relation of a single edit to that of an [`Editor`] with the same layers.
+/// Agreement of the result of a single edit with that of an [`Editor`] with the same layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EditBits {
     /// Equal to the accuracy of the bands: gains that hold everywhere are one polynomial, for which no band is kept.
     #[default]
     Accuracy,
-    /// Equal bit for bit, as a recipe is everywhere, for fewer than [`MANY_CHANNELS`] channels.
+    /// Equal bit for bit, for signals of fewer than [`MANY_CHANNELS`] channels; recipes are applied in this way
+    /// everywhere.
     Editor,
 }
 
 impl BandsRequest<'_> {
-    /// Edits the signal once, and returns the new values with the cost and error bound of its bands. All front ends take this
-    /// way: gains that hold everywhere are one polynomial, regions on few channels go through an [`Editor`], and signals of
-    /// [`MANY_CHANNELS`] channels and more are edited [`channels_together`](crate::bands::BandsParams::channels_together) at a
-    /// time. The number format is that of [`BandsParams::precision`](crate::bands::BandsParams::precision).
+    /// Edits the signal once, and returns the new values with the cost and error bound of its bands. All front ends
+    /// edit in this way: gains that hold everywhere are one polynomial, regions on few channels go through an
+    /// [`Editor`], and signals of [`MANY_CHANNELS`] channels and more are edited
+    /// [`channels_together`](crate::bands::BandsParams::channels_together) at a time. The number format is that of
+    /// [`BandsParams::precision`](crate::bands::BandsParams::precision).
     ///
     /// ```
     /// use adwave::filter::WeightedLayer;

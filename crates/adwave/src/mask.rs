@@ -69,8 +69,8 @@ pub struct MaskedChannels {
 }
 
 /// Groups the channels of a signal (n_vertices × n_channels, row-major) by the vertices where they are NaN, in the
-/// order of their first channels. Channels without any value are left out, because nothing can be computed of them, unless
-/// no channel has one. O(n_vertices × n_channels), and once more for each group.
+/// order of their first channels. Channels without any value are left out, because nothing can be computed of them,
+/// unless no channel has one. O(n_vertices × n_channels), and once more for each group.
 ///
 /// ```
 /// use adwave::mask::channels_by_mask;

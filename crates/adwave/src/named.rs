@@ -7,11 +7,11 @@ use thiserror::Error;
 pub struct NamedEntry<T: 'static> {
     /// The value.
     pub value: T,
-    /// Its name, in lower case with hyphens.
+    /// Name of the value, in lower case with hyphens.
     pub name: &'static str,
     /// Another name that is accepted too.
     pub alias: Option<&'static str>,
-    /// One line about the value; empty where the name says it all.
+    /// One line about the value; empty if the name suffices.
     pub summary: &'static str,
 }
 

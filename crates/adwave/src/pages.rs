@@ -19,8 +19,8 @@ pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
 #[cfg(target_arch = "x86_64")]
 const LINE: usize = 64;
 
-/// Asks the processor for the cache lines of `values[index]`, which will be read soon, for loops that read in an order that
-/// no hardware prefetcher follows. Does nothing if there is no such value, and on processors other than x86-64.
+/// Asks the processor for the cache lines of `values[index]`, which will be read soon, for loops that read in an order
+/// that no hardware prefetcher follows. Does nothing if there is no such value, and on processors other than x86-64.
 ///
 /// ```
 /// let values = [1.0, 2.0];

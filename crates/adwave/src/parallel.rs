@@ -62,7 +62,7 @@ fn each_chunk(
 /// Work on a chunk with its own scratch data.
 type Worker<'a> = Box<dyn FnMut(usize) + 'a>;
 
-/// [`each_chunk`] by workers, which are made once per thread or a few times more.
+/// [`each_chunk`] with workers; one worker per thread is created, or a few more.
 fn each_chunk_by_workers<'a>(
     n_chunks: usize,
     is_small: bool,
@@ -78,7 +78,7 @@ fn each_chunk_by_workers<'a>(
     }
 }
 
-/// Locks what one chunk alone reads and writes, so that nobody waits.
+/// Locks a slot that only one chunk reads and writes, so that no thread waits.
 fn lock_slot<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
     slot.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -279,8 +279,8 @@ const BUCKET_BITS: u32 = 12;
 /// Number of values that a thread distributes at a time.
 const DISTRIBUTED_AT_A_TIME: usize = 1 << 16;
 
-/// Sorts by keys of `n_bits` bits; values with equal keys end up in any order. O(n log(n/4096)) if the highest bits differ.
-/// A cancelled call leaves the values in any order.
+/// Sorts by keys of `n_bits` bits; values with equal keys end up in any order. O(n log(n/4096)) if the highest bits
+/// differ. A cancelled call leaves the values in any order.
 pub(crate) fn sort_by_key_bits<T: Copy + Default + Send + Sync>(
     values: &mut [T],
     n_bits: u32,

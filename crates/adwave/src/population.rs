@@ -4,8 +4,8 @@ use crate::operator::KeptMeasure;
 use crate::{Decomposer, parallel};
 use std::borrow::Cow;
 
-/// The places of a domain without the masked ones, weighted by the measure that the operator keeps: 1 each for a walk, areas
-/// for heat on the surface.
+/// The places of a domain without the masked ones, weighted by the measure that the operator keeps: 1 each for a walk,
+/// areas for heat on the surface.
 pub(crate) struct Population<'a> {
     masked: Option<Cow<'a, [bool]>>,
     areas: Option<&'a [f64]>,

@@ -1,4 +1,4 @@
-//! Saliency maps, features, and what is masked near borders.
+//! Flags of saliency maps, of features, and of the mask near borders.
 
 use super::parse::{count, count_from_one, number, parse_named};
 use adwave::features::{FeatureParams, Refinement, Response, ThresholdScope};
@@ -10,7 +10,8 @@ use std::num::NonZeroUsize;
 /// The mask near a border.
 #[derive(Debug, Args)]
 pub(crate) struct BorderMaskArgs {
-    /// Mask features within S·σ of a border or of masked vertices, and let each level of a map fade in between S·σ and 2·S·σ; coordinates need 1
+    /// Mask features within S·σ of a border or of masked vertices, and let each level of a map fade in between S·σ and
+    /// 2·S·σ; coordinates need 1
     #[arg(
         long = "mask-border",
         alias = "border",

@@ -13,7 +13,8 @@ use clap::Args;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Base")]
 pub(crate) struct BaseWidthArgs {
-    /// Width σ of the base, in model units or in % of the diagonal: detail finer than this rides along [default: 4.5%, or the last default level of a shape too coarse for it]
+    /// Width σ of the base, in model units or in % of the diagonal: detail finer than this rides along [default: 4.5%,
+    /// or the last default level of a shape too coarse for it]
     #[arg(long, value_name = "L", value_parser = length, allow_negative_numbers = true)]
     pub(crate) width: Option<Length>,
 }

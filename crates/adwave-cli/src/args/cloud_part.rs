@@ -9,8 +9,8 @@ type Bounds = ([f64; 3], [f64; 3]);
 /// The part of a cloud that is read.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct CloudPartArgs {
-    /// Read only the points in this box, its faces included: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX in model
-    /// units. For LAS, LAZ, COPC and EPT; of COPC and EPT only the nodes that meet the box are read
+    /// Read only the points in this box, its faces included: XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX or XMIN,YMIN,XMAX,YMAX in
+    /// model units. For LAS, LAZ, COPC and EPT; of COPC and EPT only the nodes that meet the box are read
     #[arg(
         long = "box",
         value_name = "X,Y,…",

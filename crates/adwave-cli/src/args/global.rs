@@ -19,7 +19,8 @@ pub(crate) struct GlobalArgs {
     /// Largest input after decompression, in bytes or with K, M, G [default: a quarter of the free memory]
     #[arg(long, global = true, value_name = "SIZE", value_parser = size, help_heading = "General")]
     pub(crate) max_input: Option<u64>,
-    /// Record version, command and input hashes in PLY and OBJ files too, as comments; GLB, VTP, VTU, LAS and NPZ always have them
+    /// Record version, command and input hashes in PLY and OBJ files too, as comments; GLB, VTP, VTU, LAS and NPZ
+    /// always have them
     #[arg(long, global = true, help_heading = "General")]
     pub(crate) provenance: bool,
 }

@@ -11,7 +11,9 @@ use clap::Args;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Levels")]
 pub(crate) struct LevelArgs {
-    /// Number of levels, each with twice as many diffusion steps as the one before: 1, 2, 4 … 2^(J-1) [default: until a level is 2 % of the diagonal wide, for features 4 %, for signed saliency and diff 16 %; 4 to 16, fewer where that would remove half of the shape]
+    /// Number of levels, each with twice as many diffusion steps as the one before: 1, 2, 4 … 2^(J-1) [default: until a
+    /// level is 2 % of the diagonal wide, for features 4 %, for signed saliency and diff 16 %; 4 to 16, fewer where
+    /// that would remove half of the shape]
     #[arg(long, short = 'j', value_name = "J", value_parser = count, allow_negative_numbers = true)]
     pub(crate) levels: Option<usize>,
     /// Levels for each doubling of the steps instead of one: 2^(k/V) steps
@@ -23,7 +25,8 @@ pub(crate) struct LevelArgs {
     /// Largest error of a band, relative to the band: 1e-13 to 0.1
     #[arg(long, value_name = "E", value_parser = number, default_value_t = BandsParams::default().accuracy)]
     pub(crate) accuracy: f64,
-    /// Levels with these widths σ, increasing, in model units or in % of the diagonal. σ is the root mean square distance that a value spreads to: σ/√2 along each axis of a surface, and a full width at half maximum of 1.665 σ
+    /// Levels with these widths σ, increasing, in model units or in % of the diagonal. σ is the root mean square
+    /// distance that a value spreads to: σ/√2 along each axis of a surface, and a full width at half maximum of 1.665 σ
     #[arg(
         long,
         value_name = "L,L,…",
@@ -33,7 +36,8 @@ pub(crate) struct LevelArgs {
         conflicts_with_all = ["levels", "voices"]
     )]
     pub(crate) lengths: Option<Vec<Length>>,
-    /// Levels with these full widths at half maximum, increasing, in model units or in % of the diagonal: --lengths of FWHM/1.665
+    /// Levels with these full widths at half maximum, increasing, in model units or in % of the diagonal: --lengths of
+    /// FWHM/1.665
     #[arg(
         long,
         value_name = "L,L,…",

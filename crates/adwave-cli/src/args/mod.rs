@@ -1,4 +1,4 @@
-//! Flags that several commands share, each defined once. Those of one command stand with it.
+//! Flags that several commands share, each defined once. The flags of a single command stand with that command.
 
 mod analysis;
 mod base_width;

@@ -27,11 +27,12 @@ pub(crate) const OPERATOR_OPTIONS: [&str; 8] = [
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Diffusion operator")]
 pub(crate) struct OperatorArgs {
-    /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared, else walk]
+    /// Operator that smooths the signal [default: surface if levels are given by --lengths or two shapes are compared,
+    /// else walk]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<OperatorKind>())]
     pub(crate) operator: Option<OperatorKind>,
-    /// Mesh: distance in model units within which edges of open borders are welded; 0 welds equal positions only [default: a few
-    /// steps of 32-bit floats, at most a thousandth of the shortest edge there]
+    /// Mesh: distance in model units within which edges of open borders are welded; 0 welds equal positions only
+    /// [default: a few steps of 32-bit floats, at most a thousandth of the shortest edge there]
     #[arg(long, value_name = "LENGTH", value_parser = parse_tolerance, conflicts_with = "no_weld")]
     pub(crate) weld: Option<f64>,
     /// Keep vertices at exactly equal positions apart
@@ -46,13 +47,15 @@ pub(crate) struct OperatorArgs {
     /// Cloud: nearest neighbors that one step reaches
     #[arg(long, value_name = "K", value_parser = count_from_one, default_value_t = non_zero(OperatorParams::default().neighbors))]
     pub(crate) neighbors: NonZeroUsize,
-    /// Cloud: step from each point to its nearest only, as in the paper, not in both directions (refused for other shapes)
+    /// Cloud: step from each point to its nearest only, as in the paper, not in both directions (refused for other
+    /// shapes)
     #[arg(long)]
     pub(crate) directed: bool,
     /// Cloud: area of a point
     #[arg(long, value_name = "KIND", value_parser = parse_named::<CloudArea>(), default_value_t)]
     pub(crate) cloud_area: CloudArea,
-    /// Walk: remove the influence of the sampling density (α = 1 of Coifman and Lafon); slower where the density varies much
+    /// Walk: remove the influence of the sampling density (α = 1 of Coifman and Lafon); slower where the density varies
+    /// much
     #[arg(long)]
     pub(crate) density_invariant: bool,
     /// Mesh, cloud: do not step across creases, where normals turn sharply
@@ -72,7 +75,7 @@ fn non_zero(n: usize) -> NonZeroUsize {
 }
 
 impl OperatorArgs {
-    /// The options of the walk as they were asked for.
+    /// Parameters of the walk that the flags ask for.
     pub(crate) fn to_walk_params(&self) -> OperatorParams {
         OperatorParams::default()
             .with_weld(self.weld_mode())

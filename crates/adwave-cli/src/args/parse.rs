@@ -67,7 +67,8 @@ pub(crate) fn region(text: &str) -> Result<Region, RegionSyntaxError> {
     parse_region(text)
 }
 
-/// Reads a number of bytes: `4000000`, `500M`, `1.5G`, with or without `iB` or `B` after the letter, which counts by 1024.
+/// Reads a number of bytes: `4000000`, `500M`, `1.5G`, with or without `iB` or `B` after the letter, which counts by
+/// 1024.
 pub(crate) fn size(text: &str) -> Result<u64, String> {
     let plain = text.trim().trim_end_matches(['b', 'B']).trim_end_matches(['i', 'I']);
     let (digits, factor) = match plain.as_bytes().last().map(u8::to_ascii_uppercase) {

@@ -9,13 +9,13 @@ use clap::Args;
 #[command(next_help_heading = "Part of the data")]
 pub(crate) struct SelectionArgs {
     /// Compute on these vertices only: FIELD=VALUE,VALUE,… or FIELD=LOW..HIGH, where either end may be missing, as in
-    /// 'classification=2'. May be given several times; all must hold. The other vertices keep their positions and values
-    /// and are nobody's neighbors
+    /// 'classification=2'. May be given several times; all must hold. The other vertices keep their positions and
+    /// values and are nobody's neighbors
     #[arg(long, value_name = "CONDITION")]
     only: Vec<String>,
-    /// Compute on the vertices in this mask only. In a file of one number per vertex (.npy, .csv, .gii and others; :NAME selects
-    /// a column) all but 0 and NaN are in; of a FreeSurfer label its vertices, of that of the medial wall the others; of an
-    /// .annot the regions of the cortex, or those after a colon
+    /// Compute on the vertices in this mask only. In a file of one number per vertex (.npy, .csv, .gii and others;
+    /// :NAME selects a column) all but 0 and NaN are in; of a FreeSurfer label its vertices, of that of the medial wall
+    /// the others; of an .annot the regions of the cortex, or those after a colon
     #[arg(long, value_name = "FILE")]
     mask: Option<String>,
     /// Compute on the vertices that are not in the mask

@@ -9,7 +9,8 @@ use clap::Args;
 /// A shape and its diffusion operator.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShapeArgs {
-    /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', sample:NAME, or points:FILE.npy (n × d)
+    /// File (OBJ, PLY, STL, glTF, VTK, LAS and others that 'adwave formats' lists; plain or gzip), '-', sample:NAME, or
+    /// points:FILE.npy (n × d)
     #[arg(value_name = "SHAPE", value_parser = file_name())]
     pub(crate) shape: String,
     #[command(flatten)]

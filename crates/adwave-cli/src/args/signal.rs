@@ -46,7 +46,7 @@ impl SignalArgs {
         self.asked_name().unwrap_or(COORDS)
     }
 
-    /// The same arguments with another default name.
+    /// These arguments with another default name.
     pub(crate) fn with_default(&self, name: &str) -> Self {
         Self { signal: Some(self.asked_name().unwrap_or(name).to_owned()), ..self.clone() }
     }

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Diffusion operator")]
 pub(crate) struct GivenWalkArgs {
-    /// Walk as given, instead of the shape's own: a matrix (.mtx) with a row for each vertex, diagonal included, whose rows sum to 1
+    /// Walk as given, instead of the shape's own: a matrix (.mtx) with a row for each vertex, diagonal included, whose
+    /// rows sum to 1
     #[arg(long, value_name = "FILE", conflicts_with = "operator")]
     pub(crate) walk: Option<PathBuf>,
 }

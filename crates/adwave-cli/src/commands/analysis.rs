@@ -1,4 +1,5 @@
-//! Common beginning of `saliency`, `features`, `evaluate` and `report`: a shape, a signal on it, its operator, and bands.
+//! Common beginning of `saliency`, `features`, `evaluate` and `report`: a shape, a signal on it, its operator, and
+//! bands.
 
 use crate::args::{BorderMaskArgs, GivenWalkArgs, LevelArgs, MapArgs, ShapeArgs, SignalArgs};
 use crate::error::CliError;
@@ -21,7 +22,7 @@ use adwave::{BandsRequest, Decomposer};
 use serde_json::{Value, json};
 use std::time::Instant;
 
-/// Flags that say what is analyzed.
+/// Flags that select the shape, the signal, the operator and the levels of an analysis.
 #[derive(Clone, Copy)]
 pub(crate) struct AnalysisArgs<'a> {
     pub(crate) shape: &'a ShapeArgs,
@@ -55,12 +56,12 @@ pub(crate) struct Seconds {
 /// A saliency map and its ingredients.
 pub(crate) struct Map {
     pub(crate) saliency: Saliency,
-    /// One channel: the levels that the map is the sum of.
+    /// Wavelets of one channel: the levels that the map is the sum of.
     pub(crate) wavelets: Wavelets,
     pub(crate) params: SaliencyParams,
-    /// Whether + and - stand for different sides.
+    /// True if + and − stand for different sides.
     pub(crate) is_signed: bool,
-    /// How the outside was found, if the signal is the shape.
+    /// Method by which the outside was found, if the signal is the shape.
     pub(crate) outward: Option<OutwardInfo>,
     /// Seconds for the map alone.
     pub(crate) seconds: f64,
@@ -134,7 +135,7 @@ impl Analysis {
         Ok(Self { input, decomposer, signal, schedule, params, levels_reason, seconds })
     }
 
-    /// Requests something of the signal's bands, and records the time.
+    /// Requests a result from the bands of the signal, and records the time.
     fn request<T>(
         &mut self,
         global: &Global<'_>,
@@ -210,8 +211,8 @@ impl Analysis {
         Ok(Map { saliency, wavelets, params, is_signed, outward: outward.map(|o| o.info), seconds })
     }
 
-    /// The features and the bands that they were found in: those of the shape of a cloud if its coordinates are analyzed, else those
-    /// of the signal.
+    /// The features and the bands that they were found in: those of the shape of a cloud if its coordinates are
+    /// analyzed, else those of the signal.
     pub(crate) fn features(
         &mut self,
         params: &FeatureParams,
@@ -243,7 +244,7 @@ impl Analysis {
         Ok(FoundFeatures { features, wavelets, seconds: start.elapsed().as_secs_f64() })
     }
 
-    /// Whether the signal is the coordinates of a mesh or cloud.
+    /// True if the signal is the coordinates of a mesh or cloud.
     fn is_geometry(&self) -> bool {
         matches!(self.signal.values, SignalValues::Coordinates(_)) && !self.input.shape.is_graph()
     }

@@ -1,4 +1,5 @@
-//! `adwave transform --basis`: as many coefficients as values, of wavelets by lifting, and the field that they stand for.
+//! `adwave transform --basis`: as many coefficients as values, of wavelets by lifting, and the field that they stand
+//! for.
 
 use super::transform::TransformArgs;
 use crate::args::OPERATOR_OPTIONS;
@@ -228,8 +229,8 @@ impl BasisJob {
         }
     }
 
-    /// Root mean square difference by area from the field that some coefficients stand for, divided by the deviation of the field;
-    /// 0 for a constant field.
+    /// Root mean square difference by area from the field that some coefficients stand for, divided by the deviation of
+    /// the field; 0 for a constant field.
     fn relative_error(&self, kept: &LiftedCoefficients, progress: Progress<'_>) -> Result<f64, CliError> {
         let (found, d) = (self.synthesize(&kept.values, progress)?, self.n_channels);
         let (mut error, mut variance) = (0.0, 0.0);

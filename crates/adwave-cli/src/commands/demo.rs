@@ -232,7 +232,7 @@ fn report(
     text
 }
 
-/// Commands to try next, and what they do.
+/// Commands to try next, with their purposes.
 fn next_commands(args: &DemoArgs) -> [(String, &'static str); 5] {
     let recipe = args.output.join("local-edit.toml");
     [

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
 
-/// A shape with new positions, and what is reported of it.
+/// A shape with new positions, and the report on it.
 pub(crate) struct MovedShape<'a> {
     pub(crate) input: Input,
     pub(crate) decomposer: &'a Decomposer,

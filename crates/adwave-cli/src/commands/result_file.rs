@@ -53,8 +53,8 @@ impl<'a> ResultFile<'a> {
         self.path
     }
 
-    /// The form of the values of a signal after an edit: one that is a coordinate of the shape moves its points, unless the values go
-    /// into a file of their own.
+    /// The form of the values of a signal after an edit: one that is a coordinate of the shape moves its points, unless
+    /// the values go into a file of their own.
     pub(crate) fn place_values(
         &self,
         file: &ShapeFile,
@@ -73,8 +73,8 @@ impl<'a> ResultFile<'a> {
         }
     }
 
-    /// Writes the vertices `kept` of the shape with new positions of all of them. Values alone have one row per vertex, so that
-    /// they cannot be written.
+    /// Writes the vertices `kept` of the shape with new positions of all of them. Values alone have one row per vertex,
+    /// so that they cannot be written.
     pub(crate) fn write_part(
         &self,
         input: &mut Input,

@@ -112,8 +112,9 @@ pub(crate) fn run(args: &StudioArgs, global: &Global<'_>) -> Result<(), CliError
     printed
 }
 
-/// Opens the browser by a file that redirects to the address, so that the token does not appear in the list of processes, which all
-/// users of the machine can read. Only the owner can read the file, and it is deleted when the returned value is dropped.
+/// Opens the browser by a file that redirects to the address, so that the token does not appear in the list of
+/// processes, which all users of the machine can read. Only the owner can read the file, and it is deleted when the
+/// returned value is dropped.
 fn open(address: &str) -> Option<(NamedTempFile, Child)> {
     let (program, words): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])

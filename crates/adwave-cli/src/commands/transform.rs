@@ -55,8 +55,8 @@ pub(crate) struct TransformArgs {
     pub(crate) labels: LabelArgs,
     #[command(flatten)]
     pub(crate) levels: LevelArgs,
-    /// Coefficients of wavelets by lifting instead of bands: as many as the signal has values. All families but irregular need a
-    /// mesh that was made by cutting triangles into four
+    /// Coefficients of wavelets by lifting instead of bands: as many as the signal has values. All families but
+    /// irregular need a mesh that was made by cutting triangles into four
     #[arg(long, value_name = "FAMILY", value_parser = parse_named::<Family>(), help_heading = "Basis")]
     pub(crate) basis: Option<Family>,
     /// Share of the coefficients that stay, those that contribute most; the others become 0

@@ -82,11 +82,11 @@ pub(crate) fn describe_denoising(text: &mut String, info: &DenoiseInfo, unit: Sa
     describe_far(text, info);
 }
 
-/// Noise that neighbors share, in mean edges, below which it is not reported. Below twice the noise of single vertices it is not
-/// either: it would hardly show.
+/// Noise that neighbors share, in mean edges, below which it is not reported. Below twice the noise of single vertices
+/// it is not reported either, because it would hardly show.
 const LEAST_SHARED: f64 = 0.02;
 
-/// Adds lines on the kinds of noise of a mesh beside that along the normals.
+/// Adds lines on the kinds of noise of a mesh other than noise along the normals.
 fn describe_mesh(text: &mut String, info: &DenoiseInfo, mesh: &MeshDenoising) {
     if mesh.impulse_share > 0.0 {
         let _ = writeln!(
@@ -180,7 +180,7 @@ fn describe_far(text: &mut String, info: &DenoiseInfo) {
     }
 }
 
-/// Adds a line on what smoothing left unchanged in a field.
+/// Adds a line on the fields that smoothing left unchanged.
 pub(crate) fn describe_local_fit(text: &mut String, fit: LocalFit) {
     let line = match fit {
         LocalFit::Linear => "slopes are kept (local fit: linear)",

@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// The path that stands for the standard output.
 const PIPE: &str = "-";
 
-/// Whether a path ends in one of these extensions, in either case.
+/// True if a path ends in one of these extensions, in either case.
 pub(crate) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|e| extensions.iter().any(|extension| e.eq_ignore_ascii_case(extension)))
 }
 
-/// A path without `.gz` at its end, which says how a table is written, not as what.
+/// A path without a final `.gz`, which names the compression of a table and not its format.
 pub(crate) fn without_gzip(path: &Path) -> PathBuf {
     if has_extension(path, &["gz"]) { path.with_extension("") } else { path.to_owned() }
 }
@@ -33,7 +33,7 @@ pub(crate) fn output_format(path: &Path) -> Result<Format, CliError> {
     Format::from_output_path(path).map_err(|e| write_error(e.in_file(path)))
 }
 
-/// Files that were tried: two runs in one process may ask about the same folder.
+/// Number of files that tested a folder: two runs in one process may ask about the same folder.
 static N_PROBES: AtomicU64 = AtomicU64::new(0);
 
 /// Fails before any long work if nothing can be written to `path`.
@@ -97,7 +97,7 @@ pub(crate) fn write_file(global: &Global<'_>, path: &Path, bytes: &[u8]) -> Resu
     })
 }
 
-/// Writes a shape, with a note on what its format cannot store.
+/// Writes a shape, with a note on the content that its format cannot store.
 pub(crate) fn write_shape(
     global: &Global<'_>,
     file: &ShapeFile,
@@ -139,7 +139,8 @@ pub(crate) fn write_shape(
     })
 }
 
-/// Whether the file gets its provenance: PLY and OBJ if that is asked for, or if they would go on saying what the shape was before.
+/// True if the file carries its provenance: always in formats with a place for it, in comments of PLY and OBJ if that
+/// is asked for or the file had a provenance, which would otherwise state what the shape was before.
 fn carries_provenance(global: &Global<'_>, file: &ShapeFile, path: &Path) -> bool {
     let Some(format) = Format::from_path(path) else { return false };
     let is_asked_for = global.inputs.in_comments || file.provenance().is_some();
@@ -170,8 +171,8 @@ pub(crate) fn clone_for_output(file: &ShapeFile, path: &Path) -> ShapeFile {
     file
 }
 
-/// Frees the bytes that a shape was read from before long work. A scan that becomes one again keeps them: its coordinate system
-/// and the like are nowhere else.
+/// Frees the bytes that a shape was read from before long work. A scan that is written as a scan keeps them, because
+/// its coordinate system and similar records are stored nowhere else.
 pub(crate) fn release_source(file: &mut ShapeFile, path: &Path) {
     let is_scan = |format: Option<Format>| matches!(format, Some(Format::LAS | Format::LAZ | Format::EPT));
     if !(is_scan(file.format()) && is_scan(Format::from_path(path))) {

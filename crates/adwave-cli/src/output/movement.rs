@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Widths of the widest level beyond which a note says that a vertex moved far.
+/// Distance in widths of the widest level beyond which a note says that a vertex moved far.
 const FAR: f64 = 3.0;
 
 /// Relative change of the volume beyond which a note reports it.
@@ -49,8 +49,8 @@ struct MeasureChange {
 }
 
 impl MeasureChange {
-    /// The change between sizes in a unit that is `unit` in model units. The sizes may underflow or overflow in model units; the share
-    /// does not.
+    /// The change between sizes in a unit that is `unit` in model units. The sizes may underflow or overflow in model
+    /// units; the share does not.
     fn new(before: f64, after: f64, unit: f64) -> Self {
         let share = Some((after - before) / before).filter(|share| share.is_finite());
         Self { before: before * unit, after: after * unit, share }
@@ -61,11 +61,12 @@ impl Movement {
     /// Movement to new positions, in the order of the shape.
     ///
     /// # Errors
-    /// A vertex moved so far that no number says how far, or the shape has no positions.
+    /// A vertex moved farther than a number can represent, or the shape has no positions.
     pub(crate) fn measure(geometry: &PreparedGeometry, points: &[[f64; 3]]) -> Result<Self, CliError> {
         let shape = geometry.shape();
         let diagonal = geometry.extent();
-        // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two rounds nothing.
+        // Lengths in a unit of the size of the shape, so that squares neither vanish nor overflow; a power of two
+        // rounds nothing.
         let exponent = if diagonal > 0.0 { diagonal.log2().floor() } else { 0.0 };
         let unit = if exponent.abs() <= MODERATE_EXPONENT { 1.0 } else { exponent.exp2() };
         let Some(before) = shape.points().filter(|before| before.len() == points.len()) else {
@@ -109,8 +110,8 @@ impl Movement {
         self
     }
 
-    /// Prints a note if an edit of bands did more than such edits do: vertices moved farther than a few times `sigma`, the width of the
-    /// widest level, or half of the volume changed.
+    /// Prints a note if an edit of bands changed the shape unusually much: vertices moved farther than a few times
+    /// `sigma`, the width of the widest level, or half of the volume changed.
     pub(crate) fn note_unusual(&self, sigma: f64, global: &Global<'_>) {
         if sigma > 0.0 && self.moved.max > FAR * sigma {
             let said = format!(

@@ -110,7 +110,7 @@ pub(crate) fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> Str
     std::iter::once("adwave".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
-/// The most memory that this process has held, in bytes; `None` if the system does not tell.
+/// The most memory that this process has held, in bytes; `None` if the system does not report it.
 pub(crate) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -55,7 +55,8 @@ fn words_of_result(words: &[OsString]) -> Vec<OsString> {
     relevant
 }
 
-/// A word of the command line with the names of files, but not their folders: `--output=a/b.ply` becomes `--output=b.ply`.
+/// A word of the command line with the names of files, but not their folders: `--output=a/b.ply` becomes
+/// `--output=b.ply`.
 fn strip_folders(word: &OsStr) -> OsString {
     let text = word.to_string_lossy();
     if !text.contains(['/', std::path::MAIN_SEPARATOR]) {

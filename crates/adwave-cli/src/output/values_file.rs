@@ -38,8 +38,8 @@ impl ValuesFile {
         }
     }
 
-    /// The kind for an edited signal, if it goes alone into `path`. Positions of a shape do so as an array only, and a field of
-    /// the shape's own file goes back into a file of that format.
+    /// The kind for an edited signal, if it goes alone into `path`. Positions of a shape do so as an array only, and a
+    /// field of the shape's own file goes back into a file of that format.
     pub(crate) fn choose_for_edited_signal(path: &Path, signal: &str, file: &ShapeFile) -> Option<Self> {
         let kind = Self::from_path(path)?;
         let goes_back = if signal == COORDS {
@@ -91,8 +91,8 @@ impl ValuesFile {
         })
     }
 
-    /// Writes new values of a signal that came from a file: into a copy of it if that is a GIFTI or CIFTI with these columns,
-    /// so that its names, intents and other structures stay; else into a new file.
+    /// Writes new values of a signal that came from a file: into a copy of it if that is a GIFTI or CIFTI with these
+    /// columns, so that its names, intents and other structures stay; else into a new file.
     pub(crate) fn write_edited(
         self,
         global: &Global<'_>,
@@ -128,12 +128,13 @@ fn is_cifti(path: &Path) -> bool {
     [".nii", ".nii.gz"].iter().any(|extension| name.ends_with(extension))
 }
 
-/// Whether a file of that name stores a shape together with any fields of its vertices.
+/// True if a file of that name stores a shape together with any fields of its vertices.
 pub(crate) fn holds_fields(path: &Path) -> bool {
     Format::from_path(path).is_some_and(Format::holds_fields)
 }
 
-/// Refuses a path for `what` ("bands are"), with the extensions that would do: those of formats with fields, and `others`.
+/// Refuses a path for `what` ("bands are"), with the extensions that would do: those of formats with fields, and
+/// `others`.
 pub(crate) fn unsuitable_format(path: &Path, what: &str, others: &[&str]) -> CliError {
     unsuitable_format_among(path, what, |_| true, others)
 }

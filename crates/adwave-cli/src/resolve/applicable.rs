@@ -60,7 +60,8 @@ pub(crate) fn check_source_options(inputs: &[&Input], global: &Global<'_>) -> Re
     Ok(())
 }
 
-/// Refuses options of the operator that a curve does not have, and notes that an option of the walk replaced the usual operator.
+/// Refuses options of the operator that a curve does not have, and notes that an option of the walk replaced the usual
+/// operator.
 pub(crate) fn check_operator_options(
     shape: &Shape,
     params: &OperatorParams,

@@ -51,8 +51,8 @@ pub(crate) fn resolve_levels(
     resolve_spec(&args.to_spec(), DEFAULT_EXTENT, decomposer, global)
 }
 
-/// Levels on a shape, with a note if one is finer than the edges or wider than the shape. If no number is asked for, the last level
-/// reaches the share `extent` of the diagonal.
+/// Levels on a shape, with a note if one is finer than the edges or wider than the shape. If no number is asked for,
+/// the last level reaches the share `extent` of the diagonal.
 pub(crate) fn resolve_spec(
     spec: &LevelSpec,
     extent: f64,
@@ -102,7 +102,7 @@ fn note_unusual_widths(widths: &[Length], decomposer: &Decomposer, global: &Glob
     }
 }
 
-/// The same levels on a shape whose step length differs, as for a changed copy of the shape.
+/// These levels on a shape whose step length differs, as for a changed copy of the shape.
 pub(crate) fn rescale_levels(
     spec: &LevelSpec,
     sigma: &[f64],

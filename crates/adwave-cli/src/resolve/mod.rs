@@ -1,4 +1,5 @@
-//! From flags to what they stand for: the shape, the signal on it, the operator, the levels, a region, the axis that points up.
+//! From flags to the objects that they stand for: the shape, the signal on it, the operator, the levels, a region, the
+//! axis that points up.
 
 pub(crate) mod applicable;
 pub(crate) mod levels;

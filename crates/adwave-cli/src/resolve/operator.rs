@@ -15,12 +15,12 @@ use adwave::shape::{PreparedGeometry, Shape, VertexRole, describe_outsiders};
 use adwave::signal::CloseSheets;
 use adwave::{Decomposer, LevelSpec, Progress};
 
-/// How the diffusion operator is built for a task.
+/// Parameters of the diffusion operator for a task.
 pub(crate) fn operator_for_task(args: &OperatorArgs, task: OperatorTask) -> Result<OperatorParams, CliError> {
     operator_with_default(args, task.default_kind())
 }
 
-/// How the diffusion operator is built for the levels that are asked for.
+/// Parameters of the diffusion operator for the levels that the flags ask for.
 pub(crate) fn operator_for_levels(
     args: &OperatorArgs,
     levels: &LevelArgs,
@@ -28,12 +28,13 @@ pub(crate) fn operator_for_levels(
     operator_for_spec(args, &levels.to_spec())
 }
 
-/// How the diffusion operator is built for levels.
+/// Parameters of the diffusion operator for levels.
 pub(crate) fn operator_for_spec(args: &OperatorArgs, levels: &LevelSpec) -> Result<OperatorParams, CliError> {
     operator_for_task(args, levels.operator_task())
 }
 
-/// How the diffusion operator is built, of the kind `default` if neither a kind nor an option of the walk is asked for.
+/// Parameters of the diffusion operator, of the kind `default` if neither a kind nor an option of the walk is asked
+/// for.
 pub(crate) fn operator_with_default(
     args: &OperatorArgs,
     default: OperatorKind,
@@ -61,8 +62,8 @@ pub(crate) fn prepare(
     Ok(decomposer)
 }
 
-/// Prints notes on placeholders and strays, with their rows in the file, on vertices that were welded although their positions
-/// differ, and on given normals whose signs are not what they seem.
+/// Prints notes on placeholders and strays, with their rows in the file, on vertices that were welded although their
+/// positions differ, and on given normals whose signs were changed or are not used.
 pub(crate) fn note_outsiders(geometry: Option<&PreparedGeometry>, input: &Input, global: &Global<'_>) {
     let Some(geometry) = geometry else { return };
     if let Some(seams) = geometry.seams() {
@@ -116,8 +117,8 @@ fn describe_close_sheets(sheets: CloseSheets) -> String {
     )
 }
 
-/// A signal split into channels that are NaN at the same vertices, with a decomposer that masks these, so that a gap in one channel
-/// leaves the others alone.
+/// A signal split into channels that are NaN at the same vertices, with a decomposer that masks these, so that a gap in
+/// one channel leaves the others alone.
 pub(crate) struct SignalParts {
     parts: Vec<SignalPart>,
     n_channels: usize,
@@ -130,7 +131,8 @@ pub(crate) struct SignalPart {
 }
 
 impl SignalParts {
-    /// Splits a signal, with a note on what is masked. Channels without any value stay as they are if others have values.
+    /// Splits a signal, with a note on the masked vertices. Channels without any value stay as they are if others have
+    /// values.
     pub(crate) fn new(
         decomposer: &Decomposer,
         signal: &Signal,

@@ -32,7 +32,7 @@ pub(crate) struct BentShape {
     pub(crate) info: DeformInfo,
 }
 
-/// Edits of a recipe beside those of bands.
+/// Edits of a recipe other than those of bands: clones and a pose.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ReshapedBy {
     pub(crate) clones: Vec<DetailClone>,

@@ -47,7 +47,7 @@ pub(crate) fn region_weights(
     Ok(weights.to_vertices(decomposer.vertex_map()))
 }
 
-/// Prints a note for each point of the region that lies off the shape, so that another place stands for it, and for each
+/// Prints a note for each point of the region that lies off the shape, so that another place replaces it, and for each
 /// field of the region without a value somewhere.
 pub(crate) fn note_region(
     region: &Region,

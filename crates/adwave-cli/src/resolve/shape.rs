@@ -18,7 +18,7 @@ use adwave_io::{
 };
 use std::io::Read;
 
-/// A shape as its file has it and as the mathematics has it.
+/// A shape in the form of its file and in the form of the computation.
 pub(crate) struct Input {
     /// The file's content, to write it back.
     pub(crate) file: ShapeFile,
@@ -26,7 +26,7 @@ pub(crate) struct Input {
     pub(crate) shape: Shape,
     /// The name in reports.
     pub(crate) name: String,
-    /// Lengths in model units are accepted although coordinates are degrees.
+    /// True if lengths in model units are accepted although coordinates are degrees.
     pub(crate) allows_degrees: bool,
     /// The mesh whose faces the shape has as nodes, for a field of faces.
     pub(crate) mesh_of_cells: Option<Box<ShapeFile>>,
@@ -132,7 +132,7 @@ impl Default for SampleSize {
 }
 
 impl<'a> ShapeSource<'a> {
-    /// A shape as it is, with all its vertices.
+    /// Source of a shape with all its vertices and no further options.
     pub(crate) fn new(shape: &'a str) -> Self {
         let (sample, part) = (SampleSize::default(), CloudPart::default());
         Self { shape, kind: None, sample, part, selection: None, neighbors: None }
@@ -229,7 +229,7 @@ fn graph_of_domain(domain: &Decomposer) -> ShapeFile {
     ShapeFile::from_graph(map.n_vertices(), edges)
 }
 
-/// A selection and what becomes of the vertices that take no part.
+/// A selection and the treatment of the vertices that take no part.
 pub(crate) struct SelectionUse {
     pub(crate) selection: Selection,
     pub(crate) rest: Rest,
@@ -238,9 +238,9 @@ pub(crate) struct SelectionUse {
 /// Fate of the vertices that take no part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rest {
-    /// They keep their values.
+    /// The other vertices keep their values.
     Stays,
-    /// They are not written.
+    /// The other vertices are not written.
     IsDropped,
 }
 
@@ -289,7 +289,7 @@ fn describe_selected(selected: &SelectedShape, name: &str, selection: &Selection
     Some(format!("{n} of {n_before} vertices of {name} take part: {reasons}"))
 }
 
-/// Says that rows of the file are not part of the shape.
+/// Prints a note that rows of the file are not part of the shape.
 fn note_left_out(file: &ShapeFile, name: &str, global: &Global<'_>) {
     let (n_rows, n_left) = (file.n_file_rows(), file.n_file_rows() - file.n_vertices());
     if n_left > 0 {

@@ -39,7 +39,7 @@ pub(crate) fn load_signal(
 /// Option that takes sentinels as numbers.
 pub(crate) const KEEP_SENTINELS: &str = "--keep-sentinels";
 
-/// Says which numbers of a signal were taken for unknown values.
+/// Prints a note on the numbers of a signal that were taken for unknown values.
 pub(crate) fn note_unknown(name: &str, unknown: &[UnknownValue], global: &Global<'_>) {
     if let Some(text) = describe_unknown(name, unknown) {
         let has_option = !["render", "simplify"].contains(&global.given.command());

@@ -35,7 +35,7 @@ pub(crate) struct WalkDefaults {
 /// A walk with its description.
 pub(crate) struct ResolvedWalk {
     pub(crate) powers: WalkPowers,
-    /// Its construction in words.
+    /// Construction of the walk in words.
     pub(crate) text: String,
     pub(crate) json: Value,
 }
@@ -55,7 +55,7 @@ pub(crate) fn load_walk(
     load_walk_from(source, args, defaults, global)
 }
 
-/// File of a walk, and what is in it.
+/// File of a walk, and its content.
 pub(crate) struct WalkSource<'a> {
     pub(crate) path: &'a Path,
     pub(crate) content: WalkContent,
@@ -248,8 +248,8 @@ pub(crate) fn with_given_walk(
     Ok(input)
 }
 
-/// Points of a table: in the plane or in space a cloud, unless a graph is asked for; in more dimensions the graph of the
-/// nearest neighbors, with the weights of the adaptive kernel.
+/// Points of a table: in the plane or in space a cloud, unless a graph is asked for; in more dimensions the graph of
+/// the nearest neighbors, with the weights of the adaptive kernel.
 pub(crate) fn read_points(
     path: &Path,
     source: &ShapeSource<'_>,

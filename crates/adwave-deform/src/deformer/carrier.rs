@@ -12,9 +12,9 @@ pub(super) struct Carrier<'a> {
     welded: &'a [u32],
     motions: Vec<ColumnMotion>,
     has_stretch: bool,
-    /// Motion of each region that is not the common one.
+    /// Motion of each region that differs from the common one.
     exact: Vec<Option<HandleMotion>>,
-    /// The common motion in model units; `None` if it is none.
+    /// The common motion in model units; `None` if it moves nothing.
     common: Option<HandleMotion>,
     common_turn: Option<[f64; 4]>,
 }
@@ -67,7 +67,7 @@ impl<'a> Carrier<'a> {
     }
 }
 
-/// Adds what handles that are not rigid do to a detail.
+/// Adds the change of a detail by handles whose motion is not rigid.
 fn add_stretch(motions: &[ColumnMotion], row: BlendRow<'_>, detail: &Vector, change: &mut Vector) {
     for (&k, &w) in row.columns.iter().zip(row.weights) {
         if let Some(stretch) = &motions[k as usize].stretch {

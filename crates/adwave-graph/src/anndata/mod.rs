@@ -1,7 +1,7 @@
 //! Cells of an AnnData in an `.h5ad` file: counts, names of genes, neighbors, and a copy with imputed values.
 //!
-//! HDF5 is read and edited by a library without C. Sizes are checked before anything is allocated, so a file may claim
-//! what it likes.
+//! HDF5 is read and edited by a library without C. Sizes are checked before anything is allocated, so a damaged file
+//! cannot exhaust the memory.
 
 mod elements;
 mod replace;
@@ -135,8 +135,8 @@ impl AnnDataFile {
     /// The matrix `X`, or a layer, cells × genes. O(entries).
     ///
     /// # Errors
-    /// [`AnnDataError`] if there is no such layer, its size is not that of `X` or exceeds the limit, an entry lies outside,
-    /// or the call is cancelled.
+    /// [`AnnDataError`] if there is no such layer, its size is not that of `X` or exceeds the limit, an entry lies
+    /// outside, or the call is cancelled.
     pub fn matrix(&self, layer: Option<&str>, progress: Progress<'_>) -> Result<AnnDataMatrix, AnnDataError> {
         let Some(layer) = layer else { return self.elements.matrix("X", progress) };
         let present = self.elements.members("layers");
@@ -153,8 +153,8 @@ impl AnnDataFile {
         self.elements.matrix(&name, progress)
     }
 
-    /// Name of the weights between cells, if the file has them: `obsp/connectivities`, or `uns/neighbors/connectivities` as
-    /// before version 0.7 of AnnData.
+    /// Name of the weights between cells, if the file has them: `obsp/connectivities`, or
+    /// `uns/neighbors/connectivities` as before version 0.7 of AnnData.
     pub fn connectivities_name(&self) -> Option<&'static str> {
         ["obsp/connectivities", "uns/neighbors/connectivities"].into_iter().find(|path| {
             let (folder, name) = path.rsplit_once('/').unwrap_or_default();
@@ -162,7 +162,8 @@ impl AnnDataFile {
         })
     }
 
-    /// Weights between cells, cells × cells, if the file has them: see [`connectivities_name`](Self::connectivities_name).
+    /// Weights between cells, cells × cells, if the file has them: see
+    /// [`connectivities_name`](Self::connectivities_name).
     ///
     /// # Errors
     /// [`AnnDataError`] if they are not sparse, not square, or exceed the limit.
@@ -216,7 +217,8 @@ impl AnnDataFile {
     /// Columns of genes that are given by name or by column, counted from 0. A name comes before a number.
     ///
     /// # Errors
-    /// [`AnnDataError::NoGene`] for one that is not there, and the errors of [`gene_names`](Self::gene_names).
+    /// [`AnnDataError::NoGene`] for a gene that the file does not have, and the errors of
+    /// [`gene_names`](Self::gene_names).
     pub fn columns_of(&self, genes: &[String]) -> Result<Vec<usize>, AnnDataError> {
         let column_of_number =
             |gene: &String| gene.parse().ok().filter(|&column: &usize| column < self.n_genes);
@@ -235,10 +237,11 @@ impl AnnDataFile {
     }
 }
 
-/// Checks that a file is as long as its header says: of a file that was cut, the library reads what is left.
+/// Checks that a file is as long as its header says. The library would read the rest of a truncated file without an
+/// error.
 ///
-/// The superblock of versions 0 and 1 has four addresses behind 24 and 28 bytes, that of versions 2 and 3 behind 12; the third
-/// is the end of the file.
+/// The superblock of versions 0 and 1 has four addresses behind 24 and 28 bytes, that of versions 2 and 3 behind 12;
+/// the third is the end of the file.
 fn check_length(path: &Path) -> Result<(), AnnDataError> {
     use std::io::Read;
     let unread = |error: std::io::Error| AnnDataError::Hdf5 {

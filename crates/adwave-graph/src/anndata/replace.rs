@@ -12,14 +12,14 @@ pub struct ReplacedMatrix<'a> {
     pub values: &'a [f64],
     /// Number of cells.
     pub n_cells: usize,
-    /// Names of the genes of the columns if they are not those of the file. Then `var` has these names alone, and what has a
-    /// row or column for each of the old genes is left out: layers, `varm`, `varp` and `raw`.
+    /// Names of the genes of the columns if they are not those of the file. Then `var` has these names alone, and all
+    /// objects with a row or column for each of the old genes are left out: layers, `varm`, `varp` and `raw`.
     pub genes: Option<&'a [String]>,
 }
 
-/// Writes a copy of a file with the matrix as its `X`; everything else keeps its bytes. Returns the names of what was left
-/// out. The space of the old matrix stays in the file where the new one does not fit into it. Files in the oldest form of
-/// HDF5, the default of h5py, are held in memory meanwhile.
+/// Writes a copy of a file with the matrix as its `X`; everything else keeps its bytes. Returns the names of the
+/// objects that were left out. If the new matrix does not fit into the space of the old one, that space stays in the
+/// file. Files in the oldest form of HDF5, the default of h5py, are held in memory during the call.
 ///
 /// # Errors
 /// [`AnnDataError`] if a file cannot be read or written; an incomplete target may be left.
@@ -61,7 +61,7 @@ pub fn write_replaced(
 /// Groups with a row or column per gene, which stay as empty groups.
 const EMPTIED: [&str; 3] = ["layers", "varm", "varp"];
 
-/// Deletes what has a row or column per gene, and returns the names of what was not empty.
+/// Deletes the objects with a row or column per gene, and returns the names of the nonempty ones.
 fn delete_per_gene(root: &Group) -> Result<Vec<String>, AnnDataError> {
     let failed = |error: hdf5_pure::Error| unreadable("the file", &error);
     let groups = root.groups().map_err(failed)?;

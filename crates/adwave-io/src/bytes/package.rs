@@ -19,7 +19,7 @@ pub(crate) struct Package<'a> {
     left: u64,
 }
 
-/// Tells if the bytes are an archive with a file whose name ends so.
+/// True if the bytes are an archive with a file whose name has this ending.
 pub(crate) fn package_has(bytes: &[u8], ending: &str) -> bool {
     bytes.starts_with(b"PK\x03\x04")
         && ZipArchive::new(Cursor::new(bytes))

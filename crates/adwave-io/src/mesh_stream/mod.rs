@@ -99,8 +99,8 @@ impl MeshReader {
         read.map_err(|e| e.in_file(&self.path))
     }
 
-    /// Property of the vertices with one number each, of that name; `None` if there is none, as in every OBJ. The columns of
-    /// a color, a normal or a texture coordinate are no fields of one number.
+    /// Property of the vertices with one number each, of that name; `None` if there is none, as in every OBJ. The
+    /// columns of a color, a normal or a texture coordinate are no fields of one number.
     pub fn column(&self, name: &str) -> Option<VertexColumn> {
         match &self.source {
             StreamSource::Ply(ply) => ply.column(name),
@@ -124,8 +124,8 @@ impl MeshReader {
         }
     }
 
-    /// [`vertices`](Self::vertices), with the numbers of some properties: for each vertex one number for each of `columns`
-    /// is appended to `values`.
+    /// [`vertices`](Self::vertices), with the numbers of some properties: for each vertex one number for each of
+    /// `columns` is appended to `values`.
     ///
     /// # Errors
     /// The errors of [`vertices`](Self::vertices).

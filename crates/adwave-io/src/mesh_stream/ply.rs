@@ -102,7 +102,7 @@ impl PlyStream {
         }
     }
 
-    /// These rows are done with.
+    /// Releases rows that were processed.
     pub(super) fn consume(&mut self, rows: RowSpan) {
         self.row += rows.n;
         self.window.consume(rows.n_bytes);

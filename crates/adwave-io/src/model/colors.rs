@@ -17,8 +17,8 @@ pub(crate) fn is_color(field: &Field) -> bool {
     field.name == "color" && matches!(field.n_channels, 3 | 4)
 }
 
-/// True if the colors are intensities: integers of 8 or 16 bits, or floats in [0, 1]. Other numbers of that name stay as they
-/// are.
+/// True if the colors are intensities: integers of 8 or 16 bits, or floats in [0, 1]. Other numbers of that name stay
+/// as they are.
 pub(crate) fn is_intensity(field: &Field) -> bool {
     let is_within = || field.to_f64().iter().all(|x| (0.0..=1.0).contains(x));
     is_color(field)
@@ -57,8 +57,8 @@ pub(crate) fn srgb_values(linear: &FieldValues, n_channels: usize) -> FieldValue
     }
 }
 
-/// Colors in bytes; `None` unless they are floats in [0, 1], which all readers of colors take for intensities. The flag is
-/// true if digits are lost.
+/// Colors in bytes; `None` unless they are floats in [0, 1], which all readers of colors take for intensities. The flag
+/// is true if digits are lost.
 fn in_bytes(field: &Field) -> Option<(Field, bool)> {
     if !is_intensity(field) || matches!(field.values, FieldValues::U8(_) | FieldValues::U16(_)) {
         return None;

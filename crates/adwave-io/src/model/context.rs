@@ -18,7 +18,7 @@ pub(crate) struct ReadContext<'a> {
     pub(crate) folder: Option<&'a Path>,
 }
 
-/// Destination of a shape and what is noted on the way.
+/// Destination of a shape, and the notes taken while it is written.
 pub(crate) struct WriteContext<'a> {
     pub(crate) format: Format,
     pub(crate) out: &'a mut dyn Write,

@@ -27,7 +27,7 @@ impl FaceCells {
 }
 
 impl ShapeFile {
-    /// Tells if a name is that of a field of faces, and of no field of vertices.
+    /// True if a field of the faces has this name, and no field of the vertices.
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues, ShapeFile};

@@ -307,8 +307,8 @@ impl Field {
         Self { name: name.into(), n_channels, values }
     }
 
-    /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions, and
-    /// the least of 255, 65535 and the greatest value that no value exceeds. O(values).
+    /// Value of a color channel at full intensity: the largest number of 8 or 16 bits; for other types 1 for fractions,
+    /// and the least of 255, 65535 and the greatest value that no value exceeds. O(values).
     ///
     /// ```
     /// use adwave_io::{Field, FieldValues};

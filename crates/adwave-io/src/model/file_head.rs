@@ -32,22 +32,22 @@ impl<'a> FileHead<'a> {
         }
     }
 
-    /// Tells if the ending of the name means that format.
+    /// True if the ending of the name means that format.
     pub(crate) fn is_named(&self, descriptor: &FormatDescriptor) -> bool {
         self.name.is_some_and(|name| descriptor.matches_name(name))
     }
 
-    /// Tells if the first 64 KiB can be text.
+    /// True if the first 64 KiB can be text.
     pub(crate) fn is_text(&self) -> bool {
         !self.head.contains(&0)
     }
 
-    /// Tells if it begins as a ZIP archive.
+    /// True if the file begins as a ZIP archive.
     pub(crate) fn is_archive(&self) -> bool {
         self.bytes.starts_with(b"PK\x03\x04")
     }
 
-    /// Tells if it is XML in which `<name` stands.
+    /// True if the file is XML with an element `<name`.
     pub(crate) fn has_element(&self, name: &str) -> bool {
         self.text.starts_with(b"<")
             && memchr::memmem::find_iter(self.head, name).any(|at| {

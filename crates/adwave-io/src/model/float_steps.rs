@@ -109,7 +109,8 @@ fn spacing_below(shape: &ShapeFile, limit: f64) -> Option<f64> {
         let edge = |row: usize| distance(shape.edges.pairs[row][0], shape.edges.pairs[row][1]);
         rows.filter_map(edge).filter(is_length).collect()
     } else {
-        // Points that fill the two longest sides of their box are farther apart than this; the exact search takes longer.
+        // Points that fill the two longest sides of their box are farther apart than this; the exact search takes
+        // longer.
         if even_spacing(points).is_none_or(|spacing| spacing > 10.0 * limit) {
             return None;
         }

@@ -52,14 +52,14 @@ pub(crate) enum CoordinateType {
 pub(crate) enum Evidence {
     /// The first lines are rows of numbers.
     Numbers,
-    /// The ending of the name says so, and the content does not speak against it.
+    /// The ending of the name is that of the format, and the content does not speak against it.
     Name,
     /// The first word is a statement of the format.
     Statement,
-    /// The first lines follow the layout of the format. From here on the content counts more than that of the
-    /// kinds of files which are known and not read.
+    /// The first lines follow the layout of the format. Evidence from here on outweighs the signature of a kind of file
+    /// that is known but not read.
     Layout,
-    /// The ending of the name says so, and any content is possible.
+    /// The ending of the name is that of the format, and any content is possible.
     NameAlone,
     /// The first word is reserved for the format.
     Keyword,
@@ -106,7 +106,7 @@ pub(crate) struct ValuesEdit<'a> {
     pub(crate) size: SurfaceSize<'a>,
     /// Values of all columns of the file, in its order.
     pub(crate) field: &'a Field,
-    /// Path of the new file, whose name says what it is.
+    /// Path of the new file, whose name selects its kind.
     pub(crate) path: &'a Path,
 }
 
@@ -115,7 +115,7 @@ pub(crate) type RewriteValuesFn = fn(&[u8], &ValuesEdit<'_>) -> Result<Option<Ve
 /// The surface that a mask is read for, and the parts of the file that are asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MaskRequest<'a> {
-    /// Name of the file, whose words may say what it lists.
+    /// Name of the file, whose words may describe its list.
     pub(crate) name: &'a str,
     /// Names of regions, with commas between them; `None` for the usual meaning of the file.
     pub(crate) regions: Option<&'a str>,
@@ -178,7 +178,7 @@ pub(crate) struct FormatDescriptor {
     pub(crate) recognize: fn(&FileHead<'_>) -> Option<Evidence>,
     /// Name of a related kind of file that is not read as a shape, for the message.
     pub(crate) name_foreign: fn(&FileHead<'_>) -> Option<&'static str>,
-    /// Tells if the bytes are text in lines, whose line ends may be those of the old Macintosh.
+    /// True if the bytes are text in lines, whose line ends may be those of the old Macintosh.
     pub(crate) has_lines: fn(&[u8]) -> bool,
     pub(crate) read: Option<ReadFn>,
     pub(crate) read_folder: Option<ReadFolderFn>,
@@ -232,7 +232,7 @@ impl FormatDescriptor {
         samples: &[],
     };
 
-    /// Tells if the ending of a file's name, with or without `.gz` after it, means this format.
+    /// True if the ending of a file's name, with or without `.gz` after it, means this format.
     pub(crate) fn matches_name(&self, path: &Path) -> bool {
         let Some(name) = path.file_name() else { return false };
         let name = name.to_string_lossy().to_ascii_lowercase();

@@ -1,4 +1,4 @@
-//! Content of a file in memory, what the registry knows of a format, and helpers that formats share.
+//! Content of a file in memory, the description of a format for the registry, and helpers that formats share.
 
 pub(crate) mod binary_rows;
 #[cfg(any(feature = "vtk", feature = "volume"))]

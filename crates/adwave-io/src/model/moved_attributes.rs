@@ -12,10 +12,10 @@ use crate::{Field, ShapeFile, ShapeFileError};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MovedNormals {
-    /// They are computed from the new positions.
+    /// Normals and tangents are computed from the new positions.
     #[default]
     Follow,
-    /// The old ones stay.
+    /// The old normals and tangents stay.
     Keep,
 }
 

@@ -1,5 +1,5 @@
-//! Shapes that are a part of their file: vertices without a position are left out on reading, others on request. Results
-//! are numbered by the rows of the file, and vertices that were left out come back when the shape is written.
+//! Shapes that are a part of their file: vertices without a position are left out on reading, others on request.
+//! Results are numbered by the rows of the file, and vertices that were left out come back when the shape is written.
 
 use std::sync::Arc;
 
@@ -178,8 +178,8 @@ impl ShapeFile {
         rows.spread(&field, Some(&old))
     }
 
-    /// Gives the rows that are not part of this shape their values of a field, of which `field` has a row for each row of
-    /// the file. They come back with these values if a field of that name, type and number of channels is written.
+    /// Gives the rows that are not part of this shape their values of a field, of which `field` has a row for each row
+    /// of the file. They come back with these values if a field of that name, type and number of channels is written.
     /// Without such rows nothing changes.
     ///
     /// ```
@@ -231,7 +231,8 @@ impl ShapeFile {
         Ok(self.part(kept, false))
     }
 
-    /// Makes this shape a file of its own: the vertices that were left out do not come back, and its rows are its vertices.
+    /// Makes this shape a file of its own: the vertices that were left out do not come back, and its rows are its
+    /// vertices.
     pub fn forget_left_out(&mut self) {
         self.whole = None;
         self.rows = None;

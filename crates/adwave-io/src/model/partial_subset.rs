@@ -21,8 +21,8 @@ impl ShapeFile {
     }
 
     /// Creates a file from a subset of this part and the vertices and faces that were not selected; of a shape that is
-    /// not a selection, a [`subset`](Self::subset). Faces that were not selected become triangles; without new triangles
-    /// they are dropped.
+    /// not a selection, a [`subset`](Self::subset). Faces that were not selected become triangles; without new
+    /// triangles they are dropped.
     ///
     /// ```
     /// use adwave_io::{ShapeFile, Subset};

@@ -14,8 +14,8 @@ pub enum ShapeKind {
     Mesh,
     /// Points alone.
     Cloud,
-    /// The file's own edges, with their weights or, without weights and with positions, as a curve; without edges, those
-    /// of the faces with weight 1.
+    /// The file's own edges, with their weights or, without weights and with positions, as a curve; without edges,
+    /// those of the faces with weight 1.
     Graph,
 }
 
@@ -177,9 +177,9 @@ impl ShapeFile {
         self.to_shape_as(kind)
     }
 
-    /// The edges with their weights. Edges of the file with positions and without weights are a curve; weights, or
-    /// the edges of faces, keep deciding the steps where there are positions. Positions that are not finite are no
-    /// hindrance to a graph whose steps do not follow from them, which then has none.
+    /// The edges with their weights. Edges of the file with positions and without weights are a curve; weights, or the
+    /// edges of faces, decide the steps even if there are positions. If the steps do not follow from the positions and
+    /// some of these are not finite, the graph has no positions.
     fn to_graph(&self) -> Result<Graph, ShapeFileError> {
         let has_positions = self.points.len() == self.n_vertices && !self.points.is_empty();
         if has_positions && !self.edges.pairs.is_empty() && self.edges.weights.is_empty() {

@@ -44,9 +44,9 @@ pub struct Edges {
     pub direction: Direction,
 }
 
-/// A shape with everything its file said of it: vertices and faces in the file's order, every attribute as a named
-/// field, and what is needed to write the same file again with other coordinates. Copies share points, faces and the original
-/// bytes.
+/// A shape with the whole content of its file: vertices and faces in the file's order, every attribute as a named
+/// field, and the data needed to write the same file again with other coordinates. Copies share points, faces and the
+/// original bytes.
 ///
 /// With faces it is a mesh, without a point cloud; a MatrixMarket matrix is a graph that has edges and no points.
 ///
@@ -254,7 +254,8 @@ impl ShapeFile {
         &self.extras
     }
 
-    /// Assumptions that reading made about the file, one line each, such as the columns of a table that are coordinates.
+    /// Assumptions that reading made about the file, one line each, such as the columns of a table that are
+    /// coordinates.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -1,4 +1,4 @@
-//! Content of the file that a shape was read from, kept to write the same file again with what changed.
+//! Content of the file that a shape was read from, kept to write the same file again with the changes.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -39,12 +39,12 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         Ok(Update::DoesNotFit)
     }
 
-    /// Tells if a document of the format `read` can be updated as the format `written`.
+    /// True if a document of the format `read` can be updated as the format `written`.
     fn can_update(&self, read: Format, written: Format) -> bool {
         read == written
     }
 
-    /// Tells if files of that format keep the extras of the shape, because they are written from this document.
+    /// True if files of that format keep the extras of the shape, because they are written from this document.
     fn keeps_extras(&self, _: Format) -> bool {
         false
     }
@@ -54,8 +54,8 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         None
     }
 
-    /// Part of the shape made from the document itself, with what only the document holds; `None` if the shape's
-    /// own arrays hold all of it.
+    /// Part of the shape made from the document itself, with the content that only the document holds; `None` if the
+    /// shape's own arrays hold all of it.
     fn subset_shape(&self, _: &ShapeFile, _: &Subset<'_>) -> Option<ShapeFile> {
         None
     }
@@ -65,7 +65,7 @@ pub(crate) trait SourceDocument: Any + Debug + Send + Sync {
         None
     }
 
-    /// Tells if the document is written with normals of faces that are computed from the points.
+    /// True if the document is written with normals of faces that are computed from the points.
     fn computes_face_normals(&self) -> bool {
         false
     }

@@ -119,8 +119,8 @@ impl ShapeFile {
         Some(distinct(face_of.len(), key))
     }
 
-    /// Returns colors and texture coordinates at the corners of the faces, for which 1 is the full range; `None` without
-    /// either. Colors are those of the vertices.
+    /// Returns colors and texture coordinates at the corners of the faces, for which 1 is the full range; `None`
+    /// without either. Colors are those of the vertices.
     ///
     /// ```
     /// use adwave_io::{ReadLimits, read_bytes};

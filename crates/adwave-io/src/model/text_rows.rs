@@ -67,8 +67,8 @@ pub(crate) fn push_coordinate(out: &mut Vec<u8>, x: f64, precision: CoordinatePr
     }
 }
 
-/// Length of the first cell of a row whose cells are separated by a byte. Quotes protect separators if they enclose the whole
-/// cell.
+/// Length of the first cell of a row whose cells are separated by a byte. Quotes protect separators if they enclose the
+/// whole cell.
 pub(crate) fn cell_length(row: &[u8], separator: u8) -> usize {
     let plain = || row.iter().position(|&b| b == separator).unwrap_or(row.len());
     if row.first() != Some(&b'"') {

@@ -1,4 +1,4 @@
-//! Sampling of textures: what is asked for, and why there are no colors.
+//! Requests for the colors of textures, and the reasons for which there are none.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Choosing the format of a file, reading and writing it: knows the table of formats, and no format.
+//! Choice of the format of a file, reading and writing: this module knows the table of formats, but no single format.
 
 pub(crate) mod names;
 pub(crate) mod read;

@@ -1,4 +1,4 @@
-//! Formats by name and by file ending, and what messages and documents say of all of them.
+//! Formats by name and by file ending, and the lists of formats in messages and documents.
 
 use adwave::vector::Axis;
 use std::path::Path;
@@ -50,53 +50,53 @@ impl Format {
         self.descriptor().loses
     }
 
-    /// Tells if it can be read.
+    /// True if files of this format can be read.
     pub fn can_read(self) -> bool {
         !self.descriptor().reads.is_empty()
     }
 
-    /// Tells if it can be written.
+    /// True if files of this format can be written.
     pub fn can_write(self) -> bool {
         !self.descriptor().writes.is_empty()
     }
 
-    /// Axis that points up in files of this format, if all of them agree: z for the heights of LAS, LAZ and EPT, and for the
-    /// top of the head in the spaces of GIFTI and FreeSurfer.
+    /// Axis that points up in files of this format, if all of them agree: z for the heights of LAS, LAZ and EPT, and
+    /// for the top of the head in the spaces of GIFTI and FreeSurfer.
     pub fn up_axis(self) -> Option<Axis> {
         self.descriptor().up_axis
     }
 
-    /// Tells if points have a classification and flags by which their producer takes them out, as in LAS.
+    /// True if points have a classification and flags by which their producer takes them out, as in LAS.
     pub(crate) fn flags_points(self) -> bool {
         self.descriptor().flags_points
     }
 
-    /// Tells if a file of it has a shape together with any fields of its vertices, by their names.
+    /// True if a file of this format has a shape together with any fields of its vertices, by their names.
     pub fn holds_fields(self) -> bool {
         self.descriptor().holds_fields
     }
 
-    /// Tells if a file of it also has any fields of its faces, by their names.
+    /// True if a file of this format also has any fields of its faces, by their names.
     pub fn holds_face_fields(self) -> bool {
         self.descriptor().holds_face_fields
     }
 
-    /// Tells if it has room for the [`Provenance`](crate::Provenance) of a shape, beside its content.
+    /// True if the format has room for the [`Provenance`](crate::Provenance) of a shape, beside its content.
     pub fn holds_provenance(self) -> bool {
         self.descriptor().provenance == ProvenanceRoom::Metadata
     }
 
-    /// Tells if the [`Provenance`](crate::Provenance) can stand in a comment, beside its content.
+    /// True if the [`Provenance`](crate::Provenance) can stand in a comment, beside the content.
     pub fn holds_provenance_comment(self) -> bool {
         matches!(self.descriptor().provenance, ProvenanceRoom::Comment { .. })
     }
 
-    /// Tells if it holds faces, so that a mesh remains one.
+    /// True if the format holds faces, so that a mesh remains a mesh.
     pub fn holds_faces(self) -> bool {
         self.descriptor().content == ContentKind::Mesh
     }
 
-    /// Tells if it holds graphs, without coordinates too.
+    /// True if the format holds graphs, including graphs without coordinates.
     pub fn holds_graphs(self) -> bool {
         self.descriptor().content == ContentKind::Graph
     }

@@ -110,7 +110,7 @@ fn hemisphere(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Adds what holds for all files of the format, and leaves out the vertices without a position.
+/// Adds the facts that hold for all files of the format, and leaves out the vertices without a position.
 fn finish(
     mut shape: ShapeFile,
     format: Option<Format>,

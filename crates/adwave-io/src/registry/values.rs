@@ -14,9 +14,9 @@ use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::{MaskRequest, SurfaceSize, ValuesEdit, VertexMask};
 use crate::{Field, ReadError, ReadLimits, WriteError};
 
-/// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a
-/// label), labels as 1 at the vertices that they list and 0 elsewhere, MGH and MGZ with a channel per frame, and
-/// CIFTI-2, where `structure` (`CortexLeft`) and the number of vertices select the part. Vertices without a value are NaN.
+/// Reads values for a surface: FreeSurfer's curv files (`lh.thickness`), annotations as integers (−1 without a label),
+/// labels as 1 at the vertices that they list and 0 elsewhere, MGH and MGZ with a channel per frame, and CIFTI-2, where
+/// `structure` (`CortexLeft`) and the number of vertices select the part. Vertices without a value are NaN.
 ///
 /// # Errors
 /// The file cannot be read, is of another kind, is malformed, or has no values for the surface. The message is one
@@ -46,10 +46,10 @@ pub(crate) fn read_value_file(
     }
 }
 
-/// Bytes of a copy of a file of values with other numbers, for a file at `path`: a GIFTI keeps intents, names and metadata of
-/// its arrays, a CIFTI its columns and the values of other structures. `field` has a row per vertex of the surface, and
-/// all columns of the file in their order. `.gz` after the extension of `path` compresses. `None` if the file is of
-/// another kind than `path` says, or cannot hold the field.
+/// Bytes of a copy of a file of values with other numbers, for a file at `path`: a GIFTI keeps intents, names and
+/// metadata of its arrays, a CIFTI its columns and the values of other structures. `field` has a row per vertex of the
+/// surface, and all columns of the file in their order. `.gz` after the extension of `path` compresses. `None` if the
+/// file is of another kind than `path` says, or cannot hold the field.
 ///
 /// # Errors
 /// [`WriteError::CannotHold`] for finite numbers beyond the range of the file's type.

@@ -7,10 +7,10 @@ use crate::{Format, ShapeFile};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FlaggedPoints {
-    /// They take no part.
+    /// Flagged points take no part.
     #[default]
     LeftOut,
-    /// They take part like all other points.
+    /// Flagged points take part like all other points.
     Included,
 }
 

@@ -11,8 +11,8 @@ use crate::{ReadLimits, ShapeFile};
 /// Mask in a file, with a row per row of the shape's file.
 ///
 /// In files of numbers (NPY, CSV, GIFTI, CIFTI, FreeSurfer's curv, MGH and MGZ) a number that is neither 0 nor NaN is
-/// inside. A FreeSurfer label has its vertices inside, unless it is that of the medial wall (by its name). An annotation
-/// has the regions of the cortex inside, or those that are named.
+/// inside. A FreeSurfer label has its vertices inside, unless it is that of the medial wall (by its name). An
+/// annotation has the regions of the cortex inside, or those that are named.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MaskFile {
     /// Path, optionally with `:NAME` for one of several columns, or for regions of an annotation with commas between.

@@ -92,7 +92,7 @@ impl Selection {
         if !flagged.is_empty() {
             n_left = keep.iter().zip(&flagged).filter(|&(&kept, &flagged)| kept && !flagged).count();
         }
-        // A file of noise alone is what somebody wants to look at.
+        // If all points of a file are flagged, they are meant to be processed.
         let n_flagged = if n_left > 0 { n_chosen - n_left } else { 0 };
         if n_flagged > 0 {
             keep_where(&mut keep, |i| !flagged[i]);

@@ -4,7 +4,7 @@
 use crate::ReadError;
 use crate::text::{is_space, line_end, plain_f64_at, show};
 
-/// Sequential reader of the words of such a text.
+/// Sequential reader of the words of a text without line structure.
 #[derive(Clone)]
 pub(crate) struct Tokens<'a> {
     pub(crate) bytes: &'a [u8],

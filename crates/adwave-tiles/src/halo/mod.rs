@@ -1,7 +1,7 @@
 //! Tiles with their halos.
 //!
-//! A tile is an *interior*, a range of blocks, plus a *halo*: the rings of neighbors around it that its result depends on. The halo is
-//! found by breadth-first search over the stored neighbor lists, so that no distance has to be guessed.
+//! A tile is an *interior*, a range of blocks, plus a *halo*: the rings of neighbors around it that its result depends
+//! on. The halo is found by breadth-first search over the stored neighbor lists, so that no distance has to be guessed.
 
 mod ring_search;
 mod symmetrize;
@@ -30,8 +30,8 @@ pub(crate) struct HaloLimits {
 
 /// Calls `visit(tile, interior)` for the blocks `interior` with their halo.
 ///
-/// A range of the curve can consist of several patches, which have a larger halo than one patch. If the tile exceeds the limits, it is
-/// split in halves, which are visited in the order of their blocks.
+/// A range of the curve can consist of several patches, which have a larger halo than one patch. If the tile exceeds
+/// the limits, it is split in halves, which are visited in the order of their blocks.
 pub(crate) fn visit_tiles_with_halo(
     blocks: &Blocks,
     neighbor_index: &NeighborIndex,
@@ -53,7 +53,8 @@ pub(crate) fn visit_tiles_with_halo(
     Ok(())
 }
 
-/// Collects the blocks `interior` and their halo; `None` as soon as they exceed the limits. A single block is always collected.
+/// Collects the blocks `interior` and their halo; `None` as soon as they exceed the limits. A single block is always
+/// collected.
 pub(crate) fn collect_tile(
     blocks: &Blocks,
     neighbor_index: &NeighborIndex,

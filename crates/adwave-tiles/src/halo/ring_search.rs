@@ -46,8 +46,8 @@ pub(crate) struct RingSearch<'a> {
     slots: Vec<u32>,
 }
 
-/// Number of blocks near a block above which its vertices are examined one by one; on a surface about nine blocks are near. It is low in
-/// tests, which have few blocks.
+/// Number of blocks near a block above which its vertices are examined one by one; on a surface about nine blocks are
+/// near. It is low in tests, which have few blocks.
 const MANY_BLOCKS: usize = if cfg!(test) { 2 } else { 32 };
 
 /// A vertex by its block and its index in the block.
@@ -141,7 +141,8 @@ impl<'a> RingSearch<'a> {
         let balls = &self.neighbor_index.ball_bounds;
         balls.visit_intersecting(&self.blocks.bounds[block], &(0..0), &mut |other| found.push(other));
         if found.len() > MANY_BLOCKS {
-            // If the curve leaves the shape between two vertices, the box of their block spans the gap: examine the vertices one by one.
+            // If the curve leaves the shape between two vertices, the box of their block spans the gap: examine the
+            // vertices one by one.
             found.clear();
             let mut last = usize::MAX;
             for position in self.blocks.read_positions(block)? {
@@ -202,7 +203,8 @@ impl<'a> RingSearch<'a> {
         Ok(())
     }
 
-    /// Marks the unreached neighbors of the frontier, whose lists must be symmetrized, as `ring`. Returns them: the next frontier.
+    /// Marks the unreached neighbors of the frontier as `ring` and returns them as the next frontier. The lists of the
+    /// frontier must be symmetrized.
     pub(crate) fn next_ring(
         &mut self,
         frontier: &[u32],

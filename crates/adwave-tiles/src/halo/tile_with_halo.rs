@@ -1,4 +1,4 @@
-//! The vertices of a tile and its halo, with all that T is assembled from.
+//! The vertices of a tile and its halo, with the data from which T is assembled.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub(crate) struct TileWithHalo {
 }
 
 impl TileWithHalo {
-    /// Takes what a search of `n_rings` rings around the blocks `interior` has reached.
+    /// Takes the vertices that a search of `n_rings` rings around the blocks `interior` has reached.
     pub(crate) fn from_search(
         mut search: RingSearch<'_>,
         interior: &Range<usize>,

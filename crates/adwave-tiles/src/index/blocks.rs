@@ -203,7 +203,7 @@ impl Blocks {
         self.records.read(first * record_bytes as u64, n as usize * record_bytes)
     }
 
-    /// Fields of a record that takes no part.
+    /// Value of the fields of a record that takes no part.
     pub(crate) fn outsider_value(&self, record: &[u8]) -> f32 {
         self.rule.outsider_value(&self.layout, record)
     }
@@ -233,8 +233,8 @@ impl Blocks {
         Ok(points)
     }
 
-    /// The records of a block, each with the index of its vertex in the block; `None` for one that takes no part. Consecutive records with
-    /// equal positions are one vertex.
+    /// The records of a block, each with the index of its vertex in the block; `None` for one that takes no part.
+    /// Consecutive records with equal positions are one vertex.
     pub(crate) fn with_vertices<'a>(
         &'a self,
         records: &'a [u8],

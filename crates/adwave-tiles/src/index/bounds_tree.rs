@@ -7,7 +7,8 @@ use crate::bounds::BoundingBox;
 /// Number of children of a node.
 const FAN_OUT: usize = 16;
 
-/// A tree whose nodes are runs of [`FAN_OUT`] consecutive boxes; consecutive boxes are close to each other along the curve.
+/// A tree whose nodes are runs of [`FAN_OUT`] consecutive boxes; consecutive boxes are close to each other along the
+/// curve.
 #[derive(Debug)]
 pub(crate) struct BoundsTree {
     /// The boxes, then the boxes of the nodes of each higher level, up to a single root.

@@ -1,6 +1,7 @@
 //! The faces of each tile of a mesh, and the triangles of a set of vertices.
 //!
-//! A face file has one record per face: the number of corners, then the vertex index of each corner, all as 32-bit numbers.
+//! A face file has one record per face: the number of corners, then the vertex index of each corner, all as 32-bit
+//! numbers.
 
 use std::path::PathBuf;
 
@@ -66,8 +67,8 @@ pub(crate) struct FaceFiles {
 }
 
 impl FaceFiles {
-    /// Triangles whose corners are all in `vertices`, as ranks in this set; `points` are the positions of its vertices. Faces of one tile
-    /// come in the order of the mesh.
+    /// Triangles whose corners are all in `vertices`, as ranks in this set; `points` are the positions of its vertices.
+    /// Faces of one tile come in the order of the mesh.
     pub(crate) fn triangles(
         &self,
         vertices: &IntervalSet,

@@ -1,6 +1,8 @@
-//! The index of the sorted vertices: blocks of records, their bounding boxes, and the neighbors of every vertex, on disk.
+//! The index of the sorted vertices: blocks of records, their bounding boxes, and the neighbors of every vertex, on
+//! disk.
 //!
-//! Vertices are numbered along a Hilbert curve. This number, the *vertex index*, names a vertex in all files but the inputs.
+//! Vertices are numbered along a Hilbert curve. This number, the *vertex index*, names a vertex in all files but the
+//! inputs.
 
 pub(crate) mod blocks;
 pub(crate) mod bounds_tree;

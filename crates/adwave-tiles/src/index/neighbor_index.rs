@@ -19,10 +19,11 @@ pub(crate) struct NeighborIndex {
     pub(crate) rule: NeighborRule,
 }
 
-/// Rule that decides which vertices are neighbors, and with it what the measure of a vertex is.
+/// Rule that decides which vertices are neighbors, and which measure a vertex has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum NeighborRule {
-    /// Two vertices are neighbors if one is among the k nearest of the other. The measure is the distance to the k-th nearest.
+    /// Two vertices are neighbors if one is among the k nearest of the other. The measure is the distance to the k-th
+    /// nearest.
     Nearest(usize),
     /// Two vertices are neighbors if they share an edge. The measure is the area.
     Edges,

@@ -10,11 +10,11 @@ use crate::bytes::{ByteCursor, push_varint};
 use crate::error::TilesError;
 use crate::files::{RandomAccessFile, write_atomic};
 
-/// Neighbor lists of the vertices of a block, in compressed rows. In a cloud a list has the k nearest neighbors, so that the relation is
-/// not symmetric; in a mesh it has the one-ring.
+/// Neighbor lists of the vertices of a block, in compressed rows. In a cloud a list has the k nearest neighbors, so
+/// that the relation is not symmetric; in a mesh it has the one-ring.
 #[derive(Debug, PartialEq)]
 pub(crate) struct NeighborLists {
-    /// In a cloud the distance to the k-th neighbor, in a mesh the area of the vertex; one per vertex.
+    /// Distance to the k-th neighbor in a cloud, area of the vertex in a mesh; one per vertex.
     pub(crate) measures: Vec<f64>,
     /// Start of each list in `neighbors`, then the end of the last one.
     pub(crate) offsets: Vec<u32>,
@@ -37,8 +37,8 @@ impl NeighborLists {
         self.offsets.push(self.neighbors.len() as u32);
     }
 
-    /// Encodes the measures, then per vertex its number of neighbors, the first neighbor as a difference from the vertex, and each other
-    /// neighbor as a difference from the one before.
+    /// Encodes the measures, then per vertex its number of neighbors, the first neighbor as a difference from the
+    /// vertex, and each other neighbor as a difference from the one before.
     fn encode(&self, first_vertex: usize) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(8 * self.measures.len() + 2 * self.neighbors.len());
         bytes.extend(self.measures.iter().flat_map(|r| r.to_le_bytes()));

@@ -39,7 +39,8 @@ impl BlockPositions {
             .map(|(vertex, &position)| IndexedPoint { vertex: vertex as u32, position })
     }
 
-    /// The points in groups whose boxes intersect `bounds`; `first_vertex` is the index of the first vertex of the block.
+    /// The points in groups whose boxes intersect `bounds`; `first_vertex` is the index of the first vertex of the
+    /// block.
     pub(crate) fn points_near<'a>(
         &'a self,
         bounds: &'a BoundingBox,

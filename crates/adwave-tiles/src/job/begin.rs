@@ -34,7 +34,8 @@ impl TilingJob {
             plan.blocks_per_tile = blocks_per_tile_of_same(&Self::open(&folder.path)?.plan, &plan, &folder)?;
             return Ok((Self { folder, plan }, forecast));
         }
-        // Neighbors of other points must not be taken for those of these, and tiles, which may be inputs, must not be replaced.
+        // Neighbors of other points must not be taken for neighbors of these points. Tiles must not be replaced,
+        // because they may be inputs.
         if let Some(name) = folder.file_names()?.iter().find(|name| is_job_file(name)) {
             return Err(TilesError::Input(format!(
                 "{} belongs to an earlier job; move or delete such files, or choose another folder",
@@ -48,7 +49,8 @@ impl TilingJob {
     }
 }
 
-/// Size of the tiles of the `existing` plan; an error if it has other results than `plan`, or tiles of another size than requested.
+/// Size of the tiles of the `existing` plan; an error if it has other results than `plan`, or tiles of another size
+/// than requested.
 fn blocks_per_tile_of_same(existing: &Plan, plan: &Plan, folder: &WorkFolder) -> Result<usize, TilesError> {
     if existing.shape.files != plan.shape.files
         || existing.params.result_params() != plan.params.result_params()

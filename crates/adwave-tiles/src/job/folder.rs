@@ -33,7 +33,8 @@ const BLOCK_SUMS: NumberedName = tile_name("tile-", ".json");
 const CLOUD_TILE: NumberedName = tile_name("tile-", ".laz");
 const MESH_TILE: NumberedName = tile_name("tile-", ".bin");
 
-/// A work folder. Every file is written under a temporary name and renamed, so that its presence means that it is complete.
+/// A work folder. Every file is written under a temporary name and renamed, so that its presence means that it is
+/// complete.
 #[derive(Clone, Debug)]
 pub(crate) struct WorkFolder {
     pub(crate) path: PathBuf,
@@ -63,7 +64,7 @@ impl WorkFolder {
         self.path.join(RECORDS)
     }
 
-    /// Lengths of the face files, which are written after these.
+    /// Lengths of the face files; written after the face files.
     pub(crate) fn face_file_lengths(&self) -> PathBuf {
         self.path.join(FACE_FILE_LENGTHS)
     }
@@ -146,7 +147,7 @@ impl WorkFolder {
         Ok(())
     }
 
-    /// Removes what tasks that were killed before the sort left behind, except for runs.
+    /// Removes the files of tasks that were killed before the sort, except for runs.
     pub(crate) fn remove_before_sort(&self) -> Result<(), TilesError> {
         self.remove(|name| FACES.matches(name) || CORNERS_NAME.matches(name) || is_temporary(name))
     }
@@ -163,7 +164,8 @@ impl WorkFolder {
         self.remove(is_tile)
     }
 
-    /// Removes all files but the tiles. The files that vouch for others go first, the plan goes last.
+    /// Removes all files but the tiles. Files whose presence means that others are complete are removed first, the plan
+    /// last.
     pub(crate) fn clean(&self) -> Result<(), TilesError> {
         self.remove(|name| name == BLOCK_TABLE || name == FACE_FILE_LENGTHS)?;
         self.remove(|name| is_job_file(name) && name != PLAN && !is_tile(name) || is_temporary(name))?;

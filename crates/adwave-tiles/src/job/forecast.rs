@@ -32,7 +32,7 @@ pub struct Forecast {
     pub disk: u64,
 }
 
-/// Size of a tile, and what the job costs with it.
+/// Size of the tiles, and the cost of the job with tiles of this size.
 pub(crate) struct Tiling {
     pub(crate) blocks_per_tile: usize,
     pub(crate) forecast: Forecast,
@@ -50,13 +50,13 @@ const MESH_VERTEX_BYTES: u64 = 110;
 const MESH_FACE_BYTES: u64 = 40;
 const DENOISED_MESH_FACE_BYTES: u64 = 1050;
 
-/// Bytes of memory per vertex of the blocks that a halo is searched in, and of what is computed from them.
+/// Bytes of memory per vertex of the blocks in which a halo is searched, including the data computed from them.
 const LOADED_VERTEX_BYTES: u64 = 220;
 
 /// Cost of the vertices and points of a shape.
 struct Cost {
-    /// Bytes of memory per vertex of a tile with its halo, with its outputs and records. A tile whose halo is larger than the forecast is
-    /// computed in parts.
+    /// Bytes of memory per vertex of a tile with its halo, with its outputs and records. A tile whose halo is larger
+    /// than the forecast is computed in parts.
     vertex_bytes: u64,
     /// Width of a ring, in mean distances between vertices.
     ring_width: f64,
@@ -72,15 +72,15 @@ impl Cost {
         let map_bytes = if params.has_maps() { row_bytes + 4 * params.levels as u64 } else { 0 };
         let denoises = params.denoise.is_some();
         let (vertex_bytes, ring_width, disk_bytes) = match shape.layout {
-            // Neighbors are farther away than the mean distance between vertices. The disk has the sorted records, and either their runs
-            // or distances and neighbor lists.
+            // Neighbors are farther away than the mean distance between vertices. The disk has the sorted records, and
+            // either their runs or distances and neighbor lists.
             RecordLayout::Las(_) => {
                 let stage_bytes = 8 + 2 * params.neighbors as u64 + map_bytes;
                 let vertex_bytes = if denoises { DENOISED_CLOUD_VERTEX_BYTES } else { CLOUD_VERTEX_BYTES };
                 (vertex_bytes, 1.8, record_bytes + record_bytes.max(stage_bytes))
             }
-            // The disk has the sorted records, and either their runs or faces, areas, neighbor lists and results, these twice during the
-            // join.
+            // The disk has the sorted records, and either their runs or faces, areas, neighbor lists and results, these
+            // twice during the join.
             RecordLayout::Mesh(_) => {
                 let faces_per_vertex = shape.n_faces.div_ceil(shape.n_points.max(1)).max(2);
                 let stage_bytes = 18 * faces_per_vertex + 20 + 2 * row_bytes + map_bytes;
@@ -109,7 +109,8 @@ impl Cost {
     }
 }
 
-/// Bytes of memory of a vertex of a tile with its halo for the directions in which it moves, and bytes of temporary files.
+/// Bytes of memory of a vertex of a tile with its halo for the directions in which it moves, and bytes of temporary
+/// files.
 fn motion_cost(shape: &InputShape, params: &Params) -> (u64, u64) {
     /// Normals before and after a step.
     const NORMAL_BYTES: u64 = 48;

@@ -43,8 +43,8 @@ pub(crate) fn plan_job(inputs: &[PathBuf], params: &Params) -> Result<(Plan, For
     Ok((Plan { shape, params: params.clone(), blocks_per_tile }, forecast))
 }
 
-/// Lists the files that the inputs stand for: for a folder the LAS and LAZ files in it, by name; for an EPT (its folder, or the `ept.json`
-/// in it) its data files.
+/// Lists the files that the inputs stand for: for a folder the LAS and LAZ files in it, by name; for an EPT (its
+/// folder, or the `ept.json` in it) its data files.
 fn list_files(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, TilesError> {
     const EPT: &str = "ept.json";
     let mut files = Vec::new();

@@ -1,4 +1,4 @@
-//! A tiling job: its plan, its folder, and what of it is done.
+//! A tiling job: its plan, its folder, and its finished tasks.
 
 pub(crate) mod begin;
 pub(crate) mod folder;

@@ -7,8 +7,8 @@ use crate::error::TilesError;
 use crate::job::tiling_job::TilingJob;
 use crate::stages::sort::{Sorter, records_per_run};
 
-/// A task of a job. A process can run it on its own. Tasks of one stage may run in any order and at the same time; running a task again
-/// gives the same file.
+/// A task of a job. A process can run it on its own. Tasks of one stage may run in any order and at the same time;
+/// running a task again gives the same file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]

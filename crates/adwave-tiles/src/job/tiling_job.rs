@@ -60,7 +60,8 @@ impl TilingJob {
         self.plan.params.has_maps()
     }
 
-    /// Returns true if all points are sorted and the faces of a mesh are distributed. The number of tiles is known from then on.
+    /// Returns true if all points are sorted and the faces of a mesh are distributed. The number of tiles is known from
+    /// then on.
     pub fn is_sorted(&self) -> bool {
         self.has_blocks() && (!self.is_mesh() || self.folder.face_file_lengths().exists())
     }

@@ -20,8 +20,8 @@ use crate::layout::RecordLayout;
 use crate::stages::join::{MeshJoin, join_cloud};
 pub use summary::Summary;
 
-/// Runs one task, whether or not it has been done before. The task reads the work folder and writes one file there, so that a process of
-/// its own can run it.
+/// Runs one task, whether or not it has been done before. The task reads the work folder and writes one file there, so
+/// that a process of its own can run it.
 ///
 /// # Errors
 /// [`TilesError`]; also if the task requires a stage that is not done.

@@ -25,7 +25,8 @@ pub struct Summary {
     pub n_flagged: u64,
     /// Number of points left out because their position stands for an unknown one.
     pub n_placeholders: u64,
-    /// Number of distinct positions of a cloud that take no part because they are far from all others; 0 for a job that denoises.
+    /// Number of distinct positions of a cloud that take no part because they are far from all others; 0 for a job that
+    /// denoises.
     pub n_strays: u64,
     /// Number of distinct positions.
     pub n_vertices: u64,
@@ -114,8 +115,8 @@ impl TilingJob {
         Ok(DenoiseInfo { noise: info.noise * unit, n_far: n_far as usize, furthest, ..info })
     }
 
-    /// Features of all tiles from fine to coarse, the strongest of each level first. `vertex` is for a mesh the index in its file, for a
-    /// cloud the index of the point in the joined tiles.
+    /// Features of all tiles from fine to coarse, the strongest of each level first. `vertex` is for a mesh the index
+    /// in its file, for a cloud the index of the point in the joined tiles.
     ///
     /// # Errors
     /// If a tile is not done.

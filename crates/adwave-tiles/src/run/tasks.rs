@@ -54,8 +54,8 @@ impl TilingJob {
         self.sort_in_runs(self.default_run_length(), vertices_per_pass(memory), progress)
     }
 
-    /// Sorts by runs of at most `run_length` records, and distributes the faces of a mesh in passes of `vertices_per_pass` vertices. Of two
-    /// processes, the second one waits and finds the sort done.
+    /// Sorts by runs of at most `run_length` records, and distributes the faces of a mesh in passes of
+    /// `vertices_per_pass` vertices. Of two processes, the second one waits and finds the sort done.
     pub(crate) fn sort_in_runs(
         &self,
         run_length: usize,
@@ -65,7 +65,8 @@ impl TilingJob {
         let folder = &self.folder;
         let path = folder.sort_lock();
         let lock = File::create(&path).map_err(TilesError::io(&path))?;
-        // If the file system has no locks, nobody waits: runs that another process deletes then cause an error, not a wrong result.
+        // If the file system has no locks, nobody waits: runs that another process deletes then cause an error, not a
+        // wrong result.
         while matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
             progress.check()?;
             std::thread::sleep(LOCK_INTERVAL);
@@ -127,7 +128,8 @@ impl TilingJob {
         write_one_rings(blocks, interior, file, ring_rule, paths, progress)
     }
 
-    /// The denoiser of the job; `None` for a job that computes bands. The first task that needs its files computes and stores them.
+    /// The denoiser of the job; `None` for a job that computes bands. The first task that needs its files computes and
+    /// stores them.
     pub(crate) fn denoiser(
         &self,
         blocks: &Blocks,
@@ -188,7 +190,8 @@ impl TilingJob {
         self.plan.blocks_per_tile * VERTICES_IN_A_BLOCK
     }
 
-    /// The computation of the bands stage, with all that it depends on beyond a tile. The first task that needs its files computes and stores them.
+    /// The computation of the bands stage, with all that it depends on beyond a tile. The first task that needs its
+    /// files computes and stores them.
     pub(crate) fn tile_rule(
         &self,
         blocks: &Blocks,

@@ -112,8 +112,8 @@ fn quantized_bounds(
     }
 }
 
-/// Returns a function that appends up to n of the next records of all files and returns their number, 0 at the end. The first
-/// `n_skipped` points are skipped.
+/// Returns a function that appends up to n of the next records of all files and returns their number, 0 at the end. The
+/// first `n_skipped` points are skipped.
 pub(crate) fn record_reader(
     files: &[InputFile],
     record_bytes: usize,

@@ -33,8 +33,8 @@ impl InputFile {
 pub(crate) struct InputShape {
     pub(crate) files: Vec<InputFile>,
     pub(crate) layout: RecordLayout,
-    /// Bounding box of all points, which decides their order and nothing else. For a cloud it comes from the headers, in multiples of
-    /// the scale; for a mesh it is in model units.
+    /// Bounding box of all points, which decides their order and nothing else. For a cloud it comes from the headers,
+    /// in multiples of the scale; for a mesh it is in model units.
     pub(crate) bounds: BoundingBox,
     pub(crate) n_points: u64,
     /// Number of faces; 0 for a cloud.

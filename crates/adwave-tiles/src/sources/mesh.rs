@@ -1,7 +1,7 @@
 //! Meshes: PLY and OBJ files in, result rows out.
 //!
-//! Vertices at one position are one vertex, as for every mesh in memory. A result row has the index of the vertex in the file, so that
-//! the rows of all tiles can be put back into the order of the file.
+//! Vertices at one position are one vertex, as for every mesh in memory. A result row has the index of the vertex in
+//! the file, so that the rows of all tiles can be put back into the order of the file.
 
 use std::path::{Path, PathBuf};
 
@@ -100,8 +100,8 @@ pub(crate) fn open_unchanged(file: &InputFile) -> Result<MeshReader, TilesError>
     Ok(reader)
 }
 
-/// Returns a function that appends the records of up to n of the next vertices, in the order of the file, and returns their number, 0 at
-/// the end.
+/// Returns a function that appends the records of up to n of the next vertices, in the order of the file, and returns
+/// their number, 0 at the end.
 pub(crate) fn record_reader(
     file: &InputFile,
     marker: RecordMarker,
@@ -134,7 +134,8 @@ pub(crate) fn record_reader(
     })
 }
 
-/// Bytes of a result row: the index of the vertex in the file, its coordinates if the job changes positions, its fields.
+/// Bytes of a result row: the index of the vertex in the file, its coordinates if the job changes positions, its
+/// fields.
 pub(crate) fn result_row_bytes(params: &Params) -> usize {
     4 + if params.changes_positions() { 24 } else { 0 } + params.field_bytes()
 }

@@ -36,9 +36,9 @@ struct RecordCondition {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RecordMarker {
     conditions: Vec<RecordCondition>,
-    /// Class of a point whose classes of noise are marked.
+    /// Column of the class of a point, if classes of noise are marked.
     class: Option<LasColumn>,
-    /// Flags of a point whose withheld ones are marked.
+    /// Column of the flags of a point, if withheld points are marked.
     flags: Option<LasColumn>,
     /// Flags of the rows of all inputs that take part; empty without a mask.
     mask: Vec<bool>,

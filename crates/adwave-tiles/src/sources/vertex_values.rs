@@ -31,8 +31,8 @@ impl<'a> VertexValues<'a> {
         Self { change, norm_fields, vector_fields, has_saliency: params.saliency.is_some(), unit, bands }
     }
 
-    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units. The saliency, which comes last, is 0
-    /// until the maps stage.
+    /// Appends the fields of a vertex ([`Params::field_names`]) as 32-bit floats in model units. The saliency, which
+    /// comes last, is 0 until the maps stage.
     pub(crate) fn push_fields(&self, vertex: usize, out: &mut Vec<u8>) {
         for band in &self.norm_fields {
             out.extend(((length(band[vertex]) * self.unit) as f32).to_le_bytes());
@@ -51,8 +51,8 @@ impl<'a> VertexValues<'a> {
         out.extend((0..n).flat_map(|_| value.to_le_bytes()));
     }
 
-    /// Norms of all bands as 32-bit floats, a row per vertex. They are in units of the layout, since model units of a tiny or huge shape
-    /// may not fit into 32-bit floats.
+    /// Norms of all bands as 32-bit floats, a row per vertex. They are in units of the layout, since model units of a
+    /// tiny or huge shape may not fit into 32-bit floats.
     pub(crate) fn encode_norms(&self) -> Vec<u8> {
         let n = self.bands.first().map_or(0, |band| band.len());
         let mut bytes = Vec::with_capacity(4 * n * self.bands.len());

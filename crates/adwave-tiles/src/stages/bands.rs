@@ -77,8 +77,8 @@ fn tile_bands(
     Ok(TileValues { points, series_values, interior_range, step_sums, is_far: Vec::new() })
 }
 
-/// Changes of the positions of a tile whose vertices move along an axis about a local linear fit, three numbers per vertex; 0 outside of
-/// the interior.
+/// Changes of the positions of a tile whose vertices move along an axis about a local linear fit, three numbers per
+/// vertex; 0 outside of the interior.
 fn height_changes(
     params: &Params,
     motion: &Motion,

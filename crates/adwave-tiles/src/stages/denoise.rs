@@ -47,8 +47,8 @@ pub(crate) fn sample_blocks(n_blocks: usize) -> Vec<usize> {
     (0..N_PIECES).flat_map(|k| first(k)..first(k) + BLOCKS_PER_PIECE).collect()
 }
 
-/// Estimates the noise and chooses the weights on a sample; `faces` are those of a mesh. Lengths are in units of the layout, of which
-/// one is `unit` model units.
+/// Estimates the noise and chooses the weights on a sample; `faces` are those of a mesh. Lengths are in units of the
+/// layout, of which one is `unit` model units.
 pub(crate) fn choose_weights(
     params: &Params,
     blocks: &Blocks,
@@ -106,12 +106,13 @@ pub(crate) fn denoise_tile(
     Ok(sums)
 }
 
-/// Positions of a tile with its halo before denoising, and what that does.
+/// Positions of a tile with its halo before denoising, and their changes.
 struct Moved {
     points: Vec<[f64; 3]>,
     /// Three numbers per vertex.
     changes: Vec<f64>,
-    /// True for vertices of a mesh that were stopped at three times the noise; empty for a cloud, whose points stay then.
+    /// True for vertices of a mesh that were stopped at three times the noise; empty for a cloud, whose points stay
+    /// then.
     is_far: Vec<bool>,
 }
 

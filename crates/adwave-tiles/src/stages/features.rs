@@ -24,8 +24,8 @@ const TIE_TOLERANCE: f64 = f32::EPSILON as f64;
 pub(crate) struct StoredFeature {
     /// Vertex index along the curve.
     pub(crate) curve_index: usize,
-    /// For a mesh the index of the vertex in the file, for a cloud the index of the point in the order of the curve. If several have the
-    /// same position, it is the first.
+    /// For a mesh the index of the vertex in the file, for a cloud the index of the point in the order of the curve. If
+    /// several have the same position, it is the first.
     pub(crate) vertex: u64,
     /// Position in model units.
     pub(crate) position: [f64; 3],
@@ -34,8 +34,8 @@ pub(crate) struct StoredFeature {
     pub(crate) response: f64,
 }
 
-/// Finds the features in the blocks `interior`: vertices where ‖W_j‖ over the mean of its level exceeds θ and is an extremum over
-/// neighbors and levels.
+/// Finds the features in the blocks `interior`: vertices where ‖W_j‖ over the mean of its level exceeds θ and is an
+/// extremum over neighbors and levels.
 pub(crate) fn find_features(
     context: &StageContext<'_>,
     interior: Range<usize>,

@@ -37,7 +37,8 @@ pub(crate) struct BandResults<'a> {
     pub(crate) levels: &'a [LevelSummary],
 }
 
-/// Passes the output rows of the blocks `interior` with their saliency to `write`, in order. `rows` has them without it.
+/// Passes the output rows of the blocks `interior` with their saliency to `write`, in order. `rows` has them without
+/// it.
 pub(crate) fn write_saliency(
     context: &StageContext<'_>,
     interior: Range<usize>,

@@ -1,4 +1,5 @@
-//! Motion: the directions in which the vertices of a tile move, and what they depend on beyond the tile.
+//! Motion: the directions in which the vertices of a tile move, and the facts about the whole shape that these depend
+//! on.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -51,7 +52,7 @@ pub(crate) struct HeightFit {
     pub(crate) mean_confidence: f64,
 }
 
-/// The rule by which vertices move, with what it needs to know of the whole shape.
+/// The rule by which vertices move, with the facts about the whole shape that it needs.
 pub(crate) struct Motion {
     pub(crate) movement: Movement,
     /// Rows of [`SurfaceRow`] of a mesh whose vertices may move along normals.
@@ -94,8 +95,8 @@ impl Motion {
         Ok(Some(smoothed_normals(normals, &tile.neighbors, sign, progress)?))
     }
 
-    /// Restricts the changes of the vertices `interior` of a tile, three numbers per vertex of the tile, to the directions
-    /// in which they may move. `first` is the index of the first of them along the curve.
+    /// Restricts the changes of the vertices `interior` of a tile, three numbers per vertex of the tile, to the
+    /// directions in which they may move. `first` is the index of the first of them along the curve.
     pub(crate) fn restrict(
         &self,
         changes: &mut [f64],

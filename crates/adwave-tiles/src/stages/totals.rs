@@ -1,4 +1,5 @@
-//! Statistics of whole levels from sums over blocks, added in the order of the blocks, so that they do not depend on the tiles.
+//! Statistics of whole levels from sums over blocks, added in the order of the blocks, so that they do not depend on
+//! the tiles.
 
 use std::ops::Range;
 
@@ -14,12 +15,12 @@ use crate::vector::length;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BlockSums {
     pub(crate) n_points: u64,
-    /// Over the distances that the vertices moved.
+    /// Sums over the distances that the vertices moved.
     pub(crate) moved: NormSums,
     /// Number of vertices that moved farther than noise explains.
     #[serde(default)]
     pub(crate) n_far: u64,
-    /// Over the norms of each computed band.
+    /// Sums over the norms of each computed band.
     pub(crate) bands: Vec<NormSums>,
     pub(crate) steps: StepSums,
 }
@@ -60,14 +61,16 @@ impl NormSums {
         self.logarithms += other.logarithms;
     }
 
-    /// mean(r·ln r) with r = l/mean over `n` vectors: the entropy of n equal shares minus the entropy of the shares of the norms.
+    /// mean(r·ln r) with r = l/mean over `n` vectors: the entropy of n equal shares minus the entropy of the shares of
+    /// the norms.
     fn unevenness(&self, n: f64, mean_length: f64) -> f64 {
         let scale = if mean_length > 0.0 { mean_length } else { 1.0 };
         (self.logarithms / self.sum - (self.sum / n / scale).ln()).max(0.0)
     }
 }
 
-/// Number of vertices with neighbors, and sums over their mean squared step lengths, weighted by the stationary distribution of the walk (eq. 10).
+/// Number of vertices with neighbors, and sums over their mean squared step lengths, weighted by the stationary
+/// distribution of the walk (eq. 10).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StepSums {
     /// Number of vertices with neighbors: the others take no part in statistics of bands.

@@ -16,10 +16,11 @@ use scene::{FORMAT, OFFSET, RECORD_BYTES, SCALE, Scene};
 const POINTS_PER_BLOCK: usize = 1 << 17;
 const POINTS_PER_THREAD: usize = 1 << 13;
 
-/// A synthetic landscape as an airborne laser scanner sees it: hills, houses and trees, in strips whose densities differ by up to a factor of
-/// ten.
+/// A synthetic landscape as an airborne laser scanner sees it: hills, houses and trees, in strips whose densities
+/// differ by up to a factor of ten.
 ///
-/// Each point depends on its index, the number of points and the seed alone, by arithmetic that is the same on every machine.
+/// Each point depends on its index, the number of points and the seed alone, by arithmetic that is the same on every
+/// machine.
 pub struct Terrain {
     scene: Scene,
     n_points: u64,
@@ -31,8 +32,8 @@ impl Terrain {
         Self { scene: Scene::new(n_points, seed), n_points }
     }
 
-    /// Writes the points `points`, in the order of the flight, as LAS or LAZ of point format 6. Reports progress in points of the whole
-    /// landscape.
+    /// Writes the points `points`, in the order of the flight, as LAS or LAZ of point format 6. Reports progress in
+    /// points of the whole landscape.
     ///
     /// # Errors
     /// [`TilesError`] if the file cannot be written, or the call is cancelled.

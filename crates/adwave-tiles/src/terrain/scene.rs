@@ -1,7 +1,7 @@
 //! A synthetic landscape as an airborne laser scanner sees it, point by point.
 //!
-//! Each point depends on its index, the number of points and a seed alone, by hashes and by arithmetic that is the same on every machine,
-//! so that any range of points can be generated independently.
+//! Each point depends on its index, the number of points and a seed alone, by hashes and by arithmetic that is the same
+//! on every machine, so that any range of points can be generated independently.
 
 /// Bytes of a record of point format 6.
 pub(super) const RECORD_BYTES: usize = 30;

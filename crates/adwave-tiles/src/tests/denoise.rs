@@ -20,9 +20,9 @@ fn params() -> Params {
     }
 }
 
-/// Largest distance between the results of tiles and of memory, in standard deviations of the noise. In memory, polynomials are truncated by
-/// the norm of the signal, to a relative error of 1e-4 of the normals; in tiles by the number of steps alone. Coordinates of clouds are
-/// rounded.
+/// Largest distance between the results of tiles and of memory, in standard deviations of the noise. In memory,
+/// polynomials are truncated by the norm of the signal, to a relative error of 1e-4 of the normals; in tiles by the
+/// number of steps alone. Coordinates of clouds are rounded.
 const MAX_DIFFERENCE: f64 = 0.01;
 
 #[test]

@@ -14,8 +14,9 @@ use adwave_io::{ReadLimits, ShapeFile, read_path};
 use crate::stages::join::MeshJoin;
 use crate::{MapKind, MapWeights, Params, Task, TilesError, TilingJob, join, run, run_task};
 
-/// A bumpy square with an open border and irregularities: quads, a seam of duplicate vertices, a duplicate face, an edge with three faces,
-/// a face with a repeated corner, one with two corners, a concave one, a distant vertex and an isolated one.
+/// A bumpy square with an open border and irregularities: quads, a seam of duplicate vertices, a duplicate face, an
+/// edge with three faces, a face with a repeated corner, one with two corners, a concave one, a distant vertex and an
+/// isolated one.
 pub(super) fn mesh(n: usize) -> (Vec<[f64; 3]>, Polygons) {
     let Sample { mut points, faces: triangles } = Sample::from_name("plane", Some(n)).unwrap();
     let n = points.len() as u32;

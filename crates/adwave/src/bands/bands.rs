@@ -7,7 +7,8 @@ use std::borrow::Cow;
 /// Number of vertices that a thread processes at a time.
 pub(super) const VERTICES_AT_A_TIME: usize = 1 << 12;
 
-/// The bands of a signal: W_f(1), …, W_f(J) and S_f(J), each n_vertices × n_channels, row-major, in the order of the shape.
+/// The bands of a signal: W_f(1), …, W_f(J) and S_f(J), each n_vertices × n_channels, row-major, in the order of the
+/// shape.
 ///
 /// The bands are stored one after another in one buffer, and their sum is the signal (eq. 15). Finer scaling
 /// coefficients are sums of coarser ones, `S_f(j−1) = S_f(j) + W_f(j)`, and are computed on request.
@@ -136,8 +137,8 @@ impl Bands {
         self.coefficients.chunks_exact_mut(len).for_each(treat);
     }
 
-    /// Gradient `⟨W_f(j), ḡ⟩` of a function of `f + Σ_j (g_j − 1)·W_f(j)` with respect to the gains g_j, j = 1 … J, from its
-    /// gradient ḡ with respect to that signal (n_vertices × n_channels).
+    /// Gradient `⟨W_f(j), ḡ⟩` of a function of `f + Σ_j (g_j − 1)·W_f(j)` with respect to the gains g_j, j = 1 … J,
+    /// from its gradient ḡ with respect to that signal (n_vertices × n_channels).
     ///
     /// # Errors
     /// [`BandsError::WrongBuffer`] unless the gradient is as long as the signal.

@@ -126,7 +126,7 @@ pub enum BandsError {
         /// The condition that does not hold.
         reason: &'static str,
     },
-    /// An operator contradicts what it promises.
+    /// An operator contradicts its promises.
     #[error("the operator is none of diffusion: {reason}")]
     BadOperator {
         /// The condition that does not hold.

@@ -1,10 +1,10 @@
 //! Bands by an operator that takes any number of steps at once ([`Leap`]).
 //!
-//! `S_f(j)` is one leap of n_j − n_{j−1} steps from `S_f(j−1)`, and `W_f(j) = S_f(j−1) − S_f(j)` (eq. 11). The operator bounds
-//! the error of each leap relative to its input, whose norm no later leap increases. A constant part does not change, so
-//! the signal is taken without its mean. If the bound of a band is too large for its norm, all is repeated with a finer one.
-//! A fine band of a smooth signal is a small difference of large values, whose rounding alone may be too large; then the
-//! caller takes the series, which start from `(I − Φ₁)f`.
+//! `S_f(j)` is one leap of n_j − n_{j−1} steps from `S_f(j−1)`, and `W_f(j) = S_f(j−1) − S_f(j)` (eq. 11). The operator
+//! bounds the error of each leap relative to its input, whose norm no later leap increases. A constant part does not
+//! change, so the signal is taken without its mean. If the error bound of a band is too large for its norm, all leaps
+//! are repeated with a finer accuracy. A fine band of a smooth signal is a small difference of large values, whose
+//! rounding alone may be too large; then the caller takes the series, which start from `(I − Φ₁)f`.
 
 use super::chebyshev::EvaluationInfo;
 use super::transform::add;
@@ -13,14 +13,15 @@ use crate::operator::{Invariant, Leap, RowWeights};
 use crate::pages::zeros;
 use crate::{Progress, parallel};
 
-/// Factors by which leaps are more accurate than the band is asked for, in turn.
+/// Accuracies of a leap relative to the requested accuracy of the bands, in the order in which they are tried.
 const MARGINS: [f64; 3] = [1e-1, 1e-3, 1e-6];
 
 /// Rounding of a difference of two signals relative to the larger one.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl Transform {
-    /// Calls `each(level, W_f(level))` for each level, counted from 0, until all keep to the accuracy.
+    /// Calls `each(level, W_f(level))` for each level, counted from 0, and again with finer leaps until every band
+    /// keeps to the accuracy.
     pub(super) fn leap_bands(
         &self,
         leap: &dyn Leap,

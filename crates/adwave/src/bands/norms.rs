@@ -12,15 +12,15 @@ use crate::sparse::SignalView;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 
-/// Total size of the wavelets in bytes below which the detour saves nothing.
+/// Total size of the wavelets in bytes below which computing them in two calls saves nothing.
 const LARGE: usize = 64 << 20;
 
 impl Transform {
     /// [`Wavelets::into_norms`] or [`Wavelets::into_along`] for a signal at the welded vertices, with the same
     /// bits.
     ///
-    /// For a large signal the coarse levels are computed first, and the fine levels after the coarse ones have been
-    /// reduced to one channel: three fifths of the memory, for the few products that fine levels take.
+    /// For a large signal the coarse levels are computed first and reduced to one channel, then the fine levels. This
+    /// takes three fifths of the memory, and repeats only the few products that fine levels need.
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).
@@ -45,7 +45,7 @@ impl Transform {
         })
     }
 
-    /// `None` if two calls cannot give the bits of one.
+    /// Measures the coarse and the fine levels in two calls; `None` if the bits could differ from those of one call.
     fn compute_in_two_calls(
         &self,
         mean: &[f64],

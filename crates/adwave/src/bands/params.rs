@@ -6,15 +6,16 @@ use crate::named_values;
 /// Smallest relative error of a band that double precision can guarantee.
 pub const FINEST_ACCURACY: f64 = 1e-13;
 
-/// Relative error that single precision hardly ever keeps to: a few steps of a graph with few neighbors.
+/// Relative error that single precision reaches only for a few steps on a graph with few neighbors; finer accuracies
+/// take double precision.
 pub(super) const FINEST_SINGLE: f64 = 1e-7;
 
 /// Method of computing the bands. All methods agree within the stated accuracy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Engine {
-    /// [`Leaps`](Self::Leaps) if the operator has a way to take many steps; else [`Chebyshev`](Self::Chebyshev) if it is
-    /// reversible, else [`Powers`](Self::Powers).
+    /// [`Leaps`](Self::Leaps) if the operator has a way to take many steps; else [`Chebyshev`](Self::Chebyshev) if it
+    /// is reversible, else [`Powers`](Self::Powers).
     #[default]
     Auto,
     /// One product per step: exact up to rounding, for any operator.
@@ -22,9 +23,9 @@ pub enum Engine {
     /// One recurrence for all levels: about `√(n·ln(1/accuracy))` products for n steps. Requires a reversible
     /// operator; others use [`Powers`](Self::Powers).
     Chebyshev,
-    /// One call of the operator's own way to take many steps ([`Leap`](crate::operator::Leap)) for each level. Operators
-    /// without one, and reversible ones where rounding keeps it from the accuracy, use [`Chebyshev`](Self::Chebyshev) or
-    /// [`Powers`](Self::Powers).
+    /// One call of the operator's own way to take many steps ([`Leap`](crate::operator::Leap)) for each level.
+    /// Operators without such a way, and reversible ones whose leaps miss the accuracy because of rounding, use
+    /// [`Chebyshev`](Self::Chebyshev) or [`Powers`](Self::Powers).
     Leaps,
 }
 
@@ -35,7 +36,7 @@ pub enum Precision {
     /// Single precision if the bound of its error keeps to the accuracy, else double.
     #[default]
     Auto,
-    /// Single precision, whatever the accuracy; [`BandsInfo::error_bound`] tells what was reached.
+    /// Single precision, whatever the accuracy; [`BandsInfo::error_bound`] is the accuracy that was reached.
     Single,
     /// Double precision.
     Double,
@@ -94,14 +95,14 @@ impl BandsParams {
         Self { precision, ..self }
     }
 
-    /// Number of channels that are best given to one call where there are many: those of a block, 64 where it may be in
-    /// single precision and 32 otherwise.
+    /// Number of channels to pass in one call if a signal has many: 64, the width of a block, if the block may be in
+    /// single precision, else 32.
     #[must_use]
     pub fn channels_together(&self) -> usize {
         if self.may_be_single() { 64 } else { 32 }
     }
 
-    /// False if vectors are in double precision whatever the signal.
+    /// True if the vectors of some signal may be in single precision.
     pub(super) fn may_be_single(&self) -> bool {
         match self.precision {
             Precision::Single => true,
@@ -149,8 +150,8 @@ pub struct BandsInfo {
     /// Number of terms added into the bands per block of up to four channels, summed over bands and blocks.
     pub terms: u64,
     /// Bound of the largest `‖error of W_f(j)‖ / ‖W_f(j)‖` over the bands, apart from rounding in double precision; 0
-    /// for powers. It includes rounding in single precision. It exceeds the stated accuracy only if a band nearly vanishes
-    /// relative to W_f(1), or if [`Precision::Single`] was asked for.
+    /// for powers. It includes rounding in single precision. It exceeds the stated accuracy only if a band nearly
+    /// vanishes relative to W_f(1), or if [`Precision::Single`] was asked for.
     pub error_bound: f64,
     /// Bytes of memory used beyond the signal and the bands, including prepared data.
     pub bytes: u64,

@@ -2,8 +2,9 @@
 //!
 //! With Q = 2Φ₁ − I, `Qᵗ = Σ_k 2^(1−t)·C(t, (t−k)/2)·T_k(Q)` over the k of the parity of t, halved at k = 0: the
 //! distribution of a symmetric walk of t steps. A band between a < b steps is `W = (Qᵃ − Qᵇ)f = q(Q)u` with
-//! `u = (I − Φ₁)f = ½(I − Q)f` and `q = 2Σ_{i=a}^{b−1} Qⁱ`. All coefficients of q are positive and sum to 2(b − a). As for
-//! lazy walks, q is also four times the double tails of the distribution, because `(1 − y)T_k = −½(T_{k+1} − 2T_k + T_{k−1})`.
+//! `u = (I − Φ₁)f = ½(I − Q)f` and `q = 2Σ_{i=a}^{b−1} Qⁱ`. All coefficients of q are positive and sum to 2(b − a). As
+//! for lazy walks, q is also four times the double tails of the distribution, because
+//! `(1 − y)T_k = −½(T_{k+1} − 2T_k + T_{k−1})`.
 //!
 //! Source for the coefficients: `carne1985`.
 
@@ -38,7 +39,8 @@ pub(crate) fn band(a: u64, b: u64, growth: Growth) -> Series {
     Series::new(q, growth)
 }
 
-/// Probabilities `C(t, (t−k)/2)/2ᵗ` for k = 0, 1, … until they are negligible or k > t; 0 where k and t differ in parity.
+/// Probabilities `C(t, (t−k)/2)/2ᵗ` for k = 0, 1, … until they are negligible or k > t; 0 where k and t differ in
+/// parity.
 fn plain_law(t: u64) -> Vec<f64> {
     let first = (t % 2) as usize;
     let mut law = vec![0.0; first + 1];

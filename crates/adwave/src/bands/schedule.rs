@@ -1,9 +1,10 @@
-//! Which numbers of steps the levels stand for.
+//! Schedules: the number of diffusion steps of each level.
 
 use thiserror::Error;
 
-/// The full width at half maximum of diffusion on a surface over σ, `2·√(ln 2)`: σ is the root mean square of the distance, σ/√2 along
-/// each of two axes, and a normal distribution is `2·√(2·ln 2)` standard deviations wide at half its height.
+/// Ratio of the full width at half maximum of diffusion on a surface to σ: `2·√(ln 2)`. σ is the root mean square of
+/// the distance, σ/√2 along each of two axes, and a normal distribution is `2·√(2·ln 2)` standard deviations wide at
+/// half its height.
 pub const FWHM: f64 = 1.665_109_222_315_395_5;
 
 /// The largest number of steps of a level: 2³¹, that is 32 dyadic levels.
@@ -12,25 +13,25 @@ pub const MAX_STEPS: u64 = 1 << 31;
 /// The smallest number of steps of a level.
 pub const MIN_STEPS: f64 = 1.0 / 64.0;
 
-/// The most levels to an octave.
+/// Largest number of levels per octave, that is, per doubling of the steps.
 const MAX_VOICES: usize = 64;
 
-/// How far from whole, relative to itself, rounding leaves a number of steps that comes from a length.
+/// Relative difference from a whole number below which a number of steps computed from a length counts as whole.
 const WHOLE: f64 = 1e-12;
 
-/// Why a list of levels is no schedule.
+/// Error of a list of levels that is no schedule.
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ScheduleError {
     /// There is no level.
     #[error("a schedule needs at least one level")]
     NoLevels,
-    /// A level stands for no step at all, for hardly any, or for no number.
+    /// The number of steps of a level is below [`MIN_STEPS`] or not a number.
     #[error("level {level} has {} steps; a level needs a finite number of them, at least {MIN_STEPS}", format_number(*.steps))]
     NoSteps {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// Number of steps of the level.
         steps: f64,
     },
     /// A level does not have more steps than the one before it.
@@ -38,30 +39,30 @@ pub enum ScheduleError {
     NotIncreasing {
         /// The level, from 1.
         level: usize,
-        /// Its steps.
+        /// Number of steps of the level.
         steps: f64,
         /// The steps of the level before it.
         before: f64,
     },
-    /// A level has more steps than can be counted on.
+    /// A level has more than [`MAX_STEPS`] steps.
     #[error("level {level} would take more than 2^31 steps; ask for at most 32 dyadic levels")]
     TooManySteps {
         /// The level, from 1.
         level: usize,
     },
-    /// A number of voices that is 0 or beyond all use.
+    /// The number of voices is 0 or larger than 64.
     #[error("the number of voices per octave must be in 1..={MAX_VOICES}, got {n_voices}")]
     Voices {
         /// The number asked for.
         n_voices: usize,
     },
-    /// A length that no number of steps of this diffusion spreads to.
+    /// A length is not finite, positive and larger than the one before it, or the diffusion does not move.
     #[error(
         "length {index} is {}: lengths must be finite, positive and increasing, and the diffusion must move (its step is {step_length} long)",
         format_number(*.length)
     )]
     BadLength {
-        /// Which length, from 0.
+        /// Index of the length, from 0.
         index: usize,
         /// The length in model units.
         length: f64,
@@ -76,7 +77,7 @@ impl crate::ClassifiedError for ScheduleError {
     }
 }
 
-/// A number in few digits, however large or small it is.
+/// Formats a number with few digits at any magnitude.
 fn format_number(number: f64) -> String {
     if number == 0.0 || (1e-6..1e12).contains(&number.abs()) {
         number.to_string()
@@ -85,7 +86,7 @@ fn format_number(number: f64) -> String {
     }
 }
 
-/// How many steps of the diffusion each level stands for: n_1 < n_2 < … < n_J, whole or fractional.
+/// Numbers of diffusion steps of the levels: n_1 < n_2 < … < n_J, whole or fractional.
 ///
 /// `Φ₁ⁿ` of a real n > 0 is the power of the operator's spectrum, which lies in [0, 1] where it is reversible. Whole
 /// steps are taken where they are asked for: they cost nothing extra and work for every operator.
@@ -147,8 +148,8 @@ impl Schedule {
         Self::new((0..n_levels as u32).map(|j| 1 << j).collect())
     }
 
-    /// `n_voices` levels for each doubling of the steps, up to the steps of `n_levels` dyadic levels: n_j = 2^((j−1)/voices),
-    /// so that σ grows by the same factor `2^(1/(2·voices))` from each level to the next.
+    /// `n_voices` levels for each doubling of the steps, up to the steps of `n_levels` dyadic levels: n_j =
+    /// 2^((j−1)/voices), so that σ grows by the same factor `2^(1/(2·voices))` from each level to the next.
     ///
     /// # Errors
     /// [`ScheduleError`] as for [`dyadic`](Self::dyadic), or when there is no voice or more than 64 of them.
@@ -165,8 +166,8 @@ impl Schedule {
         Self::real((0..=octaves * n_voices).map(level).collect())
     }
 
-    /// Levels of the widths `lengths` (model units) for a diffusion of step length `s`: σ = s·√n, so n = (σ/s)². A number of
-    /// steps that is whole but for rounding is taken for whole.
+    /// Levels of the widths `lengths` (model units) for a diffusion of step length `s`: σ = s·√n, so n = (σ/s)². A
+    /// number of steps that is whole but for rounding is taken for whole.
     ///
     /// # Errors
     /// [`ScheduleError`] unless the lengths are positive, increasing and within [`MIN_STEPS`] to 2³¹ steps.
@@ -191,8 +192,8 @@ impl Schedule {
         Self::real(steps)
     }
 
-    /// The same levels with whole numbers of steps, each at least 1, equal ones once: for operators that are not reversible, and
-    /// for the functions φ and ψ themselves.
+    /// This schedule with whole numbers of steps, each at least 1 and without repetitions, for operators that are not
+    /// reversible, and for the functions φ and ψ themselves.
     #[must_use]
     pub fn rounded(&self) -> Self {
         let mut steps: Vec<f64> = self.steps.iter().map(|n| n.round().max(1.0)).collect();
@@ -205,12 +206,12 @@ impl Schedule {
         &self.steps
     }
 
-    /// Steps of each level where all of them are whole.
+    /// Steps of each level; `None` unless all of them are whole.
     pub fn whole_steps(&self) -> Option<Vec<u64>> {
         self.first_real().is_none().then(|| self.steps.iter().map(|&n| n as u64).collect())
     }
 
-    /// The first level, from 1, that is a fractional power.
+    /// First level, from 1, with a fractional number of steps; `None` if there is none.
     pub fn first_real(&self) -> Option<usize> {
         self.steps.iter().position(|n| n.fract() != 0.0).map(|j| j + 1)
     }
@@ -231,10 +232,10 @@ impl Schedule {
     }
 }
 
-/// How wide the last level is where no number of levels is asked for, as a share of the bounding box's diagonal.
+/// Default width of the last level, as a share of the bounding box's diagonal.
 pub const DEFAULT_EXTENT: f64 = 0.02;
 
-/// The number of dyadic levels to take where none is asked for, and why: [`levels_reaching`] for [`DEFAULT_EXTENT`].
+/// Default number of dyadic levels and the reason for it: [`levels_reaching`] for [`DEFAULT_EXTENT`].
 ///
 /// ```
 /// use adwave::bands::default_levels;
@@ -244,10 +245,10 @@ pub fn default_levels(step_length: f64, diagonal: f64) -> (usize, String) {
     levels_reaching(DEFAULT_EXTENT, step_length, diagonal)
 }
 
-/// The number of dyadic levels whose last is as wide as a share of the diagonal, and why.
+/// The number of dyadic levels whose last is as wide as a share of the diagonal, and the reason for it.
 ///
-/// The smallest J with σ_J ≥ `share`·`diagonal`, at least 4 and at most 16, so that the same command does the same to a
-/// coarse and to a fine mesh of one shape. Where there is no diagonal (a graph) it is 6.
+/// The smallest J with σ_J ≥ `share`·`diagonal`, at least 4 and at most 16, so that a command has the same effect on a
+/// coarse and on a fine mesh of one shape. Without a diagonal (on a graph) it is 6.
 ///
 /// ```
 /// use adwave::bands::levels_reaching;

@@ -24,9 +24,9 @@ const FLOOR: f64 = 1e-19;
 /// Growth of `‖T_k(Y)‖` with k in the norm of the errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Growth {
-    /// At most 1: the walk is reversible and its stationary distribution is positive everywhere.
+    /// `‖T_k(Y)‖` is at most 1: the walk is reversible and its stationary distribution is positive everywhere.
     Bounded,
-    /// At most 2 + 1.2k: some vertices are left and never entered.
+    /// `‖T_k(Y)‖` is at most 2 + 1.2k: some vertices are left and never entered.
     Linear,
 }
 

@@ -1,15 +1,16 @@
 //! Long diffusions in stages, so that rounding does not grow with the square of the degree.
 //!
-//! A rounding error in `T_k(Y)u` reaches `T_{k+m}(Y)u` through `U_m(Y)`, which is m + 1 at eigenvalue 1 of Φ₁. The values
-//! that are rounded are as large as u, which a rough signal fills with the fastest modes, so after n steps (degree about √n)
-//! the slowest modes carry an error of about `ε·n^1.75` relative to the signal: 1e-9 for n = 10⁵. A recurrence on
-//! differences (Reinsch's) has the same error here: it is exact in the slow modes of a scalar, but the entries of
-//! `T_k u − T_{k−1} u` are as large as those of u as long as u holds fast modes.
+//! A rounding error in `T_k(Y)u` reaches `T_{k+m}(Y)u` through `U_m(Y)`, which is m + 1 at eigenvalue 1 of Φ₁. The
+//! values that are rounded are as large as u, which a rough signal fills with the fastest modes, so after n steps
+//! (degree about √n) the slowest modes carry an error of about `ε·n^1.75` relative to the signal: 1e-9 for n = 10⁵. A
+//! recurrence on differences (Reinsch's) has the same error here: it is exact in the slow modes of a scalar, but the
+//! entries of `T_k u − T_{k−1} u` are as large as those of u as long as u holds fast modes.
 //!
-//! So a diffusion of more than [`LONG`] steps is cut at n/[`RATIO`], and again until the first stage is short. The bands up
-//! to a cut c are subtracted from the signal, `S = f − Σ W = Φ₁ᶜ f`, and the next stage starts from `(I − Φ₁)S`. Its fast
-//! modes have vanished, so its vectors are small where they are rounded, and U_m is bounded by √`RATIO` times the degree of
-//! the stage before. The error is then about `100·ε` for every length, at √(1/`RATIO`) more products.
+//! So a diffusion of more than [`LONG`] steps is cut at n/[`RATIO`], and again until the first stage is short. The
+//! bands up to a cut c are subtracted from the signal, `S = f − Σ W = Φ₁ᶜ f`, and the next stage starts from
+//! `(I − Φ₁)S`. Its fast modes have vanished, so its vectors are small where they are rounded, and U_m is bounded by
+//! √`RATIO` times the degree of the stage before. The error is then about `100·ε` for every length, at √(1/`RATIO`)
+//! more products.
 
 use super::chebyshev::EvaluationInfo;
 use super::series::Series;
@@ -69,7 +70,8 @@ impl Transform {
                 // Modes near −1 last as long as those near 1, so that a stage leaves no smoother signal.
                 Semigroup::PlainSteps => false,
             };
-        // The slowest modes are few: on a shape of more vertices than steps their error is no part of the norm that counts.
+        // The slowest modes are few: on a shape of more vertices than steps their error is no part of the norm that
+        // counts.
         let long = LONG.max(self.operator().n_rows() as f64);
         let jumps = rate * steps[steps.len() - 1];
         if can_be_cut && jumps > long { cut(&steps, rate) } else { vec![pieces(&steps, 0.0, f64::INFINITY)] }
@@ -82,8 +84,8 @@ impl Transform {
 
     /// [`wavelets_into`](Self::wavelets_into) in stages.
     ///
-    /// All stages but the last take every term that double precision can tell apart, because the signal of the next stage is
-    /// what they leave.
+    /// All stages but the last take every term that double precision can distinguish, because the next stage starts
+    /// from the signal that remains.
     pub(super) fn staged_wavelets(
         &self,
         stages: &[Stage],
@@ -92,7 +94,8 @@ impl Transform {
         wavelets: &mut [&mut [f64]],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
-        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of them.
+        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of
+        // them.
         let this = self.in_double();
         let evaluator = self.evaluator(progress)?;
         let mut smoothed = copied(signal, n_channels, progress)?;
@@ -129,7 +132,8 @@ impl Transform {
 
     /// [`weighted_into`](Self::weighted_into) in stages.
     ///
-    /// Every stage takes all terms: parts of a sum may cancel, so the accuracy of each says nothing about that of the sum.
+    /// Every stage takes all terms: parts of a sum may cancel, so the accuracy of each says nothing about that of the
+    /// sum.
     pub(super) fn staged_sum(
         &self,
         stages: &[Stage],
@@ -139,7 +143,8 @@ impl Transform {
         out: &mut [f64],
         progress: Progress<'_>,
     ) -> Result<EvaluationInfo, BandsError> {
-        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of them.
+        // The next stage starts from what this one leaves, so its rounding would have to be followed through all of
+        // them.
         let this = self.in_double();
         let evaluator = self.evaluator(progress)?;
         let growth = evaluator.growth;
@@ -173,7 +178,7 @@ impl Transform {
 
 /// Cuts the levels at `total/RATIO`, `total/RATIO²`, … down to [`LONG`] jumps, at the end of a level where one is near.
 fn cut(steps: &[f64], rate: f64) -> Vec<Stage> {
-    /// An end of a level this many times earlier or later will do.
+    /// Ratio within which a cut moves to an end of a level.
     const NEAR: f64 = 4.0;
     let mut starts = Vec::new();
     let mut start = steps[steps.len() - 1];

@@ -38,8 +38,8 @@ impl Transform {
     /// As in [`bands`](Self::bands), the difference of h_1 from its mean over welded vertices is part of the sum.
     ///
     /// # Errors
-    /// [`BandsError`] if the signals have the wrong length or a value that is not finite, the operator or the levels have
-    /// no such sum ([`has_sum_of_bands`](Self::has_sum_of_bands)), or the call is cancelled.
+    /// [`BandsError`] if the signals have the wrong length or a value that is not finite, the operator or the levels
+    /// have no such sum ([`has_sum_of_bands`](Self::has_sum_of_bands)), or the call is cancelled.
     ///
     /// ```
     /// use adwave::bands::{BandsParams, Schedule, Transform};
@@ -90,16 +90,16 @@ impl Transform {
     }
 
     /// Gradient of a function of all bands with respect to the signal, n_vertices × n_channels, from its gradients with
-    /// respect to W_f(1) … W_f(J) and S_f(J) ((J + 1)·n_vertices·n_channels values, as in [`Bands`](super::Bands), in the
-    /// order of the shape). The inner product is the plain sum over vertices and channels.
+    /// respect to W_f(1) … W_f(J) and S_f(J) ((J + 1)·n_vertices·n_channels values, as in [`Bands`](super::Bands), in
+    /// the order of the shape). The inner product is the plain sum over vertices and channels.
     ///
     /// With the share `s(x) = π(x)/m(x)` of each of the m(x) vertices that are welded to x and the gradients ḡ_j, it is
     /// `ḡ_{J+1} + s·Σ_j W_{h_j}(j)`, `h_j = (ḡ_j − ḡ_{J+1})/s`. All bands take one recurrence where
     /// [`has_sum_of_bands`](Self::has_sum_of_bands) is true, else one for each level.
     ///
     /// # Errors
-    /// [`BandsError`] if the gradients have the wrong length or a value that is not finite, the operator is not reversible
-    /// or leaves vertices without area, or the call is cancelled.
+    /// [`BandsError`] if the gradients have the wrong length or a value that is not finite, the operator is not
+    /// reversible or leaves vertices without area, or the call is cancelled.
     ///
     /// ```
     /// use adwave::bands::Schedule;
@@ -174,8 +174,8 @@ impl Transform {
             return Err(BandsError::NoAdjoint { reason: "the walk leaves vertices without area for ever" });
         }
         let share = |&x: &u32| {
-            // The bands of a vertex that is alone are 0, whatever its share, but for the difference from the mean of its
-            // members, which is self-adjoint for equal shares.
+            // A vertex without neighbors has bands 0 whatever its share, except for the difference of its members from
+            // their mean, which is self-adjoint for equal shares.
             let whole = if is_alone(x as usize) { 1.0 } else { weight(x as usize) };
             whole / f64::from(n_members[x as usize])
         };

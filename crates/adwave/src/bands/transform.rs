@@ -45,7 +45,7 @@ pub struct Transform {
     operator: Arc<dyn Operator>,
     params: BandsParams,
     engine: Engine,
-    /// The norm of the Chebyshev recurrence, computed by the first call that needs it.
+    /// Evaluator of the Chebyshev recurrence and the norm of its errors, built by the first call that needs it.
     prepared: Arc<OnceLock<ChebyshevEvaluator>>,
 }
 
@@ -60,9 +60,10 @@ impl Transform {
         Ok(Self { operator, params, engine, prepared: Arc::default() })
     }
 
-    /// Takes any operator that can be multiplied. Tests what it promises by a product with three vectors: that constants
-    /// are kept ([`Operator::invariant`]), and, if it is reversible, that it is self-adjoint and neither expands nor turns a vector round. These
-    /// conditions are necessary, not sufficient; the bounds of the errors rest on the promise.
+    /// Prepares any operator that can be multiplied with vectors. Its promises are tested by a product with three
+    /// vectors: that constants are kept ([`Operator::invariant`]), and, if it is reversible, that it is self-adjoint
+    /// and neither expands nor reverses a vector. These conditions are necessary, not sufficient; the bounds of the
+    /// errors rest on the promise.
     ///
     /// Explicit basis functions need stored rows ([`Operator::rows`]). [`Operator`] has an example.
     ///
@@ -125,7 +126,7 @@ impl Transform {
         &self.operator
     }
 
-    /// The rows of the operator for a method, which is named with an article in the error.
+    /// The rows of the operator. `needed_by` names the method that needs them, with an article, for the error.
     ///
     /// # Errors
     /// [`NoRows`] if the operator has none.
@@ -264,7 +265,7 @@ impl Transform {
         Ok(())
     }
 
-    /// This operator by series of products, for bands that leaps do not give to the accuracy.
+    /// This transform by series of products, for bands whose accuracy leaps do not reach.
     fn with_series(&self) -> Self {
         Self { engine: Engine::Chebyshev, ..self.clone() }
     }
@@ -274,7 +275,7 @@ impl Transform {
         self.operator.leap().filter(|_| self.engine == Engine::Leaps)
     }
 
-    /// Checks that a walk that need not stay takes whole steps.
+    /// Checks that the levels have whole numbers of steps if the walk is not lazy.
     fn check_steps(&self, schedule: &Schedule) -> Result<(), BandsError> {
         if self.operator.semigroup() == Semigroup::PlainSteps {
             whole_steps_from_zero(schedule)?;
@@ -306,7 +307,7 @@ impl Transform {
         Err(BandsError::NotSingle { reason })
     }
 
-    /// Refuses results of single precision, if it was asked for, whose error bound says nothing.
+    /// Refuses results of single precision, if it was asked for, whose error bound is too large to mean anything.
     pub(super) fn check_rounding(&self, outcome: &EvaluationInfo) -> Result<(), BandsError> {
         if self.params.precision == Precision::Single
             && outcome.single_products > 0
@@ -489,7 +490,7 @@ fn engine(operator: &dyn Operator, params: &BandsParams) -> Engine {
     }
 }
 
-/// Checks what an operator promises, as far as a product with three vectors shows it.
+/// Checks the promises of an operator, as far as a product with three vectors shows them.
 fn check_operator(operator: &dyn Operator) -> Result<(), BandsError> {
     /// Rounding of a sum over all rows, relative to the norms of the vectors.
     const ROUNDING: f64 = 1e-9;

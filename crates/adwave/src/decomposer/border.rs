@@ -4,7 +4,8 @@ use super::Decomposer;
 use crate::region::{FrontSource, SourceExtent};
 use crate::{Cancelled, Progress};
 
-/// Relative rounding of unfolded distances: a vertex that is as far from the border as a width does not count as farther.
+/// Relative rounding of unfolded distances: a vertex that is as far from the border as a width does not count as
+/// farther.
 const ROUNDING: f64 = 1e-14;
 
 impl Decomposer {

@@ -6,8 +6,8 @@ use crate::bands::{DEFAULT_EXTENT, Schedule, levels_reaching};
 use crate::parallel::expect_not_cancelled;
 use crate::shape::encloses_volume;
 
-/// Number of levels, at most, if already the first is wider than [`DEFAULT_EXTENT`] of the shape: one less than the
-/// fewest of other shapes.
+/// Largest number of levels if already the first is wider than [`DEFAULT_EXTENT`] of the shape: one less than the
+/// smallest number for other shapes.
 const COARSE_LEVELS: usize = 3;
 
 /// Largest width of such levels, as a share of the extent: five times the usual share. A sphere smoothed by it keeps
@@ -21,7 +21,7 @@ const KEPT_VOLUME: f64 = 0.5;
 /// width a sphere keeps 69 % of its volume, a long thin rod 75 %.
 const SAFE_WIDTH: f64 = 0.5;
 
-/// Number of times the steps of two levels are halved at most: to the smallest step of a level.
+/// Largest number of times that the steps of two levels are halved, down to the smallest step of a level.
 const MAX_HALVINGS: u32 = 5;
 
 impl Decomposer {

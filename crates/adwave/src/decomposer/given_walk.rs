@@ -7,14 +7,15 @@ use crate::operator::{Diffusion, DiffusionError, Operator};
 use crate::rows::CompressedRows;
 
 impl Decomposer {
-    /// This shape with the given walk as its diffusion operator (see [`Diffusion::from_walk`]): row x of `walk` holds the
-    /// probabilities of a step from vertex x, with its diagonal, in the order of the shape. O(entries).
+    /// This shape with the given walk as its diffusion operator (see [`Diffusion::from_walk`]): row x of `walk` holds
+    /// the probabilities of a step from vertex x, with its diagonal, in the order of the shape. O(entries).
     ///
-    /// Bands, filters, saliency and features are then those of the walk. Regions still measure along the edges of the shape.
+    /// Bands, filters, saliency and features are then those of the walk. Regions still measure along the edges of the
+    /// shape.
     ///
     /// # Errors
-    /// [`DiffusionError`] unless the matrix has a row for each vertex, no two vertices of the shape are welded, entries are
-    /// finite and ≥ 0, and rows sum to 1; or if the call is cancelled.
+    /// [`DiffusionError`] unless the matrix has a row for each vertex, no two vertices of the shape are welded, entries
+    /// are finite and ≥ 0, and rows sum to 1; or if the call is cancelled.
     ///
     /// ```
     /// use adwave::{Decomposer, Progress, bands::Schedule, rows::CompressedRows, shape::{Graph, Shape}};
@@ -43,17 +44,17 @@ impl Decomposer {
         Ok(self.with_transform(transform(diffusion)))
     }
 
-    /// This shape with any operator that can be multiplied (see [`Operator`]), whose row x belongs to the welded vertex x
-    /// of [`vertex_map`](Self::vertex_map), not to vertex x of the shape:
+    /// This shape with any operator that can be multiplied (see [`Operator`]), whose row x belongs to the welded vertex
+    /// x of [`vertex_map`](Self::vertex_map), not to vertex x of the shape:
     /// [`VertexMap::welded`](crate::shape::VertexMap::welded) maps one to the other. O(one product).
     ///
-    /// Bands, filters, saliency and features are those of the operator. Regions, and the neighbors of features, follow the
-    /// edges of the shape unless the operator has rows. A mask needs an operator that can leave places out
+    /// Bands, filters, saliency and features are those of the operator. Regions, and the neighbors of features, follow
+    /// the edges of the shape unless the operator has rows. A mask needs an operator that can leave places out
     /// ([`Operator::masked`]).
     ///
     /// # Errors
-    /// As for [`Transform::from_operator`], and [`BandsError::WrongNumber`] unless the operator has a row for each welded
-    /// vertex.
+    /// As for [`Transform::from_operator`], and [`BandsError::WrongNumber`] unless the operator has a row for each
+    /// welded vertex.
     ///
     /// ```
     /// use adwave::bands::Schedule;

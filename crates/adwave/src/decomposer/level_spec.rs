@@ -23,14 +23,14 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum LevelSpec {
-    /// As many dyadic levels as reach a share of the diagonal.
+    /// Dyadic levels, as many as reach a share of the diagonal.
     #[default]
     Default,
     /// A number of dyadic levels: 1, 2, 4 … steps.
     Dyadic(usize),
     /// Several levels for each doubling of the steps.
     Voices {
-        /// The dyadic levels whose steps they reach; as by default if there is none.
+        /// Number of dyadic levels whose steps the last level reaches; the default number if `None`.
         levels: Option<usize>,
         /// Levels for each doubling.
         voices: usize,
@@ -50,7 +50,7 @@ pub struct ResolvedLevels {
     pub reason: String,
 }
 
-/// Levels that no shape can have, or text that names no levels.
+/// Error of levels that no shape can have, or of text that names no levels.
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LevelSpecError {
@@ -60,7 +60,7 @@ pub enum LevelSpecError {
     /// A width is not a length, or not wider than the one before it.
     #[error("width {nth} is {width:?}; widths must be positive, finite and increasing")]
     BadWidth {
-        /// Which width, from 1.
+        /// Number of the width, from 1.
         nth: usize,
         /// The width, in model units or percent as it was given.
         width: f64,
@@ -77,7 +77,7 @@ impl ClassifiedError for LevelSpecError {
 }
 
 impl LevelSpec {
-    /// Levels of these full widths at half maximum: widths σ of 1/[`FWHM`] of them.
+    /// Levels of the given full widths at half maximum: the widths σ are these divided by [`FWHM`].
     pub fn from_fwhm(widths: &[Length]) -> Self {
         let sigma = |width: &Length| match *width {
             Length::Units(width) => Length::Units(width / FWHM),
@@ -86,7 +86,7 @@ impl LevelSpec {
         Self::Widths(widths.iter().map(sigma).collect())
     }
 
-    /// Whether levels are given by their widths, which should mean the same on every mesh.
+    /// True if the levels are given by their widths, which should mean the same on every mesh.
     pub fn is_by_width(&self) -> bool {
         matches!(self, Self::Widths(_))
     }
@@ -99,7 +99,8 @@ impl LevelSpec {
     /// Refuses levels that no shape can have.
     ///
     /// # Errors
-    /// [`LevelSpecError`], where widths of different units cannot be compared before the shape is known and pass.
+    /// [`LevelSpecError`] for such levels. Widths of different units pass, because they cannot be compared before the
+    /// shape is known.
     pub fn check(&self) -> Result<(), LevelSpecError> {
         match self {
             Self::Default => {}
@@ -120,9 +121,9 @@ impl LevelSpec {
         Ok(())
     }
 
-    /// The schedule of these levels on a shape. For [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT) the default is
-    /// [`Decomposer::default_schedule`]. `extent` is the share of the diagonal that the last level reaches if no number is
-    /// asked for, such as [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT).
+    /// The schedule of these levels on a shape. `extent` is the share of the diagonal that the last level reaches if no
+    /// number of levels is asked for; for [`DEFAULT_EXTENT`](crate::bands::DEFAULT_EXTENT) that is
+    /// [`Decomposer::default_schedule`].
     ///
     /// ```
     /// use adwave::{Decomposer, LevelSpec, bands::DEFAULT_EXTENT, sample::Sample, shape::Shape};

@@ -65,8 +65,8 @@ impl VertexFunctions {
     }
 }
 
-/// A shape, or another [`Domain`], with its diffusion operator, prepared once in O(n log n). Each signal then costs only its
-/// products.
+/// A shape, or another [`Domain`], with its diffusion operator, prepared once in O(n log n). Each signal then costs
+/// only its products.
 ///
 /// It owns its data and is cheap to clone; clones share everything and may be used from several threads at once.
 /// Data that only some requests need (the tiles of the products, the search tree of regions) is built by the first
@@ -142,12 +142,12 @@ impl Decomposer {
 
     /// Joins any domain with any operator over its places (see [`Domain`] and [`Operator`]). O(one product).
     ///
-    /// Bands, masks, filters, saliency, features and the denoising of signals follow. Methods that need rows where the operator
-    /// has none take those of a walk over the neighbors of the domain.
+    /// Bands, masks, filters, saliency, features and the denoising of signals follow. Methods that need rows where the
+    /// operator has none take those of a walk over the neighbors of the domain.
     ///
     /// # Errors
-    /// [`DomainError`] unless the operator has a row and the domain a measure for each place, either of them tells which places
-    /// are neighbors, and the operator passes the checks of [`Transform::from_operator`].
+    /// [`DomainError`] unless the operator has a row and the domain a measure for each place, one of them states which
+    /// places are neighbors, and the operator passes the checks of [`Transform::from_operator`].
     pub fn from_domain(
         domain: impl Domain + 'static,
         operator: impl Operator + 'static,
@@ -170,8 +170,8 @@ impl Decomposer {
         Ok(Self::join(Arc::new(domain), transform))
     }
 
-    /// Prepares a walk that is given by its rows, n × n with its diagonal (see [`Diffusion::from_walk`]): the domain of its
-    /// states ([`WalkDomain`]). O(entries · log).
+    /// Prepares a walk that is given by its rows, n × n with its diagonal (see [`Diffusion::from_walk`]): the domain of
+    /// its states ([`WalkDomain`]). O(entries · log).
     ///
     /// # Errors
     /// [`DiffusionError`] unless the matrix is square, entries are finite and ≥ 0, and rows sum to 1; or if the call is
@@ -214,7 +214,7 @@ impl Decomposer {
         Self { transform, own_rows, surface_info: None, ..self.without_caches() }
     }
 
-    /// This prepared domain without what depends on its operator or its mask.
+    /// This prepared domain without the data that depends on its operator or its mask.
     fn without_caches(&self) -> Self {
         Self {
             neighbors: Arc::default(),
@@ -366,7 +366,7 @@ impl Decomposer {
         self.domain.geometry()
     }
 
-    /// [`geometry`](Self::geometry) for a method, which is named in the error.
+    /// [`geometry`](Self::geometry) for the method `needed_by`, which the error names.
     ///
     /// # Errors
     /// [`NoShape`] for a domain that is no shape.
@@ -414,8 +414,8 @@ impl Decomposer {
         self.surface_info.as_ref()
     }
 
-    /// The rows of the diffusion operator Φ₁ of one step, in the order of [`vertex_map`](Self::vertex_map), for a method,
-    /// which is named with an article in the error.
+    /// The rows of the diffusion operator Φ₁ of one step, in the order of [`vertex_map`](Self::vertex_map), for the
+    /// method `needed_by`, which the error names with its article.
     ///
     /// # Errors
     /// [`NoRows`] if a given operator has none.
@@ -442,8 +442,8 @@ impl Decomposer {
         &self.transform
     }
 
-    /// Neighbors of each place in one diffusion step, in the order of [`vertex_map`](Self::vertex_map). For heat on a mesh
-    /// they are the neighbors along mesh edges, although heat flows along the edges of another triangulation.
+    /// Neighbors of each place in one diffusion step, in the order of [`vertex_map`](Self::vertex_map). For heat on a
+    /// mesh they are the neighbors along mesh edges, although heat flows along the edges of another triangulation.
     pub fn neighbors(&self) -> &Adjacency {
         expect_not_cancelled(self.try_neighbors(Progress::none()))
     }
@@ -513,8 +513,8 @@ impl Decomposer {
         self.vertex_map().scatter(&share, 1)
     }
 
-    /// Sheets of a cloud that are closer to each other than its points, found by its neighbors ([`close_sheets`]); `None`
-    /// if the given normals keep them apart, or for another shape.
+    /// Sheets of a cloud that are closer to each other than its points, found by its neighbors ([`close_sheets`]);
+    /// `None` if the given normals keep them apart, or for another shape.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -648,8 +648,8 @@ impl Decomposer {
         })
     }
 
-    /// Functions of one place under a reversible operator: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`. P is self-adjoint, so the
-    /// bands of the unit vector at x give them.
+    /// Functions of one place under a reversible operator: `φ_x(y) = P(x,y) = π(y)·P(y,x)/π(x)`. P is self-adjoint, so
+    /// the bands of the unit vector at x give them.
     fn adjoint_of_vertex(
         &self,
         x: usize,

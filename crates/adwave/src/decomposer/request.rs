@@ -286,8 +286,8 @@ impl<'a> BandsRequest<'a> {
         self.one_channel(RowMeasure::Along(normals))
     }
 
-    /// [`normal_components`](Self::normal_components) up to rounding, in a third of its memory and less time, for pictures
-    /// of signed saliency ([`saliency_f32`](crate::saliency::saliency_f32)).
+    /// [`normal_components`](Self::normal_components) up to rounding, in a third of its memory and less time, for
+    /// pictures of signed saliency ([`saliency_f32`](crate::saliency::saliency_f32)).
     ///
     /// # Errors
     /// As for [`wavelets`](Self::wavelets).

@@ -133,16 +133,15 @@ impl DenoiseChoice {
         };
         let guides = MAX_GUIDES * (GUIDE_MOVES + 1 + rings(GUIDE_LEVELS)? + 2);
         let before = impulses::RINGS + 2 * MAX_LINEAR_ROUNDS.ceil() as usize;
-        // Counted from the end: the moves; the walk, whose entries need normals one ring further, of points moved
-        // by normals that the walk of the guide before smoothed; for the first guide the normals of smoothed points;
-        // and before all that the linear filter and the impulses. One ring of neighbors is another ring for the
-        // triangles that define normals.
+        // Counted from the result back to the data: the moves; the walk, whose entries need normals one ring further;
+        // for each guide, the moves to smoothed normals and the walk that smoothed these; for the first guide, the
+        // normals of smoothed points; then the linear filter and the impulses. One ring of neighbors is another ring
+        // for the triangles that define normals.
         Ok(MOVES + rings(LEVELS)? + 2 + guides + GUIDE_STEPS + 2 + before)
     }
 
-    /// Denoised points of a part of a mesh with `triangles` in any order, and whether each was stopped at three times the
-    /// noise. Points with fewer than
-    /// [`reach`](Self::reach) rings around them differ from those of the whole.
+    /// Denoised points of a part of a mesh with `triangles` in any order, and flags of those that were stopped at three
+    /// times the noise. Points with fewer than [`reach`](Self::reach) rings around them differ from those of the whole.
     ///
     /// # Errors
     /// If the call is cancelled.

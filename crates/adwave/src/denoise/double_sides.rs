@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 /// Triangles of which each that occurs in both orientations is kept once, oriented like its neighbors.
 ///
-/// Exporters make a surface visible from both sides by a second copy of each triangle, reversed. The normals of both copies
-/// cancel, so that noise along them could not be measured. Triangles that occur in one orientation stay as they are. O(n).
+/// Exporters make a surface visible from both sides by a second copy of each triangle, reversed. The normals of both
+/// copies cancel, so that noise along them could not be measured. Triangles that occur in one orientation stay as they
+/// are. O(n).
 pub(super) fn without_reverse_sides(triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     let mut sides: HashMap<[u32; 3], [bool; 2]> = HashMap::with_capacity(triangles.len());
     for triangle in &triangles {
@@ -43,8 +44,8 @@ fn sort_corners(triangle: [u32; 3]) -> ([u32; 3], bool) {
     (key, n_exchanged % 2 == 1)
 }
 
-/// Turns triangles that may turn, so that they agree with their neighbors across edges of two triangles; those that may not are
-/// the first to spread their orientation.
+/// Turns triangles that may turn, so that they agree with their neighbors across edges of two triangles; those that may
+/// not are the first to spread their orientation.
 fn orient(triangles: &mut [[u32; 3]], may_turn: &[bool]) {
     let mut at_edge: HashMap<[u32; 2], Vec<u32>> = HashMap::with_capacity(3 * triangles.len() / 2);
     for (t, triangle) in (0..).zip(&*triangles) {

@@ -17,9 +17,9 @@ pub enum DenoiseError {
     Number {
         /// Name of the parameter.
         what: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// Its largest value.
+        /// Largest value of the parameter.
         most: f64,
     },
     /// The length of the signal does not match the shape.
@@ -35,7 +35,7 @@ pub enum DenoiseError {
     NotFinite {
         /// The vertex, from 0.
         vertex: usize,
-        /// Its value.
+        /// Value at the vertex.
         value: f64,
     },
     /// A value does not occur with noise of the given model, and its vertex is not masked.
@@ -48,7 +48,7 @@ pub enum DenoiseError {
         model: NoiseModel,
         /// The vertex, from 0.
         vertex: usize,
-        /// Its value.
+        /// Value at the vertex.
         value: f64,
     },
     /// The bands could not be computed.

@@ -8,19 +8,19 @@ use super::{DenoiseError, DenoiseInfo, DenoiseParams, MOVES, SEED, SHAKE, prepar
 use crate::vector::{dot, subtract};
 use crate::{Cancelled, Progress, parallel};
 
-/// The alternative number of rounds: then the linear filter does most of the smoothing, as suits detail that is not
+/// Alternative number of rounds, at which the linear filter does most of the smoothing; it suits detail that is not
 /// piecewise smooth.
 const MANY_ROUNDS: f64 = 4.0;
 
-/// Rounds from which there is no alternative.
+/// Number of rounds from which no alternative is tried.
 const ENOUGH_ROUNDS: f64 = 3.0;
 
-/// Noise along the normals, in mean edges, between which there is an alternative: the estimate favors many rounds where
-/// noise is strong.
+/// Range of the noise along the normals, in mean edges, in which the alternative is tried; for stronger noise the
+/// estimate favors many rounds.
 const NOISE: [f64; 2] = [0.05, 0.35];
 
-/// Advantage that many rounds must promise, in squared standard deviations of the noise per edge: the estimate favors
-/// them by less.
+/// Smallest advantage that many rounds must promise, in squared standard deviations of the noise per edge; the estimate
+/// favors them by less than that.
 const LEAST_ADVANTAGE: f64 = 0.025;
 
 /// Number of lazy steps that smooth a surface for the directions along which positions are compared.
@@ -62,11 +62,12 @@ pub(super) fn choose_rounds(
     Ok(())
 }
 
-/// Risk of the result with the given rounds, less the noise of the data, as the mean of `(δ_x − δ_y)²` over edges of
-/// the errors δ of the positions along the normals: of slopes, that is, as the angles of normals are.
+/// Risk of the positions after the given rounds, less the noise of the data: the mean of `(δ_x − δ_y)²` over the edges,
+/// δ_x being the error of the position of x along its normal. Differences along edges are errors of slopes, as are the
+/// angles between normals.
 ///
 /// For data y = m + e and a result X it is Stein's estimate `(X − y)·L(X − y) + 2·tr(L·cov(X − y, e))` with the
-/// Laplacian L of the edges, the covariance from one repetition with added noise.
+/// Laplacian L of the edges. The covariance is estimated from one repetition with added noise.
 fn position_risk(
     surface: &NoisySurface,
     points: &[[f64; 3]],

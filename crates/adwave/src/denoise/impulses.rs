@@ -5,7 +5,7 @@ use super::surface::NoisySurface;
 use crate::vector::{add_scaled, cross, dot, norm, subtract, unit};
 use crate::{Cancelled, Progress, parallel};
 
-/// Cap on the rounds of each sensitivity that find impulses, the largest of a neighborhood first.
+/// Cap on the rounds that find impulses, for each sensitivity; a round takes the largest impulse of each neighborhood.
 const MAX_ROUNDS: [usize; 2] = [5, 4];
 
 /// Rings of neighbors on which a round depends: planes of the triangles around a ring, medians over two rings of their
@@ -19,9 +19,9 @@ pub(super) const RINGS: usize = (MAX_ROUNDS[0] + MAX_ROUNDS[1]) * RINGS_A_ROUND;
 struct Sensitivity {
     /// Cap on the rounds.
     rounds: usize,
-    /// In robust standard deviations of the offsets within two rings.
+    /// Smallest offset, in robust standard deviations of the offsets within two rings.
     deviations: f64,
-    /// In edges of the ring: smaller ones do not need a treatment of their own.
+    /// Smallest offset, in edges of the ring; smaller impulses do not need a treatment of their own.
     edges: f64,
 }
 
@@ -111,7 +111,7 @@ impl NoisySurface {
         Ok(found)
     }
 
-    /// Impulses where these have the given share of the vertices.
+    /// Impulses of a surface on which they moved the given share of the vertices.
     pub(super) fn impulses_of_share(
         &self,
         points: &[[f64; 3]],
@@ -123,7 +123,7 @@ impl NoisySurface {
         Ok(found)
     }
 
-    /// Adds those that others hid if the given share is large.
+    /// Adds the impulses that other impulses hid, if the given share of the vertices is large.
     pub(super) fn add_if_many(
         &self,
         found: &mut Impulses,

@@ -9,7 +9,8 @@ use crate::{Cancelled, Progress, parallel};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Number of sites up to which one mixture holds everywhere: fewer do not tell the risk of each kind of place.
+/// Number of sites up to which one mixture holds everywhere: fewer sites do not determine the risk of each kind of
+/// place.
 pub(super) const FEW_FOR_KINDS: usize = 2_000;
 
 /// Number of standard errors by which mixtures by place must promise to be better than one for all.
@@ -55,13 +56,13 @@ pub(super) struct ChosenMixture {
     scales: Vec<f64>,
 }
 
-/// Risk of mixtures of normals. Averages of normals are shorter than 1 where these differ, on bends as on noise; the parts
-/// are scaled to a root mean square length of 1, so that length does not count against smoothing, and compared with the
-/// unit normals without noise.
+/// Risk of mixtures of normals. Averages of normals are shorter than 1 where these differ, on bends as on noise; the
+/// parts are scaled to a root mean square length of 1, so that length does not count against smoothing, and compared
+/// with the unit normals without noise.
 ///
-/// Stein's identity gives `⟨F, m⟩ = ⟨F, y⟩ − cov(F, y)` for a function F of the noisy normals `y = m + e`. The covariance
-/// follows from the change of F and y when noise of known size is added (`ramani2008`). The mean m of noisy unit normals
-/// has the direction of the normals without noise and a length below 1, whose mean square is `⟨y, m⟩`.
+/// Stein's identity gives `⟨F, m⟩ = ⟨F, y⟩ − cov(F, y)` for a function F of the noisy normals `y = m + e`. The
+/// covariance follows from the change of F and y when noise of known size is added (`ramani2008`). The mean m of noisy
+/// unit normals has the direction of the normals without noise and a length below 1, whose mean square is `⟨y, m⟩`.
 pub(super) struct MixtureRisk {
     n_parts: usize,
     n_kinds: usize,
@@ -73,8 +74,8 @@ pub(super) struct MixtureRisk {
     shares: Vec<f64>,
 }
 
-/// Layout of the sums over sites: `φ_g φ_h F_k·F_l` for the pairs of kinds g ≥ h and of parts k ≥ l, then `φ_g F_k·m`, then
-/// φ_g, each times the area.
+/// Layout of the sums over sites: `φ_g φ_h F_k·F_l` for the pairs of kinds g ≥ h and of parts k ≥ l, then `φ_g F_k·m`,
+/// then φ_g, each times the area.
 #[derive(Clone, Copy)]
 struct SumLayout {
     /// Number of parts.
@@ -198,8 +199,8 @@ impl MixtureRisk {
         Ok(Self { n_parts, n_kinds, gram, toward, shares: total[layout.shares_at()..].to_vec() })
     }
 
-    /// The mixture of least risk: one for each kind of place if these promise a smaller error by [`LEAST_GAIN`] standard
-    /// errors, else one for all. `n_sites` is the number of sites of the estimate.
+    /// The mixture of least risk: one for each kind of place if these promise a smaller error by [`LEAST_GAIN`]
+    /// standard errors, else one for all. `n_sites` is the number of sites of the estimate.
     pub(super) fn best(&self, n_sites: usize) -> ChosenMixture {
         let (n_parts, n_kinds) = (self.n_parts, self.n_kinds);
         let sum_over_kinds = |k: usize, l: usize| -> f64 {
@@ -328,7 +329,7 @@ fn split(parts: &[f64], creases: Creases) -> MixtureFactors {
     MixtureFactors { kept: parts[0], creases, smooth }
 }
 
-/// The weights without walks of negligible ones.
+/// The weights, with sum 1, without the walks whose weights sum to less than [`LEAST_SHARE`].
 fn shares(mut weights: Vec<f64>) -> Vec<f64> {
     for walk in weights[1..].chunks_mut(LEVELS) {
         if walk.iter().sum::<f64>() < LEAST_SHARE {

@@ -285,7 +285,8 @@ fn prepare_parts(
     Ok(PreparedParts { start, walks, parts: MixtureParts { normals, shares } })
 }
 
-/// The mixture of least risk, estimated on the whole surface or on a `sample`; `None` if the normals are best unchanged.
+/// The mixture of least risk, estimated on the whole surface or on a `sample`; `None` if the normals are best
+/// unchanged.
 fn best_mixture(
     surface: &NoisySurface,
     points: &[[f64; 3]],

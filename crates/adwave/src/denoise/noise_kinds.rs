@@ -11,33 +11,35 @@ use crate::{Cancelled, Progress, parallel};
 /// Number of lazy steps that smooth a surface for the direction that its triangles should have.
 const STEPS_OF_DIRECTION: usize = 3;
 
-/// Noise along the normals, in mean edges, from which the linear filter precedes the walks: normals of triangles depend
-/// on stronger noise less than linearly, so that less is lost if positions are averaged first.
+/// Noise along the normals, in mean edges, above which the linear filter precedes the walks. Normals depend less than
+/// linearly on stronger noise, so less is lost if positions are averaged first.
 const LINEAR_FROM: f64 = 0.1;
 
-/// Rounds of the linear filter for each mean edge of noise beyond.
+/// Rounds of the linear filter for each mean edge of noise beyond [`LINEAR_FROM`].
 const ROUNDS_BY_NOISE: f64 = 3.0;
 
 /// Rounds of the linear filter if one triangle in a hundred is turned; for other shares they grow with the root.
 const ROUNDS_BY_TURNED: f64 = 1.0;
 
-/// Noise along the normals, in mean edges, between which turned triangles count as noise, not as shape.
+/// Range of the noise along the normals, in mean edges, over which turned triangles change from counting as shape to
+/// counting as noise.
 const TURNED_BY_NOISE: [f64; 2] = [0.02, 0.1];
 
-/// Noise along the normals, in mean edges, between which larger differences are noise of some places, not shape.
+/// Range of the noise along the normals, in mean edges, over which differences between places change from counting as
+/// shape to counting as noise.
 const VARIED_BY_NOISE: [f64; 2] = [0.08, 0.12];
 
-/// Ratio of the noise of noisy to that of quiet places, relative to what chance makes of the same noise, from which it
-/// counts as different: shape makes smaller ones.
+/// Ratio of the noise of noisy places to that of quiet places from which they count as different, relative to the ratio
+/// that equal noise has by chance; shape causes smaller ratios.
 const LEAST_SPREAD: f64 = 2.5;
 
-/// Largest factor of the typical noise by which that of the noisiest places counts, and the same after impulses, of
-/// which small ones remain.
+/// Largest factor of the typical noise up to which the noise of the noisiest places counts, and the factor after
+/// impulses, of which small ones remain.
 const MOST_VARIED: f64 = 2.0;
 const MOST_AFTER_IMPULSES: f64 = 5.0;
 
-/// Shares of the vertices that impulses moved, between which the noise that remains counts up to twice: many impulses hide
-/// each other, and those that stay are too few for a quantile to see, but large.
+/// Range of the share of vertices that impulses moved, over which the remaining noise counts up to twice: many impulses
+/// hide each other, and the remaining ones are large but too few to change a quantile.
 const HIDDEN_BY_SHARE: [f64; 2] = [0.16, 0.2];
 
 /// Cap on the rounds of the linear filter.
@@ -107,7 +109,7 @@ pub(super) fn estimate_noise(
     Ok((info, impulses))
 }
 
-/// The 5 % and the 95 % quantile of the noise by place; zeros if it does not differ by more than estimates of it do.
+/// The 5 % and the 95 % quantile of the noise by place; zeros if it differs no more than its estimates do by chance.
 fn noise_range(
     surface: &NoisySurface,
     points: &[[f64; 3]],
@@ -122,7 +124,7 @@ fn noise_range(
 
 /// The level that represents noise which differs from place to place, as along a line of sight or after the removal of
 /// impulses: that of the noisiest places, up to a factor of the typical one. Where there is hardly any noise, the
-/// difference between both is shape. Large shares of impulses add those that hide.
+/// difference between the two is shape. A large share of impulses raises the level, because some of them are hidden.
 fn varied_noise(levels: NoiseLevels, edge: f64, impulse_share: f64) -> f64 {
     let NoiseLevels { typical, high } = levels;
     let ramp = |[from, to]: [f64; 2], value: f64| ((value - from) / (to - from)).clamp(0.0, 1.0);
@@ -131,7 +133,7 @@ fn varied_noise(levels: NoiseLevels, edge: f64, impulse_share: f64) -> f64 {
     high.max(typical).min(most * typical) * (1.0 + ramp(HIDDEN_BY_SHARE, impulse_share))
 }
 
-/// Impulses of a surface if it has any, sought in a sample of a large one first.
+/// Impulses of a surface if it has any; on a large surface they are first sought in a sample.
 fn find_impulses(
     surface: &NoisySurface,
     points: &[[f64; 3]],

@@ -15,7 +15,7 @@ const STEPS_BEFORE: usize = 4;
 /// Number of successive differences from the mean of the neighbors.
 const ORDERS: usize = 3;
 
-/// Quantile of absolute differences that tells the noise of the noisiest places.
+/// Quantile of absolute differences that measures the noise of the noisiest places.
 const HIGH: f64 = 0.95;
 
 /// Number of means over a point and its neighbors for the noise at a place.
@@ -34,9 +34,9 @@ const MEAN_OF_ABSOLUTE: f64 = 0.797_884_560_802_865_4;
 /// for noise that is the same everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseLevels {
-    /// By the median.
+    /// Standard deviation by the median.
     pub(super) typical: f64,
-    /// By the 95 % quantile.
+    /// Standard deviation by the 95 % quantile.
     pub(super) high: f64,
 }
 
@@ -106,9 +106,9 @@ impl NoisySurface {
         parallel::try_collect(points.len(), progress, |x| -dot(&normals[x], &self.umbrella(points, x)))
     }
 
-    /// Standard deviation of the noise along the normals at each point, at least `noise` and at most [`MOST_LOCAL`] times
-    /// that: means over some rings of the absolute heights over the neighbors, which are `√(1 + 1/n)·√(2/π)` for white
-    /// noise of variance 1 and n neighbors. O(points).
+    /// Standard deviation of the noise along the normals at each point, at least `noise` and at most [`MOST_LOCAL`]
+    /// times that: means over some rings of the absolute heights over the neighbors, which are `√(1 + 1/n)·√(2/π)` for
+    /// white noise of variance 1 and n neighbors. O(points).
     fn local_noise(
         &self,
         points: &[[f64; 3]],
@@ -126,9 +126,9 @@ impl NoisySurface {
         Ok(levels.into_iter().map(|level| level.max(noise).min(MOST_LOCAL * noise)).collect())
     }
 
-    /// Standard deviation of the noise along the normals at each point, and the ratio of its 90 % to its 10 % quantile over
-    /// that ratio for white noise which is the same everywhere: means over some rings of the absolute differences of third
-    /// order, to which shape adds least. O(points).
+    /// Standard deviation of the noise along the normals at each point: means over some rings of the absolute
+    /// differences of third order, to which shape adds least. Also the ratio of its 90 % to its 10 % quantile, divided
+    /// by that ratio for white noise which is the same everywhere. O(points).
     pub(super) fn noise_by_place(
         &self,
         points: &[[f64; 3]],

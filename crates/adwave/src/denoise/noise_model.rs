@@ -74,8 +74,9 @@ impl Stabilizer {
         value > lowest || (is_allowed && value == lowest)
     }
 
-    /// Values whose noise has the standard deviation [`noise`](Self::noise): `2·√(f + 3a/8)` with a = noise² for Poisson
-    /// noise of variance a·f, and ln f for multiplicative noise. Impossible values, of masked vertices, become 0.
+    /// Values whose noise has the standard deviation [`noise`](Self::noise): `2·√(f + 3a/8)` with a = noise² for
+    /// Poisson noise of variance a·f, and ln f for multiplicative noise. Impossible values, of masked vertices, become
+    /// 0.
     pub(super) fn transformed(&self, data: &[f64]) -> Vec<f64> {
         let a = self.noise * self.noise;
         let of = |f: f64| match self.model {
@@ -87,8 +88,8 @@ impl Stabilizer {
         data.iter().map(|f| of(*f)).collect()
     }
 
-    /// Mean of the field at a transformed and smoothed value in which the share `remaining` of the variance of the noise
-    /// is left: the inverse of the transform for a share of 1, and for 0 the value of which the transform has this mean
+    /// Mean of the field at a transformed and smoothed value that retains the share `remaining` of the variance of the
+    /// noise. For a share of 1 it is the inverse of the transform; for 0 it is the value whose transform has this mean
     /// under the noise.
     pub(super) fn restored(&self, value: f64, remaining: f64) -> f64 {
         let smooth = 1.0 - remaining.clamp(0.0, 1.0);
@@ -106,8 +107,8 @@ impl Stabilizer {
     }
 }
 
-/// Mean of the counts whose transformed values have the mean `d`: the closed form of `makitalo2011`, 0 below the transform
-/// of no counts.
+/// Mean of the counts whose transformed values have the mean `d`: the closed form of `makitalo2011`, 0 below the
+/// transform of no counts.
 fn mean_count(d: f64) -> f64 {
     let least = 2.0 * OFFSET.sqrt();
     if d <= least {

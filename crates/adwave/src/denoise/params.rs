@@ -34,12 +34,12 @@ named_values!(Creases, "creases", {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Outliers {
-    /// They stay where they are.
+    /// Outliers stay where they are.
     #[default]
     Keep,
-    /// They move to the height of their neighbors.
+    /// Outliers move to the height of their neighbors.
     Pull,
-    /// They stay, and [`Denoised::outliers`] names them, for the caller to remove.
+    /// Outliers stay, and [`Denoised::outliers`] names them, for the caller to remove.
     Drop,
 }
 
@@ -54,10 +54,10 @@ named_values!(Outliers, "treatment of outliers", {
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum SharedNoise {
-    /// It counts as detail and stays.
+    /// Shared noise counts as detail and stays.
     #[default]
     Detail,
-    /// As much as the shape admits: everything on its quietest tenth that quadrics do not explain.
+    /// As much shared noise as the shape admits: everything on its quietest tenth that quadrics do not explain.
     Estimate,
     /// Standard deviation along the normals, in model units.
     Deviation(f64),
@@ -202,8 +202,8 @@ pub struct DenoiseInfo {
     pub smooth_weights: Vec<f64>,
     /// Number of triangles, or points of a cloud, on which the risk was estimated.
     pub n_sampled: usize,
-    /// Number of vertices that would have moved further than three times the assumed noise; those of a mesh were stopped
-    /// there.
+    /// Number of vertices that would have moved further than three times the assumed noise; those of a mesh were
+    /// stopped there.
     pub n_far: usize,
     /// Largest distance that a vertex moved, in model units.
     pub furthest: f64,
@@ -216,35 +216,36 @@ pub struct DenoiseInfo {
 }
 
 impl DenoiseInfo {
-    /// Standard deviation of the assumed noise of a mesh along the normals, that which neighbors share included, in model
-    /// units.
+    /// Standard deviation of the assumed noise of a mesh along the normals, including the noise that neighbors share,
+    /// in model units.
     pub(super) fn total_noise(&self) -> f64 {
         self.noise.hypot(self.mesh.as_ref().map_or(0.0, |mesh| mesh.shared))
     }
 }
 
-/// Kinds of noise of a mesh beside that along the normals, and the treatment of each.
+/// Kinds of noise of a mesh other than noise along the normals, and the treatment of each.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeshDenoising {
-    /// Share of the vertices that impulses moved, in 0..=1; 0 if these are not a kind of noise of their own. They are
-    /// moved to where the planes around them meet first.
+    /// Share of the vertices that impulses moved, in 0..=1; 0 if impulses are not a kind of noise of their own. These
+    /// vertices are first moved to where the planes around them meet.
     pub impulse_share: f64,
     /// Root mean square size of the impulses, in model units.
     pub impulse_size: f64,
     /// Share of the triangles that are turned against the surface around them, in 0..=1: noise in all directions turns
     /// them, noise along the normals hardly does.
     pub turned_share: f64,
-    /// Largest standard deviation, along the normals and in model units, of noise that neighbors share: more of it would
-    /// show on the quietest places of the shape. Detail of this size looks the same.
+    /// Largest standard deviation, along the normals and in model units, of noise that neighbors share: stronger shared
+    /// noise would show on the quietest places of the shape. Detail of this size looks the same.
     #[serde(default)]
     pub shared_at_most: f64,
-    /// Standard deviation of such noise that was assumed and removed; 0 if it counts as detail.
+    /// Standard deviation of the shared noise that was assumed and removed, in model units; 0 if it counts as detail.
     #[serde(default)]
     pub shared: f64,
-    /// Number of means over a vertex and its neighbors that turn white noise into such noise.
+    /// Number of means over a vertex and its neighbors that turn white noise into the shared noise.
     #[serde(default)]
     pub shared_steps: usize,
-    /// The 5 % and the 95 % quantile of the noise over the vertices if it differs from place to place; else the noise twice.
+    /// The 5 % and the 95 % quantile of the noise over the vertices if it differs from place to place; else the noise
+    /// twice.
     #[serde(default)]
     pub noise_range: [f64; 2],
     /// Weight of the unchanged normals where the surface bends least, in between and where it bends most; empty if one
@@ -257,7 +258,7 @@ pub struct MeshDenoising {
     pub n_guides: usize,
 }
 
-/// Noise of a cloud by place, and what was done with its points. Lengths are in model units.
+/// Noise of a cloud by place, and the treatment of its points. Lengths are in model units.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CloudDenoising {
     /// The 5 % and the 95 % quantile of the noise over the points.

@@ -68,7 +68,8 @@ impl PlaceKinds {
 }
 
 impl NoisySurface {
-    /// Logarithms of the turns between the normals of neighboring points of the smoothed surface, averaged over some rings.
+    /// Logarithms of the turns between the normals of neighboring points of the smoothed surface, averaged over some
+    /// rings.
     fn log_turns(&self, points: &[[f64; 3]], progress: Progress<'_>) -> Result<Vec<f64>, Cancelled> {
         let smooth = self.smoothed(points, STEPS_BEFORE, progress)?;
         let normals = point_normals(self, &smooth, progress)?;

@@ -12,7 +12,7 @@ const PIECES: usize = 8;
 /// Number of sites in each piece.
 const SITES_A_PIECE: usize = 4_000;
 
-/// A surface and its own points.
+/// A surface and the positions of its points.
 pub(super) type Sample = (NoisySurface, Vec<[f64; 3]>);
 
 impl NoisySurface {

@@ -1,7 +1,7 @@
 //! Noise that neighbors share, as scanners make it: the level that a mesh admits, and random noise of that kind.
 //!
-//! Such noise looks like detail of the same size, so the mesh alone only bounds it: the bound comes from quadrics fitted
-//! to neighborhoods of several sizes, of which the quietest tenth hardly has anything but noise.
+//! Such noise looks like detail of the same size, so the mesh alone only bounds it: quadrics are fitted to
+//! neighborhoods of several sizes, and the residuals of the quietest tenth are hardly more than noise.
 
 use super::noise_level::{point_normals, quantile};
 use super::surface::NoisySurface;
@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
 
-/// Numbers of means over a vertex and its neighbors that make white noise to shared noise, from which one is chosen.
+/// Numbers of means over a vertex and its neighbors that may turn white noise into shared noise; one of them is chosen.
 const STEPS: [usize; 4] = [2, 4, 8, 16];
 
 /// Rings of the neighborhoods to which quadrics are fitted.
@@ -33,35 +33,36 @@ const COEFFICIENTS: usize = 6;
 /// Part of a monomial, relative to its length, below which it depends on the others.
 const LEAST_PART: f64 = 1e-6;
 
-/// Largest factor of the noise of the noisiest places by which the noise at a place counts, and its inverse the least.
+/// Largest factor of the noise of the noisiest places that the noise at a place counts as; the smallest factor is its
+/// inverse.
 const MOST_VARIATION: f64 = 3.0;
 
 /// Number of lazy steps that smooth a surface for the normals along which noise acts.
 const STEPS_BEFORE: usize = 4;
 
-/// Noise along the normals of points: independent between points, and shared by neighbors. Lengths are in the unit of the
-/// points.
+/// Noise along the normals of points: independent between points, and shared by neighbors. Lengths are in the unit of
+/// the points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseLaw {
     /// Standard deviation of the independent noise.
     pub(super) white: f64,
     /// Standard deviation of the shared noise.
     pub(super) shared: f64,
-    /// Number of means over a vertex and its neighbors that make it.
+    /// Number of means over a vertex and its neighbors that turn white noise into the shared noise.
     pub(super) steps: usize,
     /// True if the independent noise differs from place to place; `white` is then that of the noisiest places.
     pub(super) varies: bool,
 }
 
 impl NoiseLaw {
-    /// The assumed noise, for points of which `unit` model units are one.
+    /// The assumed noise. The points are in units of `unit` model units.
     pub(super) fn from_info(info: &DenoiseInfo, unit: f64) -> Self {
         let (shared, steps) = info.mesh.as_ref().map_or((0.0, 0), |mesh| (mesh.shared, mesh.shared_steps));
         let varies = info.mesh.as_ref().is_some_and(|mesh| mesh.noise_range[0] < mesh.noise_range[1]);
         Self { white: info.noise / unit, shared: shared / unit, steps, varies }
     }
 
-    /// Standard deviation of both.
+    /// Standard deviation of the independent and the shared noise together.
     pub(super) fn total(&self) -> f64 {
         self.white.hypot(self.shared)
     }
@@ -99,7 +100,7 @@ impl NoiseLaw {
 }
 
 impl NoisySurface {
-    /// The largest shared noise that the surface admits, with the number of steps that explains most of its residuals;
+    /// The largest shared noise that the surface admits, for the number of steps that explains most of the residuals;
     /// `white` is the standard deviation of the independent noise. O(points).
     pub(super) fn shared_noise(
         &self,
@@ -203,8 +204,8 @@ impl NoisySurface {
 }
 
 /// Variance of the shared noise that explains squared residuals best together with white noise, and the share of the
-/// residuals that both explain; no residual is smaller than its shared noise. Rows hold the residuals of the surface, of
-/// white noise and of shared noise.
+/// residuals that both explain; no residual is smaller than its shared noise. Rows hold the residuals of the surface,
+/// of white noise and of shared noise.
 fn largest_share(squares: &[[f64; 3]]) -> (f64, f64) {
     // Least squares of `w·white/own + s·shared/own − 1` for variances w, s ≥ 0.
     let known = || squares.iter().filter(|[own, ..]| *own > 0.0);

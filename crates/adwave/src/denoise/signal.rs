@@ -65,8 +65,8 @@ const NOISE_ORDERS: usize = 5;
 /// Standard error of a median absolute deviation relative to it, times the root of the number of values.
 const LEVEL_ERROR: f64 = 1.17;
 
-/// Difference of a row from the mean of the rows at its place, in standard deviations of the noise of a row, beyond which it is a
-/// jump of the signal.
+/// Difference of a row from the mean of the rows at its place, in standard deviations of the noise of a row, beyond
+/// which it is a jump of the signal.
 const JUMP: f64 = 4.0;
 
 /// Assumed noise of one group of channels, and the operations applied.
@@ -90,13 +90,14 @@ pub struct SignalNoise {
     /// Weights of the walks that favor vertices of similar values, after 1, 2, 4, … 128 steps, for each of two
     /// guides.
     pub step_weights: Vec<f64>,
-    /// Expected mean square error, summed over the channels, before and after; unless the noise is Gaussian, that of the
-    /// values `2·√f` or `ln f`, whose noise is the same everywhere.
+    /// Expected mean square error, summed over the channels, before and after; unless the noise is Gaussian, that of
+    /// the values `2·√f` or `ln f`, whose noise is the same everywhere.
     pub risk: [f64; 2],
     /// Number of places with several rows that differ by noise; they get the same values.
     #[serde(skip_serializing_if = "is_zero")]
     pub repeated: usize,
-    /// Number of places with several rows that differ by more than 4 times the noise of a row; the rows keep their differences.
+    /// Number of places with several rows that differ by more than 4 times the noise of a row; the rows keep their
+    /// differences.
     #[serde(skip_serializing_if = "is_zero")]
     pub jumps: usize,
     /// Standard deviation of the noise of a single row if places have several; 0 otherwise.
@@ -126,18 +127,19 @@ pub struct DenoisedSignal {
 /// Removes noise from a signal (n_vertices × n_channels, row-major, in the order of the shape) on a mesh, cloud or
 /// graph. O(entries × channels).
 ///
-/// The result is a mixture of the signal, of its scaling coefficients after 1, 2, 3, 4, 6, 8, 11, 16, … 512 steps
-/// of the shape's own walk, and of those after 1, 2, 4, … 128 steps of walks that favor neighbors of similar
-/// values, so that jumps stay. The weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate
-/// for Gaussian noise that is independent between vertices, with the standard deviation estimated from the signal
-/// (or given, in its unit). Guided walks are used only if they promise an improvement of more than two standard
-/// errors. Noise of another [`NoiseModel`] is made the same everywhere first, by `2·√(f + 3a/8)` for a variance of
-/// a·f and by ln f; the inverse returns means without bias. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear fit, so that slopes
-/// are neither noise nor bias, and those from 16 steps on enter about the local mean too. Three channels, and the first three of four, are treated together (a color with alpha); otherwise each
-/// channel is treated separately.
+/// The result is a mixture of the signal, of its scaling coefficients after 1, 2, 3, 4, 6, 8, 11, 16, … 512 steps of
+/// the shape's own walk, and of those after 1, 2, 4, … 128 steps of walks that favor neighbors of similar values, so
+/// that jumps stay. The weights are ≥ 0, sum to 1 and minimize the mean square error by Stein's estimate for Gaussian
+/// noise that is independent between vertices, with the standard deviation estimated from the signal (or given, in its
+/// unit). Guided walks are used only if they promise an improvement of more than two standard errors. Noise of another
+/// [`NoiseModel`] is first made the same everywhere, by `2·√(f + 3a/8)` for a variance of a·f and by ln f; the inverse
+/// returns means without bias. With [`LocalFit::Linear`], the default, scaling coefficients are about a local linear
+/// fit, so that slopes are neither noise nor bias. From 16 steps on, the scaling coefficients about the local mean are
+/// parts of the mixture too. Three channels, or the first three of four (a color with alpha), are treated together;
+/// otherwise each channel is treated separately.
 ///
-/// Rows at equal positions that differ by noise are repeated measurements: their mean is denoised, and all get its value. Rows
-/// that differ by more than 4 times the noise are two sides of a jump, and keep their differences.
+/// Rows at equal positions that differ by noise are repeated measurements: their mean is denoised, and all get its
+/// value. Rows that differ by more than 4 times the noise are two sides of a jump, and keep their differences.
 ///
 /// ```
 /// use adwave::denoise::{DenoiseParams, denoise_signal};
@@ -251,8 +253,9 @@ impl<'a> RowsAtPlaces<'a> {
         Self { map, rows, means, n_channels, channels }
     }
 
-    /// Tells of each welded vertex whether its rows differ by a jump: by more than [`JUMP`] times the noise of a row. `None` if
-    /// no rows differ. Other rows differ by noise, which belongs to the error before in `report`. `noise` is that of the means.
+    /// Flags the welded vertices whose rows differ by a jump, that is by more than [`JUMP`] times the noise of a row;
+    /// `None` if no rows differ. Other rows differ by noise, which is added to the error before in `report`. `noise` is
+    /// that of the means.
     fn jumps(
         &self,
         scale: &Stabilizer,
@@ -387,8 +390,8 @@ impl<'a> ChannelGroup<'a> {
         };
         let mixture = mix(&candidates)?;
         if model != NoiseModel::Gaussian {
-            // The response to noise of known size tells the share of it that is left. Medians pass over the vertices near
-            // steps, where steps of the walk change with the noise.
+            // The response to noise of known size tells the share of it that is left. Medians pass over the vertices
+            // near steps, where steps of the walk change with the noise.
             let response = mix(&shaken[0])?;
             let apart = |a: &[f64], b: &[f64]| -> f64 {
                 let known = (0..a.len()).filter(|i| (self.is_known)(i / self.d));
@@ -583,7 +586,7 @@ fn white_noise(n: usize, channel: usize) -> Vec<f64> {
     (0..n).map(|_| StandardNormal.sample(&mut random)).collect()
 }
 
-/// Fits made from others, one for each; equal domains that follow each other share one.
+/// Fits made from others, one for each; consecutive fits over the same domain share one.
 fn distinct_fits<'t>(
     of: &[LinearTransform<'_>],
     make: impl Fn(&LinearTransform<'_>) -> Result<LinearTransform<'t>, Cancelled>,

@@ -72,7 +72,7 @@ pub(super) struct Walks {
 enum PolynomialCut {
     /// All normals decide.
     BySignal,
-    /// Only steps and accuracy decide, so that part of a surface has the bits of the whole.
+    /// Steps and accuracy alone decide, so that part of a surface has the bits of the whole.
     Fixed,
 }
 
@@ -99,9 +99,9 @@ impl From<Creases> for SelectedWalks {
 impl Walks {
     /// Builds the walks of a surface with positions `points`.
     ///
-    /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps. The walk that respects creases
-    /// uses a second guide: the normals of the surface after it has been moved to the normals that the first guide
-    /// gives after 16 steps; and where noise is strong a third one, made from the second in this way.
+    /// The first guide is the normals of the surface after [`GUIDE_STEPS`] steps. The walk that respects creases uses a
+    /// second guide: the normals of the surface after it has been moved to the normals that 16 steps with the first
+    /// guide give. If the noise is strong, a third guide is made from the second in this way.
     ///
     /// For part of a surface, `known` holds the scales of the whole.
     pub(super) fn new(
@@ -167,8 +167,8 @@ impl Walks {
         Ok(all)
     }
 
-    /// Mixture of the [`candidates`](Self::candidates) with factors by kind of place, of unit length or zero at each site;
-    /// `points` are those of the walks.
+    /// Mixture of the [`candidates`](Self::candidates) with factors by kind of place, of unit length or zero at each
+    /// site; `points` are those of the walks.
     pub(super) fn mixture(
         &self,
         surface: &NoisySurface,

@@ -105,7 +105,7 @@ impl NoisySurface {
     }
 
     /// The points after `rounds` of the linear filter of `taubin1995signal`, alternating steps that shrink and inflate;
-    /// of a fraction of a round this fraction of its change.
+    /// a fraction of a round contributes this fraction of its change.
     pub(super) fn linear_filtered(
         &self,
         points: &[[f64; 3]],

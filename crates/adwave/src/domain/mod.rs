@@ -1,9 +1,9 @@
 //! Domains: whatever carries a signal, below everything that computes on it.
 //!
-//! A [`Domain`] states its places, their measure and the distances between them; an [`Operator`](crate::operator::Operator)
-//! diffuses over the same places. Bands, filters, regions, saliency, features and the denoising of signals ask for nothing
-//! else, so a domain that stores no rows, such as a grid, has all of them. [`ShapeDomain`] is that of a mesh, a cloud or a
-//! graph, [`WalkDomain`] that of a walk given by its rows.
+//! A [`Domain`] states its places, their measure and the distances between them; an
+//! [`Operator`](crate::operator::Operator) diffuses over the same places. Bands, filters, regions, saliency, features
+//! and the denoising of signals ask for nothing else, so a domain that stores no rows, such as a grid, has all of them.
+//! [`ShapeDomain`] is that of a mesh, a cloud or a graph, [`WalkDomain`] that of a walk given by its rows.
 
 mod shape;
 mod walk;
@@ -20,8 +20,8 @@ use thiserror::Error;
 
 /// Places that carry a signal, in the order of the rows of an operator.
 ///
-/// Two functions suffice: the map of the places, and their neighbors, if the operator has no rows that tell them. All other
-/// functions say more of the places: without positions there are no balls, without a border nothing fades there.
+/// Two functions suffice: the map of the places, and their neighbors, if the operator has no rows that state them. All
+/// other functions are optional: a domain without positions has no balls, and on one without a border nothing fades.
 ///
 /// ```
 /// use adwave::bands::Schedule;
@@ -61,14 +61,14 @@ pub trait Domain: Debug + Send + Sync {
     /// Map from the places in the caller's order to the rows of the operator; the identity for a grid.
     fn vertex_map(&self) -> &VertexMap;
 
-    /// Measure of each place, at least 0: areas in squared model units, volumes, or lengths along a curve; `None` if it is 1
-    /// everywhere.
+    /// Measure of each place, at least 0: areas in squared model units, volumes, or lengths along a curve; `None` if it
+    /// is 1 everywhere.
     fn measure(&self) -> Option<&[f64]> {
         None
     }
 
-    /// Mean distance of neighboring places along each axis of the domain, in the unit of that axis: one number for a shape,
-    /// two for a product with time.
+    /// Mean distance of neighboring places along each axis of the domain, in the unit of that axis: one number for a
+    /// shape, two for a product with time.
     fn spacings(&self) -> &[f64] {
         &[1.0]
     }
@@ -78,8 +78,8 @@ pub trait Domain: Debug + Send + Sync {
         &[]
     }
 
-    /// Size in model units, without the flagged places, from which default levels and lengths in percent follow; 0 without
-    /// positions.
+    /// Size in model units, without the flagged places, from which default levels and lengths in percent follow; 0
+    /// without positions.
     fn extent(&self, _masked: Option<&[bool]>) -> f64 {
         crate::shape::diagonal(self.positions())
     }
@@ -89,8 +89,8 @@ pub trait Domain: Debug + Send + Sync {
         crate::shape::diagonal(self.positions())
     }
 
-    /// Neighbors of each place in ascending order, or `None` if they are those between which the operator has entries. The
-    /// caller keeps them.
+    /// Neighbors of each place in ascending order, or `None` if the neighbors are the places between which the operator
+    /// has entries. The caller stores the result.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -98,12 +98,12 @@ pub trait Domain: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// True if [`neighbors`](Self::neighbors) returns some.
+    /// True if [`neighbors`](Self::neighbors) returns neighbors.
     fn has_neighbors(&self) -> bool {
         true
     }
 
-    /// Neighbors among which features and normals look, if they are closer than those of a step.
+    /// Neighbors among which features and normals look, if these are closer than the neighbors of a step.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -111,7 +111,7 @@ pub trait Domain: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Number of rings of neighbors within which a feature stands out.
+    /// Number of rings of neighbors from which a feature must stand out.
     fn feature_rings(&self) -> usize {
         2
     }
@@ -129,8 +129,8 @@ pub trait Domain: Debug + Send + Sync {
         None
     }
 
-    /// The places on the border, and those next to masked ones, in ascending order. `neighbors` are those of a step between
-    /// places that are not masked.
+    /// The places on the border, and those next to masked ones, in ascending order. `neighbors` are those of a step
+    /// between places that are not masked.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -151,12 +151,12 @@ pub trait Domain: Debug + Send + Sync {
         false
     }
 
-    /// The local fit that smoothing a field about `asked` has here: a constant one where slopes are no bias.
+    /// Local fit that smoothing a field about `asked` has on this domain: a constant one if slopes cause no bias.
     fn local_fit(&self, asked: LocalFit) -> LocalFit {
         if self.positions().is_empty() { LocalFit::Constant } else { asked }
     }
 
-    /// The prepared mesh, cloud or graph, for what only shapes have: faces, normals and volumes.
+    /// The prepared mesh, cloud or graph, for faces, normals and volumes, which only shapes have.
     fn geometry(&self) -> Option<&PreparedGeometry> {
         None
     }
@@ -168,11 +168,11 @@ fn next_to_masked<'a>(neighbors: &'a Adjacency, masked: &'a [bool]) -> impl Iter
     (0..masked.len()).filter(move |&x| !masked[x] && neighbors.row(x).iter().any(is_masked))
 }
 
-/// A domain and an operator that do not fit together.
+/// Error of joining a domain and an operator that do not fit together.
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DomainError {
-    /// The operator has another number of rows than the domain has places.
+    /// The number of rows of the operator differs from the number of places of the domain.
     #[error("an operator has one row for each place, got {n_rows} rows for {n_places} places")]
     RowCount {
         /// Rows of the operator.
@@ -180,17 +180,17 @@ pub enum DomainError {
         /// Places of the domain.
         n_places: usize,
     },
-    /// Values that belong to the places are too few or too many.
+    /// The number of values does not match the number of places.
     #[error("{what} must have one entry for each of the {n_places} places, got {n_found}")]
     Length {
-        /// The values.
+        /// Name of the values.
         what: &'static str,
         /// Number of entries found.
         n_found: usize,
         /// Places of the domain.
         n_places: usize,
     },
-    /// Nothing tells which places are neighbors.
+    /// Neither the domain nor the operator states which places are neighbors.
     #[error(
         "neither the domain (`Domain::neighbors`) nor the operator (`Operator::rows`) tells which places are neighbors; give one of them"
     )]

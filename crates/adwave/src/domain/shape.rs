@@ -36,8 +36,8 @@ enum StepNeighbors {
 }
 
 impl ShapeDomain {
-    /// Joins a prepared shape with the areas of its welded vertices (squared model units) and the mean length of its edges
-    /// (model units) that its operator found.
+    /// Joins a prepared shape with the areas of its welded vertices (squared model units) and the mean length of its
+    /// edges (model units) that its operator found.
     ///
     /// # Panics
     /// Unless there is one area for each welded vertex.
@@ -121,8 +121,8 @@ impl Domain for ShapeDomain {
         self.geometry.participation().outsiders()
     }
 
-    /// The ends of edges of a single triangle, the points of a cloud with a gap between their neighbors, or the ends of a
-    /// curve, and the vertices next to masked ones.
+    /// The ends of edges of a single triangle, the points of a cloud with a gap between their neighbors, or the ends of
+    /// a curve, and the vertices next to masked ones.
     fn border(
         &self,
         neighbors: &Adjacency,
@@ -161,7 +161,8 @@ impl Domain for ShapeDomain {
         self.is_cloud()
     }
 
-    /// A constant fit on a graph or a curve, where slopes along the curve are no bias, unless the nodes are cells of a surface.
+    /// A constant fit on a graph or a curve, where slopes along the curve are no bias, unless the nodes are cells of a
+    /// surface.
     fn local_fit(&self, asked: LocalFit) -> LocalFit {
         match self.geometry.shape() {
             Shape::Graph(graph) if graph.cell_areas().is_none() => LocalFit::Constant,

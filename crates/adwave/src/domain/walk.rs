@@ -6,16 +6,16 @@ use crate::operator::{Diffusion, DiffusionError};
 use crate::rows::CompressedRows;
 use crate::shape::{VertexMap, reverse_cuthill_mckee};
 
-/// The states of a walk, numbered so that neighbors are close in memory. They have no positions; their neighbors are those
-/// between which the walk steps.
+/// The states of a walk, numbered so that neighbors are close in memory. They have no positions; their neighbors are
+/// those between which the walk steps.
 #[derive(Clone, Debug)]
 pub struct WalkDomain {
     vertex_map: VertexMap,
 }
 
 impl WalkDomain {
-    /// The states of a walk, n × n with its diagonal (see [`Diffusion::from_walk`]), and its diffusion operator in their
-    /// order. O(entries · log).
+    /// The states of a walk, n × n with its diagonal (see [`Diffusion::from_walk`]), and its diffusion operator in
+    /// their order. O(entries · log).
     ///
     /// # Errors
     /// [`DiffusionError`] unless the matrix is square, entries are finite and ≥ 0, and rows sum to 1; or if the call is

@@ -1,10 +1,10 @@
-//! Features of the coordinates of a cloud: of its shape, not of the drawing of its points.
+//! Features of the coordinates of a cloud, independent of how its points were drawn.
 //!
 //! A band of coordinates moves points along the surface where their density changes, and along the normal where the
-//! surface is curved or noisy. The response of a cloud is the part along the normal, divided by what the same points
-//! would give on a sphere of curvature 1 (its second moment): 0 on a plane and equal everywhere on a sphere, wherever the
-//! points are. What remains of the drawing and of noise is measured: the bands are computed again from two random halves
-//! of the points, and a feature must stand out from its surroundings by several times the difference.
+//! surface is curved or noisy. The response of a cloud is the part along the normal, divided by the response of the
+//! same points on a sphere of curvature 1 (its second moment): 0 on a plane and equal everywhere on a sphere, wherever
+//! the points are. What remains of the drawing and of noise is measured: the bands are computed again from two random
+//! halves of the points, and a feature must stand out from its surroundings by several times the difference.
 
 use super::sample::SampleResponse;
 use super::{Feature, FeatureError, FeatureParams, Response, features, select_spread};
@@ -18,8 +18,8 @@ use crate::{Cancelled, ClassifiedError, Decomposer, ErrorKind, Progress, paralle
 use std::collections::HashSet;
 use thiserror::Error;
 
-/// Height of a feature over its surroundings, in standard deviations of what drawing and noise contribute, from which it
-/// is a feature. The deviations are estimated from few places on coarse levels: the largest height on 88 flat, round and
+/// Smallest height of a feature over its surroundings, in standard deviations due to the drawing of the points and
+/// noise. The deviations are estimated from few places on coarse levels: the largest height on 88 flat, round and
 /// cylindrical clouds of 4000 points was 8.5, and that of bumps of a fifth of the radius of a ball is 10 to 25.
 const SIGNIFICANT: f64 = 9.0;
 
@@ -98,13 +98,13 @@ pub struct CloudFeatures {
 /// significant against the drawing of the points and against noise. O(n × levels), with the bands of two halves of the
 /// points.
 ///
-/// The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n` is
-/// `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as [`Response::Sigma`]
-/// does, since on a smooth cloud no level is more uneven than another. A feature must differ from the mean of the response
-/// between σ and 2σ around it by more than 9 times the local or the global root mean square difference from the responses
-/// of two random halves of the points, which is the standard deviation of the response of all. Levels finer than half of
-/// the points resolves have no features, and the last level has those of bumps that are as wide or wider. Of significant
-/// features within σ of each other the strongest is kept.
+/// The response is `W_j·n·⟨M_j⟩/M_j`, where `M_j(x) = Σ_y ψ_j(x,y)·|y − x|²` and ⟨M_j⟩ is its mean: on a sphere `W_j·n`
+/// is `−M_j/2R` at every point. Its median is subtracted, and [`Response::Normalized`] divides by σ_j as
+/// [`Response::Sigma`] does, since on a smooth cloud no level is more uneven than another. A feature must differ from
+/// the mean of the response between σ and 2σ around it by more than 9 standard deviations of the response. The standard
+/// deviation is the root mean square difference from the responses of two random halves of the points, the larger of
+/// the local and the global one. Levels finer than half of the points resolves have no features, and the features of
+/// the last level include bumps that are wider. Of significant features within σ of each other the strongest is kept.
 ///
 /// # Errors
 /// [`CloudFeatureError`] if the bands, the normals or the features cannot be computed.
@@ -158,7 +158,7 @@ pub fn cloud_features(
     Ok(CloudFeatures { features: found, wavelets })
 }
 
-/// Outward normals, or those of one side of the surface where neither is outside.
+/// Outward normals; on a surface without an outside, the normals of one of its sides.
 fn normals(
     decomposer: &Decomposer,
     file: Option<&[f64]>,
@@ -224,8 +224,8 @@ pub(super) fn normal_response(
     Ok(wavelets)
 }
 
-/// Subtracts from each level its median, which is the response of the shape as a whole: that of a sphere, for a ball with
-/// bumps.
+/// Subtracts from each level its median, which is the response of the shape as a whole: that of a sphere, for a ball
+/// with bumps.
 fn center_levels(decomposer: &Decomposer, wavelets: &mut Wavelets) {
     let outsiders = decomposer.domain().outsiders();
     let is_member = |x: usize| outsiders.as_ref().is_none_or(|outsiders| !outsiders[x]);
@@ -242,8 +242,8 @@ fn center_levels(decomposer: &Decomposer, wavelets: &mut Wavelets) {
     }
 }
 
-/// The bands with one more level, on which every response is a little smaller than on the last one: a bump that is as large
-/// as the last level, or larger, is a feature of the last level.
+/// The bands with one more level, on which every response is a little smaller than on the last one: a bump that is as
+/// large as the last level, or larger, is a feature of the last level.
 fn with_level_beyond(wavelets: &Wavelets, response: Response) -> Wavelets {
     let mut extended = wavelets.clone();
     let growth = std::f64::consts::SQRT_2;

@@ -76,7 +76,7 @@ pub enum FeatureError {
     Option {
         /// Name of the option.
         what: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
         /// Smallest valid value.
         least: f64,

@@ -49,7 +49,7 @@ pub enum ThresholdScope {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refinement {
-    /// None: the vertex and σ_j.
+    /// No refinement: the vertex and σ_j.
     #[default]
     Off,
     /// The maximum of a quadric fitted to R over the neighborhood, and of a parabola through R over log σ.

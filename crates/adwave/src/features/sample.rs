@@ -118,8 +118,8 @@ impl Half {
 }
 
 impl SampleLevel {
-    /// Differences of the responses of the halves on level `j` from the `responses` of all points, which are scaled to fit
-    /// best, as widths of levels differ by rounded steps; `None` if a half does not resolve the level.
+    /// Differences of the responses of the halves on level `j` from the `responses` of all points, which are scaled to
+    /// fit best, as widths of levels differ by rounded steps; `None` if a half does not resolve the level.
     fn new(j: usize, halves: &[Half], responses: &[f64]) -> Option<Self> {
         let mut differences = vec![f64::NAN; responses.len()];
         let (mut sum, mut n) = (0.0, 0_usize);

@@ -5,14 +5,15 @@ use crate::bands::{Schedule, ScheduleError};
 use crate::{ClassifiedError, ErrorKind, named_values};
 use thiserror::Error;
 
-/// How a smoothing keeps the volume.
+/// Way in which a smoothing keeps the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepVolume {
-    /// Exactly, by one offset along the normals of the vertices that moved (see [`Volume::Keep`](crate::positions::Volume::Keep)).
+    /// Exact volume, by one offset along the normals of the vertices that moved (see
+    /// [`Volume::Keep`](crate::positions::Volume::Keep)).
     Offset,
-    /// Of a smoothing by n steps, `1 − (1 − Φⁿ)²`: one level more.
+    /// Part of the volume, by `1 − (1 − Φⁿ)²` instead of a smoothing by n steps: one level more.
     Twice,
-    /// Of a smoothing by n steps, `1 − (1 − Φⁿ)³`: two levels more.
+    /// More of the volume, by `1 − (1 − Φⁿ)³` instead of a smoothing by n steps: two levels more.
     Thrice,
 }
 
@@ -22,7 +23,7 @@ named_values!(KeepVolume, "way to keep the volume", {
     Thrice => "thrice", "Of a smoothing by n steps: 1 − (1 − Φⁿ)³, by two more levels";
 });
 
-/// A filter whose volume cannot be kept by further levels.
+/// Error of a filter whose volume cannot be kept by further levels.
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum KeepVolumeError {
@@ -33,7 +34,7 @@ pub enum KeepVolumeError {
     NotSmoothing {
         /// The layer, from 1.
         layer: usize,
-        /// What was asked for.
+        /// The requested way of keeping the volume.
         how: KeepVolume,
     },
     /// The further levels would have too many steps.
@@ -48,8 +49,8 @@ impl ClassifiedError for KeepVolumeError {
 }
 
 impl KeepVolume {
-    /// The schedule and the layers of a smoothing that keeps more of the volume: `1 − (1 − Φⁿ)^m` instead of Φⁿ, n the steps of the
-    /// last level. [`Offset`](Self::Offset) changes neither.
+    /// The schedule and the layers of a smoothing that keeps more of the volume: `1 − (1 − Φⁿ)^m` instead of Φⁿ, n the
+    /// steps of the last level. [`Offset`](Self::Offset) changes neither.
     ///
     /// ```
     /// use adwave::bands::Schedule;

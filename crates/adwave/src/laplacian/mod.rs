@@ -158,8 +158,8 @@ fn graph_laplacian(
     Ok(Laplacian { weights, mass, unit: 1.0, mean_length, area_unit: 1.0, info })
 }
 
-/// Laplacian of a curve, `w(x,y) = 1/‖x−y‖` and `M(x) = ½Σ_y ‖x−y‖`, in the unit of `points`. Along a straight line
-/// a linear function is harmonic, however the vertices are spaced. Lengths that are mostly noise are measured without it.
+/// Laplacian of a curve, `w(x,y) = 1/‖x−y‖` and `M(x) = ½Σ_y ‖x−y‖`, in the unit of `points`. Along a straight line a
+/// linear function is harmonic, however the vertices are spaced. Lengths that are mostly noise are measured without it.
 fn curve_laplacian(points: &[[f64; 3]], edges: &Adjacency) -> Laplacian {
     let places = places_without_noise(points, edges);
     let lengths = edge_lengths(places.as_deref().unwrap_or(points), edges);

@@ -10,8 +10,8 @@ use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 use std::ops::Range;
 
-/// Polynomials that smooth one coordinate of a part of a shape about a local linear fit over the two others, and add its
-/// bands with factors: `Σ_j factors[j−1]·W_f(j)`, `W_f(j) = S_f(j−1) − S_f(j)`, `S_f(j) = Φ_j f + a_j·d_j` (see
+/// Polynomials that smooth one coordinate of a part of a shape about a local linear fit over the two others, and add
+/// its bands with factors: `Σ_j factors[j−1]·W_f(j)`, `W_f(j) = S_f(j−1) − S_f(j)`, `S_f(j) = Φ_j f + a_j·d_j` (see
 /// [`local_fit`](crate::local_fit)).
 ///
 /// The value at a vertex depends on the vertices within [`reach`](Self::reach) rings around it, and on

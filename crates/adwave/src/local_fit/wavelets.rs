@@ -33,8 +33,8 @@ pub(crate) struct LinearTransform<'a> {
 }
 
 impl<'a> LinearTransform<'a> {
-    /// Prepares the fits of an operator whose vertices are at `points`, in a unit in which squares of lengths
-    /// neither overflow nor underflow; `rows` are its own, or steps between the same neighbors. `is_surface` excludes that the
+    /// Prepares the fits of an operator whose vertices are at `points`, in a unit in which squares of lengths neither
+    /// overflow nor underflow; `rows` are its own, or steps between the same neighbors. `is_surface` excludes that the
     /// points fill a volume. O(entries).
     ///
     /// # Errors
@@ -252,7 +252,7 @@ impl SmoothedGradients {
         Ok(Self { n_axes: axes.len(), first, rows, bands, least: LEAST_WEIGHT * mean })
     }
 
-    /// Smooths to the gradients of a level of that many steps.
+    /// Smooths the gradients to those of a level of `steps` steps.
     fn advance_to(&mut self, steps: f64, progress: Progress<'_>) -> Result<(), Cancelled> {
         while self.bands.last().is_some_and(|(of, _)| *of <= gradient_steps(steps)) {
             let Some((_, band)) = self.bands.pop() else { break };

@@ -58,7 +58,7 @@ pub enum ChangeError {
     Number {
         /// Name of the parameter.
         what: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
         /// Valid range.
         range: &'static str,

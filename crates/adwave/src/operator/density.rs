@@ -35,7 +35,8 @@ pub(super) struct LengthNeighbors {
 }
 
 /// Neighborhoods by length: the vertices within one length of each vertex that are connected to it through others
-/// within that length, and `next`. `farthest(x)` is the distance to the farthest vertex in the list of x in `next`.
+/// within that length, and the neighbors in `next`. `farthest(x)` is the distance to the farthest vertex in the list of
+/// x in `next`.
 ///
 /// The length is chosen so that 19 of 20 vertices have their whole list within it, or shorter if that would give
 /// more than 128 vertices on average. O(entries found).

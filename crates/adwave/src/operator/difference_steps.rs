@@ -1,4 +1,4 @@
-//! The recurrence of an operator that has no form of its own: one call of [`Operator::difference`] per step.
+//! The recurrence of an operator without one of its own: one call of [`Operator::difference`] per step.
 
 use super::interface::{Continuation, Operator, RowOutput, RowWeights, SignalBlock, Steps, Sum, Weighing};
 use crate::pages::zeros;

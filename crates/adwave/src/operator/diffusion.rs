@@ -368,7 +368,7 @@ impl Diffusion {
         Ok(Self { rows, stationary, step_length, is_reversible: true, semigroup, stays_half: false })
     }
 
-    /// Operator from the off-diagonal entries of Φ₁, which were checked, and what is known of it.
+    /// Operator from the checked off-diagonal entries of Φ₁, with its known properties.
     pub(super) fn from_given(
         rows: CompressedRows<f64>,
         stationary: Vec<f64>,

@@ -23,8 +23,8 @@ impl Diffusion {
     /// else with [`Semigroup::PlainSteps`], for which Φ₁ is stored as ½I + ½P. If P is not reversible, bands are
     /// computed power by power, for whole steps only.
     ///
-    /// π has the weight of a component's number of vertices on each component; it is uniform if P is not reversible. The
-    /// step length is the root mean square number of hops.
+    /// On each component the weight of π is proportional to its number of vertices; π is uniform if P is not
+    /// reversible. The step length is the root mean square number of hops.
     ///
     /// # Errors
     /// [`DiffusionError`] if the matrix is not square, an entry is negative or not finite, a row does not sum to 1, or
@@ -89,8 +89,8 @@ impl Diffusion {
     }
 }
 
-/// Distribution π with `π(x)P(x,y) = π(y)P(y,x)` for all x and y, with the weight of its number of vertices on each
-/// component; `None` if there is none.
+/// Distribution π with `π(x)P(x,y) = π(y)P(y,x)` for all x and y, whose weight on each component is proportional to the
+/// number of its vertices; `None` if there is none.
 fn balanced_distribution(
     walk: &CompressedRows<f64>,
     progress: Progress<'_>,

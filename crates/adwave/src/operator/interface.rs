@@ -1,9 +1,9 @@
-//! The interface between bands and an operator: whatever takes steps has bands with a proven error.
+//! The interface between bands and an operator: any operator that takes steps has bands with a proven error.
 //!
-//! The series of the bands and the bounds of their errors ask an operator for nothing but what is in [`Operator`]: the
-//! number of its rows, the weights of the norm, the meaning of n steps, and vectors `T_k(Y)u` that [`Steps`] adds to sums.
-//! A call goes through the interface once per pass of several products, never per row. An operator that takes any number of
-//! steps at once, such as the solver of a grid, is a [`Leap`] instead.
+//! The series of the bands and the bounds of their errors require nothing of an operator beyond [`Operator`]: the
+//! number of its rows, the weights of the norm, the meaning of n steps, and vectors `T_k(Y)u` that [`Steps`] adds to
+//! sums. A call goes through the interface once per pass of several products, never per row. An operator that takes any
+//! number of steps at once, such as the solver of a grid, is a [`Leap`] instead.
 
 use super::difference_steps::DifferenceSteps;
 use super::{Diffusion, DiffusionError, Semigroup};
@@ -16,8 +16,8 @@ use thiserror::Error;
 /// Largest number of channels that products of an operator without a form of its own process together.
 const CHANNELS_TOGETHER: usize = 8;
 
-/// One step of diffusion, Φ₁, n_rows × n_rows: that of a lazy random walk (entries ≥ 0, rows with sum 1), of heat, or of
-/// vectors that turn on their way ([`Invariant::Nothing`]).
+/// One step of diffusion, Φ₁, n_rows × n_rows: that of a lazy random walk (entries ≥ 0, rows with sum 1), of heat, or
+/// of vectors that turn on their way ([`Invariant::Nothing`]).
 ///
 /// Three functions suffice: the number of rows, `(I − Φ₁)x`, and the promise that the operator is reversible or not. An
 /// operator that stores its rows is a [`Diffusion`]; one that is given by a function of the row is a
@@ -72,8 +72,8 @@ pub trait Operator: Debug + Send + Sync {
 
     /// Computes `(I − Φ₁)x = Σ_y Φ₁(·,y)(x − x_y)` into `out`; both are n_rows × n_channels, row-major.
     ///
-    /// Sums of differences keep the relative accuracy of bands of smooth signals, and give exactly 0 for constants. Long
-    /// products should check `progress`, so that a call can be cancelled.
+    /// Sums of differences keep the relative accuracy of bands of smooth signals, and give exactly 0 for constants.
+    /// Long products should check `progress`, so that a call can be cancelled.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -122,8 +122,8 @@ pub trait Operator: Debug + Send + Sync {
         1.0
     }
 
-    /// Number of channels that [`start`](Self::start) takes at a time, 1 to `n_left`, where `n_left` of `n_channels` are
-    /// left.
+    /// Number of channels that [`start`](Self::start) takes at a time, 1 to `n_left`, where `n_left` of `n_channels`
+    /// are left.
     fn width(&self, _n_channels: usize, n_left: usize, _precision: BlockPrecision) -> usize {
         CHANNELS_TOGETHER.min(n_left)
     }
@@ -134,7 +134,7 @@ pub trait Operator: Debug + Send + Sync {
         (VECTORS * size_of::<f64>() * self.n_rows() * CHANNELS_TOGETHER.min(n_channels)) as u64
     }
 
-    /// Builds what the first call for a signal of few channels would build.
+    /// Builds the data that the first call for a signal of few channels would build.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -161,9 +161,10 @@ pub trait Operator: Debug + Send + Sync {
         None
     }
 
-    /// This operator without the flagged places, which keep their values and which no step reaches or leaves. The weights of
-    /// the others say how it diffuses among them. `squared_length(x, y)` is the squared length of a step in model units.
-    /// `None` if it cannot leave places out; an operator with [`rows`](Self::rows) need not say how, because they can.
+    /// This operator without the flagged places, which keep their values and which no step reaches or leaves. The
+    /// weights of the others say how it diffuses among them. `squared_length(x, y)` is the squared length of a step in
+    /// model units. `None` if the operator cannot leave places out. An operator with [`rows`](Self::rows) need not
+    /// implement this, because its rows can.
     ///
     /// # Errors
     /// [`DiffusionError`] unless there is one flag per row; or if the call is cancelled.
@@ -176,8 +177,8 @@ pub trait Operator: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Measure whose integrals the operator keeps, by which means over the places are weighted: the domain's for heat, and
-    /// the number of places for a walk.
+    /// Measure whose integrals the operator keeps, by which means over the places are weighted: the domain's for heat,
+    /// and the number of places for a walk.
     fn kept_measure(&self) -> KeptMeasure {
         match self.semigroup() {
             Semigroup::Heat { .. } => KeptMeasure::Domain,
@@ -190,8 +191,8 @@ pub trait Operator: Debug + Send + Sync {
         Invariant::Constants
     }
 
-    /// Number of channels that belong together at a place: 1 for scalars, 2 for vectors in a tangent frame. A signal has a
-    /// multiple of it, and blocks of channels are not split within a place.
+    /// Number of channels that belong together at a place: 1 for scalars, 2 for vectors in a tangent frame. A signal
+    /// has a multiple of it, and blocks of channels are not split within a place.
     fn channels_at_place(&self) -> usize {
         1
     }
@@ -218,9 +219,9 @@ pub trait Operator: Debug + Send + Sync {
 /// Any number of steps at once, as of a separable or an implicit solver.
 pub trait Leap: Sync {
     /// Computes n steps of `x` (n_rows × n_channels, row-major) into `out`, n whole or not, in the sense of
-    /// [`Operator::semigroup`]. Returns a bound of `‖error‖ / ‖x‖` in the norm of [`Operator::weights`], at most `accuracy`
-    /// where that can be reached, and as small as possible elsewhere. Constants are kept to the last bit if the operator
-    /// keeps them.
+    /// [`Operator::semigroup`]. Returns a bound of `‖error‖ / ‖x‖` in the norm of [`Operator::weights`], at most
+    /// `accuracy` where that can be reached, and as small as possible elsewhere. Constants are kept to the last bit if
+    /// the operator keeps them.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -249,7 +250,7 @@ pub enum KeptMeasure {
 pub enum Invariant {
     /// Constants: rows sum to 1.
     Constants,
-    /// None that is known: vectors turn on their way.
+    /// No signal that is known: vectors turn on their way.
     Nothing,
 }
 
@@ -307,14 +308,14 @@ impl RowWeights<'_> {
     }
 }
 
-/// Channels of a signal for which a recurrence starts, and what it is to add up.
+/// Channels of a signal for which a recurrence starts, and the requested sums.
 #[derive(Clone, Debug)]
 pub struct SignalBlock<'a> {
     /// The whole signal, n_rows × n_channels, row-major.
     pub values: &'a [f64],
     /// Number of channels of the whole signal.
     pub n_channels: usize,
-    /// Channels of the block, as many as [`Operator::width`] says.
+    /// Channels of the block, in the number given by [`Operator::width`].
     pub channels: Range<usize>,
     /// Weights of the norms.
     pub weights: RowWeights<'a>,
@@ -372,11 +373,11 @@ pub enum RowOutput<'a> {
 pub enum Continuation {
     /// More steps follow.
     Continues,
-    /// These are the last steps.
+    /// The steps of this pass are the last.
     Ends,
 }
 
-/// Rows that a method needs of an operator that gives none.
+/// Error of a method that needs the rows of an operator without rows.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error(
     "{needed_by} needs the rows of the operator, and this one gives none (`Operator::rows`); store them as a `Diffusion`"

@@ -84,8 +84,8 @@ const STAGES: u64 = 3;
 
 /// Builds T (eq. 1) for a prepared shape. O(entries), for clouds O(n log n).
 ///
-/// A vertex without a neighbor of positive area gets an empty row, so that what starts there stays there. Choices
-/// that the paper leaves open: the neighborhood is the one-ring on a mesh and the union of both directions on a
+/// A vertex without a neighbor of positive area gets an empty row, so that a walk that starts there stays there.
+/// Choices that the paper leaves open: the neighborhood is the one-ring on a mesh and the union of both directions on a
 /// cloud; each row is shifted by its smallest d² before `exp`, which does not change the normalized row.
 ///
 /// With [`density_invariant`](OperatorParams::density_invariant) the neighbors are those within one length that is

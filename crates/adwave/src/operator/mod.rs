@@ -1,5 +1,5 @@
-//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator
-//! `Φ₁ = [T]_r` (eq. 4), one step of a lazy random walk. [`Operator`] is what bands ask of any operator.
+//! From a prepared shape to diffusion on it: the local operator T (eq. 1) and the diffusion operator `Φ₁ = [T]_r`
+//! (eq. 4), one step of a lazy random walk. [`Operator`] is the interface that bands require of any operator.
 
 mod density;
 mod difference_steps;
@@ -35,7 +35,7 @@ pub enum CloudGraph {
     /// spectrum real.
     #[default]
     Union,
-    /// Only the nearest points of each point are its neighbors, as in the paper. Φ₁ need not be reversible.
+    /// The neighbors of a point are its nearest points alone, as in the paper. Φ₁ need not be reversible.
     Directed,
 }
 
@@ -89,7 +89,8 @@ pub enum OperatorTask {
 }
 
 impl OperatorTask {
-    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk of the paper.
+    /// The operator that suits the task: heat on the surface where lengths have to agree between meshes, else the walk
+    /// of the paper.
     pub fn default_kind(self) -> OperatorKind {
         match self {
             Self::StepLevels => OperatorKind::Walk,
@@ -98,17 +99,18 @@ impl OperatorTask {
     }
 }
 
-/// An option that applies to the walk, asked for together with the operator of the surface.
+/// Error of asking for the operator of the surface together with an option of the walk.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
     "{option} is an option of the walk and has no effect on the surface operator; leave it out or choose the walk"
 )]
 pub struct WalkOptionError {
-    /// The option by its name at the caller's.
+    /// Name of the option, as the caller knows it.
     pub option: String,
 }
 
-/// The operator for a task: the one asked for; else the walk if `walk_option` names an option that only the walk has; else `default`.
+/// The operator for a task: the one asked for; else the walk if `walk_option` names an option that only the walk has;
+/// else `default`.
 ///
 /// ```
 /// use adwave::operator::{OperatorKind, OperatorTask, choose_operator};

@@ -64,8 +64,8 @@ where
     F: Fn(usize) -> I + Send + Sync,
     I: IntoIterator<Item = (usize, f64)>,
 {
-    /// The walk of `n_rows` rows, each of the same weight. The rows are checked, in O(entries · entries per row), and it is
-    /// found whether the walk is reversible, that is, symmetric.
+    /// The walk of `n_rows` rows, each of the same weight. The rows are checked, in O(entries · entries per row), and
+    /// it is found whether the walk is reversible, that is, symmetric.
     ///
     /// # Errors
     /// [`DiffusionError`] if an entry is negative, not finite or beyond the rows, or a row leaves with more than ½.
@@ -122,8 +122,8 @@ where
         (moves > 0.5 + SUM_TOLERANCE).then_some(DiffusionError::NotLazy { row, moves })
     }
 
-    /// Entries of a row that lead to another place and are not masked, and the factor by which masked ones raise them, so
-    /// that the same probability moves.
+    /// Entries of a row that lead to another place and are not masked, and the factor that replaces the masked entries,
+    /// so that the probability of moving does not change.
     fn steps(&self, x: usize) -> (f64, impl Iterator<Item = (usize, f64)>) {
         let is_out = move |y: usize| self.masked.as_ref().is_some_and(|masked| masked[x] || masked[y]);
         let mut factor = 1.0;
@@ -197,7 +197,8 @@ where
         self.step_length
     }
 
-    /// The steps to masked places go to the others, as [`Diffusion::remove_masked`](super::Diffusion::remove_masked) does.
+    /// The steps to masked places go to the others, as [`Diffusion::remove_masked`](super::Diffusion::remove_masked)
+    /// does.
     fn masked(
         &self,
         masked: &[bool],

@@ -23,7 +23,8 @@ pub enum Borders {
     /// outline keep their place, and bumps near the outline are smoothed as elsewhere.
     #[default]
     Natural,
-    /// As `Natural`, and vertices on the border do not move; the change reaches its full size over a few edges.
+    /// Like `Natural`, except that vertices on the border do not move; the change reaches its full size over a few
+    /// edges.
     Keep,
     /// No treatment, as in the paper: smoothing shrinks borders, because their neighbors are on one side only.
     Free,
@@ -219,8 +220,8 @@ pub fn constrain_positions(
     }
 }
 
-/// Values between `before` (weight 0) and `after` (weight 1), with one weight per vertex; at weights 0 and 1 they are those
-/// values bit for bit. Both have one row per vertex. O(n).
+/// Values between `before` (weight 0) and `after` (weight 1), with one weight per vertex; at weights 0 and 1 they are
+/// those values bit for bit. Both have one row per vertex. O(n).
 ///
 /// ```
 /// let blended = adwave::positions::blend_by_weights(&[0.0, 0.0, 4.0], &[1.0, 1.0, 8.0], &[0.0, 1.0, 0.25]);

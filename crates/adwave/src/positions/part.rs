@@ -14,8 +14,8 @@ pub const NORMAL_STEPS: usize = 4;
 pub enum NormalSign {
     /// The side of the surface, as by the faces of a mesh.
     Side,
-    /// None, as by the tangent planes of a cloud: neighbors count with the sign of the vertex itself. Motion along a
-    /// normal does not depend on its sign.
+    /// No meaning, as for the tangent planes of a cloud: neighbors count with the sign of the vertex itself. Motion
+    /// along a normal does not depend on its sign.
     Arbitrary,
 }
 

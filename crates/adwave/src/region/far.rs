@@ -6,21 +6,21 @@ use crate::Progress;
 /// Distance from the shape, as a share of the radius, from which a point is reported.
 const REPORTED: f64 = 0.1;
 
-/// Center of a ball, or place of a stroke, that lies off the shape: the nearest location on the shape stands for it.
+/// Center of a ball, or place of a stroke, that lies off the shape: the nearest location on the shape replaces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarPoint {
     /// The point, in model units.
     pub point: [f64; 3],
     /// The nearest location on the shape.
     pub nearest: [f64; 3],
-    /// Distance between both.
+    /// Distance between the two.
     pub distance: f64,
     /// Radius of the ball or stroke.
     pub radius: f64,
 }
 
 impl FarPoint {
-    /// Describes what stands for the point.
+    /// Describes the location that replaces the point.
     pub fn describe(&self) -> String {
         let place = |p: [f64; 3]| p.map(|c| format!("{c}")).join(" ");
         format!(

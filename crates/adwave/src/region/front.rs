@@ -1,10 +1,10 @@
 //! Distance along a mesh by straight lines over unfolded triangles.
 //!
-//! A front starts at points, runs straight over triangles, and bends at vertices only. Each vertex knows its origin: the
-//! source or the last bend, in the plane of the triangle through which the front came. To enter the next triangle through
-//! an edge, both are unfolded into one plane; the distance of the third corner is that of the straight line from the
-//! origin if this line crosses the edge. On a plane that is the exact distance, whatever the shapes of the triangles. On a
-//! curved surface the error comes from the angles between neighboring triangles.
+//! A front starts at points, runs straight over triangles, and bends at vertices only. Each vertex knows its origin:
+//! the source or the last bend, in the plane of the triangle through which the front came. To enter the next triangle
+//! through an edge, both are unfolded into one plane; the distance of the third corner is that of the straight line
+//! from the origin if this line crosses the edge. On a plane that is the exact distance, whatever the shapes of the
+//! triangles. On a curved surface the error comes from the angles between neighboring triangles.
 
 use crate::shape::Adjacency;
 use crate::vector::{add_scaled, dot, norm, subtract};
@@ -25,8 +25,8 @@ const FLAT: f64 = 1e-12;
 /// its distance; beyond it the front came around both sides of something.
 const ONE_WAY: f64 = 0.5;
 
-/// Largest distance of the nearest points of a line from two vertices, in that of the vertices: 1 on a straight line in a
-/// plane.
+/// Largest distance between the points of a line nearest to two vertices, relative to the distance of the vertices. It
+/// is 1 for a straight line in a plane.
 const STRAIGHT: f64 = 1.5;
 
 /// Squared cosine of an angle beyond 90° up to which it counts as a right one.
@@ -46,8 +46,8 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
-    /// Corners of those `triangles` among `n_vertices` whose corners all have `neighbors`: vertices that are masked have
-    /// none. O(triangles).
+    /// Corners of those `triangles` among `n_vertices` whose corners all have `neighbors`: vertices that are masked
+    /// have none. O(triangles).
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -148,15 +148,15 @@ struct FrontLabel {
 /// Mark of a vertex that has no label.
 const NONE: u32 = u32::MAX;
 
-/// Distances along a mesh from a few sources, with memory that is reused between searches: a search costs what it finds,
-/// independent of the size of the shape.
+/// Distances along a mesh from a few sources, with memory that is reused between searches: a search costs what it
+/// finds, independent of the size of the shape.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FrontSearch {
     /// Index of the label of each vertex.
     places: Vec<u32>,
     labels: Vec<FrontLabel>,
-    /// Labels to pass on: the upper half of the bits of their distances, which have the order of the distances to 1e-6, and
-    /// their indices. A vertex that comes a little too early is corrected like any other.
+    /// Labels to pass on: the upper half of the bits of their distances, which have the order of the distances to 1e-6,
+    /// and their indices. A vertex that comes a little too early is corrected like any other.
     queue: BinaryHeap<Reverse<u64>>,
     reached: Vec<u32>,
     radius: f64,
@@ -280,8 +280,8 @@ impl FrontSearch {
         }
     }
 
-    /// True if the front passed over a triangle before it came to `x`: all corners have one origin, `x` is the farthest, and
-    /// the others have no obtuse angles, so that no line across an edge at `x` leads to a nearer corner.
+    /// True if the front passed over a triangle before it came to `x`: all corners have one origin, `x` is the
+    /// farthest, and the others have no obtuse angles, so that no line across an edge at `x` leads to a nearer corner.
     fn is_settled(&self, x: &FrontLabel, others: [u32; 2], points: &[[f64; 3]]) -> bool {
         let [p, q] = others.map(|place| &self.labels[place as usize]);
         let is_before =
@@ -298,8 +298,8 @@ impl FrontSearch {
             && is_acute_or_right(&from_q, dot(&from_q, &side))
     }
 
-    /// Distance and origin of the vertex `behind` the edge from `x` to the vertex of the label `side`, if a straight line
-    /// crosses that.
+    /// Distance and origin of the vertex `behind` the edge from `x` to the vertex of the label `side`, if a straight
+    /// line crosses this edge.
     fn cross(&self, x: &FrontLabel, side: u32, behind: u32, points: &[[f64; 3]]) -> Option<(f64, Origin)> {
         let y = &self.labels[side as usize];
         let (a, b) = if x.vertex < y.vertex { (x, y) } else { (y, x) };
@@ -329,7 +329,7 @@ impl FrontSearch {
         Some((distance, Origin { point, ..origin }))
     }
 
-    /// Takes a shorter way to a vertex; of equal ones, that which is straight for longer.
+    /// Records a way to a vertex if it is shorter than the known one, or as long and straight over a longer part.
     fn offer(&mut self, vertex: u32, distance: f64, origin: Origin) {
         let place = self.places[vertex as usize];
         let place = if place == NONE {
@@ -376,7 +376,8 @@ impl Crossing<'_> {
         }
     }
 
-    /// True if the nearest points of a line are as close as those of a straight one are: else it bends, or has several parts.
+    /// True if the nearest points of a line are as close as those of a straight line; otherwise the line bends or has
+    /// several parts.
     fn is_one_piece(&self, from_a: &Planar, from_b: &Planar) -> bool {
         let (dx, dy) = (from_b[0] - from_a[0], from_b[1] - from_a[1]);
         (dx * dx + dy * dy).sqrt() <= STRAIGHT * self.length

@@ -391,7 +391,7 @@ pub enum RegionError {
     BadNumber {
         /// Name of the number.
         what: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// Requirement on the number.
         must: &'static str,
@@ -416,7 +416,7 @@ impl ClassifiedError for RegionError {
     }
 }
 
-/// The fields that there are instead of `name`.
+/// Names of the available fields, for the error about the missing field `name`.
 fn available_fields(name: &str, fields: &[String]) -> String {
     let (list, computed) =
         (fields.join(", "), "saliency, band-1 to band-16, curvatures and other signals of the shape");

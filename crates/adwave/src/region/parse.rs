@@ -94,7 +94,7 @@ const MAX_NESTED: usize = 64;
 /// ```
 ///
 /// # Errors
-/// [`RegionSyntaxError`] with the text that could not be parsed and what is valid.
+/// [`RegionSyntaxError`] with the text that could not be parsed and the valid forms.
 pub fn parse_region(text: &str) -> Result<Region, RegionSyntaxError> {
     let mut rest = text;
     let region = parse_union(&mut rest, 0)?;

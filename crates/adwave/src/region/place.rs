@@ -7,7 +7,7 @@ use crate::vector::{add_scaled, dot, subtract};
 /// Location on a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfacePlace {
-    /// Its position.
+    /// Position of the location.
     pub(super) point: [f64; 3],
     /// The welded vertex nearest to the point that it was looked up for.
     pub(super) vertex: usize,

@@ -59,9 +59,9 @@ pub(super) fn sources(
     Ok(sources)
 }
 
-/// Vertices around one location. On a mesh they are the corners of its triangle; elsewhere, as far as straight lines over
-/// two edges reach: those within one edge of the nearest vertex, and if the location is that vertex, those within two
-/// edges, as in a search from the vertex.
+/// Vertices around one location. On a mesh they are the corners of its triangle; elsewhere, as far as straight lines
+/// over two edges reach: those within one edge of the nearest vertex, and if the location is that vertex, those within
+/// two edges, as in a search from the vertex.
 fn point_sources(metric: &SurfaceMetric, place: &SurfacePlace) -> Vec<FrontSource> {
     let (points, neighbors, vertex) = (metric.positions(), metric.neighbors(), place.vertex);
     let source = |vertex: usize| {

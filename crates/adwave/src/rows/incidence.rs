@@ -19,8 +19,8 @@ const MAX_PARTS: usize = 8;
 /// For each of `n_rows` rows, the items of `0..n_items` that name it, in ascending order; an item that names a row
 /// twice appears twice. Names of rows that do not exist are skipped. O(names).
 ///
-/// Each thread counts and places the names of a part of the items; the counts of the parts before tell where its own start.
-/// The number of parts does not change the result.
+/// Each thread counts and places the names of a part of the items; its places start after the counts of the parts
+/// before it. The number of parts does not change the result.
 pub(crate) fn incidence<'a>(
     n_rows: usize,
     n_items: usize,

@@ -7,7 +7,7 @@ use crate::{Decomposer, Progress, parallel};
 
 /// Number of values summed side by side.
 const LANES: usize = 8;
-/// Number of such rows that are summed in single precision.
+/// Number of rows of [`LANES`] values that are summed in single precision.
 const ROWS: usize = 32;
 /// Number of vertices from which the mean of a level is estimated before it is known.
 const GUESSED_BY: usize = 1000;

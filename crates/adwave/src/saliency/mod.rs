@@ -86,8 +86,8 @@ pub struct Saliency {
 }
 
 /// Computes the saliency map of a signal on a shape from its wavelets, from their norms
-/// ([`BandsRequest::norms`](crate::BandsRequest::norms)), or, for coordinates, from their components along the
-/// outward normals ([`BandsRequest::normal_components`](crate::BandsRequest::normal_components)). O(n × levels × channels).
+/// ([`BandsRequest::norms`](crate::BandsRequest::norms)), or, for coordinates, from their components along the outward
+/// normals ([`BandsRequest::normal_components`](crate::BandsRequest::normal_components)). O(n × levels × channels).
 ///
 /// With [`Sign::Signed`] it is `Λ±(x) = Σ_{j > skip} α_j·W(j,x)`, dimensionless by default because each level is
 /// divided by its mean |W|. With [`Sign::Unsigned`] it uses |W| instead of W; with [`SaliencyParams::paper`] this

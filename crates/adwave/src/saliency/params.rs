@@ -70,7 +70,7 @@ named_values!(MapWeighting, "weighting", {
 });
 
 impl MapWeighting {
-    /// The parameters of a map that is weighted so. `sign` matters for [`Signed`](Self::Signed) only.
+    /// Parameters of a map with this weighting. `sign` matters for [`Signed`](Self::Signed) only.
     pub fn params(self, sign: Sign) -> SaliencyParams {
         let weighting = match self {
             Self::Signed => return SaliencyParams::default().with_sign(sign),

@@ -103,7 +103,7 @@ pub(super) struct Flatten {
     pub(super) center: V3,
     /// Unit normal of the plane.
     pub(super) normal: V3,
-    /// At least 1.
+    /// Factor by which the solid becomes thinner, at least 1.
     pub(super) factor: f64,
 }
 

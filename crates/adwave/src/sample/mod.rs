@@ -127,7 +127,8 @@ pub enum SampleError {
         /// Number of normals.
         n_normals: usize,
     },
-    /// The standard deviation is negative, not finite, or so large that coordinates exceed [`MAX_COORDINATE`](crate::shape::MAX_COORDINATE).
+    /// The standard deviation is negative, not finite, or so large that coordinates exceed
+    /// [`MAX_COORDINATE`](crate::shape::MAX_COORDINATE).
     #[error("standard deviation {sigma:?} of the noise; give a number from 0 to 1e98")]
     BadSigma {
         /// The value found.

@@ -10,9 +10,9 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NoiseSigma {
-    /// In model units.
+    /// Standard deviation in model units.
     Model(f64),
-    /// As a multiple of the mean length of the mesh's distinct edges, as in figure 10 of the paper.
+    /// Standard deviation as a multiple of the mean length of the mesh's distinct edges, as in figure 10 of the paper.
     MeanEdge(f64),
 }
 

@@ -64,11 +64,12 @@ pub(crate) fn try_one_ring(
     })
 }
 
-/// Number of triangles around a vertex up to which [`closed_ring`] applies: all that fit into a vector of the processor.
+/// Number of triangles around a vertex up to which [`closed_ring`] applies: all that fit into a vector of the
+/// processor.
 const SMALL_RING: usize = 8;
 
-/// Neighbors of `x` in ascending order and their number, if each of the few triangles around it begins at a different
-/// neighbor and ends at one at which another begins: those of a closed fan. `None` says nothing.
+/// Neighbors of `x` in ascending order and their number, if its triangles form one closed fan; `None` if that was not
+/// established. In a closed fan each triangle begins at a different neighbor and ends where another one begins.
 fn closed_ring(x: u32, sides: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<([u32; SMALL_RING], usize)> {
     let n = sides.len();
     if n > SMALL_RING {

@@ -15,7 +15,8 @@ pub enum MeshArea {
     /// A third of the area of the triangles at the vertex.
     #[default]
     Barycentric,
-    /// The Voronoi cell within the triangles, cut at the midpoints where a triangle is obtuse (`meyer2003`). Like `Barycentric` it sums to the surface area.
+    /// The Voronoi cell within the triangles, cut at the midpoints where a triangle is obtuse (`meyer2003`). Like
+    /// `Barycentric` it sums to the surface area.
     MixedVoronoi,
 }
 

@@ -28,9 +28,9 @@ impl PointCloud {
         Ok(Self { points, normals: None })
     }
 
-    /// The cloud with given normals, of any length and zero or NaN where there is none, that tell sheets apart which are
-    /// closer to each other than the points: a neighbor with the opposite normal is not a neighbor. Where the signs of
-    /// normals are arbitrary they are not used; this is decided by the points.
+    /// The cloud with given normals, of any length, zero or NaN where there is none. They separate sheets that are
+    /// closer to each other than the points: a point with the opposite normal is not a neighbor. If the positions show
+    /// that the signs of the normals are arbitrary, the normals are not used.
     ///
     /// # Panics
     /// Unless there is one normal per point.

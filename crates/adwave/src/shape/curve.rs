@@ -2,7 +2,7 @@
 //!
 //! Files repeat positions: a closed track ends where it began, a centerline has its points once for each branch, a
 //! recorder writes the same place twice. [`weld_curve`] joins vertices that an edge of length 0 connects, and the end
-//! of a piece with what lies at its place. Two pieces that only cross at a vertex stay apart.
+//! of a piece with a vertex at its position. Two pieces that only cross at a vertex stay apart.
 
 use super::disjoint_sets::DisjointSets;
 use super::order::reverse_cuthill_mckee;
@@ -61,10 +61,10 @@ pub(super) fn weld_curve(
     Ok(WeldedCurve { vertex_map: VertexMap::from_classes(class, n_classes as usize), edges })
 }
 
-/// Joins each end of a piece with another vertex at its position. Of several that are no ends, it is the first.
+/// Joins each end of a piece with another vertex at its position; with the first one if none of them is an end.
 fn join_ends(graph: &Graph, position: &VertexMap, sets: &mut DisjointSets) {
     let n = graph.n_nodes();
-    // The one neighbor outside of what edges of length 0 join; vertices with several are no ends.
+    // The only neighbor outside the set that edges of length 0 join; sets with several such neighbors are no ends.
     let mut outer: Vec<Option<u32>> = vec![None; n];
     let mut is_inner = vec![false; n];
     for x in 0..n as u32 {
@@ -122,28 +122,29 @@ pub(crate) fn edge_lengths(points: &[[f64; 3]], edges: &Adjacency) -> Vec<f64> {
     lengths
 }
 
-/// Share of the mean squared length of the edges from which on it is that of noise.
+/// Share of noise in the mean squared edge length from which the lengths are mostly noise.
 const NOISY: f64 = 0.6;
 
-/// Ratios of the noise that fourth differences suggest to that which second differences do, for independent noise; a regular
-/// zigzag has 1.37.
+/// Range of the ratio of the noise that fourth differences suggest to the noise that second differences suggest, for
+/// independent noise; a regular zigzag has 1.37.
 const INDEPENDENT: std::ops::RangeInclusive<f64> = 0.88..=1.2;
 
-/// Fewest fourth differences that tell noise.
+/// Smallest number of fourth differences from which noise is estimated.
 const FEWEST: usize = 16;
 
-/// Share of the mean squared length of the edges that noise may have after smoothing.
+/// Share of noise in the mean squared edge length that may be left after smoothing.
 const LEFT: f64 = 0.05;
 
-/// Most passes of smoothing.
+/// Largest number of passes of smoothing.
 const MOST_PASSES: usize = 1 << 12;
 
-/// Vertices of a curve without the noise that makes up most of the length of its edges; `None` if it does not. Such a track, of
-/// positions that scatter by more than the way between them, has a length that tells about the noise and not about the way.
+/// Positions of a curve without the noise that makes up most of the length of its edges; `None` if noise does not. If
+/// the positions of a track scatter by more than the way between them, its length measures the noise instead of the
+/// way.
 ///
-/// The noise is that of the second and fourth differences along the curve, which agree if it is independent between vertices.
-/// Passes with weights ¼, ½, ¼ leave `σ²/(2√π(m/2)^1.5)` of its squared difference between neighbors after m passes. O(n) for
-/// each pass.
+/// The noise is that of the second and fourth differences along the curve, which agree if it is independent between
+/// vertices. Passes with weights ¼, ½, ¼ leave `σ²/(2√π(m/2)^1.5)` of the squared difference of the noise between
+/// neighbors after m passes. O(n) for each pass.
 pub(crate) fn places_without_noise(points: &[[f64; 3]], edges: &Adjacency) -> Option<Vec<[f64; 3]>> {
     let bend = |points: &[[f64; 3]], x: usize| -> Option<[f64; 3]> {
         let [a, b] = *edges.row(x) else { return None };

@@ -24,7 +24,7 @@ impl RangeSets<'_> {
         x
     }
 
-    /// Joins two vertices; false, and nothing is joined, if one is outside of the range.
+    /// Joins two vertices; returns false and joins nothing if one of them is outside the range.
     fn join(&mut self, x: u32, y: u32) -> bool {
         let range = self.first..self.first + self.parent.len();
         if !range.contains(&(x as usize)) || !range.contains(&(y as usize)) {
@@ -46,8 +46,8 @@ impl DisjointSets {
         Self { parent: (0..n as u32).collect() }
     }
 
-    /// Sets of the vertices that triangles connect, given those at each vertex. Each thread joins the vertices of a range
-    /// among themselves; few triangles of a shape that is numbered along a curve remain.
+    /// Sets of the vertices that triangles connect, given those at each vertex. Each thread joins the vertices of a
+    /// range among themselves; few triangles of a shape that is numbered along a curve remain.
     pub(super) fn from_triangles(triangles: &[[u32; 3]], at_vertex: &Pattern) -> Self {
         let mut sets = Self::new(at_vertex.n_rows());
         let across = parallel::try_map_rows(
@@ -75,7 +75,7 @@ impl DisjointSets {
         sets
     }
 
-    /// True if all vertices, of which there are some, are in one set.
+    /// True if there are vertices and all of them are in one set.
     pub(super) fn is_one(&self) -> bool {
         let is_root = |x: usize| f64::from(u8::from(self.parent[x] as usize == x));
         parallel::sum(self.parent.len(), is_root) == 1.0

@@ -3,8 +3,8 @@
 //! The flux between two faces is `w·(f_y − f_x)` with `w = |e|/h` (`eymard2000`): |e| is the length of the shared side,
 //! and h the sum of the distances of the two centers from it. The centers of triangles are their circumcenters, which a
 //! line across the side connects, so that the flux of a slope is right; if an angle is obtuse it is the middle of the
-//! longest side, so that h stays positive. Other faces use their centers of area. Fluxes cancel in pairs, so the integral
-//! of a field is kept.
+//! longest side, so that h stays positive. Other faces use their centers of area. Fluxes cancel in pairs, so the
+//! integral of a field is kept.
 
 use super::face_incidence::{centered, vector_area};
 use super::{Graph, GraphError, Mesh, PreparedGeometry, Shape, WeldMode};
@@ -12,15 +12,16 @@ use crate::Progress;
 use crate::parallel::{self, expect_not_cancelled};
 use nalgebra::Vector3;
 
-/// Number of faces at one side of which each is joined with each other; more are joined in a row.
+/// Largest number of faces at one side that are joined in pairs; more faces are joined in a row.
 const MOST_PAIRED: usize = 8;
 
-/// Largest weight. Two right triangles with the same circumcenter conduct without resistance, and the number of products
-/// of a diffusion grows with the root of the largest weight.
+/// Largest weight. Two right triangles with the same circumcenter conduct without resistance, and the number of
+/// products of a diffusion grows with the root of the largest weight.
 const MAX_WEIGHT: f64 = 30.0;
 
 /// Builds the dual graph of a mesh: node f is face f at its center of area, with its area in squared model units, and
-/// faces that share a side are neighbors. Sides are shared if their ends are at equal positions, or closed by a seam.
+/// faces that share a side are neighbors. Two sides are one if their ends are at equal positions, or welded along a
+/// seam.
 ///
 /// On this graph fields of faces diffuse as fields of vertices do on the surface, with faces weighted by area. Faces
 /// of fewer than three corners have no neighbors. O(n log n).

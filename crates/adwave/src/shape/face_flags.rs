@@ -1,4 +1,4 @@
-//! Two facts on each vertex of a mesh: whether a face uses it, and whether the edges of faces cancel there.
+//! Flags of the vertices of a mesh: used by a face, and with edges of faces that do not cancel there.
 
 use super::Polygons;
 use crate::rows::Pattern;
@@ -6,8 +6,8 @@ use crate::{Cancelled, Progress, parallel};
 
 /// Flags of the vertices of a mesh.
 pub(super) struct FaceFlags {
-    /// True where the edges of faces do not cancel: at open borders, where faces disagree on the orientation, and at some
-    /// other vertices.
+    /// True where the edges of faces do not cancel: at open borders, where faces disagree on the orientation, and at
+    /// some other vertices.
     pub(super) is_open: Vec<bool>,
     /// True where a face with two different corners has a corner.
     pub(super) is_used: Vec<bool>,
@@ -78,7 +78,7 @@ pub(super) fn visit_edges(faces: &Polygons, mut visit: impl FnMut([u32; 2])) {
     }
 }
 
-/// Number with all bits of a vertex mixed (the finalizer of splitmix64).
+/// Hash that mixes all bits of a vertex (the finalizer of splitmix64).
 fn scramble(x: u32) -> u64 {
     let mut x = u64::from(x).wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,7 +1,7 @@
-//! Faces at each vertex, and what they give it: neighbors, an area and a normal.
+//! Faces at each vertex, and the neighbors, the area and the normal that it has from them.
 //!
-//! No rule for a face of more than three corners starts at one of them, so the result does not depend on which
-//! corner the file names first. With the mean `c` of the corners `v_0 … v_(n−1)` and `e_k = ½·(v_k − c) × (v_(k+1) − c)`:
+//! No rule for a face of more than three corners starts at one of them, so the result does not depend on which corner
+//! the file names first. With the mean `c` of the corners `v_0 … v_(n−1)` and `e_k = ½·(v_k − c) × (v_(k+1) − c)`:
 //!
 //! * the vector area is `N = Σ e_k`, which has the direction of the best-fitting plane, and for a planar face of any
 //!   outline the length of its area;
@@ -26,7 +26,7 @@ const FACES_AT_A_TIME: usize = 1 << 12;
 
 /// Faces with the corners of each vertex.
 pub(crate) enum FaceIncidence<'a> {
-    /// Triangles, and those at each vertex.
+    /// All triangles, and the triangles at each vertex.
     Triangles { triangles: &'a [[u32; 3]], at_vertex: Pattern },
     /// Polygons, the indices in [`Polygons::corners`] of the corners at each vertex, and the face of each corner.
     Polygons { faces: &'a Polygons, at_vertex: Pattern, face_of: Vec<u32> },

@@ -1,7 +1,7 @@
-//! Normals that a file gives to the points of a cloud: whether their signs mean a side of the surface.
+//! Normals that a file gives to the points of a cloud, and a check that their signs mean a side of the surface.
 //!
-//! Scanners and meshes give normals that point to one side. The normals of plane fits have the right axis and an arbitrary
-//! sign. All code that uses the sign of given normals takes them from here.
+//! Scanners and meshes give normals that point to one side. The normals of plane fits have the right axis and an
+//! arbitrary sign. All code that uses the sign of given normals takes them from here.
 
 use super::orientation::{EdgeOrientation, Enclosure, orient};
 use super::sheets::{OPPOSITE, are_sheets_apart};
@@ -10,17 +10,18 @@ use crate::vector::{dot, unit};
 use crate::{Cancelled, Progress};
 use nalgebra::Vector3;
 
-/// Cosine between a normal and the reflection of its neighbor's from which the two tell whether they are on one side.
+/// Smallest cosine between a normal and the reflection of its neighbor's normal for which the pair shows whether both
+/// are on one side.
 const CLEAR: f64 = 0.5;
 
-/// Mean squared cosine between normals and the line between their points above which the line leads across the surface; it
-/// is 0.5 across the edge of a box.
+/// Mean squared cosine between normals and the line between their points above which the line leads across the surface;
+/// it is 0.5 across the edge of a box.
 const ACROSS: f64 = 0.55;
 
 /// Share of the points of a part that neighbors on one side must join for the part to count as oriented.
 const JOINED: f64 = 0.999;
 
-/// Share of the points whose given normals point to one side from which that side is the one that was meant.
+/// Share of the points whose given normals must point to one side for it to count as the intended side.
 const MEANT: f64 = 0.9;
 
 /// Use of the signs of given normals.
@@ -52,7 +53,7 @@ pub struct NormalCheck {
 }
 
 impl NormalCheck {
-    /// Describes what is special about the normals; `None` if they are used as given and none points inward.
+    /// Describes deviations of the normals; `None` if they are used as given and none points inward.
     pub fn describe(&self) -> Option<String> {
         let agreement = 100.0 * self.agreement;
         let turned = match self.n_turned {
@@ -97,13 +98,14 @@ pub struct GivenNormals {
 }
 
 impl GivenNormals {
-    /// Checks and orients the given `normals`, of any length and zero or NaN where there is none; `None` if there are none
-    /// at all. O(n k), with O(n k log n) if neighbors disagree.
+    /// Checks and orients the given `normals`, of any length and zero or NaN where there is none; `None` if there are
+    /// none at all. O(n k), with O(n k log n) if neighbors disagree.
     ///
-    /// Neighbors agree if the reflection of one normal in the plane half-way between the points has a positive product with
-    /// the other. The normals are oriented if the pairs that agree connect 99.9 % of the points of the parts that all pairs
-    /// connect. Where sheets are closer than points, neighbors with opposite normals lie on other sheets and do not count.
-    /// Otherwise the axes are oriented along a spanning tree, unless that violates as many pairs as the given signs.
+    /// Neighbors agree if the reflection of one normal in the plane half-way between the points has a positive product
+    /// with the other. The normals are oriented if the pairs that agree connect 99.9 % of the points of the parts that
+    /// all pairs connect. Where sheets are closer than points, neighbors with opposite normals lie on other sheets and
+    /// do not count. Otherwise the axes are oriented along a spanning tree, unless that violates as many pairs as the
+    /// given signs.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -192,7 +194,7 @@ fn follow_side(given: &[Vector3<f64>], oriented: &mut [Vector3<f64>], parts: &[V
     if n_meant as f64 >= MEANT * n_all as f64 { NormalSigns::Repaired } else { NormalSigns::Unoriented }
 }
 
-/// Pairs of neighbors that tell whether their normals are on one side.
+/// Pairs of neighbors that show whether their normals are on one side.
 struct Pairs<'a> {
     points: &'a [[f64; 3]],
     near: &'a Neighborhoods,
@@ -216,7 +218,7 @@ impl PairCount {
 }
 
 impl Pairs<'_> {
-    /// True if two normals are on one side, false if on different sides; `None` if they do not tell.
+    /// True if two normals are on one side, false if they are on different sides; `None` if the pair does not show it.
     fn compare(&self, normals: &[Vector3<f64>], x: usize, y: usize) -> Option<bool> {
         let (n, m) = (&normals[x], &normals[y]);
         if self.are_sheets_apart && n.dot(m) < OPPOSITE {

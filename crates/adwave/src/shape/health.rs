@@ -199,8 +199,8 @@ fn n_repeated(
     Ok(repeated + others.windows(2).filter(|pair| pair[0] == pair[1]).count())
 }
 
-/// True if a mesh encloses a volume: every edge has two faces, which run along it in opposite directions. O(corners) for
-/// triangles, on all threads.
+/// True if a mesh encloses a volume: every edge has two faces, which run along it in opposite directions. O(corners)
+/// for triangles, on all threads.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.
@@ -224,7 +224,7 @@ pub fn encloses_volume(geometry: &PreparedGeometry, progress: Progress<'_>) -> R
         Some(triangles) if triangles.len() == mesh.faces().len() => {
             edges_cancel(geometry.n_vertices(), triangles, progress)
         }
-        // Placeholders took faces away, which count.
+        // Faces with placeholders were removed from the geometry, but count here.
         _ => Ok(EdgeCounts::new(mesh.faces(), |c| welded[c as usize], progress)?.enclose_volume()),
     }
 }

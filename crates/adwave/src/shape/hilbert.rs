@@ -66,8 +66,8 @@ const fn steps() -> [[u16; 8]; N_TURNS] {
     all
 }
 
-/// [`STEPS`] for two bits: for each orientation and octant of an octant, 64 times the orientation there plus its position
-/// among the 64.
+/// [`STEPS`] for two bits: for each orientation and octant of an octant, 64 times the orientation there plus its
+/// position among the 64.
 static PAIRS: [[u16; 64]; N_TURNS] = pairs();
 
 const fn pairs() -> [[u16; 64]; N_TURNS] {

@@ -217,7 +217,7 @@ impl ClassifiedError for ShapeError {
     }
 }
 
-/// A mesh, a cloud or a graph that a method needs, for another domain.
+/// Error of a method that needs a mesh, a cloud or a graph, for another domain.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("{needed_by} needs a mesh, a point cloud or a curve, and this domain is none")]
 pub struct NoShape {

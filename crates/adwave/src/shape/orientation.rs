@@ -9,18 +9,18 @@ use std::collections::BinaryHeap;
 /// Number of points that join a tree between two checks for cancellation.
 const POINTS_AT_A_TIME: usize = 1 << 10;
 
-/// Cost of a step between points one of which has no normal: after all other steps.
+/// Cost of a step from or to a point without a normal; such steps come after all others.
 const BLIND: f64 = 8.0;
 
-/// Additional cost of a step to one of the further neighbors: after all steps to nearer ones.
+/// Additional cost of a step to one of the further neighbors; such steps come after all steps to nearer ones.
 const FAR: f64 = 3.0;
 
 /// Enclosed share of the possible volume below which a part has no outside: a sphere reaches 1, a half sphere 0.5,
 /// a terrain a few hundredths.
 const ENCLOSED: f64 = 0.1;
 
-/// Share of the area in the sum of the normals up to which a part counts as closed, and share of the possible volume that it
-/// encloses at least.
+/// Share of the area in the sum of the normals up to which a part counts as closed, and share of the possible volume
+/// that it encloses at least.
 const CLOSED: f64 = 0.1;
 
 /// Orients the unit `normals` of `points` consistently along a spanning tree of each connected part of `near`, and
@@ -220,7 +220,8 @@ impl Enclosure {
         self.sum.norm() <= CLOSED * self.area && self.volume < -CLOSED * self.moment
     }
 
-    /// True if the normals point outwards, or, where no volume is enclosed, along the positive side of their dominant axis.
+    /// True if the normals point outwards, or, where no volume is enclosed, along the positive side of their dominant
+    /// axis.
     fn is_outward(&self) -> bool {
         let encloses = self.volume.abs() * self.area > ENCLOSED * self.moment * self.sum.norm();
         (if encloses { self.volume } else { self.sum[self.sum.iamax()] }) >= 0.0

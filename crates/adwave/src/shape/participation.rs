@@ -1,9 +1,9 @@
-//! Vertices that take part in the analysis, and the size of what they form.
+//! Vertices that take part in the analysis, and the size of the shape that they form.
 //!
-//! A default length must not depend on what hangs together with nothing: a vertex that no face uses, a record
+//! A default length must not depend on vertices that belong to nothing else: a vertex that no face uses, a record
 //! without a position that a scanner wrote as `0 0 0`, a height of −9999, a reflection far away. Such vertices keep
-//! their place and have no neighbors. The *extent* of a shape is the diagonal of the bounding box of its largest
-//! part, so that it does not depend on the layout of the parts either.
+//! their place and have no neighbors. The *extent* of a shape is the diagonal of the bounding box of its largest part,
+//! so that it does not depend on the layout of the parts either.
 
 use super::{DisjointSets, Neighborhoods, Polygons, box_diagonal, distance, try_nearest_neighbors};
 use crate::pages::zeros;
@@ -18,8 +18,8 @@ const PLACEHOLDER_VALUES: [f64; 5] = [-9999.0, -99_999.0, -999_999.0, -32_767.0,
 /// written where a value is unknown.
 const NO_LENGTH: f64 = 1e19;
 
-/// Smallest number of vertices with a position beside placeholders: fewer points are too few to tell what is far from
-/// them.
+/// Smallest number of vertices with a known position for which placeholders are sought: fewer do not show which
+/// positions are far away.
 const MIN_KNOWN: usize = 16;
 
 /// Share of the values at either end of an axis that may be strays and do not decide where the shape ends.
@@ -29,9 +29,9 @@ const TAIL: f64 = 0.01;
 /// among itself, and counts as a part of the shape.
 pub const STRAY_NEIGHBORS: usize = 10;
 
-/// Distance from a point to another, in distances of the other to its 10th neighbor, beyond which it does not lead
-/// there. The kernel of the walk is below 1e-20 at half of it, so no point gives anything to another so far away; the
-/// density of scans changes by less from point to point.
+/// Largest distance from a point to a neighbor that it leads to, in distances of that neighbor to its own 10th
+/// neighbor. The kernel of the walk is below 1e-20 at half of it, so no point gives anything to another so far away;
+/// the density of scans changes by less from point to point.
 const MAX_GAP: f64 = 10.0;
 
 /// Share of the vertices of the most populous part that another part needs to decide the extent.
@@ -44,8 +44,8 @@ const FRAME_TAIL: f64 = 0.005;
 /// 3.9 standard deviations then.
 const FRAME_MARGIN: f64 = 0.25;
 
-/// Size of everything, in frames, from which only the frame is shown: up to that size the shape still fills half of
-/// the picture.
+/// Size of the bounding box of all vertices, in sizes of the frame, from which only the frame is shown. Up to that size
+/// the shape still fills half of the picture.
 const FRAME_GAIN: f64 = 2.0;
 
 /// Number of vertices that a thread processes at a time.
@@ -54,13 +54,13 @@ const POINTS_AT_A_TIME: usize = 1 << 14;
 /// Reason why a vertex takes no part in the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexRole {
-    /// It takes part.
+    /// The vertex takes part.
     #[default]
     Member,
     /// No face of the mesh, or edge of the curve, connects it to another vertex.
     Unused,
-    /// Its position stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the others, or
-    /// `0 0 0` far from everything.
+    /// The position of the vertex stands for an unknown one: a coordinate such as −9999 or −3.4e38 far outside the
+    /// others, or `0 0 0` far from everything.
     Placeholder,
     /// A point of a cloud, or one of a few, far from all others.
     Stray,
@@ -124,15 +124,15 @@ pub fn describe_outsiders(outsiders: &[(usize, VertexRole)], role: VertexRole) -
     Some(format!("{n} {} ({row} {named}) {end}", role.explanation(n)))
 }
 
-/// True if a point leads to one of its [`STRAY_NEIGHBORS`] nearest neighbors at `distance`, whose own last such
-/// neighbor is `radius` away.
+/// True if a point leads to one of its [`STRAY_NEIGHBORS`] nearest neighbors: if the `distance` of this neighbor is at
+/// most 10 times `radius`, its distance to its own 10th neighbor.
 pub fn leads_to(distance: f64, radius: f64) -> bool {
     distance <= MAX_GAP * radius
 }
 
-/// True if a point of a cloud leads to at most [`STRAY_NEIGHBORS`] points, itself counted, step by step from neighbor
-/// to neighbor. `reach(x, found)` appends the neighbors that `x` [`leads_to`]. In a cloud of more points some point
-/// always leads farther: the one whose last neighbor is closest.
+/// True if a point of a cloud leads, step by step from neighbor to neighbor, to at most [`STRAY_NEIGHBORS`] points
+/// including itself. `reach(x, found)` appends the neighbors that `x` [`leads_to`]. In a cloud of more points at least
+/// one is no stray: the point whose last neighbor is closest.
 ///
 /// # Errors
 /// The first error of `reach`.
@@ -172,8 +172,8 @@ pub(crate) struct Participation {
 impl Participation {
     /// Roles in a mesh, whose `faces` lose those with a placeholder as corner.
     ///
-    /// `is_used` flags the vertices of faces with two different corners. `at_vertex` has the triangles at each vertex, if
-    /// all faces are triangles; it is taken if faces are lost.
+    /// `is_used` flags the vertices of faces with two different corners. `at_vertex` has the triangles at each vertex,
+    /// if all faces are triangles; it is taken if faces are lost.
     pub(super) fn from_mesh(
         points: &[[f64; 3]],
         faces: &mut Polygons,
@@ -397,7 +397,7 @@ impl Participation {
     }
 }
 
-/// Bounding box of what a picture of `points` should show, of those that are `used` (by a face) or of all: without
+/// Bounding box of the points that a picture should show, among those that are `used` (by a face) or among all: without
 /// placeholders, and without the few points that are so far away that the others would fill less than half of the
 /// picture. `None` without points. O(n).
 ///
@@ -433,8 +433,8 @@ pub enum OriginRule {
     Ordinary,
 }
 
-/// Range of the coordinates of the vertices whose position is no placeholder in itself, which tells placeholders from
-/// positions that happen to have such a value.
+/// Range of the coordinates of the vertices whose position is no placeholder in itself. It distinguishes placeholders
+/// from positions that happen to have the same value.
 ///
 /// ```
 /// use adwave::shape::{KnownRange, OriginRule, may_be_placeholder};
@@ -465,7 +465,7 @@ impl KnownRange {
     /// Share of the values at either end of an axis that may be strays and do not decide where the shape ends.
     pub const TAIL: f64 = TAIL;
 
-    /// Smallest number of vertices that tell what is far from them.
+    /// Smallest number of vertices for which placeholders are sought; fewer do not show which positions are far away.
     pub const MIN_KNOWN: usize = MIN_KNOWN;
 
     /// Ranks, from 0, of [`low`](Self::low) and [`high`](Self::high) among `n` > 0 sorted values.

@@ -39,9 +39,9 @@ pub struct PreparedGeometry {
     /// The triangulated faces, unless all faces are triangles.
     triangles: Option<Arc<Vec<[u32; 3]>>>,
     participation: Arc<Participation>,
-    /// Neighbors found while looking for strays, for the first that asks for them.
+    /// Neighbors found while looking for strays, kept for the first call that asks for them.
     near: Arc<Mutex<Option<Neighborhoods>>>,
-    /// Triangles at each vertex, found while looking for borders, for the first that asks for them.
+    /// Triangles at each vertex, found while looking for borders, kept for the first call that asks for them.
     at_vertex: Arc<Mutex<Option<Pattern>>>,
     /// Neighbors along a curve; `None` for other shapes.
     curve: Option<Arc<Adjacency>>,
@@ -55,7 +55,7 @@ pub struct PreparedGeometry {
 /// Shape of the vertices that take part.
 pub(crate) struct Members {
     pub(crate) geometry: PreparedGeometry,
-    /// Its vertices as vertices of the whole shape, in ascending order.
+    /// Vertices that take part, as vertices of the whole shape, in ascending order.
     pub(crate) vertices: Vec<u32>,
 }
 
@@ -185,7 +185,7 @@ impl PreparedGeometry {
         })
     }
 
-    /// A shape of which nothing is prepared.
+    /// Geometry of a shape of which nothing is prepared yet.
     fn empty(shape: &Shape, weld_mode: WeldMode) -> Self {
         Self {
             shape: shape.clone(),
@@ -313,8 +313,9 @@ impl PreparedGeometry {
         self.participation.extent(&self.points, Some(masked))
     }
 
-    /// Bounding box, in model units, of what a picture should show: all vertices that take part, unless a hundredth
-    /// of them lies so far away that the others would fill less than half of the picture. `None` without positions.
+    /// Bounding box, in model units, of the part that a picture should show: all vertices that take part, unless a
+    /// hundredth of them lies so far away that the others would fill less than half of the picture. `None` without
+    /// positions.
     pub fn frame(&self) -> Option<([f64; 3], [f64; 3])> {
         self.participation.frame(&self.points)
     }
@@ -396,7 +397,7 @@ impl PreparedGeometry {
         }
     }
 
-    /// Keeps the [`STRAY_NEIGHBORS`] nearest neighbors for the next one that asks for them.
+    /// Keeps the [`STRAY_NEIGHBORS`] nearest neighbors for the next call that asks for them.
     pub(crate) fn keep_nearest(&self, near: Neighborhoods) {
         if let (false, Ok(mut known)) = (self.has_separate_sheets(), self.near.lock()) {
             *known = Some(near);

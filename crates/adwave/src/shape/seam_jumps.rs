@@ -2,10 +2,12 @@
 
 use super::{PreparedGeometry, Shape};
 
-/// Difference between the sides of a seam, in mean differences along the edges beside it, beyond which a field jumps there.
+/// Difference between the sides of a seam, in mean differences along the edges beside it, beyond which a field jumps
+/// there.
 const JUMP: f64 = 4.0;
 
-/// Largest share of the welded vertices at seams for which these are seams, and the mesh is no soup of triangles.
+/// Largest share of welded vertices with several members for which they form seams; with more of them the mesh is a
+/// soup of triangles.
 const MOST_AT_SEAMS: f64 = 0.34;
 
 /// Difference relative to the largest value that is rounding.
@@ -20,12 +22,13 @@ pub struct SeamJumps {
     pub size: f64,
 }
 
-/// Tells if a field (n_vertices × n_channels, row-major) jumps where vertices of a mesh were welded; `None` if not, and for shapes
-/// without faces.
+/// Jumps of a field (n_vertices × n_channels, row-major) where vertices of a mesh were welded; `None` if it does not
+/// jump there, and for shapes without faces.
 ///
-/// It does if, at more than half of the places at which the welded vertices differ in a channel, they differ by more than 4 times
-/// what the field changes along the edges of their own faces. Noise does not, as it is no larger across a seam than along it. A
-/// mesh most of whose vertices were welded, such as one of single triangles, has no sides. O(n).
+/// A field jumps if, at more than half of the places where welded vertices differ in a channel, they differ by more
+/// than 4 times the change of the field along the edges of their own faces. Noise is no jump, because it is no larger
+/// across a seam than along it. A mesh of which most vertices were welded, such as one of single triangles, has no
+/// seams. O(n).
 ///
 /// ```
 /// use adwave::Progress;

@@ -10,7 +10,8 @@ use crate::{Cancelled, Progress, parallel};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use serde::Serialize;
 
-/// Tolerance in steps of 32-bit floats at the largest coordinate of a vertex: what a few products of matrices leave.
+/// Tolerance in steps of 32-bit floats at the largest coordinate of a vertex: the rounding error of a few products of
+/// matrices.
 const SINGLE_STEPS: f64 = 4.0;
 
 /// Smallest tolerance, in shortest edges at a vertex.
@@ -86,8 +87,8 @@ pub(super) fn match_seams(
     Ok((weld.n_vertices > 0).then_some(SeamMatches { roots, weld }))
 }
 
-/// True if edges of faces do not cancel at some vertex: the mesh has a border, or faces that disagree on the orientation.
-/// O(corners).
+/// True if edges of faces do not cancel at some vertex: the mesh has a border, or faces that disagree on the
+/// orientation. O(corners).
 pub(super) fn is_open(n: usize, faces: &Polygons) -> bool {
     FaceFlags::new(n, faces).is_open.contains(&true)
 }
@@ -202,8 +203,8 @@ fn unit_scale(points: &[[f64; 3]]) -> f64 {
     if largest == 0.0 { 1.0 } else { largest.log2().floor().clamp(-1000.0, 1000.0).exp2().recip() }
 }
 
-/// Vertices of no face, each with a vertex of a face within its tolerance: such copies, as exporters leave them at the poles
-/// of a sphere, move along.
+/// Vertices of no face, each with a vertex of a face within its tolerance: such copies, as exporters leave them at the
+/// poles of a sphere, move along.
 fn match_unused(
     points: &[[f64; 3]],
     faces: &Polygons,

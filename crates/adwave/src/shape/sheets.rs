@@ -15,12 +15,13 @@ pub(super) const OPPOSITE: f64 = -0.5;
 /// Cosine of two normals above which they belong to one sheet.
 const ALIKE: f64 = 0.5;
 
-/// Median slope of the lines to neighbors with opposite normals, in that of the lines to neighbors with similar
-/// normals, from which opposite normals mean another sheet. Where the signs of normals are arbitrary, both are the
-/// same.
+/// Ratio of the median slope of the lines to neighbors with opposite normals to that of the lines to neighbors with
+/// similar normals, from which opposite normals mean another sheet. Where the signs of normals are arbitrary, both
+/// slopes are equal.
 const SLOPE_RATIO: f64 = 2.0;
 
-/// Number of neighbors to search for each that is needed, as up to half of the nearest or more lie on other sheets.
+/// Number of neighbors searched for each neighbor needed, because half of the nearest ones or more may lie on other
+/// sheets.
 const SEARCHED: usize = 4;
 
 /// Relative difference of distances that counts as equal, as in [`nearest_neighbors`](super::nearest_neighbors).
@@ -28,7 +29,8 @@ const TIE: f64 = 1e-9;
 
 /// True if neighbors with opposite normals lie on other sheets: lines to them are steeper against their planes than
 /// lines to neighbors with similar normals, and the shorter ones are the steepest. On a curved sheet whose normals have
-/// arbitrary signs the longer ones are. False if no neighbors are opposite, or if normals have arbitrary signs.
+/// arbitrary signs the longer ones are the steepest. False if no neighbors are opposite, or if normals have arbitrary
+/// signs.
 pub(super) fn are_sheets_apart(points: &[[f64; 3]], normals: &[[f64; 3]], near: &Neighborhoods) -> bool {
     let (mut alike, mut opposite, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     for x in 0..points.len() {

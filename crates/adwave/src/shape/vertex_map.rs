@@ -21,7 +21,7 @@ pub enum WeldMode {
     /// of it.
     #[default]
     Seams,
-    /// As `Seams`, with a tolerance in model units, which counts up to half of the shortest edge there.
+    /// Like `Seams`, with a tolerance in model units, which counts up to half of the shortest edge there.
     Within(f64),
     /// Vertices with three equal coordinates are one welded vertex (0 and −0 are equal).
     EqualPositions,

@@ -1,23 +1,24 @@
-//! Evidence on the order of the vertices of two meshes whose faces have equal numbers.
+//! Comparison of the order of the vertices of two meshes whose faces name the same vertex numbers.
 
 use super::disjoint_sets::DisjointSets;
 use super::{Polygons, PreparedGeometry, Shape};
 use crate::vector::{add_scaled, norm, subtract};
 use std::collections::{HashMap, HashSet};
 
-/// Most parts of one kind whose places are compared with all others.
+/// Largest number of equal parts whose places are all compared with each other.
 const MOST_PARTS: usize = 2048;
 
 /// Start of the hash of the faces of a part (FNV-1a).
 const NO_FACES: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// First vertex that speaks against the same order of the vertices of two meshes; `None` if nothing does.
+/// First vertex that shows a different order of the vertices of two meshes; `None` if none does.
 ///
-/// Faces of equal numbers alone do not show that vertex x of one mesh is vertex x of the other: those of a triangle soup (every
-/// STL) are 0, 1, 2, … in any order of the triangles, and those of equal parts in any order of the parts. Where a part of the
-/// faces occurs more than once, the vertices that are welded must be the same in both meshes, except that all of them may have
-/// come apart or together. Where a whole part occurs more than once, the copies must not lie nearer to each other's places than
-/// to their own. O(n), and O(p²) for up to 2048 of p equal parts.
+/// Equal faces alone do not show that vertex x of one mesh is vertex x of the other: the corners of a triangle soup
+/// (every STL) are 0, 1, 2, … in any order of its triangles, and equal parts have the same faces in any order of the
+/// parts. Where a part of the faces occurs more than once, the vertices that are welded must be the same in both
+/// meshes, except that all of them may have come apart or together. Where a whole part occurs more than once, the
+/// copies must not lie nearer to each other's places than to their own. O(n), and O(p²) for up to 2048 of p equal
+/// parts.
 ///
 /// ```
 /// use adwave::Progress;
@@ -120,7 +121,7 @@ impl FaceParts {
         Self { root, kind, n_of_kind }
     }
 
-    /// Tells if the part of a vertex occurs once.
+    /// True if the part of a vertex occurs once.
     fn is_unique(&self, x: usize) -> bool {
         self.n_of_kind[&self.kind[self.root[x] as usize]] == 1
     }
@@ -143,8 +144,8 @@ impl FaceParts {
     }
 }
 
-/// First of `parts` that lies at the place of another one in the second mesh, if together they are at most half as far from
-/// other places, each from its own, as from the places of their numbers.
+/// First of `parts` that lies at the place of another part in the second mesh. `None` unless each part is nearest to a
+/// different place and these distances sum to less than half of the distances from the places of the same numbers.
 fn exchanged_part(parts: &[usize], centers: &[([f64; 3], [f64; 3], f64)]) -> Option<usize> {
     let (mut own, mut nearest, mut first, mut places) = (0.0, 0.0, None, HashSet::new());
     for &x in parts.iter().step_by(parts.len().div_ceil(MOST_PARTS)) {

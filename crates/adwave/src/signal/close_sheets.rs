@@ -12,18 +12,19 @@ const SAMPLE: usize = 2000;
 /// Fewest points of a neighborhood that are examined.
 const FEWEST: usize = 16;
 
-/// Share of a neighborhood that each of two sheets has at least.
+/// Smallest share of a neighborhood that each of two sheets has.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Distance of two sheets, in standard deviations within them, from which they are two: a neighborhood of evenly
-/// distributed heights, as at a crease, has 3.5.
+/// Smallest distance of two sheets, in standard deviations of the heights within them. Evenly distributed heights, as
+/// at a crease, have 3.5.
 const LEAST_GAP: f64 = 5.0;
 
-/// Largest distance between the middles of two sheets along the plane, in standard deviations of the neighborhood: the two
-/// sides of a step lie beside each other.
+/// Largest distance between the middles of two sheets along the plane, in standard deviations of the neighborhood. The
+/// two sides of a step lie beside each other and are farther apart.
 const MOST_SHIFT: f64 = 0.5;
 
-/// Smallest distance of two sheets, in standard deviations of the neighborhood along the plane: less is roughness.
+/// Smallest distance of two sheets, in standard deviations of the neighborhood along the plane; smaller distances are
+/// roughness.
 const LEAST_DISTANCE: f64 = 0.05;
 
 /// Share of the examined points from which sheets are reported.
@@ -39,9 +40,10 @@ pub struct CloseSheets {
     pub distance: f64,
 }
 
-/// Finds out whether points have neighbors on two sheets, from the heights of the neighbors of the neighbors of a sample of
-/// points over the quadric that fits them best: two groups that are five of their standard deviations apart and lie over each
-/// other. `None` if fewer than 1 % of the points have. O(2000·k²).
+/// Finds sheets of a cloud that are closer to each other than its points; `None` if fewer than 1 % of the points have
+/// neighbors on two sheets. At each point of a sample a quadric is fitted to the neighbors of its neighbors. They lie
+/// on two sheets if their heights over the quadric form two groups that are five standard deviations apart and lie over
+/// each other. O(2000·k²).
 ///
 /// ```
 /// use adwave::Progress;
@@ -77,9 +79,9 @@ pub fn close_sheets(
     Ok(Some(CloseSheets { share, distance }))
 }
 
-/// [`close_sheets`] of a cloud whose given normals do not separate its sheets; `None` for any other shape. The neighbors are
-/// those of the cloud; `moved` are the positions of its vertices after an edit, n × 3 in the order of the shape, if they are
-/// to be used instead of its own.
+/// [`close_sheets`] of a cloud whose given normals do not separate its sheets; `None` for any other shape. The
+/// neighbors are those of the cloud; `moved` are the positions of its vertices after an edit, n × 3 in the order of the
+/// shape, if they are to be used instead of its own.
 ///
 /// # Errors
 /// [`Cancelled`] if the call is cancelled.

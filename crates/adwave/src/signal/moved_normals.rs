@@ -23,7 +23,7 @@ const PLANE_NEIGHBORS: usize = 3;
 pub struct MovedPoints<'a> {
     /// Old positions.
     pub before: &'a [[f64; 3]],
-    /// New positions, as many.
+    /// New positions, in the same number.
     pub after: &'a [[f64; 3]],
 }
 
@@ -41,12 +41,13 @@ pub struct StoredNormals<'a> {
     pub is_flat: &'a [bool],
 }
 
-/// Normals at the corners of faces after the vertices have moved, one per corner; NaN at corners without normal. O(n log n).
+/// Normals at the corners of faces after the vertices have moved, one per corner; NaN at corners without normal.
+/// O(n log n).
 ///
-/// Corners at one position that shared one normal share one afterwards: the mean of the normals of their faces, weighted by
-/// area. Corners whose normals differed, as at a crease or between flat faces, are computed from their own faces. Normals point
-/// to the same side of their faces as before. Where none of these faces moved, and where the faces have no area, the old
-/// normal is returned bit for bit.
+/// Corners at one position that shared one normal share one afterwards: the mean of the normals of their faces,
+/// weighted by area. Corners whose normals differed, as at a crease or between flat faces, are computed from their own
+/// faces. Normals point to the same side of their faces as before. Where none of these faces moved, and where the faces
+/// have no area, the old normal is returned bit for bit.
 ///
 /// ```
 /// use adwave::{Progress, shape::Polygons};
@@ -200,9 +201,9 @@ fn face_areas(
 /// Normals of the points of a cloud after they have moved: those of the planes that fit the neighbors of each point
 /// best, on the side of the old normal. O(n k log n).
 ///
-/// A neighbor whose old normal points to the opposite side lies on another sheet and is left out; if the old normals are
-/// not oriented ([`GivenNormals`]), sides are those after orienting them. Where neither a point nor one
-/// of its neighbors moved, where its old normal is zero or NaN, and where fewer than three neighbors remain, the old normal is
+/// A neighbor whose old normal points to the opposite side lies on another sheet and is left out; if the old normals
+/// are not oriented ([`GivenNormals`]), sides are those after orienting them. Where neither a point nor one of its
+/// neighbors moved, where its old normal is zero or NaN, and where fewer than three neighbors remain, the old normal is
 /// returned bit for bit.
 ///
 /// # Errors

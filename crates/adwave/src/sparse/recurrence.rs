@@ -65,10 +65,10 @@ enum TileOutput<'a, T> {
     },
 }
 
-/// Where the entries of the rows of a tile are.
+/// Location of the entries of the rows of a tile.
 #[derive(Clone, Copy)]
 enum RecurrenceEntries<'a, T> {
-    /// In the operator.
+    /// Entries in the operator.
     Operator(&'a [T]),
     Tiles(&'a TileWeights<T>),
 }

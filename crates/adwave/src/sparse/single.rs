@@ -1,15 +1,16 @@
 //! The operator in single precision, and a bound of the rounding errors of a recurrence with it.
 //!
-//! Let ε = 2⁻²⁴ and `γ_n = nε/(1 − nε)`. Tiles and wide rows sum the m entries of a row in the same way: g = ⌈m/[`GROUP`]⌉
-//! groups of at most h = min(m, [`GROUP`]) entries, each added to the sum of the row. The product of an entry is rounded once
-//! as a weight, at most h times in its group, with fused multiply-adds or without, and g times with the groups
-//! (`higham2002`, chapter 3); `T_{k−1}/4`, where the sum of the row starts, g times. As all entries are at least 0 and sum to
-//! at most s per row, they have norm at most s in the norm of π, even applied to absolute values. So a step from vectors of
-//! norm at most V is off by at most c·V, with `c = 4·(s·γ_{h+g+1} + γ_g/4)` if all diagonals are ½; else the difference to
-//! the value of the row itself is rounded as well, and `c = 4·(2s·γ_{h+g+2} + ¾·γ_{g+1})`.
+//! Let ε = 2⁻²⁴ and `γ_n = nε/(1 − nε)`. Tiles and wide rows sum the m entries of a row in the same way: g =
+//! ⌈m/[`GROUP`]⌉ groups of at most h = min(m, [`GROUP`]) entries, each added to the sum of the row. The product of an
+//! entry is rounded once as a weight, at most h times in its group, with fused multiply-adds or without, and g times
+//! with the groups (`higham2002`, chapter 3); `T_{k−1}/4`, where the sum of the row starts, g times. As all entries are
+//! at least 0 and sum to at most s per row, they have norm at most s in the norm of π, even applied to absolute values.
+//! So a step from vectors of norm at most V is off by at most c·V, with `c = 4·(s·γ_{h+g+1} + γ_g/4)` if all diagonals
+//! are ½; else the difference to the value of the row itself is rounded as well, and
+//! `c = 4·(2s·γ_{h+g+2} + ¾·γ_{g+1})`.
 //!
-//! The error of step i reaches `T_k(Y)u` through `U_{k−i}(Y)`, whose norm is at most k − i + 1, and u was rounded once. With
-//! `V = ‖u‖/(1 − ε − c·K(K+1)/2)` for K steps, `Σ_k a_k T_k(Y)u` is off by at most
+//! The error of step i reaches `T_k(Y)u` through `U_{k−i}(Y)`, whose norm is at most k − i + 1, and u was rounded once.
+//! With `V = ‖u‖/(1 − ε − c·K(K+1)/2)` for K steps, `Σ_k a_k T_k(Y)u` is off by at most
 //! `Σ_k |a_k|·(ε·‖u‖ + c·V·k(k+1)/2)`. Sums over k are kept in double precision.
 
 use super::kernel::GROUP;
@@ -42,7 +43,8 @@ pub(crate) struct SingleBound {
     underflow: f64,
 }
 
-/// Number and sum of the entries of a row, at most, and if they are all in the range of single precision.
+/// Largest number and largest sum of the entries of a row, and a flag that all of them are in the range of single
+/// precision.
 #[derive(Clone, Copy)]
 struct RowExtremes {
     n_entries: usize,
@@ -104,8 +106,8 @@ impl SingleBound {
         Ok(Some(Self { per_step, underflow }))
     }
 
-    /// Bound of the rounding error of `Σ_k coefficients[k]·T_k(Y)u`, relative to `‖u‖`, for a recurrence of `n_steps` that
-    /// starts at a vector of norm `start`; infinite if the bound of the vectors fails.
+    /// Bound of the rounding error of `Σ_k coefficients[k]·T_k(Y)u`, relative to `‖u‖`, for a recurrence of `n_steps`
+    /// that starts at a vector of norm `start`; infinite if the bound of the vectors fails.
     pub(crate) fn rounding(&self, coefficients: &[f64], n_steps: usize, start: f64) -> f64 {
         let per_step = self.per_step + if start > 0.0 { self.underflow / start } else { 0.0 };
         let growth = |k: usize| 0.5 * k as f64 * (k + 1) as f64;

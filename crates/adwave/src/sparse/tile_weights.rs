@@ -6,7 +6,8 @@ use super::tiles::{Index, TileList, Tiles};
 use crate::pages::zeros;
 use crate::{Cancelled, Progress, parallel};
 
-/// The entries of the rows of all tiles, rounded: those that several tiles need are repeated, so that a pass gathers none.
+/// The entries of the rows of all tiles, rounded: those that several tiles need are repeated, so that a pass gathers
+/// none.
 #[derive(Debug)]
 pub(super) struct TileWeights<T> {
     weights: Vec<T>,

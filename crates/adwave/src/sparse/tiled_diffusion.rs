@@ -72,8 +72,8 @@ impl TiledDiffusion {
         self.diffusion.n_vertices()
     }
 
-    /// True if the recurrence overwrites its vectors, unless the tiles have more values around them than two
-    /// vectors hold.
+    /// True if the recurrence overwrites its vectors; false if the tiles have more values around them than two vectors
+    /// hold.
     pub(super) fn is_in_place(&self) -> bool {
         self.n_around <= 2 * self.n_vertices()
     }
@@ -117,8 +117,8 @@ pub(super) struct DifferenceInput<'a> {
     pub(super) scale: f64,
 }
 
-/// Computes `scale·u`, `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))`, in double precision and rounds it, for as many channels
-/// of f as u has; returns `Σ_x weights(x)|scale·u(x)|²` after rounding, and whether any value of u is not 0.
+/// Computes `scale·u`, `u = (I − Φ₁)f = Σ_y Φ₁(x,y)·(f(x) − f(y))`, in double precision and rounds it, for as many
+/// channels of f as u has; returns `Σ_x weights(x)|scale·u(x)|²` after rounding, and whether any value of u is not 0.
 ///
 /// It is a sum of differences, so u has the relative accuracy of the differences of f and is exactly 0 where f is
 /// constant.

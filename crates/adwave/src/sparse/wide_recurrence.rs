@@ -1,5 +1,5 @@
-//! The recurrence of [`Recurrence`](super::recurrence::Recurrence) for 8 to 64 channels at once, without tiles, in double
-//! or single precision.
+//! The recurrence of [`Recurrence`](super::recurrence::Recurrence) for 8 to 64 channels at once, without tiles, in
+//! double or single precision.
 //!
 //! A row of a block is whole cache lines, so a product reads each of them once per entry and nothing else, and needs no
 //! halo. On graphs whose neighborhoods are large or irregular, tiles repeat most rows; this form does not.
@@ -18,7 +18,7 @@ pub(super) const ROWS_AT_A_TIME: usize = 512;
 /// than the products.
 const MANY_SUMS: usize = 3;
 
-/// Number of vectors that are then added together.
+/// Number of vectors that are added together from [`MANY_SUMS`] sums on.
 const STEPS_TOGETHER: usize = 4;
 
 /// Number of channels from which blocks are wide.

@@ -47,7 +47,8 @@ pub(crate) struct DeformArgs {
     /// Take handles, width and stiffness from the [pose] of a recipe; its layers are left to 'adwave filter --recipe'
     #[arg(long, value_name = "FILE", help_heading = "Handles", conflicts_with_all = ["fix", "handles", "by", "to", "turn", "matrix", "stiffness", "width"])]
     pub(crate) recipe: Option<PathBuf>,
-    /// Bending length, in model units or in % of the diagonal: longer is stiffer, 0 wrinkles [default: 0.75 times --width]
+    /// Bending length, in model units or in % of the diagonal: longer is stiffer, 0 wrinkles [default: 0.75 times
+    /// --width]
     #[arg(long, value_name = "L", value_parser = length, allow_negative_numbers = true, help_heading = "Base")]
     pub(crate) stiffness: Option<Length>,
     #[command(flatten)]

@@ -77,12 +77,12 @@ pub(crate) struct DenoiseArgs {
     /// Dependence of the noise of a field on its values
     #[arg(long, value_name = "MODEL", value_parser = parse_named::<NoiseModel>(), default_value_t, help_heading = "Noise")]
     pub(crate) noise_model: NoiseModel,
-    /// Noise of a mesh that neighbors share, as scanners make it: detail (it stays), auto (as much as the mesh admits, detail of
-    /// that size included) or its standard deviation along the normals in model units
+    /// Noise of a mesh that neighbors share, as scanners make it: detail (it stays), auto (as much as the mesh admits,
+    /// detail of that size included) or its standard deviation along the normals in model units
     #[arg(long, value_name = "KIND", value_parser = shared_noise, default_value = "detail", help_heading = "Noise")]
     pub(crate) shared_noise: SharedNoise,
-    /// Standard deviation of the noise along the normals in model units, or in the unit of the field; with --noise-model poisson
-    /// that of a value of 1, with multiplicative relative to the value [default: estimated]
+    /// Standard deviation of the noise along the normals in model units, or in the unit of the field; with
+    /// --noise-model poisson that of a value of 1, with multiplicative relative to the value [default: estimated]
     #[arg(long, value_name = "SIGMA", value_parser = number, help_heading = "Noise")]
     pub(crate) noise_sigma: Option<f64>,
     /// Region in which noise is removed; several are joined by "or" ('adwave region' shows them) [default: everywhere]

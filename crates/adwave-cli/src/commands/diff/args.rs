@@ -33,10 +33,11 @@ pub(crate) struct DiffArgs {
     /// File for the difference (.html, .ply or .vtp); without it only a table is printed
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: Option<PathBuf>,
-    /// Align OTHER with SHAPE first, by a robust rigid motion: from where it is, or from features and a grid of rotations
+    /// Align OTHER with SHAPE first, by a robust rigid motion: from where it is, or from features and a grid of
+    /// rotations
     ///
-    /// A note says if the result is not certain: if many places stay apart and features agree on no motion, or if other motions
-    /// fit equally well.
+    /// A note says if the result is not certain: if many places stay apart and features agree on no motion, or if other
+    /// motions fit equally well.
     #[arg(long, help_heading = "Comparison")]
     pub(crate) align: bool,
     /// Points that are compared

@@ -20,7 +20,7 @@ use adwave_register::{
 use adwave_report::page::Fact;
 use serde_json::{Value, json};
 
-/// Share of points with a closest point off the border below which that is said.
+/// Share of points with a closest point off the border below which a sentence reports it.
 const LEAST_OVERLAP: f64 = 0.3;
 
 /// Difference at the vertices of the first shape, in its order; NaN where there is none.
@@ -100,11 +100,11 @@ pub(super) fn difference(
     }
 }
 
-/// Answer to whether row x of one file is the vertex of row x of another.
+/// Evidence on whether equal rows of two files are the same vertex.
 enum SameRows {
     Yes,
     No,
-    /// The faces have equal numbers, but a vertex speaks against the same order.
+    /// The faces name the same rows, but this vertex shows another order of the vertices.
     Misplaced(usize),
 }
 
@@ -234,9 +234,9 @@ fn closest_differences(
 struct ClosestComparison {
     summary: Summary,
     distances: SignedDistances,
-    /// From all points of the first shape; `None` for a cloud.
+    /// Distance from all points of the first shape; `None` for a cloud.
     there: Option<Reach>,
-    /// From all points of the second shape.
+    /// Distance from all points of the second shape.
     back: Reach,
     is_signed: bool,
 }
@@ -322,8 +322,8 @@ struct Alignment {
     n_equal: usize,
 }
 
-/// Motion that aligns the second shape with the first: from where it is, or, if parts then remain apart, the best of those
-/// from features and from a grid of rotations.
+/// Motion that aligns the second shape with the first: from where it is, or, if parts then remain apart, the best of
+/// those from features and from a grid of rotations.
 fn fit(
     first: &Input,
     second: &Input,

@@ -39,8 +39,8 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// Measures the distance from the first of two shapes to the second, which has a name. A finite limit leaves out vertices
-    /// that are farther, and what lies between vertices.
+    /// Measures the distance from the first of two shapes to the second, which has a name. A finite limit leaves out
+    /// vertices that are farther, and all places between vertices.
     pub(super) fn measure(
         [from, to]: [&PreparedGeometry; 2],
         name: &str,

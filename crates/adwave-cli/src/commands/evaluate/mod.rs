@@ -74,7 +74,7 @@ fn check_task(args: &EvaluateArgs, global: &Global<'_>) -> Result<(), CliError> 
     Ok(())
 }
 
-/// Most times that a random change is made.
+/// Largest number of times that a random change is made.
 const MOST_RUNS: u64 = 1000;
 
 /// Agreement of maps with fixations.
@@ -210,7 +210,7 @@ fn evaluate_repeatability(
 /// One change of the shape.
 enum Trial {
     Change(Change),
-    /// Other vertices, as many, and other triangles of the same surface; with its seed.
+    /// As many other vertices on the same surface, with other triangles, drawn with this seed.
     OtherVertices(u64),
 }
 
@@ -252,7 +252,8 @@ impl Repetition {
     }
 }
 
-/// A table with a row per change: a column per level, all levels, levels from 4 on, the share found by chance, and the precision.
+/// A table with a row per change: a column per level, all levels, levels from 4 on, the share found by chance, and the
+/// precision.
 fn repeatability_table(reference: &[Feature], rows: &[Repetition]) -> String {
     let mut text = format!(
         "{}; columns: share found again by level, share found again by chance, share of the found ones that are right\n\n",

@@ -81,10 +81,12 @@ pub(crate) struct EditArgs {
     /// Keep the volume of a closed mesh
     #[arg(long, value_name = "HOW", value_parser = parse_named::<KeepVolume>(), num_args = 0..=1, default_missing_value = "offset")]
     pub(crate) keep_volume: Option<KeepVolume>,
-    /// Directions in which vertices may move when coordinates are filtered [default: as in the recipe, else normal for a cloud and free for a mesh or curve]
+    /// Directions in which vertices may move when coordinates are filtered [default: as in the recipe, else normal for
+    /// a cloud and free for a mesh or curve]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<MoveDirection>())]
     pub(crate) along: Option<MoveDirection>,
-    /// Treatment of borders, and of the ends of a curve, when coordinates are filtered [default: as in the recipe, else natural]
+    /// Treatment of borders, and of the ends of a curve, when coordinates are filtered [default: as in the recipe, else
+    /// natural]
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Borders>())]
     pub(crate) border: Option<Borders>,
     /// Apply the layers of a recipe

@@ -15,10 +15,10 @@ use adwave::{Decomposer, Progress};
 use adwave_io::{NpyColumns, NpyColumnsWriter, WriteError, mark_unknown};
 use std::path::Path;
 
-/// Bytes of the values of a group; as many hold the result.
+/// Bytes of the values of a group; the result takes as many.
 const GROUP_BYTES: usize = 256 << 20;
 
-/// Number of channels of a group is a multiple of this, so that no block of the products is narrow.
+/// Divisor of the number of channels of a group, so that no block of the products is narrow.
 const GROUP_OF: usize = 64;
 
 /// Filters the signal of a job from one file into another.

@@ -26,7 +26,7 @@ pub(super) struct Filtered {
     pub(super) edited: EditedSignal,
     /// Difference to the signal before.
     pub(super) change: SignalChange,
-    /// Bands of a signal of many channels.
+    /// Number format and error of the bands, of a signal of many channels.
     pub(super) accuracy: Option<BandsAccuracy>,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn compute(job: &FilterJob<'_>, global: &Global<'_>) -> Result<Filter
         let EditedGroup { values, accuracy } =
             edited_parts(job, &parts, &job.signal.values, Some(chosen), global, progress)?;
         let is_shape = job.signal_name == COORDS;
-        // Of positions the movement is reported instead.
+        // For positions, the movement is reported instead.
         let change =
             if is_shape { SignalChange::default() } else { SignalChange::new(&job.signal.values, &values) };
         let edited = if is_shape {
@@ -165,7 +165,7 @@ fn check_precision(
     Ok(())
 }
 
-/// Levels and layers with those that keep the volume.
+/// Levels and layers, including those that keep the volume.
 pub(super) fn levels_and_layers(
     job: &FilterJob<'_>,
     schedule: Schedule,
@@ -176,7 +176,7 @@ pub(super) fn levels_and_layers(
     }
 }
 
-/// Channels of the signal with the decomposer that masks where they are NaN.
+/// Channels of the signal with the decomposer that masks the vertices where they are NaN.
 #[derive(Clone, Copy)]
 struct PartOfSignal<'a> {
     decomposer: &'a Decomposer,
@@ -212,8 +212,9 @@ fn with_offset_flag(error: adwave::filter::KeepVolumeError) -> CliError {
     }
 }
 
-/// The signal after the edit. Recipes and regions on few channels are computed by the object that interactive edits use, so
-/// that a recipe gives the same bits everywhere; gains alone, and many channels, agree with it to the accuracy of the bands.
+/// The signal after the edit. Recipes and regions on few channels are computed by the object that interactive edits
+/// use, so that a recipe gives the same bits everywhere; gains alone, and many channels, agree with it to the accuracy
+/// of the bands.
 fn edited_values(
     job: &FilterJob<'_>,
     signal: PartOfSignal<'_>,
@@ -250,7 +251,7 @@ fn edited_values(
         }
         None => edited(values, n_channels)?,
     };
-    // Of few channels only what single precision did is worth a line.
+    // For few channels, the accuracy is reported only if single precision was used.
     let accuracy = (info.precision == Precision::Single || n_channels >= MANY_CHANNELS)
         .then_some(BandsAccuracy { precision: info.precision, error_bound: info.error_bound });
     Ok(EditedGroup { values, accuracy })
@@ -283,7 +284,7 @@ fn constrained_points(
 }
 
 impl SignalChange {
-    /// The change of both of two parts of a signal.
+    /// Change of two parts of a signal together.
     pub(super) fn plus(self, other: Self) -> Self {
         let n_known = self.n_known + other.n_known;
         let square = |part: Self| part.rms * part.rms * part.n_known as f64;

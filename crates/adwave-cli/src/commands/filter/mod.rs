@@ -1,5 +1,5 @@
-//! `adwave filter`: change bands, and write the shape back. [`resolve`] turns flags and recipe into a job, [`compute`] or, for an array
-//! of many channels, [`columns`] runs it, and [`write`] writes the result and reports it.
+//! `adwave filter`: change bands, and write the shape back. [`resolve`] turns flags and recipe into a job, [`compute`]
+//! or, for an array of many channels, [`columns`] runs it, and [`write`] writes the result and reports it.
 
 mod args;
 mod columns;

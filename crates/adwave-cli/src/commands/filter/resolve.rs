@@ -24,7 +24,7 @@ use adwave::{LevelSpec, MANY_CHANNELS};
 use adwave_io::{MovedNormals, NpyColumns, Recipe, read_recipe};
 use std::path::Path;
 
-/// A filter and what it is applied to.
+/// A filter with its shape and signal.
 pub(super) struct FilterJob<'a> {
     pub(super) input: Input,
     /// The name of the signal.
@@ -55,7 +55,7 @@ pub(super) struct FilterJob<'a> {
 /// The levels of a filter.
 pub(super) struct FilterLevels {
     pub(super) spec: LevelSpec,
-    /// Whether they are those of a recipe, which may have been made for another shape.
+    /// True if the levels are those of a recipe, which may have been made for another shape.
     pub(super) is_from_recipe: bool,
 }
 
@@ -145,7 +145,8 @@ pub(super) fn resolve<'a>(args: &'a FilterArgs, global: &Global<'_>) -> Result<F
     })
 }
 
-/// The operator, without welding if a field jumps between the sides of seams: their mean would be neither side's.
+/// The operator, without welding if a field jumps between the sides of seams, because their mean would belong to
+/// neither side.
 fn with_open_seams(
     operator: OperatorParams,
     input: &Input,
@@ -177,8 +178,8 @@ fn with_open_seams(
     Ok(operator.with_weld(WeldMode::Off))
 }
 
-/// The array that a signal of many channels is read from group by group, if the result is an array too and nothing needs
-/// the signal as a whole. Its errors are found by reading the signal as any other.
+/// The array that a signal of many channels is read from group by group, if the result is an array too and nothing
+/// needs the signal as a whole. If the array has errors, reading it like any other signal reports them.
 fn columns_of_signal(
     args: &FilterArgs,
     input: &Input,
@@ -263,7 +264,8 @@ fn operator(args: &FilterArgs, recipe: Option<&Recipe>) -> Result<OperatorParams
     }
 }
 
-/// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several directions.
+/// The local fit of the flags, else that of the recipe, else a linear one; none if coordinates move in several
+/// directions.
 fn resolve_local_fit(
     args: LocalFitArgs,
     recipe: Option<&Recipe>,

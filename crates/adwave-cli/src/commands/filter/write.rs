@@ -108,7 +108,8 @@ fn describe_reshape(by: &ReshapedBy, text: &mut String, report: &mut serde_json:
     report["handles"] = json!(n_handles);
 }
 
-/// The levels of the recipe that is saved: widths as they were asked for, unless keeping the volume added levels; or steps.
+/// The levels of the recipe that is saved: widths as they were asked for, unless keeping the volume added levels; or
+/// steps.
 fn levels_to_save(job: &FilterJob<'_>, filtered: &Filtered, form: SavedLevels) -> LevelSpec {
     let schedule = &filtered.schedule;
     let step_length = filtered.decomposer.operator().step_length();

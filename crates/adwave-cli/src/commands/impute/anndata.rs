@@ -1,4 +1,5 @@
-//! Cells of an AnnData: what `adwave impute` takes from an `.h5ad` file and puts into a copy of it.
+//! Cells of an AnnData: counts, genes and walk that `adwave impute` reads from an `.h5ad` file, and the copy with the
+//! result.
 
 use super::ImputeArgs;
 use crate::error::CliError;

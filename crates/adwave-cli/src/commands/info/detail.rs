@@ -1,4 +1,5 @@
-//! `adwave info --detail` and `--error`: loss of detail if fine bands are dropped, and the bands that can be dropped within an error.
+//! `adwave info --detail` and `--error`: loss of detail if fine bands are dropped, and the bands that can be dropped
+//! within an error.
 
 use super::InfoArgs;
 use crate::error::CliError;
@@ -34,7 +35,7 @@ struct ErrorQuestion {
     drop_command: Box<dyn Fn(usize) -> String>,
 }
 
-/// Refuses errors that no shape can be asked for.
+/// Refuses values of `--error` that no shape can have.
 pub(super) fn check(args: &InfoArgs) -> Result<(), CliError> {
     match args.error {
         Some(Length::Units(error) | Length::PercentOfDiagonal(error))
@@ -46,7 +47,7 @@ pub(super) fn check(args: &InfoArgs) -> Result<(), CliError> {
     }
 }
 
-/// Splits the coordinates and measures what each level loses.
+/// Splits the coordinates and measures the loss at each level.
 pub(super) fn measure(
     input: &Input,
     decomposer: &Decomposer,
@@ -106,7 +107,7 @@ fn filter_command(words: &[OsString], output: &str, n: usize, n_levels: usize, p
 }
 
 impl Detail {
-    /// The same with the error that is asked for, if there is one.
+    /// This loss of detail with the requested error, if there is one, and the command that would drop bands.
     pub(super) fn with_question(
         self,
         args: &InfoArgs,
@@ -115,8 +116,8 @@ impl Detail {
         global: &Global<'_>,
     ) -> Self {
         let (words, n_levels) = (global.arguments.to_vec(), self.losses.len());
-        // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking, and points of a
-        // cloud on their normals.
+        // The loss is measured on the bands; by default filter keeps the outline of open shapes from shrinking, and
+        // points of a cloud on their normals.
         let positions: &[&str] = match &input.shape {
             Shape::Mesh(_) if health.is_closed() => &[],
             Shape::Mesh(_) => &["--border", "free"],

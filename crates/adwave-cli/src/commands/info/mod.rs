@@ -35,7 +35,7 @@ struct ShapeFacts {
     decomposer: Decomposer,
     health: Health,
     levels: ResolvedLevels,
-    /// Levels of a file that has an octree; the error if the file's are damaged, which its points do not need.
+    /// Levels of a file that has an octree, or the error if they are damaged; reading the points does not need them.
     octree: Option<Result<CloudLevels, ReadError>>,
     detail: Option<Detail>,
     /// Levels of subdivision, if the mesh has any.

@@ -52,7 +52,7 @@ impl Side {
 
 /// The motion between two shapes, and the pairs of their features.
 struct Matching {
-    /// None if features are paired without a motion.
+    /// The motions that were found; `None` if features are paired without a motion.
     registration: Option<Registration>,
     pairs: Vec<Pair>,
 }
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError>
     print(global, &text, &json)
 }
 
-/// Refuses what can be refused before anything is read.
+/// Refuses arguments that are invalid for all shapes, before anything is read.
 fn check(args: &MatchArgs, global: &Global<'_>) -> Result<(), CliError> {
     if let Some(path) =
         args.output.as_deref().filter(|path| !has_extension(&without_gzip(path), &["csv", "json"]))
@@ -186,7 +186,7 @@ fn find(args: &MatchArgs, first: &Side, second: &Side, global: &Global<'_>) -> R
     Ok(Matching { registration: Some(registration), pairs })
 }
 
-/// Sentences on the motion, on what it rests, and on the motions that fit equally well.
+/// Sentences on the motion, on the evidence for it, and on the other motions that fit equally well.
 fn describe_motion(found: &RegisteredMotion, registration: &Registration, second: &Side) -> String {
     let chance = registration.chance.map_or(0.0, |fit| fit.agreement.max(0.0));
     let mut text = format!("motion: {}\n", motion_text(&found.motion));

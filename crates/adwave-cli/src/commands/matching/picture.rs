@@ -22,8 +22,8 @@ const BOX_EDGES: [(usize, usize); 12] =
 /// Empty space between the shapes, as a share of their width.
 const GAP: f64 = 0.15;
 
-/// Draws SHAPE after the motion to the left of OTHER, and the lines. If several motions fit equally well, the box of SHAPE is
-/// drawn where each of them puts it on OTHER.
+/// Draws SHAPE after the motion to the left of OTHER, and the lines. If several motions fit equally well, the box of
+/// SHAPE is drawn where each of them puts it on OTHER.
 pub(super) fn write(
     path: &Path,
     args: &MatchArgs,

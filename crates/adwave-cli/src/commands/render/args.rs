@@ -82,7 +82,8 @@ pub(crate) struct RenderArgs {
         help_heading = "Picture"
     )]
     pub(crate) view: View,
-    /// Axis of the shape that points up: x, y or z [default: z for LAS, LAZ, GIFTI, FreeSurfer and shapes as low and open as land, else y]
+    /// Axis of the shape that points up: x, y or z [default: z for LAS, LAZ, GIFTI, FreeSurfer and shapes as low and
+    /// open as land, else y]
     #[arg(long, value_name = "AXIS", help_heading = "Picture")]
     pub(crate) up: Option<Up>,
     #[command(flatten)]

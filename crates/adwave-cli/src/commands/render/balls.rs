@@ -9,9 +9,9 @@ use std::path::Path;
 /// Color of the balls.
 const GREEN: [u8; 3] = [52, 168, 83];
 
-/// Whether a table of features has only its head, because none were found.
+/// True if a table of features has only its head, because no features were found.
 fn has_no_row(path: &Path) -> bool {
-    /// A head is shorter than this many bytes.
+    /// Upper bound of the length of a head in bytes.
     const HEAD: u64 = 4096;
     if !std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() < HEAD) {
         return false;

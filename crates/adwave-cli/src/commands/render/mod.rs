@@ -29,7 +29,8 @@ use balls::read_balls;
 use serde_json::json;
 use std::time::Instant;
 
-/// Radius of the line of a curve, in diagonals of what the picture shows: about five pixels wide at the usual size.
+/// Radius of the line of a curve, in diagonals of the part that the picture shows: about five pixels wide at the usual
+/// size.
 const TUBE_RADIUS: f64 = 0.002;
 
 /// Name of the single color, instead of that of a signal.
@@ -112,7 +113,7 @@ fn note_outside(shapes: &[ShownShape], frame: Frame, global: &Global<'_>) -> usi
     n_outside
 }
 
-/// The parameters of the picture. Refuses what can be refused before anything is read.
+/// The parameters of the picture. Refuses arguments that are invalid for all shapes, before anything is read.
 fn check(args: &RenderArgs, global: &Global<'_>) -> Result<RenderParams, CliError> {
     if !has_extension(&args.output, &["png"]) {
         return Err(CliError::Input(format!("{}: a picture is written as .png", args.output.display())));
@@ -232,7 +233,7 @@ fn load(args: &RenderArgs, name: &str, global: &Global<'_>) -> Result<ShownShape
     Ok(ShownShape { input, triangles, tubes, looks })
 }
 
-/// Tubes around the edges of a graph, thin relative to what the picture shows.
+/// Tubes around the edges of a graph, thin relative to the part that the picture shows.
 fn tubes(graph: &Graph, points: &[[f64; 3]]) -> Tubes {
     let neighbors = |x: u32| graph.adjacency().row(x as usize).iter().map(move |&y| [x, y]);
     let edges: Vec<[u32; 2]> = (0..points.len() as u32).flat_map(neighbors).filter(|[x, y]| x < y).collect();
@@ -347,7 +348,7 @@ fn draw(
     Ok(grid(&panels, args.columns(panels.len()), camera, params, progress)?)
 }
 
-/// Caption that tells a panel from the others.
+/// Caption that distinguishes a panel from the others.
 fn caption(args: &RenderArgs, shape: &str, label: Option<&str>) -> String {
     let file = shape.rsplit('/').next().unwrap_or(shape);
     match (args.shapes.len() > 1, label.filter(|_| !(args.color.is_empty() && args.region.is_empty()))) {

@@ -39,7 +39,8 @@ pub(crate) struct ReportArgs {
         help_heading = "Pictures"
     )]
     pub(crate) view: View,
-    /// Axis of the shape that points up: x, y or z [default: z for LAS, LAZ, GIFTI, FreeSurfer and shapes as low and open as land, else y]
+    /// Axis of the shape that points up: x, y or z [default: z for LAS, LAZ, GIFTI, FreeSurfer and shapes as low and
+    /// open as land, else y]
     #[arg(long, value_name = "AXIS", help_heading = "Pictures")]
     pub(crate) up: Option<Up>,
 }

@@ -47,7 +47,7 @@ pub(crate) fn run(args: &ReportArgs, global: &Global<'_>) -> Result<(), CliError
     print(global, &text, &json)
 }
 
-/// Refuses what can be refused before anything is read.
+/// Refuses arguments that are invalid for all shapes, before anything is read.
 fn check(args: &ReportArgs) -> Result<(), CliError> {
     if !has_extension(&args.output, &["html", "htm"]) {
         return Err(CliError::Input(format!("{}: a report is written as .html", args.output.display())));

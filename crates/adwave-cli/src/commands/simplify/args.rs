@@ -44,8 +44,9 @@ pub(crate) struct SimplifyArgs {
     /// File for the result; its extension names the format
     #[arg(long, short, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Largest distance between result and input, in model units or in % of the diagonal. A mesh keeps as few vertices as are
-    /// found within it, proven for all points of both surfaces; points of a cloud are kept at least that far apart
+    /// Largest distance between result and input, in model units or in % of the diagonal. A mesh keeps as few vertices
+    /// as are found within it, proven for all points of both surfaces; points of a cloud are kept at least that far
+    /// apart
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) error: Option<Length>,
     /// Number of vertices; a note tells if the parts, holes and seams of a mesh need more
@@ -54,8 +55,8 @@ pub(crate) struct SimplifyArgs {
     /// Share of the vertices, above 0 and at most 1
     #[arg(long, value_name = "R", value_parser = number, allow_negative_numbers = true, help_heading = "Target")]
     pub(crate) ratio: Option<f64>,
-    /// Mesh: keep more vertices where this signal or field of the file is large in magnitude, such as a saliency map; it
-    /// multiplies the squared distance by which collapses are ordered
+    /// Mesh: keep more vertices where this signal or field of the file is large in magnitude, such as a saliency map;
+    /// it multiplies the squared distance by which collapses are ordered
     #[arg(long, value_name = "SIGNAL")]
     pub(crate) weights: Option<String>,
     /// Mesh made by cutting triangles into four: the mesh before K cuts, by its vertices (see 'adwave info')

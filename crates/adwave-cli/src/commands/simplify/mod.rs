@@ -21,7 +21,7 @@ pub(crate) use args::SimplifyArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// The simplified shape and what is reported of it.
+/// The simplified shape and the report on it.
 struct Simplified {
     file: ShapeFile,
     deviation: Deviation,
@@ -222,7 +222,7 @@ fn coarse_level(
     })
 }
 
-/// Line on a target that was not reached: what was asked for, what was reached, and why.
+/// Line on a target that was not reached: the target, the result, and the reason.
 fn shortfall(args: &SimplifyArgs, simplified: &SimplifiedMesh) -> Option<String> {
     let n = simplified.n_vertices_before;
     match (simplified.why, args.vertices.or(args.ratio.map(|r| (r * n as f64).round() as usize))) {

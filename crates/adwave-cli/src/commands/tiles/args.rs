@@ -32,7 +32,8 @@ Examples:
   adwave tiles flight-*.laz -o tiles/ --magnitudes 3,6 --plan-only     then, where the folder is:
   adwave tile tiles/ sort && adwave tile tiles/ neighbors 0 && adwave tile tiles/ bands 0")]
 pub(crate) struct TilesArgs {
-    /// LAS or LAZ files of one point format and scale, folders of such files (tiles, an EPT), or one PLY or OBJ with faces
+    /// LAS or LAZ files of one point format and scale, folders of such files (tiles, an EPT), or one PLY or OBJ with
+    /// faces
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     /// Folder for the tiles, or a .las or .laz file for all points; for a mesh, a file of its format
@@ -56,7 +57,8 @@ pub(crate) struct TilesArgs {
     /// Bands, from 1, whose magnitude |W_j| is written as the field wavelet_j, in model units (an OBJ stores no fields)
     #[arg(long, value_parser = count, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
     pub(crate) magnitudes: Vec<usize>,
-    /// Bands, from 1, that are written as the fields wavelet_j_x, wavelet_j_y and wavelet_j_z, in model units (an OBJ stores no fields)
+    /// Bands, from 1, that are written as the fields wavelet_j_x, wavelet_j_y and wavelet_j_z, in model units (an OBJ
+    /// stores no fields)
     #[arg(long, value_parser = count, value_name = "J,J,…", value_delimiter = ',', help_heading = "Bands")]
     pub(crate) vectors: Vec<usize>,
     /// Write the field saliency: a map without a sign, the weighted sum of |W_j| over all levels
@@ -73,7 +75,8 @@ pub(crate) struct TilesArgs {
     /// Number of the finest levels that the map skips [default: 0, with another weighting than entropy 2]
     #[arg(long, value_name = "N", value_parser = count, requires = "saliency", help_heading = "Bands")]
     pub(crate) skip: Option<usize>,
-    /// File for the features of all tiles (.csv, .json, or spheres as .ply and others); those of a cloud are not tested against the drawing of its points
+    /// File for the features of all tiles (.csv, .json, or spheres as .ply and others); those of a cloud are not tested
+    /// against the drawing of its points
     #[arg(long, value_name = "FILE", help_heading = "Bands")]
     pub(crate) features: Option<PathBuf>,
     /// Least response of a feature, relative to the mean response of its level
@@ -129,7 +132,8 @@ pub(crate) struct MotionArgs {
     pub(crate) keep_volume: Option<KeepVolume>,
 }
 
-/// Arguments that denoising excludes. Each of its arguments names them: clap does not require an argument that conflicts with one given.
+/// Arguments that denoising excludes. Each of its arguments names them: clap does not require an argument that
+/// conflicts with one given.
 const BAND_ARGUMENTS: [&str; 6] = ["gains", "magnitudes", "vectors", "saliency", "features", "levels"];
 
 /// Denoising.
@@ -145,8 +149,8 @@ pub(crate) struct NoiseArgs {
     /// Treatment of creases of the shape
     #[arg(long, value_name = "KIND", value_parser = parse_named::<Creases>(), requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value_t)]
     pub(crate) creases: Creases,
-    /// Noise of a mesh that neighbors share: detail (it stays), auto (as much as the mesh admits) or its standard deviation along
-    /// the normals in model units
+    /// Noise of a mesh that neighbors share: detail (it stays), auto (as much as the mesh admits) or its standard
+    /// deviation along the normals in model units
     #[arg(long, value_name = "KIND", value_parser = shared_noise, requires = "denoise", conflicts_with_all = BAND_ARGUMENTS, default_value = "detail")]
     pub(crate) shared_noise: SharedNoise,
     /// Standard deviation of the noise along the normals in model units [default: estimated]
@@ -205,7 +209,7 @@ pub(crate) enum JobKind {
 impl TilesArgs {
     /// Parameters of the run.
     pub(crate) fn to_params(&self) -> Result<Params, CliError> {
-        /// Assumed if the system does not tell the free memory.
+        /// Free memory in bytes that is assumed if the system does not report it.
         const UNKNOWN: u64 = 8 << 30;
         let levels = match self.gains.len() {
             0 => Params::default().levels,

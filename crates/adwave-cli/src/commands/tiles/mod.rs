@@ -29,7 +29,7 @@ fn classify(error: &TilesError) -> CliError {
     }
 }
 
-/// Whether the output is one file instead of a folder.
+/// True if the output is one file instead of a folder.
 fn is_joined(args: &TilesArgs) -> Result<bool, CliError> {
     let wrong = |what: &str| Err(CliError::Input(format!("{}: {what}", args.output.display())));
     let has_ending = args.output.extension().is_some() && !args.output.is_dir();
@@ -51,7 +51,7 @@ fn is_joined(args: &TilesArgs) -> Result<bool, CliError> {
 /// Files of a run and where its work is kept.
 struct TilesJob<'a> {
     params: Params,
-    /// Whether the output is one file.
+    /// True if the output is one file.
     is_joined: bool,
     features: Option<(&'a Path, FeaturesFile)>,
     folder: PathBuf,
@@ -106,7 +106,7 @@ fn check_lengths(args: &TilesArgs, global: &Global<'_>) -> Result<(), CliError> 
     }
 }
 
-/// Prints a note if a cloud has normals, by which other commands tell sheets apart that are closer than the points.
+/// Prints a note if a cloud has normals, which are not used here: other commands separate close sheets by them.
 fn note_normals(args: &TilesArgs, global: &Global<'_>) {
     const NORMALS: [[&str; 3]; 2] = [["nx", "ny", "nz"], ["normal_x", "normal_y", "normal_z"]];
     let Some(reader) = args.files.first().and_then(|file| LasReader::open(file).ok()) else { return };
@@ -119,7 +119,7 @@ fn note_normals(args: &TilesArgs, global: &Global<'_>) {
     }
 }
 
-/// Prints a note if there are other tiles than were asked for.
+/// Prints a note if the number of tiles differs from the requested number.
 fn note_other_number(args: &TilesArgs, forecast: &Forecast, global: &Global<'_>) {
     let Some(asked) = args.tiles.filter(|asked| *asked != forecast.n_tiles) else { return };
     let text = format!(
@@ -210,7 +210,7 @@ fn resolve(args: &TilesArgs) -> Result<TilesJob<'_>, CliError> {
     Ok(TilesJob { params, is_joined, features, folder })
 }
 
-/// Memory from which on freed memory that is kept is small beside the rest, at most a tenth.
+/// Memory limit in bytes from which the freed memory that is kept is small: at most a tenth of the limit.
 const LARGE_MEMORY: u64 = 1 << 30;
 
 fn process(job: &TilesJob<'_>, work: &TilingJob, global: &Global<'_>) -> Result<Summary, CliError> {
@@ -220,7 +220,8 @@ fn process(job: &TilesJob<'_>, work: &TilingJob, global: &Global<'_>) -> Result<
     with_progress(global, "tiles", |progress| adwave_tiles::run(work, progress)).map_err(|e| classify(&e))
 }
 
-/// Writes the features and the joined file, and removes the temporary files. The number of features, if they were asked for.
+/// Writes the features and the joined file, and removes the temporary files. Returns the number of features, if they
+/// were asked for.
 fn write(
     args: &TilesArgs,
     job: &TilesJob<'_>,

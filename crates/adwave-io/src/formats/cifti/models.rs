@@ -18,7 +18,7 @@ pub(super) struct BrainModel {
     pub(super) vertices: Vec<u32>,
 }
 
-/// Surfaces among the rows, and what the XML says about the columns.
+/// Surfaces among the rows, and the meaning and names of the columns.
 pub(super) struct CiftiMaps {
     pub(super) models: Vec<BrainModel>,
     /// Meaning of the columns; `None` for labels and others that are not written.

@@ -65,9 +65,9 @@ fn structure_name(structure: &str) -> String {
     name
 }
 
-/// Writes values of a surface as a CIFTI-2 with the structure, such as `CortexLeft`: the columns are the channels of all
-/// fields, each with a row per vertex. Vertices where all are NaN, such as the medial wall, are no part of the file.
-/// Numbers are rounded to 32-bit floats. O(n × columns).
+/// Writes values of a surface as a CIFTI-2 with the structure, such as `CortexLeft`: the columns are the channels of
+/// all fields, each with a row per vertex. Vertices where all are NaN, such as the medial wall, are no part of the
+/// file. Numbers are rounded to 32-bit floats. O(n × columns).
 ///
 /// ```
 /// use adwave_io::{CiftiColumns, Field, FieldValues, ReadLimits, read_surface_values, write_cifti_fields};
@@ -82,8 +82,8 @@ fn structure_name(structure: &str) -> String {
 /// ```
 ///
 /// # Errors
-/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::CannotHold`] for fields with different numbers of
-/// rows, without values, or with finite numbers beyond the range of 32-bit floats.
+/// The errors of [`atomic_write`](crate::atomic_write), and [`WriteError::CannotHold`] for fields with different
+/// numbers of rows, without values, or with finite numbers beyond the range of 32-bit floats.
 pub fn write_cifti_fields(
     path: &Path,
     fields: &[Field],

@@ -15,7 +15,8 @@ pub(crate) struct ColumnMeanings {
     /// Name of each column; `x`, `y` and `z` are the coordinates.
     pub(crate) names: Vec<String>,
     pub(crate) axes: [usize; 3],
-    /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without names.
+    /// One line about what was assumed; `None` if the columns are named x, y and z, or are the first ones without
+    /// names.
     pub(crate) note: Option<String>,
     /// True if the columns of x and y are named longitude and latitude; the values have the last word.
     pub(crate) are_named_degrees: bool,
@@ -85,7 +86,7 @@ fn comparable(name: &str) -> String {
     kept.flat_map(char::to_lowercase).collect()
 }
 
-/// Finds the columns of the coordinates by name; columns of words and of row numbers are none.
+/// Finds the columns of the coordinates by name; columns of words and of row numbers do not count.
 ///
 /// # Errors
 /// One line, if x and y are named and several columns could be z.
@@ -220,7 +221,7 @@ enum NumberedRows {
 }
 
 impl NumberedRows {
-    /// Fewest rows whose first column can be told from a coordinate.
+    /// Smallest number of rows that distinguish their first column from a coordinate.
     const MIN_ROWS: usize = 3;
 
     /// Range of eastings in projected systems of meters, in which northings of most places are greater.
@@ -258,7 +259,7 @@ impl NumberedRows {
         Some(if has_code { Self::order(column(1), column(2)) } else { Self::Plain })
     }
 
-    /// Order of northing and easting: by their size if that tells it, else the usual one.
+    /// Order of northing and easting: by their size if that decides it, else the usual one.
     fn order(mut first: impl Iterator<Item = f64>, mut second: impl Iterator<Item = f64>) -> Self {
         let is_easting = first.all(|x| x.is_nan() || Self::EASTINGS.contains(&x));
         let is_northing = second.all(|x| x.is_nan() || x >= Self::EASTINGS.end);

@@ -13,8 +13,8 @@ use crate::text::csv::push_csv_row;
 use crate::text::push_f64;
 use crate::{CoordinatePrecision, Field, Format, ShapeFile, WriteError, WriteReport};
 
-/// Writes the original with other coordinates and with added columns. [`Update::DoesNotFit`] if a column of it was replaced, or
-/// if there is no line that could take the names of added ones.
+/// Writes the original with other coordinates and with added columns. [`Update::DoesNotFit`] if a column of it was
+/// replaced, or if there is no line that could take the names of added ones.
 pub(crate) fn update_columns(
     rows: &TextRows,
     shape: &ShapeFile,

@@ -14,8 +14,8 @@ use crate::{Field, FieldValues, ReadError, ReadLimits};
 /// words are left out. Numbers may have decimal commas unless these separate the cells.
 ///
 /// # Errors
-/// The file cannot be read, no column has numbers alone, or rows differ in length. The message is one line with the file's
-/// name.
+/// The file cannot be read, no column has numbers alone, or rows differ in length. The message is one line with the
+/// file's name.
 pub fn read_csv_fields(path: &Path, limits: &ReadLimits) -> Result<Vec<Field>, ReadError> {
     read_csv_fields_with(path, limits, Progress::none())
 }

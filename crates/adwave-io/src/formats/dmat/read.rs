@@ -21,7 +21,7 @@ struct DmatMatrix {
     is_binary: bool,
 }
 
-/// True if the bytes begin like such a matrix: two counts, then numbers on separate lines.
+/// True if the bytes begin like a matrix of this format: two counts, then numbers on separate lines.
 pub(crate) fn begins_as_dmat(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(256)];
     let mut lines = head.split(|&b| b == b'\n');

@@ -1,8 +1,8 @@
 //! ASTM E57: scans of laser scanners.
 //!
-//! Library: `e57`, which checks the sums of all pages and unpacks the records. Before it reads a record, what it does not
-//! check is checked here: ranges of whole numbers that are upside down (it panics), scans whose records take no bits at
-//! all (it does not end), and streams of which one runs ahead of the others (its queues grow without bound).
+//! Library: `e57`, which checks the sums of all pages and unpacks the records. Three faults that it does not detect are
+//! checked here before it reads a record: reversed ranges of whole numbers (it panics), scans whose records take no
+//! bits at all (it does not end), and a stream that runs ahead of the others (its queues grow without bound).
 
 pub(crate) mod read;
 pub(crate) mod record;

@@ -19,7 +19,7 @@ fn wrong(error: &e57::Error) -> ReadError {
     ReadError::Whole(format!("the E57 is damaged ({}); get the whole file", one_line(error)))
 }
 
-/// Reader of the file's bytes that stops if the points fall behind.
+/// Reader of the bytes of a file that stops if one stream is read too far ahead of the others.
 struct LookaheadReader {
     bytes: Cursor<Vec<u8>>,
     read: Rc<Cell<u64>>,

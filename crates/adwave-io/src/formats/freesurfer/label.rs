@@ -55,7 +55,7 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Number of the vertex in a row of a label; `None` if the row is none of a vertex, a position and a value.
+/// Number of the vertex in a row of a label; `None` unless the row has a vertex, a position and a value.
 fn vertex_of_row(row: &str) -> Option<i64> {
     let mut words = row.split_ascii_whitespace();
     let vertex = words.next()?.parse().ok()?;
@@ -157,7 +157,7 @@ pub(crate) fn mask_of_annotation(
     Ok(VertexMask { takes_part: (0..labels.len()).map(takes_part).collect(), meaning })
 }
 
-/// Numbers of the regions with these names, and the clause that says so.
+/// Numbers of the regions with these names, and the clause that names them.
 fn numbers_of_regions(regions: &str, names: &[(i32, String)]) -> Result<(Vec<i32>, String), ReadError> {
     let mut numbers = Vec::new();
     for region in regions.split(',').map(str::trim) {

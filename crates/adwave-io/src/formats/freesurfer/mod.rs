@@ -1,7 +1,7 @@
 //! FreeSurfer: surfaces (`lh.white`, `rh.pial`, …), values on them (`lh.thickness`, `lh.aparc.annot`, MGH and MGZ) and
 //! lists of vertices (`lh.cortex.label`).
 //!
-//! Such files have no ending of their own; their first bytes tell.
+//! Such files have no ending of their own; their first bytes identify them.
 //!
 //! Library: none. `neuroformats` (0.2) panics on files that are cut, on surfaces of quadrangles and on any other file,
 //! and drops the tail of a surface (the volume that it belongs to), which is kept here.

@@ -1,5 +1,5 @@
-//! Geomview's object file formats as far as they are meshes: grids (`MESH`), quadrilaterals, line drawings, and lists of
-//! these and of OFF. Read only: the text of a grid has no faces to write.
+//! Geomview's object file formats as far as they are meshes: grids (`MESH`), quadrilaterals, line drawings, and lists
+//! of these and of OFF. Read only: the text of a grid has no faces to write.
 //!
 //! Library: none.
 

@@ -73,7 +73,7 @@ impl GeomviewScene {
     }
 }
 
-/// Tells if the first word is an object of Geomview, in braces or not.
+/// True if the first word is an object of Geomview, in braces or not.
 pub(crate) fn is_geomview(file: &FileHead<'_>) -> bool {
     let Some(inside) = file.head.trim_ascii_start().strip_prefix(b"{") else {
         return file.keyword().is_some_and(begins_object);

@@ -124,8 +124,8 @@ fn changes<'a>(
     Ok(Some(changes))
 }
 
-/// Bytes of a GIFTI with new numbers of all its arrays of values; `None` if these do not fit its arrays, or if the name asks
-/// for another kind of file.
+/// Bytes of a GIFTI with new numbers of all its arrays of values; `None` if these do not fit its arrays, or if the name
+/// asks for another kind of file.
 pub(super) fn rewrite(bytes: &[u8], edit: &ValuesEdit<'_>) -> Result<Option<Vec<u8>>, WriteError> {
     let (field, progress) = (edit.field, Progress::none());
     let Ok(places) = value_arrays(bytes) else { return Ok(None) };

@@ -22,9 +22,9 @@ const UNREAD: [(&str, &str); 2] = [
 /// Location of the bytes of a buffer.
 #[derive(Debug)]
 pub(crate) enum Buffer {
-    /// In the file itself.
+    /// Bytes in the file itself.
     Within(Range<usize>),
-    /// Decoded from the text, or read from an external file.
+    /// Bytes decoded from the text, or read from an external file.
     Own(Vec<u8>),
 }
 

@@ -1,10 +1,10 @@
 //! glTF 2.0, as text (`.gltf`) and as one binary file (`.glb`).
 //!
-//! Library: `serde_json` parses the text; the tree is in `json`. The types of the crate `gltf` drop what they do not know
-//! (extensions, the order of keys), so that a file could not be written again whole. `serde_json::Value` keeps the order
-//! of keys with the feature `preserve_order` alone, which would hold for the whole workspace and change the order of keys
-//! in all other JSON that is written (provenance, output for machines). Numbers are read through the file's accessors,
-//! and written back into their places or behind them.
+//! Library: `serde_json` parses the text; the tree is in `json`. The types of the crate `gltf` drop unknown content
+//! (extensions, the order of keys), so that a file could not be written again whole. `serde_json::Value` keeps the
+//! order of keys with the feature `preserve_order` alone, which would hold for the whole workspace and change the order
+//! of keys in all other JSON that is written (provenance, output for machines). Numbers are read through the file's
+//! accessors, and written back into their places or behind them.
 //!
 //! Points are those of the scene: each mesh where its nodes put it. Primitives that share their attributes share
 //! vertices. The places of skinned meshes are those of the mesh before joints move it; morph targets are not applied.

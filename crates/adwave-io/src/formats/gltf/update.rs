@@ -56,7 +56,8 @@ impl SourceDocument for GltfSource {
     }
 }
 
-/// Writes the original with what changed, unless a node flattens its mesh, so that no place in the file gives the new one.
+/// Writes the original with the changes, unless a node flattens its mesh: then no position in the file gives the new
+/// one.
 fn update_gltf(
     original: &GltfSource,
     shape: &ShapeFile,

@@ -4,9 +4,9 @@ use crate::text::{is_blank, parse_f64, parse_u64, show};
 
 /// An edge as it stands in a line.
 pub(super) struct EdgeLine<'a> {
-    /// Names of its ends.
+    /// Names of the ends of the edge.
     pub(super) ends: [&'a [u8]; 2],
-    /// Its weight, or the word in the place of one; `None` without such a word.
+    /// Weight of the edge, or the word in the place of one; `None` without such a word.
     pub(super) weight: Option<Result<f64, &'a [u8]>>,
 }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Edges between numbered vertices, 8 bytes each (16 with weights).
 struct NumberedEdges {
     pairs: Vec<[u32; 2]>,
-    /// One per edge, or empty if an edge has none.
+    /// One weight per edge; empty if an edge has none.
     weights: Vec<f64>,
     /// Number of vertices stated in a comment.
     n_vertices: Option<u64>,
@@ -87,7 +87,7 @@ fn id_names(distinct: Vec<u64>) -> (Option<Arc<Vec<String>>>, Option<Field>) {
     (texts, Some(Field::new("id", 1, FieldValues::U64(distinct))))
 }
 
-/// Adds the weight of an edge; there are none as soon as an edge has none.
+/// Adds the weight of an edge; all weights are dropped as soon as an edge has none.
 fn push_weight(weights: &mut Option<Vec<f64>>, weight: Option<f64>) {
     *weights = weights.take().zip(weight).map(|(mut weights, weight)| {
         weights.push(weight);
@@ -155,8 +155,8 @@ fn number_from_zero(
     Ok(distinct)
 }
 
-/// Calls `visit` with the ends and the weight of each edge until it breaks. Returns the number of vertices that a comment
-/// states.
+/// Calls `visit` with the ends and the weight of each edge until it breaks. Returns the number of vertices that a
+/// comment states.
 fn visit_edges<'a>(
     bytes: &'a [u8],
     progress: Progress<'_>,

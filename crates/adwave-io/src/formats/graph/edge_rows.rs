@@ -32,13 +32,13 @@ pub struct EdgeRows {
     pub n_repeated: u64,
 }
 
-/// Reads lines `u v` or `u v weight`, with nodes numbered from 0, as a stream. The graph is undirected and has as many nodes
-/// as the largest number says, at least `n_nodes`. Memory: 8 bytes per edge (16 with weights) while it is read, and then 24
-/// bytes per edge of the result (56 with weights).
+/// Reads lines `u v` or `u v weight`, with nodes numbered from 0, as a stream. The graph is undirected and has as many
+/// nodes as the largest number says, at least `n_nodes`. Memory: 8 bytes per edge (16 with weights) while it is read,
+/// and then 24 bytes per edge of the result (56 with weights).
 ///
 /// # Errors
-/// [`ReadError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would take
-/// more memory than the file, or if the call is cancelled.
+/// [`ReadError`] for a line that is no edge, a weight that is negative or not finite, nodes without edges that would
+/// take more memory than the file, or if the call is cancelled.
 ///
 /// ```
 /// use adwave::Progress;
@@ -158,8 +158,8 @@ fn fill_rows<T: Copy + Default>(
     entries
 }
 
-/// Rows of edges of weight 1. Columns are sorted and repeated ones removed in place, so that a large list takes 8 bytes an edge
-/// and 12 bytes an entry of the result.
+/// Rows of edges of weight 1. Columns are sorted and repeated ones removed in place, so that a large list takes 8 bytes
+/// an edge and 12 bytes an entry of the result.
 fn unweighted_rows(
     mut offsets: Vec<usize>,
     mut columns: Vec<u32>,

@@ -1,6 +1,7 @@
 //! Graphs: TGF, lists of edges as in SNAP and NetworkX, and GraphML.
 //!
-//! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a line.
+//! Library: `roxmltree` for GraphML (`petgraph` only writes it, and knows no fields); TGF and lists are a few words a
+//! line.
 
 mod edge_line;
 pub(crate) mod edge_list;

@@ -93,7 +93,7 @@ impl GeoKeys<'_> {
         Some(GeoKey { location: number(row, 1), count: number(row, 2), value: number(row, 3) })
     }
 
-    /// Number in the directory itself; codes of systems that the user defines are none.
+    /// Number in the directory itself; `None` for the codes of systems that the user defines.
     fn code(&self, id: u16) -> Option<u16> {
         let key = self.key(id).filter(|key| key.location == 0)?;
         (key.value != 0 && key.value != 32767).then_some(key.value)

@@ -61,8 +61,8 @@ pub(crate) fn bit_columns(format: u8) -> &'static [BitField] {
     if format < 6 { OLD } else { NEW }
 }
 
-/// Returns true if a point record is flagged as withheld or classified as noise (7 or 18), so that its producer does not
-/// mean it to be used. False for a record that is too short.
+/// Returns true if a point record is flagged as withheld or classified as noise (7 or 18), so that its producer does
+/// not mean it to be used. False for a record that is too short.
 pub fn is_flagged_record(format: u8, record: &[u8]) -> bool {
     let (class, flags) = if format < 6 {
         let Some(&byte) = record.get(15) else { return false };

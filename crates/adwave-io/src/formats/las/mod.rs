@@ -1,9 +1,9 @@
 //! LAS 1.0 – 1.4 and its compressed form LAZ.
 //!
 //! Library: `laz` for compression; header, records and dimensions are read here. `las::raw` (0.9) reads headers and
-//! variable records and writes them back with the same bytes. It reads from a stream alone, where a file that claims
-//! four billion records must be refused by its length first, and changed files keep all bytes but counts and bounds;
-//! twenty lines of offsets would become a dependency on calendars and unique ids.
+//! variable records and writes them back with the same bytes. But it reads streams only, whereas a file that claims
+//! four billion records must be refused by its length first, and a changed file must keep all bytes except counts and
+//! bounds. It would replace twenty lines of offsets by a dependency on calendars and unique ids.
 
 mod counts;
 mod crs;

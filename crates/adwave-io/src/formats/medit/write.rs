@@ -21,7 +21,7 @@ pub(crate) struct MeditSource {
 }
 
 impl SourceDocument for MeditSource {
-    /// Writes the original with other coordinates, if it holds what changed.
+    /// Writes the original with other coordinates, if it can store the changes.
     fn update(&self, shape: &ShapeFile, context: &mut WriteContext<'_>) -> Result<Update, WriteError> {
         let is_new = |name: &String| name == "reference";
         let left_the_plane = self.is_flat && shape.points.iter().any(|p| p[2] != 0.0);

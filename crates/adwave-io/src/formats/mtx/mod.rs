@@ -1,4 +1,5 @@
-//! MatrixMarket coordinate matrices: read as graphs and as sparse matrices, written from graphs and from sparse matrices.
+//! MatrixMarket coordinate matrices: read as graphs and as sparse matrices, written from graphs and from sparse
+//! matrices.
 //!
 //! Library: none.
 

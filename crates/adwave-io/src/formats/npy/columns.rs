@@ -1,7 +1,7 @@
 //! Columns of `.npy` files, a few at a time: arrays that are larger than memory.
 //!
-//! The rows of an array lie one after another, so each gives one piece to a block of columns. Pieces are read and written at
-//! their positions, not through a map of the file, whose pages would count as memory of the process.
+//! The rows of an array lie one after another, so each gives one piece to a block of columns. Pieces are read and
+//! written at their positions, not through a map of the file, whose pages would count as memory of the process.
 
 use super::read::{HEADER_BYTES, NpyHeader};
 use super::write::header;
@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 /// Number of bytes that are read or written between two checks for cancellation.
 const BYTES_AT_A_TIME: usize = 1 << 20;
 
-/// A `.npy` file whose columns are read in blocks: n_rows × n_channels, where all dimensions but the first are channels.
+/// A `.npy` file whose columns are read in blocks: n_rows × n_channels, where all dimensions but the first are
+/// channels.
 #[derive(Debug)]
 pub struct NpyColumns {
     file: File,
@@ -28,8 +29,8 @@ pub struct NpyColumns {
 }
 
 impl NpyColumns {
-    /// Opens a file and reads its header; `None` if it is not a regular file that begins like an array, for instance because
-    /// it is compressed.
+    /// Opens a file and reads its header; `None` if it is not a regular file that begins like an array, for instance
+    /// because it is compressed.
     ///
     /// # Errors
     /// The file cannot be read, or its header is wrong or promises more numbers than the file has.
@@ -150,8 +151,8 @@ impl NpyColumns {
     }
 }
 
-/// A `.npy` file of 64-bit floats whose columns are written in blocks. The file takes its place when it is finished; dropped
-/// before, it leaves nothing.
+/// A `.npy` file of 64-bit floats whose columns are written in blocks. The file takes its place when it is finished;
+/// dropped before, it leaves nothing.
 pub struct NpyColumnsWriter {
     pending: PendingFile,
     path: PathBuf,

@@ -39,9 +39,9 @@ fn normal_of(line: &[u8]) -> [f64; 3] {
 
 /// New normals of a text.
 pub(super) enum NewNormals<'a> {
-    /// One per corner of the faces; NaN at corners without.
+    /// One normal per corner of the faces; NaN at corners without one.
     OfCorners(&'a [[f64; 3]]),
-    /// One per statement `vn`, in order: a cloud.
+    /// One normal per statement `vn`, in order: a cloud.
     OfStatements(&'a [[f64; 3]]),
 }
 

@@ -50,7 +50,8 @@ pub(crate) struct Chunk {
     pub(crate) normals: Vec<[f64; 3]>,
     pub(crate) face_sizes: Vec<u32>,
     pub(crate) corners: Vec<u32>,
-    /// As long as `corners` as soon as one corner has such an index, else empty.
+    /// Texture coordinate of each corner: as long as `corners` as soon as one corner has an index of this kind, else
+    /// empty.
     pub(crate) corner_texcoords: Vec<u32>,
     pub(crate) corner_normals: Vec<u32>,
     pub(crate) edges: Vec<u32>,

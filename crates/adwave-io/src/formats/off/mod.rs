@@ -48,7 +48,7 @@ fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
     (file.is_named(&OFF) && begins_with_counts()).then_some(Evidence::Name)
 }
 
-/// Tells if a line is three whole numbers.
+/// True if a line is three whole numbers.
 fn is_counts(line: &[u8]) -> bool {
     words(line).count() == 3 && words(line).all(|w| w.iter().all(u8::is_ascii_digit))
 }

@@ -9,13 +9,13 @@ use crate::Format;
 use crate::model::file_head::FileHead;
 use crate::model::format_descriptor::{CoordinateType, Evidence, FormatDescriptor, SampleFile};
 
-/// Recognizes a binary STL: many begin with `solid` too, so that only the length tells.
+/// Recognizes a binary STL by its length, because many begin with `solid` like a text.
 fn recognize(file: &FileHead<'_>) -> Option<Evidence> {
     let n_bytes = file.bytes.len() as u64;
     if read::binary_count(file.bytes).is_some_and(|n| n_bytes == 84 + 50 * n) {
         return Some(Evidence::Length);
     }
-    // One that is cut, or longer than it says.
+    // A file that is truncated, or longer than its count states.
     let is_likely = (n_bytes >= 84 && file.bytes.starts_with(b"solid")) || file.is_named(&STL);
     (!file.is_text() && is_likely).then_some(Evidence::Name)
 }

@@ -1,8 +1,8 @@
 //! Legacy VTK, text and binary, versions 1 to 5.1: surfaces, unstructured grids and structured grids of all kinds;
 //! written as binary PolyData of version 4.2, which all readers of the format support.
 //!
-//! Library: none. `vtkio` trusts the counts of a file when it makes room for its arrays, and stops at what it does not
-//! know.
+//! Library: none. `vtkio` trusts the counts of a file when it makes room for its arrays, and stops at keywords that it
+//! does not know.
 
 mod arrays;
 mod cells;

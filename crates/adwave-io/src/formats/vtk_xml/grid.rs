@@ -126,7 +126,7 @@ struct GridPiece {
     lattice: Lattice,
     /// Start in the whole grid along each axis.
     offset: [usize; 3],
-    /// Its coordinates along each axis, if it has any.
+    /// Coordinates of the piece along each axis, if it has any.
     axes: [Vec<f64>; 3],
 }
 

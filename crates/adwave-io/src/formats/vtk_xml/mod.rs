@@ -1,8 +1,8 @@
 //! The XML formats of VTK: PolyData (VTP), UnstructuredGrid (VTU), ImageData (VTI), RectilinearGrid (VTR) and
 //! StructuredGrid (VTS), as written by ParaView.
 //!
-//! Library: `roxmltree` for the XML. `vtkio` trusts the counts of a file when it makes room for its arrays, panics on some
-//! that are cut, and copies each array three times.
+//! Library: `roxmltree` for the XML. `vtkio` trusts the counts of a file when it makes room for its arrays, panics on
+//! some that are cut, and copies each array three times.
 
 mod array;
 mod blocks;

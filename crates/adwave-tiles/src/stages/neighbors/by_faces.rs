@@ -25,7 +25,7 @@ use crate::vector::length;
 pub(crate) enum RingRule {
     /// Vertices that share a side of a face: the steps of the walk.
     Sides,
-    /// Vertices that share a side of a triangle into which faces are cut: what the denoiser sees.
+    /// Vertices that share a side of a triangle into which faces are cut: the neighbors that the denoiser uses.
     Triangles,
 }
 
@@ -73,7 +73,8 @@ pub(crate) struct OneRingPaths<'a> {
     pub(crate) surface: Option<&'a Path>,
 }
 
-/// The vertices of a tile, the vertices that share a face with them, and these faces. Vertices are in the order of the curve.
+/// The vertices of a tile, the vertices that share a face with them, and these faces. Vertices are in the order of the
+/// curve.
 struct TileFaces {
     /// Indices of the vertices before the tile, ascending.
     before: Vec<u32>,
@@ -153,7 +154,8 @@ impl TileFaces {
         write_atomic(path, |out| out.write_all(&bytes).map_err(TilesError::io(path)))
     }
 
-    /// Flags of the ends of edges of a single triangle; right at the vertices of the tile, all of whose faces are known.
+    /// Flags of the ends of edges of a single triangle; right at the vertices of the tile, all of whose faces are
+    /// known.
     fn border_flags(&self) -> Vec<bool> {
         let mut edges: Vec<[u32; 2]> = Vec::new();
         for [a, b, c] in triangulate(&self.points, &self.faces) {

@@ -1,8 +1,8 @@
 //! The k nearest neighbors of a tile's vertices, for clouds.
 //!
-//! They are searched in the tile first. If the ball to the k-th neighbor intersects the box of a block of another tile, the points of
-//! that block are compared too, by the same rule for ties. Strays have no neighbors and are no neighbors. The sum of distances is taken vertex by vertex in the order of the curve, so
-//! that it does not depend on the tiles.
+//! They are searched in the tile first. If the ball to the k-th neighbor intersects the box of a block of another tile,
+//! the points of that block are compared too, by the same rule for ties. Strays have no neighbors and are no neighbors.
+//! The sum of distances is taken vertex by vertex in the order of the curve, so that it does not depend on the tiles.
 
 use std::ops::Range;
 use std::path::Path;
@@ -23,8 +23,8 @@ use crate::index::position_cache::{IndexedPoint, PositionCache};
 /// Relative difference of distances that may count as equal when neighbors are chosen.
 const TIE_TOLERANCE: f64 = 1e-8;
 
-/// Finds the `k` nearest neighbors of the vertices of the blocks `interior` and writes them to `path`; `tree` holds the boxes of all
-/// blocks.
+/// Finds the `k` nearest neighbors of the vertices of the blocks `interior` and writes them to `path`; `tree` holds the
+/// boxes of all blocks.
 pub(crate) fn write_nearest_neighbors(
     blocks: &Blocks,
     tree: &BoundsTree,
@@ -200,11 +200,12 @@ impl<'a> NearestSearch<'a> {
         self.push_neighbors_across_border(other_blocks, reach, self.k, candidates, neighbors)
     }
 
-    /// Appends the nearest neighbors of the first candidate, among all candidates and the points of `other_blocks`. Returns the distance
-    /// to the k-th.
+    /// Appends the nearest neighbors of the first candidate, among all candidates and the points of `other_blocks`.
+    /// Returns the distance to the k-th.
     ///
-    /// The candidates include the k nearest of all points that are not in `other_blocks`. The k nearest in the tile are among the k nearest of all, or farther away than these. All points within `reach` are compared
-    /// together, by the same function and in the same order as in memory.
+    /// The candidates include the k nearest of all points that are not in `other_blocks`. The k nearest in the tile are
+    /// among the k nearest of all, or farther away than these. All points within `reach` are compared together, by the
+    /// same function and in the same order as in memory.
     fn push_neighbors_across_border(
         &self,
         mut other_blocks: Vec<usize>,
@@ -262,7 +263,8 @@ pub(super) fn squared_distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|c| (a[c] - b[c]) * (a[c] - b[c])).sum()
 }
 
-/// Appends the `k` nearest of the candidates, one of which is `vertex` itself, by the rule for ties. Returns the distance to the k-th.
+/// Appends the `k` nearest of the candidates, one of which is `vertex` itself, by the rule for ties. Returns the
+/// distance to the k-th.
 pub(super) fn nearest_candidates(
     vertex: u32,
     k: usize,
@@ -278,7 +280,8 @@ pub(super) fn nearest_candidates(
     radius
 }
 
-/// Distance of the k-th nearest candidate, one of which is the vertex itself with distance 0; infinite if there are fewer.
+/// Distance of the k-th nearest candidate, one of which is the vertex itself with distance 0; infinite if there are
+/// fewer.
 fn kth_distance(mut squared_distances: Vec<f64>, k: usize) -> f64 {
     if squared_distances.len() <= k {
         return f64::INFINITY;

@@ -1,7 +1,7 @@
 //! Strays of a cloud: points that lead to no more than ten points, which have no neighbors and are nobody's neighbors.
 //!
-//! A point is a stray by the radii of a few points around it. Radii in the tile are known; radii in other tiles are searched only where
-//! the points of the tile do not decide.
+//! A point is a stray by the radii of a few points around it. Radii in the tile are known; radii in other tiles are
+//! searched only where the points of the tile do not decide.
 
 use std::collections::HashMap;
 use std::convert::Infallible;

@@ -1,7 +1,7 @@
 //! Distribution of the faces of a mesh to tiles, after the sort.
 //!
-//! Each tile gets all faces that have a corner in it, in the order of the mesh, with the vertex indices of their corners, so that its
-//! neighbors and areas are those of the whole mesh.
+//! Each tile gets all faces that have a corner in it, in the order of the mesh, with the vertex indices of their
+//! corners, so that its neighbors and areas are those of the whole mesh.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -29,13 +29,14 @@ pub(crate) fn vertices_per_pass(memory: u64) -> usize {
     (memory as usize / 2 / size_of::<u32>()).max(1 << 16)
 }
 
-/// Vertex index of a corner that no pass has resolved yet, in the end of one that takes no part.
+/// Vertex index of a corner that no pass has resolved yet; after the last pass, of a corner that takes no part.
 const UNRESOLVED: u32 = u32::MAX;
 
 /// The distribution of a mesh's faces.
 ///
-/// The corners of a face are indices in the file. A pass over all faces replaces those of `vertices_per_pass` vertices by the vertex
-/// indices along the curve, so that only these have to be in memory; the number of passes has no effect on the result.
+/// The corners of a face are indices in the file. A pass over all faces replaces those of `vertices_per_pass` vertices
+/// by the vertex indices along the curve, so that only these have to be in memory; the number of passes has no effect
+/// on the result.
 pub(crate) struct FaceDistributor<'a> {
     pub(crate) shape: &'a InputShape,
     pub(crate) blocks: &'a Blocks,
@@ -78,8 +79,8 @@ impl FaceDistributor<'_> {
         writer.buckets.finish()
     }
 
-    /// Calls `visit` with the corners of every face as vertex indices, as far as they are `resolved` already or belong to the vertices
-    /// `range` of the file.
+    /// Calls `visit` with the corners of every face as vertex indices, as far as they are `resolved` already or belong
+    /// to the vertices `range` of the file.
     fn visit_faces(
         &self,
         range: Range<usize>,

@@ -41,14 +41,14 @@ impl SortedRecords<'_> {
         Ok(())
     }
 
-    /// The block table of the records by their final rule; `builder` has the table by the first rule, which leaves out flagged points
-    /// and knows no placeholders.
+    /// The block table of the records by their final rule; `builder` has the table by the first rule, which leaves out
+    /// flagged points and knows no placeholders.
     pub(super) fn final_table(
         &self,
         mut builder: BlockTableBuilder,
     ) -> Result<BlockTableBuilder, TilesError> {
         let mut rule = builder.rule;
-        // A file of noise alone is what somebody wants to look at.
+        // If all points of a file are flagged, they are meant to be processed.
         if builder.n_vertices == 0 && builder.outsiders.flagged > 0 {
             rule.includes_flagged = true;
             builder = self.build(rule)?;

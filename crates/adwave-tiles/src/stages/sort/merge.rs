@@ -52,13 +52,14 @@ impl<'a, P: Copy + Send> SortedRun<'a, P> {
 const MAX_READ: usize = 1 << 22;
 const MIN_READ: usize = 1 << 16;
 
-/// Number of bytes to read from each run at a time, so that all buffers with their keys take less than half of `memory` bytes.
+/// Number of bytes to read from each run at a time, so that all buffers with their keys take less than half of `memory`
+/// bytes.
 pub(crate) fn bytes_per_read(memory: u64, n_runs: usize) -> usize {
     (memory as usize / 4 / n_runs.max(1)).clamp(MIN_READ, MAX_READ)
 }
 
-/// Calls `visit(record, index)` for all records of the runs in order. Records with equal positions come in the order of the runs.
-/// Returns their number.
+/// Calls `visit(record, index)` for all records of the runs in order. Records with equal positions come in the order of
+/// the runs. Returns their number.
 pub(crate) fn merge_runs(
     paths: &[PathBuf],
     order: impl RecordOrder,

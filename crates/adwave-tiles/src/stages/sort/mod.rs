@@ -42,8 +42,8 @@ pub(crate) struct Sorter<'a> {
 }
 
 impl Sorter<'_> {
-    /// Number of runs of a cloud. A mesh has none that can be sorted on their own, since its vertices are found only by reading all
-    /// before them.
+    /// Number of runs of a cloud. A mesh has none that can be sorted on their own, since its vertices are found only by
+    /// reading all before them.
     pub(crate) fn n_runs(&self) -> usize {
         match self.shape.layout {
             RecordLayout::Las(_) => self.shape.n_points.div_ceil(self.run_length as u64) as usize,

@@ -12,8 +12,8 @@ use crate::files::{NumberedName, write_unsynced};
 use crate::layout::RecordLayout;
 use crate::sources::input_shape::InputShape;
 
-/// File of a sorted run, by the index of its first point in the input. Name and length tell which points it has, whatever the length of
-/// other runs.
+/// File of a sorted run, by the index of its first point in the input. Its name and length determine its points,
+/// whatever the length of other runs.
 pub(crate) const RUN_NAME: NumberedName = NumberedName { prefix: "run-", n_digits: 10, suffix: ".bin" };
 
 /// Records that are read from an input at a time.

@@ -40,13 +40,15 @@ impl<'a> SeriesCut<'a> {
         terms.contains(&self.degree) || self.degree == 0
     }
 
-    /// True if the error will exceed the accuracy whatever follows the terms up to `k`, of which `rounding` is the error.
+    /// True if the error will exceed the accuracy whatever follows the terms up to `k`, of which `rounding` is the
+    /// error.
     pub(super) fn must_miss(&self, k: usize, start: f64, rounding: f64, accuracy: f64) -> bool {
         let left = self.series.tail[k.min(self.degree)] + self.series.rest.always;
         rounding > accuracy * (self.norm + left * start + rounding)
     }
 
-    /// Chooses the degree, given the norm `norm` of the sum of the terms up to `k` and the bound of their rounding error.
+    /// Chooses the degree, given the norm `norm` of the sum of the terms up to `k` and the bound of their rounding
+    /// error.
     pub(super) fn decide(&mut self, k: usize, start: f64, norm: f64, rounding: f64, accuracy: f64) {
         if self.weighing_after(k) == Weighing::Unweighed {
             return;

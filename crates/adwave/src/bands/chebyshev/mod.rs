@@ -40,7 +40,7 @@ pub(crate) struct EvaluationInfo {
 }
 
 impl EvaluationInfo {
-    /// Adds another evaluation of the same request. The caller handles what `other` missed.
+    /// Adds another evaluation of the same request. The caller handles the series that missed the accuracy in `other`.
     pub(super) fn add(&mut self, other: &Self) {
         self.degree = self.degree.max(other.degree);
         self.products += other.products;
@@ -69,8 +69,8 @@ pub(crate) struct Polynomials<'a> {
 /// Rounding error of a polynomial of fractional steps, relative to `Σ|a_k|·‖u‖`; no accuracy below it is required.
 const ROUNDING: f64 = 1e-15;
 
-/// Rounding error of a step in single precision, relative to the vectors, that no operator stays below: three roundings of
-/// numbers that sum to 1. Where the accuracy excludes even this, nothing is prepared for single precision.
+/// Rounding error of a step in single precision, relative to the vectors, that no operator stays below: three roundings
+/// of numbers that sum to 1. Where the accuracy excludes even this, nothing is prepared for single precision.
 const LEAST_PER_STEP: f64 = 3.0 * f32::EPSILON as f64 / 2.0;
 
 /// An operator with the norm in which the recurrence bounds errors. It is built once, evaluates any number of signals,
@@ -148,8 +148,8 @@ impl ChebyshevEvaluator {
         self.weights.as_deref().map_or(self.operator.weights(), RowWeights::Each)
     }
 
-    /// True if the recurrence can be computed in single precision with a bound of its rounding errors. O(entries) for the
-    /// first call.
+    /// True if the recurrence can be computed in single precision with a bound of its rounding errors. O(entries) for
+    /// the first call.
     ///
     /// # Errors
     /// [`Cancelled`] if the call is cancelled.
@@ -223,8 +223,8 @@ impl ChebyshevEvaluator {
         Ok(outcome)
     }
 
-    /// Number format of an evaluation: single precision if it is asked for, or nothing that is known before shows that its
-    /// errors exceed the accuracy.
+    /// Number format of an evaluation: single precision if it is asked for, or if nothing known beforehand shows that
+    /// its errors exceed the accuracy.
     pub(super) fn format_for(
         &self,
         series: &[Series],
@@ -372,7 +372,7 @@ struct Block {
     format: BlockPrecision,
 }
 
-/// Accuracy of a block, and where its results go.
+/// Accuracy of a block, and the destination of its results.
 struct BlockTarget<'a, 'b> {
     accuracy: f64,
     outs: &'a mut [&'b mut [f64]],

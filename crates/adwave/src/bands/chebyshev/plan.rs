@@ -10,7 +10,7 @@ pub(crate) struct PassPlan {
     call: CallOrder,
 }
 
-/// Call that takes the passes.
+/// Order of the call that takes the passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum CallOrder {
     #[default]

@@ -137,9 +137,9 @@ impl Heights {
         self.solve::<N>(&[1.0; NEIGHBORS][..n], 0.0).map(|(fit, _)| fit)
     }
 
-    /// Plane and quadric fitted to all neighbors and the point itself with Gaussian weights of `width` radii, and robust
-    /// weights: first those of points near the height of the point itself, then those of points near the surface so
-    /// found.
+    /// Plane and quadric fitted to all neighbors and the point itself with Gaussian weights of `width` radii, and
+    /// robust weights: first those of points near the height of the point itself, then those of points near the surface
+    /// so found.
     pub(super) fn robust_fits(&self, width: f64, reach: RobustReach) -> [Option<HeightFit>; 2] {
         let scale = -0.5 / (width * width);
         let (mut by_distance, mut start) = ([0.0; NEIGHBORS], [0.0; NEIGHBORS]);
@@ -201,9 +201,9 @@ impl Heights {
 /// Distances in height at which robust weights fall.
 #[derive(Clone, Copy)]
 pub(super) struct RobustReach {
-    /// From the point itself, in the first round.
+    /// Distance from the point itself, in the first round.
     pub(super) start: f64,
-    /// From the fitted surface, in the second round.
+    /// Distance from the fitted surface, in the second round.
     pub(super) fit: f64,
 }
 

@@ -1,10 +1,11 @@
-//! Denoising of clouds: each point moves onto a surface fitted to its neighbors, as far as an estimate of the risk allows.
+//! Denoising of clouds: each point moves onto a surface fitted to its neighbors, as far as an estimate of the risk
+//! allows.
 //!
 //! Heights of the neighbors over their plane are fitted by planes and quadrics of two sizes, with weights that fall
-//! with the distance and with the residual, starting from the height of the point itself, so that a second sheet
-//! nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h, `d² + 2σ²h − σ²` is
-//! an unbiased estimate of its squared error (`stein1981`); its mean over the neighbors decides the share of each fit,
-//! and of leaving the point where it is.
+//! with the distance and with the residual. The first residuals are relative to the height of the point itself, so that
+//! a second sheet nearby has no part in the fit. For a fit that moves points by `d` with noise σ and leverage h,
+//! `d² + 2σ²h − σ²` is an unbiased estimate of its squared error (`stein1981`). The mean of this estimate over the
+//! neighbors decides the share of each fit, and the share of leaving the point where it is.
 
 mod fit;
 mod noise;
@@ -21,27 +22,29 @@ use noise::{FIT_SIZES, Residuals, distance, fit_residuals, noise_by_place, quant
 /// Number of nearest neighbors that fits use.
 pub(super) const NEIGHBORS: usize = 48;
 
-/// Number of neighbors whose mean distance is the unit in which noise is told.
+/// Number of nearest neighbors whose mean distance is the unit of reported noise.
 const UNIT_NEIGHBORS: usize = 12;
 
 /// Number of neighbors of the smaller fits.
 const FEW_NEIGHBORS: usize = 24;
 
-/// Number of rings of neighbors that decide a point: of its fit, of the risks, of the noise there (residuals, their
-/// quantiles, a mean and three rounds of smoothing), and of the neighbors that fits of those need.
+/// Number of rings of neighbors that determine the result of a point: one for its fit, one for the risks, six for the
+/// noise there (residuals, their quantiles, a mean and three rounds of smoothing), and one for the neighbors of the
+/// fits in these.
 pub(super) const REACH: usize = 9;
 
-/// Width of the weights of a fit in distances to its last neighbor.
+/// Width of the weights of a fit, in distances to its last neighbor.
 const WIDTH: f64 = 0.6;
 
-/// Robust weights in standard deviations of the noise.
+/// Distances in height at which robust weights fall, in standard deviations of the noise.
 const START_REACH: f64 = 2.0;
 const FIT_REACH: f64 = 2.0;
 
 /// Neighbors over which risks are averaged.
 const RISK_NEIGHBORS: usize = 24;
 
-/// Weight of the leverage in the risk; 2 is unbiased for fits that do not depend on the heights, and the robust weights do.
+/// Weight of the leverage in the risk; 2 is unbiased for fits that do not depend on the heights, and the robust weights
+/// do.
 const LEVERAGE: f64 = 3.0;
 
 /// Risk in units of σ² at which the share of a fit is 1/e.
@@ -53,23 +56,26 @@ const FARTHEST: f64 = 3.0;
 /// Size of a neighborhood in standard deviations of the noise below which its own axes are noise.
 const LEAST_SIZE: f64 = 8.0;
 
-/// Residual of an outlier in standard deviations, and its distance to its 8th neighbor in those of its neighbors.
+/// Smallest residual of an outlier in standard deviations of the noise, and its smallest distance to its 8th neighbor
+/// relative to the median of this distance among its neighbors.
 const OUTLIER_RESIDUAL: f64 = 5.0;
 const OUTLIER_DISTANCE: f64 = 1.8;
 
-/// Noise in distances to the 32nd neighbor, and in that of the whole cloud, from which points fill a volume.
+/// Noise from which points fill a volume: relative to the distance to the 32nd neighbor, and to the noise of the whole
+/// cloud.
 const VOLUME_NOISE: f64 = 0.15;
 const VOLUME_RATIO: f64 = 2.5;
 
-/// Ratio of the smallest to the largest variance of a neighborhood from which it may be a volume too: surfaces with noise
-/// as large as their points are apart stay below.
+/// Ratio of the smallest to the largest variance of a neighborhood from which it may be a volume too: surfaces with
+/// noise as large as their points are apart stay below.
 const VOLUME_ISOTROPY: f64 = 0.2;
 
 /// Ratio of the second to the largest variance of a neighborhood below which it is a line.
 const LINE_RATIO: f64 = 0.05;
 
-/// Standard deviation of white noise on a flat surface, in that which the fits assume: the quantile by which the noise is
-/// smoothed is below the median, and random deviations are taken for two sheets. Cautious fits do less harm at edges.
+/// Ratio of the standard deviation of white noise on a flat surface to the one that the fits assume: the quantile by
+/// which the noise is smoothed is below the median, and random deviations are taken for two sheets. Cautious fits do
+/// less harm at edges.
 const CAUTION: f64 = 1.13;
 
 /// Length in units of the cloud below which squares could vanish; it counts as 0.
@@ -138,7 +144,7 @@ impl NearestRows {
     }
 }
 
-/// Noise of a cloud by place, and what its points are.
+/// Noise of a cloud at each point, and the residuals from which it was estimated.
 pub(super) struct CloudNoise {
     /// Standard deviation that the fits assume at each point: the noise divided by [`CAUTION`].
     pub(super) by_point: Vec<f64>,
@@ -166,7 +172,7 @@ impl CloudNoise {
     }
 }
 
-/// New positions of a cloud, and what was done.
+/// New positions of a cloud, its outliers, and information about the fits.
 pub(super) struct CloudResult {
     pub(super) points: Vec<Vector>,
     /// Declared outliers.
@@ -189,19 +195,19 @@ impl Default for PointFits {
     }
 }
 
-/// Fate of a point.
+/// Treatment of a point.
 #[derive(Clone, Copy, Default, PartialEq)]
 enum PointState {
-    /// It moves by the mixture of its fits.
+    /// The point moves by the mixture of its fits.
     #[default]
     Moved,
-    /// It stays: no surface is found, or its error would be out of range.
+    /// The point stays: no surface is found, or the error of the surface would be out of range.
     Left,
-    /// It is an outlier.
+    /// The point is an outlier.
     Outlier,
 }
 
-/// A point's motion, its state and the share of staying.
+/// Motion of a point, its state, and the share of leaving it in place.
 type PointOutcome = (Vector, PointState, f64);
 
 /// Moves the points of a cloud onto its surface. `typical` is the noise of the whole cloud. O(points).
@@ -382,11 +388,11 @@ fn mixed_motion(
     }
 }
 
-/// Number of coordinates that tell whether they are rounded.
+/// Number of coordinates from which their rounding is found.
 const ROUNDING_SAMPLE: usize = 20_000;
 
-/// Step to which coordinates are rounded, the smallest of the axes; 0 if most of them differ along an axis, as the heights
-/// over a regular grid do. Axes along which all are equal do not count.
+/// Step to which coordinates are rounded, the smallest of the axes; 0 if most of them differ along an axis, as the
+/// heights over a regular grid do. Axes along which all are equal do not count.
 fn rounding_step(points: &[Vector]) -> f64 {
     let stride = points.len().div_ceil(ROUNDING_SAMPLE).max(1);
     let step = |axis: usize| {

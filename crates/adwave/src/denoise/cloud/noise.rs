@@ -10,24 +10,26 @@ use std::sync::LazyLock;
 /// Numbers of neighbors of the three fits whose residuals are measured: a plane and two quadrics.
 pub(super) const FIT_SIZES: [usize; 3] = [8, 16, 32];
 
-/// Largest noise, in distances to the last neighbor of a fit, up to which the fit tells it: beyond, the nearest points
-/// of a point are those with a similar error.
+/// Largest noise that the residuals of each fit measure, in distances to the last neighbor of the fit. Beyond it, the
+/// nearest points of a point are those with a similar error.
 const MOST_NOISE: [f64; 3] = [0.285, 0.33, f64::INFINITY];
 
-/// Noise in these units at which the residuals of the plane no longer grow.
+/// Noise, in distances to the last neighbor, from which the residuals of the plane no longer grow.
 const SATURATION: f64 = 0.34;
 
 /// Factor of the 90 % quantile of the residuals, so that random deviations are seldom taken for two sheets.
 const SHEETS_MARGIN: f64 = 1.15;
 
-/// Standard deviation of a normal distribution by its median deviation.
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const DEVIATION_PER_MEDIAN: f64 = 1.4826;
 
-/// Quantile of the noise among neighbors that smooths it, and number of rounds: edges are few among many points.
+/// Quantile of the noise among neighbors that smooths it, and number of rounds. Few points are at edges, so the
+/// quantile is hardly affected by them.
 const PLACE_QUANTILE: f64 = 0.4;
 const PLACE_ROUNDS: usize = 3;
 
-/// Residual of a point from the fits to its neighbors, in standard deviations of noise of variance 1; NaN without a fit.
+/// Residual of a point from the fits to its neighbors, in standard deviations of noise of variance 1; NaN without a
+/// fit.
 pub(super) type Residuals = [f64; 3];
 
 /// Residuals of all points. O(points).
@@ -115,8 +117,8 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     *values.select_nth_unstable_by(at, f64::total_cmp).1
 }
 
-/// Standard deviation of the noise of residuals ±a + noise, as points of two sheets have them, with a ≥ 0 from the ratio
-/// of the 90 % quantile to the median.
+/// Standard deviation of the noise of residuals ±a + noise, as points of two sheets have them, with a ≥ 0 from the
+/// ratio of the 90 % quantile to the median.
 fn one_sheet_deviation(residuals: &mut [f64]) -> f64 {
     let middle = median(residuals);
     let ratio = SHEETS_MARGIN * quantile(residuals, 0.9) / middle.max(f64::MIN_POSITIVE);

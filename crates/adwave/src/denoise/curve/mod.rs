@@ -2,8 +2,8 @@
 //!
 //! Along each piece of the curve, a polynomial is fitted to the positions in a window around a vertex, before it, or
 //! after it. Windows grow as long as their estimates agree within the noise (the rule of Lepski, as intersection of
-//! confidence intervals in `katkovnik1999`), so that they end at corners and bends; the estimates of all sides and degrees are
-//! averaged by their variances. At a corner the windows of either side reach up to it, and it stays sharp.
+//! confidence intervals in `katkovnik1999`), so that they end at corners and bends; the estimates of all sides and
+//! degrees are averaged by their variances. At a corner the windows of either side reach up to it, and it stays sharp.
 
 mod chains;
 mod polynomial;
@@ -30,23 +30,23 @@ const AGREEMENT: f64 = 1.4;
 /// predicted by high degrees, curves of many corners by low ones.
 const PREDICTIONS: [usize; 4] = [1, 3, 5, 7];
 
-/// Smallest number of predictions that tell a noise level.
+/// Smallest number of predictions from which a noise level is estimated.
 const FEWEST: usize = 6;
 
 /// Factor within which the estimate of a lower degree counts as equal to the least one.
 const EQUAL: f64 = 1.2;
 
-/// Largest noise along the order of the vertices, relative to that across the curve, for which vertices count as
-/// evenly spaced, so that noise along the curve can be told from uneven spacing.
+/// Largest noise along the order of the vertices, relative to that across the curve, for which vertices count as evenly
+/// spaced, so that noise along the curve can be distinguished from uneven spacing.
 const EVEN: f64 = 1.5;
 
 /// Share of the axes across a curve below which noise has fewer axes, such as height alone.
 const FEW_AXES: f64 = 0.75;
 
-/// Noise relative to the mean length of an edge that is rounding.
+/// Noise relative to the mean edge length up to which it counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Share of an eigenvalue of the largest one above which noise has its direction.
+/// Share of the largest eigenvalue above which noise has the direction of an eigenvector.
 const LEAST_EIGENVALUE: f64 = 1e-6;
 
 /// Order of the vertices of a chain as numbers.
@@ -155,7 +155,7 @@ fn pairs(edges: &Pattern) -> Vec<[u32; 2]> {
     (0..edges.n_rows() as u32).flat_map(later).collect()
 }
 
-/// Moves of the vertices from the estimates of their chains. Branches are in several.
+/// Moves of the vertices from the estimates of their chains. Branches belong to several chains.
 fn moves(
     chains: &[Chain],
     edges: &Pattern,
@@ -368,7 +368,7 @@ fn typical_axes(vectors: &[[f64; 3]]) -> f64 {
 }
 
 /// Standard deviation along an axis of normal vectors with `n_axes` axes, from the median of their squared lengths; a
-/// lower quantile counts if it tells of much less, as where half of the vertices are corners.
+/// lower quantile is used if it gives much less, as for a curve on which half of the vertices are corners.
 fn deviation(vectors: &[[f64; 3]], n_axes: f64) -> f64 {
     const LOW: f64 = 0.3;
     const LOW_NORMAL: f64 = -0.524_400_512_708_041;

@@ -90,7 +90,7 @@ pub(super) fn normals(
     Ok(OutwardNormals { normals, info })
 }
 
-/// Normals of a mesh of polygons; `side` tells of each triangle whether it is turned, `None` if it has no outside.
+/// Normals of a mesh of polygons; `side` is true for a triangle that is turned, and `None` for one without an outside.
 fn polygon_normals(
     points: &[[f64; 3]],
     geometry: &PreparedGeometry,

@@ -2,7 +2,7 @@
 
 use crate::vector::{dot, norm, subtract};
 
-/// Share of an open part that must face away from its center, of all that faces it or away.
+/// Smallest majority that orients an open part: the sum over its pieces, relative to the sum of the magnitudes.
 const CLEAR: f64 = 0.02;
 
 /// Sine of the angle to the directions from its center below which a part counts as flat.

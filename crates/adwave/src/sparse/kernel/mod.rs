@@ -287,9 +287,9 @@ pub(super) fn gather_tile<I: Index, T: VectorNumber>(tile: TileView<'_, I>, weig
 /// Location of the values at the rings.
 #[derive(Clone, Copy)]
 enum HaloValues<'a, T> {
-    /// Among the values at all vertices.
+    /// Values among those at all vertices.
     Gathered(&'a [T]),
-    /// In the order of the tile.
+    /// Values in the order of the tile.
     Copied(&'a [T]),
 }
 
@@ -380,7 +380,8 @@ fn run_width<I: Index, T: VectorNumber, const L: usize, const D: usize>(
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
         InstructionSet::Avx2 => unsafe { avx2::<I, T, L, D>(tile, pass, scratch) },
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
+        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and
+        // FMA.
         InstructionSet::Avx512 => unsafe { avx512::<I, T, L, D>(tile, pass, scratch) },
     }
 }

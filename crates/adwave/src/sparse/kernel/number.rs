@@ -1,7 +1,7 @@
 //! Number formats of the vectors of a recurrence.
 
-/// Number of entries whose products are summed before they are added to a row in single precision, so that rounding grows
-/// with this number plus the number of groups instead of the number of entries.
+/// Number of entries whose products are summed before they are added to a row in single precision, so that rounding
+/// grows with this number plus the number of groups instead of the number of entries.
 pub(crate) const GROUP: usize = 8;
 
 /// Number format of the vectors of a recurrence.

@@ -197,7 +197,8 @@ fn start<T: VectorNumber, const L: usize, const FMA: bool, const CHECKED: bool, 
     (sum, here)
 }
 
-/// Adds the product of an entry with the value there, or with its difference to the value `here` unless the walk is lazy.
+/// Adds the product of an entry with the value there, or with its difference to the value `here` unless the walk is
+/// lazy.
 #[inline(always)]
 fn add_entry<T: VectorNumber, const L: usize, const FMA: bool, const LAZY: bool>(
     w: T,

@@ -177,7 +177,8 @@ fn multiply<T: WideNumber, const L: usize>(
         // SAFETY: `InstructionSet::detect` has found AVX2 and FMA on this processor.
         InstructionSet::Avx2 => unsafe { avx2::<T, L>(rows, product, first, out) },
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and FMA.
+        // SAFETY: `InstructionSet::detect` has found AVX-512F and AVX-512VL on this processor, which imply AVX2 and
+        // FMA.
         InstructionSet::Avx512 => unsafe { avx512::<T, L>(rows, product, first, out) },
     }
 }
