@@ -171,7 +171,9 @@ impl Transform {
         let outcome = if let Some(leap) = self.leap() {
             match self.wavelets_by_leaps(leap, signal, n_channels, schedule, wavelets, progress) {
                 Err(BandsError::Missed { .. }) if self.operator.is_reversible() => {
-                    return self.with_series().wavelets_into(signal, n_channels, schedule, wavelets, progress);
+                    return self
+                        .with_series()
+                        .wavelets_into(signal, n_channels, schedule, wavelets, progress);
                 }
                 found => found?,
             }
