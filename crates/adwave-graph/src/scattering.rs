@@ -78,7 +78,7 @@ impl ScatteringParams {
     ///
     /// ```
     /// use adwave_graph::ScatteringParams;
-    /// let params = ScatteringParams { scales: vec![1, 2, 4], ..ScatteringParams::default() };
+    /// let params = ScatteringParams::default().with_scales(vec![1, 2, 4]);
     /// assert_eq!(params.paths(), [vec![], vec![1], vec![2], vec![3], vec![1, 2], vec![1, 3], vec![2, 3]]);
     /// ```
     pub fn paths(&self) -> Vec<Vec<u32>> {
@@ -109,7 +109,7 @@ impl ScatteringParams {
 /// use adwave_graph::{ScatteringParams, WalkMatrix, WalkPowers, scatter};
 /// let swap = CompressedRows::new(vec![0, 1, 2], vec![1, 0], vec![1.0, 1.0], 2)?;
 /// let powers = WalkPowers::new(WalkMatrix::from_probabilities(swap, Progress::none())?, Progress::none())?;
-/// let params = ScatteringParams { scales: vec![1], orders: vec![1], ..ScatteringParams::default() };
+/// let params = ScatteringParams::default().with_scales(vec![1]).with_orders(vec![1]);
 /// assert_eq!(scatter(&powers, &[1.0, 3.0], 1, &params, Progress::none())?.values, [2.0, 2.0]); // |(I − P)f|
 /// # Ok::<(), adwave_graph::GraphWalkError>(())
 /// ```

@@ -3,7 +3,8 @@
 use crate::cylinder::{ALONG, AROUND, Cylinder, HOLES};
 use adwave::Decomposer;
 use adwave::bands::Schedule;
-use adwave::filter::{Edit, Gains, Layer};
+use adwave::filter::{Edit, Gains, Layer, Preset, WeightedLayer};
+use adwave::local_fit::LocalFit;
 use adwave::region::parse_region;
 use adwave_cli::{OwnDomain, Program, run_for};
 use adwave_io::{ArrayValues, ReadLimits, read_npy, write_npy};
@@ -51,8 +52,12 @@ fn subcommands_run_on_a_domain_of_the_program() {
         run(at, "filter cylinder:6 --signal @/f.npy --levels 4 --preset smooth -q -o @/smooth.npy"),
         0
     );
-    let layer = adwave::filter::WeightedLayer::everywhere(adwave::filter::Preset::Suppress.gains(4));
-    let expected = domain.request(&values, 1, &schedule).filter_layers(std::slice::from_ref(&layer)).unwrap();
+    let layer = WeightedLayer::everywhere(Preset::Suppress.gains(4));
+    let expected = domain
+        .request(&values, 1, &schedule)
+        .local_fit(LocalFit::Linear)
+        .filter_layers(std::slice::from_ref(&layer))
+        .unwrap();
     assert_close(&read(at, "smooth.npy"), &expected, "a filter");
     let ball = "ball:vertex=300,radius=4";
     let line = format!(
@@ -60,7 +65,7 @@ fn subcommands_run_on_a_domain_of_the_program() {
     );
     assert_eq!(run(at, &line), 0);
     let layers = [Layer { gains: Gains::Gains(vec![0.0; 4]), region: parse_region(ball).unwrap() }];
-    let mut editor = domain.request(&values, 1, &schedule).editor().unwrap();
+    let mut editor = domain.request(&values, 1, &schedule).local_fit(LocalFit::Linear).editor().unwrap();
     editor.set_edit(&Edit::new(&layers)).unwrap();
     let found = read(at, "ball.npy");
     assert_close(&found, &editor.into_edited(), "a filter of a ball");
@@ -88,14 +93,17 @@ fn gaps_are_masked_by_the_domain() {
     }
     write_npy(&at.join("f.npy"), &[values.len()], ArrayValues::F64(&values)).unwrap();
     assert_eq!(
-        run(at, "filter cylinder:6 --signal @/f.npy --levels 4 --preset smooth -q -o @/smooth.npy"),
+        run(
+            at,
+            "filter cylinder:6 --signal @/f.npy --levels 4 --preset smooth --local-fit constant -q -o @/smooth.npy"
+        ),
         0
     );
     let holes: Vec<usize> = HOLES.into_iter().chain([3, 4, 44, 700]).collect();
     let cylinder = Cylinder::new(&holes);
     let domain = Decomposer::from_domain(cylinder.clone(), cylinder).unwrap();
     let known: Vec<f64> = values.iter().map(|v| if v.is_nan() { 0.0 } else { *v }).collect();
-    let layer = adwave::filter::WeightedLayer::everywhere(adwave::filter::Preset::Suppress.gains(4));
+    let layer = WeightedLayer::everywhere(Preset::Suppress.gains(4));
     let schedule = Schedule::dyadic(4).unwrap();
     let expected = domain.request(&known, 1, &schedule).filter_layers(std::slice::from_ref(&layer)).unwrap();
     for (x, found) in read(at, "smooth.npy").into_iter().enumerate() {
