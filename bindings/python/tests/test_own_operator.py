@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import pickle
 
+import adwave as aw
 import numpy as np
 import pytest
-
-import adwave as aw
 
 scipy_sparse = pytest.importorskip("scipy.sparse")
 
@@ -82,11 +81,12 @@ def test_bands_filters_and_maps_are_those_of_the_stored_rows() -> None:
     }
     for name, result in results.items():
         a, b = result(own), result(stored)
-        assert np.allclose(a, b, atol=1e-9, rtol=0), name
+        # The size of the noise is searched for, so rounding grows in what it decides.
+        assert np.allclose(a, b, atol=1e-6 if name == "denoise" else 1e-9, rtol=0), name
         assert not np.allclose(a, f if a.shape == f.shape else 0), name
     a, b = aw.features(own, signal=f, levels=5), aw.features(stored, signal=f, levels=5)
     assert len(a) > 0
-    assert list(a.vertex) == list(b.vertex)
+    assert np.array_equal(a["vertex"], b["vertex"])
 
 
 def test_gaps_take_the_operator_without_them() -> None:
@@ -115,11 +115,8 @@ def test_functions_are_operators_too_and_may_call_the_package() -> None:
 
     own = aw.Decomposer(ring, operator="walk").with_operator(laplacian)
     f = np.sin(np.arange(5000) / 40.0)
-    aw.set_threads(1)
-    try:
+    with aw.threads(1):
         assert np.allclose(aw.smooth(own, f, steps=4), aw.smooth(inner, f, steps=4), atol=1e-10)
-    finally:
-        aw.set_threads(0)
 
 
 @pytest.mark.parametrize("n", [60, 6000])
@@ -173,7 +170,9 @@ def test_operators_with_weights_and_pickles() -> None:
     path = aw.Decomposer(aw.graph(n, [(i, i + 1) for i in range(n - 1)]))
     mass = 1.0 + np.arange(n) % 3
     edge = 0.2
-    stiff = scipy_sparse.diags_array([-np.ones(n - 1), np.r_[1, np.full(n - 2, 2.0), 1], -np.ones(n - 1)], offsets=(-1, 0, 1))
+    stiff = scipy_sparse.diags_array(
+        [-np.ones(n - 1), np.r_[1, np.full(n - 2, 2.0), 1], -np.ones(n - 1)], offsets=(-1, 0, 1)
+    )
     laplacian = scipy_sparse.csr_array(scipy_sparse.diags_array(edge / mass) @ stiff)
     own = path.with_operator(laplacian, weights=mass)
     f = np.random.default_rng(3).normal(size=n)

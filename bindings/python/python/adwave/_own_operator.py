@@ -68,7 +68,9 @@ def _difference(laplacian: Any, n: int, name: str) -> Callable[[_Floats], _Float
     """The Laplacian as a function of (n, channels) numbers, whose results are checked."""
     if hasattr(laplacian, "shape"):
         if tuple(laplacian.shape) != (n, n):
-            raise ValueError(f"{name} must be {n} × {n}, with a row for each vertex, got shape {tuple(laplacian.shape)}")
+            raise ValueError(
+                f"{name} must be {n} × {n}, with a row for each vertex, got shape {tuple(laplacian.shape)}"
+            )
         product = laplacian.__matmul__
     elif callable(laplacian):
         product = laplacian
