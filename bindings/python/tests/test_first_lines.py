@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import adwave as aw
 import numpy as np
 import pytest
@@ -125,6 +127,21 @@ def test_bands_become_an_xarray() -> None:
     found = aw.decompose(SHAPE, np.stack([f, f], axis=1), levels=3).to_xarray()
     assert found.dims == ("level", "vertex", "channel") and found.sizes["level"] == 4
     assert np.allclose(found.sum("level"), np.stack([f, f], axis=1))
+
+
+def test_options_of_others_are_named_before_targets_are_missed() -> None:
+    with pytest.raises(TypeError, match=r"n_vertices.*vertices=100"):
+        aw.simplify(SHAPE, n_vertices=100)  # type: ignore[call-overload]  # pyright: ignore
+
+
+def test_a_module_without_its_package_is_no_attribute(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("torch", "adwave.torch"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setitem(sys.modules, "torch", None)
+    monkeypatch.delitem(vars(aw), "torch", raising=False)
+    assert not hasattr(aw, "torch")
+    with pytest.raises(AttributeError, match="needs the package torch"):
+        _ = aw.torch
 
 
 def test_vertices_is_points() -> None:

@@ -91,7 +91,13 @@ def __getattr__(name: str) -> object:
     # Imported here, since `import adwave` should cost next to nothing.
     from importlib import import_module
 
-    module = import_module(f"{__name__}.{module_name}")
+    try:
+        module = import_module(f"{__name__}.{module_name}")
+    except ModuleNotFoundError as error:
+        if name not in _MODULES:
+            raise
+        # An attribute that is missing, as `hasattr` asks.
+        raise AttributeError(f"adwave.{name} needs the package {error.name}, which is not installed") from error
     value = module if name in _MODULES else getattr(module, name)
     globals()[name] = value
     return value

@@ -136,10 +136,11 @@ def simplify(
     """
     if ratio is not None and not 0 < ratio <= 1:
         raise ValueError(f"ratio is the share of the vertices that remain, above 0 and at most 1, got {ratio}")
+    # An option of another library is named before the one that it stands for is missed.
+    part = read_part("simplify", shape, options, _SIMPLIFY)
     given = [name for name, value in (("error", error), ("vertices", vertices), ("ratio", ratio)) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one of error, vertices and ratio, got {' and '.join(given) or 'none'}")
-    part = read_part("simplify", shape, options, _SIMPLIFY)
     own = part.shape
     importance = None if weights is None else _importance(part, weights)
     with report_progress(progress, "simplifying") as report:
