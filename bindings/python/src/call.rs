@@ -1,7 +1,7 @@
 //! Calls with the interpreter released: a pool of threads for each process, Ctrl-C, progress, panics.
 
 use crate::error::{self, InternalError};
-use adwave::{Cancelled, ClassifiedError, Progress, ProgressCounter};
+use adwave::{Cancelled, ClassifiedError, ErrorKind, Progress, ProgressCounter};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::any::Any;
@@ -150,8 +150,10 @@ pub(crate) fn run<T: Send, E: ClassifiedError + Send>(
     match outcome {
         Ok(Ok(value)) => Ok(value),
         Ok(Err(error)) => {
-            let raised = RAISED.lock().unwrap_or_else(PoisonError::into_inner).take();
-            Err(raised.unwrap_or_else(|| error::to_exception(&error)))
+            // Other errors are not those of a function that raised.
+            let is_stopped = error.kind() == ErrorKind::Cancelled;
+            let raised = is_stopped.then(|| RAISED.lock().unwrap_or_else(PoisonError::into_inner).take());
+            Err(raised.flatten().unwrap_or_else(|| error::to_exception(&error)))
         }
         Err(panic) => Err(InternalError::new_err(format!(
             "internal error of adwave ({panic}); please report it with the input"

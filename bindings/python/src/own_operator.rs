@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
-/// What Python says of an operator.
+/// Operator as the Python package passes it.
 #[derive(FromPyObject)]
 pub(crate) struct OwnOperatorOptions<'py> {
     /// Function of an n × d array x that returns (I − Φ₁)x, C-contiguous, of 64-bit floats.

@@ -27,15 +27,15 @@ pub enum HeapUse {
 pub struct OwnDomain {
     /// The word before the colon.
     pub name: &'static str,
-    /// Makes the domain with its operator from the text after the colon, or says in a line why it cannot.
+    /// Function that makes the domain with its operator from the text after the colon; its error is one line of text.
     pub open: fn(&str) -> Result<Decomposer, String>,
 }
 
-/// What a program brings to the command.
+/// Allocator and domains of the program that runs the command.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct Program<'a> {
-    /// Is told how the command uses the heap, before the work begins.
+    /// Function that gets the use that the command makes of the heap, before the work begins.
     pub tune_heap: fn(HeapUse),
     /// Domains of its own.
     pub domains: &'a [OwnDomain],

@@ -24,7 +24,7 @@ LaplacianLike = Union["LinearOperator", Callable[[_Floats], ArrayLike]]
 
 @dataclass(frozen=True)
 class OwnOperator:
-    """What the extension asks of an operator; `adwave.Decomposer.with_operator` explains it."""
+    """Operator as the extension takes it; `adwave.Decomposer.with_operator` has the meaning of its fields."""
 
     difference: Callable[[_Floats], _Floats]
     masked: Callable[[NDArray[np.bool_]], Callable[[_Floats], _Floats]] | None

@@ -190,7 +190,7 @@ class Walk:
         return self._decomposer
 
     def _as_domain(self) -> Decomposer:
-        """What functions of shapes take instead of the walk."""
+        """The walk as a domain, which functions of shapes take in its place."""
         return self.prepare()
 
     def __repr__(self) -> str:

@@ -30,11 +30,11 @@ pub(crate) struct Input {
     pub(crate) allows_degrees: bool,
     /// The mesh whose faces the shape has as nodes, for a field of faces.
     pub(crate) mesh_of_cells: Option<Box<ShapeFile>>,
-    /// What diffuses.
+    /// Source of the operator.
     pub(crate) carrier: Carrier,
 }
 
-/// What diffuses on an input.
+/// Source of the operator of an input.
 pub(crate) enum Carrier {
     /// The operator of its shape, by the options of the command.
     Shape,
