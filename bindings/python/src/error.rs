@@ -22,9 +22,9 @@ pub(crate) fn to_exception(error: &impl ClassifiedError) -> PyErr {
         ErrorKind::Memory => PyMemoryError::new_err(text),
         ErrorKind::Cancelled => PyKeyboardInterrupt::new_err(text),
         // The exceptions of Python itself, so that `except FileNotFoundError` works.
-        ErrorKind::Machine if text.contains("(os error 2)") => PyFileNotFoundError::new_err(text),
-        ErrorKind::Machine if text.contains("(os error 13)") => PyPermissionError::new_err(text),
-        ErrorKind::Machine => PyOSError::new_err(text),
+        _ if text.contains("(os error 2)") => PyFileNotFoundError::new_err(text),
+        _ if text.contains("(os error 13)") => PyPermissionError::new_err(text),
+        _ => PyOSError::new_err(text),
     }
 }
 

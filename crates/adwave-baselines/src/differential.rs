@@ -20,6 +20,7 @@ use thiserror::Error;
 
 /// Weights of the mean over the neighbors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Weights {
     /// Equal weights for all neighbors: the umbrella operator.
     Uniform,

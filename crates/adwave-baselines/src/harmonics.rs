@@ -36,6 +36,7 @@ pub enum HarmonicsError {
 
 /// Treatment of the part of a signal above the last frequency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Remainder {
     /// Scales it by the gain of the last frequency, as `vallet2008` does.
     #[default]

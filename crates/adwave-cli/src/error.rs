@@ -36,8 +36,8 @@ impl CliError {
     pub(crate) fn exit_code(&self) -> u8 {
         match self.kind() {
             ErrorKind::Input | ErrorKind::Memory => 2,
-            ErrorKind::Machine => 1,
             ErrorKind::Cancelled => 130,
+            _ => 1,
         }
     }
 
@@ -46,8 +46,8 @@ impl CliError {
     pub(crate) fn classify(error: &impl ClassifiedError) -> Self {
         match error.kind() {
             ErrorKind::Cancelled => Self::Cancelled,
-            ErrorKind::Machine => Self::Environment(error.to_string()),
             ErrorKind::Input | ErrorKind::Memory => Self::Input(error.to_string()),
+            _ => Self::Environment(error.to_string()),
         }
     }
 

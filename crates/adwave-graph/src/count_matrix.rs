@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 /// Values of a matrix, n_nodes × n_channels.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum CountValues<'a> {
     /// Row after row.
     Dense(&'a [f64]),

@@ -70,6 +70,7 @@ pub struct NamedSignal {
 
 /// Values of a signal. Coordinates are shared with the shape instead of copied.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum SignalValues {
     /// Points of the shape.
     Coordinates(Arc<Vec<[f64; 3]>>),

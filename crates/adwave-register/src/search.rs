@@ -19,6 +19,7 @@ pub(crate) struct FoundMotion {
 
 /// Starts of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SearchStarts {
     /// Places where bands are extremal, and the rotations between the principal axes.
     Surfaces,

@@ -13,6 +13,7 @@ const BOTH_SIGNS: f64 = 0.1;
 
 /// Values at the ends of the color map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum ValueRange {
     /// The 1st and the 99th percentile, or all values if few of them differ; symmetric about 0 for a field of both
     /// signs.

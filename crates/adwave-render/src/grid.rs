@@ -26,6 +26,7 @@ pub struct Panel<'a> {
 
 /// Choice of the camera for the panels of a sheet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SharedCamera {
     /// One camera frames all panels, so that sizes and positions can be compared.
     #[default]

@@ -60,6 +60,7 @@ impl Default for Framing {
 
 /// Vertices that a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Frame {
     /// All but placeholders and a few that are so far away that the rest would fill less than half of the picture
     /// ([`adwave::shape::picture_frame`]).

@@ -18,6 +18,7 @@ pub struct Surface<'a> {
 
 /// Colors of a surface.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum Paint<'a> {
     /// One color, red, green and blue.
     Plain([u8; 3]),

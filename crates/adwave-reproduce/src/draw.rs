@@ -179,7 +179,7 @@ fn render_panel<'a>(panel: &'a SheetPanel<'_>) -> Panel<'a> {
         PanelColors::Field { values, label, range } => {
             let range = match *range {
                 ValueRange::Auto => percentile_range(values),
-                fixed @ ValueRange::Fixed(..) => fixed,
+                other => other,
             };
             Paint::Field(FieldPaint { values, label: label.clone(), color_map: None, range })
         }

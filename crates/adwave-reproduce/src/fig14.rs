@@ -72,6 +72,7 @@ pub(crate) fn make(context: &Context<'_>) -> Result<Outcome, FigureError> {
                 Preset::Enhance => fine > 1.0 && other > 1.0,
                 Preset::Band1 => fine > other && other < 0.5,
                 Preset::Band2 => fine < other && other > 1.0,
+                other => unreachable!("{other:?} is not in the figure"),
             });
             let short = name.split(':').next().unwrap_or(name);
             if as_named.last() == Some(&false) {

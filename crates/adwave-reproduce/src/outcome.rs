@@ -4,6 +4,7 @@ use adwave_report::Table;
 
 /// Comparison of a figure with the claim of the paper; each variant has a sentence with the numbers it is based on.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Verdict {
     /// The whole claim holds.
     AsClaimed(String),

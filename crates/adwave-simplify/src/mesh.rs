@@ -29,6 +29,7 @@ pub enum MeshTarget {
 
 /// Treatment of the borders of an open mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Border {
     /// Borders are simplified along themselves, and contribute to the error.
     #[default]

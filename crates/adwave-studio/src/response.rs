@@ -45,8 +45,8 @@ impl ApiError {
         let status = match error.kind() {
             ErrorKind::Input => StatusCode::BAD_REQUEST,
             ErrorKind::Memory => StatusCode::PAYLOAD_TOO_LARGE,
-            ErrorKind::Machine => StatusCode::INTERNAL_SERVER_ERROR,
             ErrorKind::Cancelled => StatusCode::SERVICE_UNAVAILABLE,
+            _ => StatusCode::INTERNAL_SERVER_ERROR,
         };
         Self::new(status, error.to_string())
     }

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Reason why a part of a mesh has no coarser level.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Obstacle {
     /// A vertex would be the midpoint of a coarse edge, but does not have the neighbors of one.
     #[error(

@@ -4,6 +4,7 @@ use adwave::named_values;
 
 /// Family of wavelets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Family {
     /// Linear prediction from the ends of an edge (`lounsbery1997`).
     Linear,

@@ -9,6 +9,7 @@ use crate::{BandsRequest, Decomposer, Progress};
 
 /// The welded vertices that an edit changed.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ChangedVertices {
     /// All vertices may have changed.
     All,
@@ -53,6 +54,7 @@ pub const MANY_CHANNELS: usize = 16;
 
 /// Agreement of the result of a single edit with that of an [`Editor`] with the same layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EditBits {
     /// Equal to the accuracy of the bands: gains that hold everywhere are one polynomial, for which no band is kept.
     #[default]

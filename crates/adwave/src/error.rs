@@ -5,6 +5,7 @@
 /// A command turns it into an exit code, a binding into an exception type: `Input` is a `ValueError`, `Memory` a
 /// `MemoryError`, `Cancelled` a `KeyboardInterrupt`, `Machine` an `OSError`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ErrorKind {
     /// Invalid input: a shape, a signal, a number, the content of a file. The caller can correct it.
     Input,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 /// Movement of vertices at edges with a single face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Border {
     /// Border vertices move like all others.
     #[default]

@@ -77,6 +77,7 @@ impl ClassifiedError for AnnDataError {
 
 /// A matrix of the file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum AnnDataMatrix {
     /// Values, row after row, and the number of columns.
     Dense(Vec<f64>, usize),

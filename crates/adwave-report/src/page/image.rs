@@ -49,6 +49,7 @@ pub enum ImageKind {
 
 /// Location of a picture's bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Source {
     /// Embedded in the page.
     Embedded {

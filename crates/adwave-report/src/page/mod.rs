@@ -56,6 +56,7 @@ impl Section {
 
 /// A block of a section.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Block {
     /// Text. Words between backticks are set as code, and the j of `W_j`, `S_j`, `n_j` and `σ_j` as a subscript.
     Paragraph(String),
@@ -125,6 +126,7 @@ pub struct Figure {
 
 /// Legend of colors.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Legend {
     /// A range of values.
     Bar {

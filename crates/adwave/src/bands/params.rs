@@ -32,6 +32,7 @@ pub enum Engine {
 /// Number format in which a signal is multiplied with Φ₁. Powers, fractional steps of a walk and very long diffusions
 /// always use double precision, and sums are kept in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Precision {
     /// Single precision if the bound of its error keeps to the accuracy, else double.
     #[default]

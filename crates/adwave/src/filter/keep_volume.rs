@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Way in which a smoothing keeps the volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum KeepVolume {
     /// Exact volume, by one offset along the normals of the vertices that moved (see
     /// [`Volume::Keep`](crate::positions::Volume::Keep)).

@@ -21,6 +21,7 @@ use thiserror::Error;
 /// Presets: the four filters of the paper's Fig. 14 for any number of levels, and a smoothing that keeps limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Preset {
     /// Smooths and keeps volume: gains 0, …, 0, 2, which is `2Φⁿ − Φ²ⁿ = 1 − (1 − Φⁿ)²` for dyadic levels, n =
     /// n_{J−1}. Wide features lose `(1 − λⁿ)²` of themselves; removing every band would take `1 − λⁿ`. With one
@@ -86,6 +87,7 @@ const BAND2_GAIN: f64 = 2.0;
 
 /// Gains of the bands, fine to coarse.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Gains {
     /// The gains of a preset, for any number of levels.
     Preset(Preset),

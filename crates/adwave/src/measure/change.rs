@@ -16,6 +16,7 @@ use thiserror::Error;
 
 /// A change of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Change {
     /// Moves every vertex along its normal by a normal deviate with standard deviation `edges` in mean edge lengths
     /// (Fig. 10 of the paper: 0.1 … 0.5).

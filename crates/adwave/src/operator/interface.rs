@@ -238,6 +238,7 @@ pub trait Leap: Sync {
 
 /// Measure whose integrals an operator keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum KeptMeasure {
     /// Each place counts 1.
     Count,
@@ -247,6 +248,7 @@ pub enum KeptMeasure {
 
 /// Signals that an operator leaves unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Invariant {
     /// Constants: rows sum to 1.
     Constants,
@@ -352,6 +354,7 @@ pub struct Sum<'a> {
 
 /// Request for the norm of a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Weighing {
     /// The norm is computed.
     Weighed,

@@ -58,6 +58,7 @@ named_values!(OperatorKind, "operator", {
 
 /// Treatment of the end points of a curve, the vertices with one neighbor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum EndPoints {
     /// End points keep their values, and smoothing neither shortens nor flattens the curve next to them.
     #[default]
@@ -68,6 +69,7 @@ pub enum EndPoints {
 
 /// Treatment of the vertices of a surface that exchange heat the fastest, and determine the number of products.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Masses {
     /// The masses of 1 % of the vertices are raised, which bounds the cost on meshes with tiny or thin triangles.
     #[default]

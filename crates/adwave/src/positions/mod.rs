@@ -39,6 +39,7 @@ named_values!(Borders, "border", {
 /// Directions in which vertices may move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum MoveDirection {
     /// All directions, as in the paper: unevenly spaced samples also slide along the surface.
     Free,

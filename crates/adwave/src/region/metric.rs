@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 /// Edges along which distance is measured.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum MetricEdges {
     /// Edges between the neighbors of a diffusion operator.
     Diffusion(Arc<Diffusion>),

@@ -93,6 +93,7 @@ impl From<Length> for LengthText {
 /// A location on a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Location {
     /// The vertex with this index, from 0.
     Vertex(u32),
@@ -222,6 +223,7 @@ pub enum Region {
 /// One stroke of a brush.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum BrushStroke {
     /// The larger of the present weight and r.
     Add(Region),

@@ -15,6 +15,7 @@ pub type FieldLookup<'a> = dyn Fn(&str) -> Option<(usize, Vec<f64>)> + Sync + 'a
 
 /// Weights r(x) in [0, 1] of a region, in the form that costs least.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum RegionWeights {
     /// Weight 1 at every vertex.
     Everywhere,

@@ -9,6 +9,7 @@ pub const SALIENCY_EXTENT: f64 = 0.16;
 
 /// Weights α_j of the levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Weighting {
     /// `α_j = (max_x|W_f(j,x)| − mean_x|W_f(j,x)|)²`, one number per level, as the paper's text describes.
     PerLevel,

@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 
 /// Definition of the area of a mesh vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MeshArea {
     /// A third of the area of the triangles at the vertex.
     #[default]
@@ -27,6 +28,7 @@ named_values!(MeshArea, "mesh area", {
 
 /// Definition of the area of a point of a cloud.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CloudArea {
     /// `π·r_k²/k`, `r_k` the distance to the k-th nearest neighbor.
     #[default]

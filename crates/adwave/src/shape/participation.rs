@@ -53,6 +53,7 @@ const POINTS_AT_A_TIME: usize = 1 << 14;
 
 /// Reason why a vertex takes no part in the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VertexRole {
     /// The vertex takes part.
     #[default]
@@ -426,6 +427,7 @@ fn has_side(face: &[u32]) -> bool {
 
 /// Meaning of a vertex at the origin that is far from everything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum OriginRule {
     /// A record without a position, as in clouds.
     Placeholder,

@@ -15,6 +15,7 @@ use std::sync::atomic::{self, AtomicU32};
 
 /// Treatment of vertices at equal or nearly equal positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum WeldMode {
     /// Vertices at equal positions are one welded vertex, and so are the ends of edges of open borders that nearly
     /// coincide: within four steps of 32-bit floats or a millionth of the shortest edge there, and at most a thousandth

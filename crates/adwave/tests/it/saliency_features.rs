@@ -191,9 +191,9 @@ fn the_map_is_the_sum_of_its_levels_and_weighs_them_as_stated() {
         let alpha = match weighting {
             Weighting::PerLevel => (level.max - level.mean).powi(2),
             Weighting::AsPrinted => (level.max - norm(5)).powi(2),
-            Weighting::Entropy => unreachable!("not among those of this test"),
             Weighting::Normalized => 1.0 / level.mean,
             Weighting::Ranks | Weighting::Uniform => 1.0,
+            other => unreachable!("{other:?} is not among those of this test"),
         };
         assert!((map[5] - alpha * norm(5)).abs() <= ROUNDING * map[5].abs());
     }

@@ -292,7 +292,7 @@ fn positions(args: &EditArgs, recipe: Option<&Recipe>) -> PositionParams {
         .with_borders(args.border.unwrap_or(in_recipe.borders))
         .with_volume(match args.keep_volume {
             Some(KeepVolume::Offset) => Volume::Keep,
-            Some(KeepVolume::Twice | KeepVolume::Thrice) => Volume::Free,
+            Some(_) => Volume::Free,
             None => in_recipe.volume,
         })
 }

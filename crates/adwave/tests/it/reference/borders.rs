@@ -74,10 +74,10 @@ fn level_map(w: &[f64], left: &[f64], weighting: Weighting) -> Vec<f64> {
         Weighting::AsPrinted => (max - v).powi(2) * v,
         Weighting::Normalized if mean == 0.0 => 0.0 * v,
         Weighting::Normalized => v / mean,
-        Weighting::Entropy => unreachable!("not among those of this test"),
         Weighting::Ranks if v.is_nan() => v,
         Weighting::Ranks => rank(v),
         Weighting::Uniform => v,
+        other => unreachable!("{other:?} is not among those of this test"),
     };
     faded.iter().map(weigh).collect()
 }

@@ -223,6 +223,7 @@ fn mesh_areas(points: &[[f64; 3]], triangles: &[[usize; 3]], kind: MeshArea) -> 
                 MeshArea::MixedVoronoi => {
                     (side(k, l).powi(2) / angle(m).tan() + side(k, m).powi(2) / angle(l).tan()) / 8.0
                 }
+                other => unreachable!("no reference for {other:?}"),
             };
         }
     }
@@ -251,6 +252,7 @@ fn cloud(points: &[[f64; 3]], length: &Matrix, params: &OperatorParams) -> (Vec<
             let others = |x: usize| (0..n).filter(|&y| near[x][y]).map(|y| points[y]).collect::<Vec<_>>();
             (0..n).map(|x| voronoi_area(points[x], &others(x), radius[x])).collect()
         }
+        other => unreachable!("no reference for {other:?}"),
     };
     if params.cloud_graph == CloudGraph::Union {
         let directed = near.clone();

@@ -49,6 +49,7 @@ fn level_map(w: &[f64], weighting: Weighting, is_masked: &[bool]) -> Vec<f64> {
             Weighting::Normalized => v / mean,
             Weighting::Ranks => rank(v),
             Weighting::Uniform => v,
+            other => unreachable!("no reference for {other:?}"),
         })
         .collect()
 }
